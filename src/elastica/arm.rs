@@ -8,7 +8,7 @@ use super::error::{ElasticaError, FINEST};
 use super::iteration::{MOST_ITERATIONS, REACH, factor_of, further, over_widest_band};
 use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, SecondOrder};
-use super::reaction::{ArmMotion, Iteration, band};
+use super::reaction::{ArmMotion, Iteration};
 use crate::model::Model;
 use crate::numeric::FourierPair;
 
@@ -81,11 +81,11 @@ pub(crate) fn follow_arm_at(
     if !(FINEST..1.0).contains(&tolerance) {
         return Err(ElasticaError::Tolerance(tolerance));
     }
-    let (follower, linear) = Follower::of(models, arm, second_order)?;
-    let found = if second_order == SecondOrder::None {
-        let Linear { answers, torques_n_m, state } = linear;
-        Found { state, answers, torques_n_m, iteration: Iteration::default() }
-    } else {
+    let negligible = (second_order != SecondOrder::None).then_some(LEVELS[0].0);
+    over_fewest_samples(models, arm, (second_order, negligible, nodes), |follower, linear| {
+        if second_order == SecondOrder::None {
+            return Ok(linear.into());
+        }
         over_widest_band(
             &LEVELS,
             |level| follower.iterated_over(&linear, Until::Within(tolerance), level),
@@ -93,9 +93,29 @@ pub(crate) fn follow_arm_at(
                 found.iteration.error +=
                     follower.largest_change(&found.torques_n_m, &narrower.torques_n_m);
             },
-        )?
-    };
-    Ok(follower.motion(found, nodes))
+        )
+    })
+}
+
+/// The motion that `find` makes of the linear one, at as few samples of the period as tell it.
+fn over_fewest_samples(
+    models: &[Arc<dyn Model>],
+    arm: &ArmPeriod,
+    (second_order, negligible, nodes): (SecondOrder, Option<f64>, Option<&[Vec<usize>]>),
+    find: impl Fn(&Follower<'_>, Linear) -> Result<Found, ElasticaError>,
+) -> Result<ArmMotion, ElasticaError> {
+    let mut fewest = 0;
+    loop {
+        let (follower, linear) = Follower::of(models, arm, second_order, (fewest, negligible))?;
+        match find(&follower, linear) {
+            Ok(found) if follower.stride == 1 || !found.iteration.exceeds_step => {
+                return follower.motion(found, nodes);
+            }
+            Err(error) if !follower.needs_more(&error) => return Err(follower.placed(error)),
+            // What second-order terms reach is seen at more samples.
+            _ => fewest = 2 * follower.arm.len(),
+        }
+    }
 }
 
 /// The torques with all terms, to about a hundredth of what these change; without histories of nodes.
@@ -103,16 +123,18 @@ pub(crate) fn estimate_arm(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
 ) -> Result<ArmMotion, ElasticaError> {
-    let (follower, linear) = Follower::of(models, arm, SecondOrder::Full)?;
-    let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
-    for level in ESTIMATED {
-        match follower.iterated_over(&linear, Until::Share(ESTIMATED_TO), level) {
-            Ok(found) => return Ok(follower.motion(found, Some(&vec![Vec::new(); models.len()]))),
-            Err(error @ ElasticaError::Diverges { .. }) => refused = error,
-            Err(error) => return Err(error),
+    let none = vec![Vec::new(); models.len()];
+    let how = (SecondOrder::Full, Some(ESTIMATED[0].0), Some(&none[..]));
+    over_fewest_samples(models, arm, how, |follower, linear| {
+        let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
+        for level in ESTIMATED {
+            match follower.iterated_over(&linear, Until::Share(ESTIMATED_TO), level) {
+                Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+                found => return found,
+            }
         }
-    }
-    Err(refused)
+        Err(refused)
+    })
 }
 
 impl Follower<'_> {
@@ -129,13 +151,7 @@ impl Follower<'_> {
             });
             bands.collect::<Result<Vec<_>, _>>().map(|bands| bands.into_iter().fold(1, usize::max))
         };
-        let linear_band = |negligible: f64| {
-            let pairs = linear.answers.iter().zip(self.models);
-            let bands = pairs.map(|(answers, model)| {
-                band(answers, negligible, (model.mesh(), self.round_off_n_m))
-            });
-            bands.fold(1, usize::max)
-        };
+        let linear_band = |negligible: f64| self.band(&linear.answers, negligible);
         let moving = times * linear_band(moved);
         let mut band = of_all(&linear.answers, negligible)?;
         let mut latest = Iterate {
@@ -149,14 +165,14 @@ impl Follower<'_> {
             let swept = self.swept(linear, &latest, (&pair, band, moving));
             let diverges = |error: ElasticaError, change| match error {
                 // The first iteration has the path's own pose and the linear slopes.
-                error if iterations == 1 => error,
+                error if iterations == 1 || self.needs_more(&error) => error,
                 error => error.diverging(iterations, change),
             };
             let (state, next) = swept.map_err(|error| diverges(error, last_change))?;
             let change = self.largest_change(&next.torques_n_m, &latest.torques_n_m);
             latest = next;
             let reach = of_all(&latest.answers, negligible);
-            band = band.max(reach.map_err(|error| error.diverging(iterations, change))?);
+            band = band.max(reach.map_err(|error| diverges(error, change))?);
             let second_order = || self.largest_change(&latest.torques_n_m, &linear.torques_n_m);
             let (tolerance, fewest) = match until {
                 Until::Within(tolerance) => (tolerance, FEWEST_ITERATIONS),
@@ -198,7 +214,8 @@ impl Follower<'_> {
         (pair, band, moving): (&FourierPair, usize, usize),
     ) -> Result<(State, Iterate), ElasticaError> {
         let (order, bins) = (self.second_order, resolved(pair));
-        let mut state = self.chords(&self.shortened(last.shortened.as_ref(), moving))?;
+        let shortened = last.shortened.clone().filter(|_| order == SecondOrder::Full);
+        let mut state = self.chords(shortened.map(|own| Shortened { bins: moving, ..own }))?;
         let (mut answers, mut torques_n_m, mut shortened) = (Vec::new(), Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
@@ -217,6 +234,7 @@ impl Follower<'_> {
             torques_n_m.insert(0, torque_n_m);
             shortened.insert(0, short);
         }
-        Ok((state, Iterate { answers, torques_n_m, shortened: Some((pair.clone(), shortened)) }))
+        let shortened = Shortened { by_m: shortened, pair: pair.clone(), bins: moving };
+        Ok((state, Iterate { answers, torques_n_m, shortened: Some(shortened) }))
     }
 }

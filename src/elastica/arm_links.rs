@@ -5,13 +5,13 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordHistories, ChordPeriod, TipLoad};
+use super::chord::{ChordHistories, ChordPeriod, TipLoad, resolved};
 use super::error::ElasticaError;
-use super::iteration::check;
-use super::kinematics::{ArmPeriod, Moving, axes};
+use super::iteration::{REACH, check};
+use super::kinematics::{ArmPeriod, Bar, Moving, axes};
 use super::loads::SecondOrder;
 use super::on_chord::LinkOnChord;
-use super::reaction::{ArmLinkMotion, ArmMotion, Iteration, apart, joint_rates, size};
+use super::reaction::{ArmLinkMotion, ArmMotion, Iteration, apart, band, joint_rates, size};
 use super::sag::Sag;
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
@@ -21,12 +21,20 @@ use crate::numeric::{FourierPair, Size, magnitude};
 /// Round-off of the torque of one joint, over the largest amplitude of any.
 const ROUND_OFF: f64 = 1e-12;
 
+/// Share of accelerations and directions, all added up, and of torques, that samples which are left out may carry.
+const UNTOLD: f64 = 1e-10;
+const UNTOLD_TORQUE: f64 = 1e-12;
+
 /// Amplitudes of the answer of each link.
 pub(super) type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
 
 pub(super) struct Follower<'a> {
     pub(super) models: &'a [Arc<dyn Model>],
-    pub(super) arm: &'a ArmPeriod,
+    /// The period that the motion is wanted over.
+    whole: &'a ArmPeriod,
+    /// The same with every so many samples of it, which tell the motion.
+    pub(super) arm: ArmPeriod,
+    pub(super) stride: usize,
     pub(super) second_order: SecondOrder,
     /// Damping ratio and sag of each link, where hysteretic ones have weight.
     pub(super) sags: Vec<(f64, Sag)>,
@@ -37,12 +45,22 @@ pub(super) struct Follower<'a> {
 /// What moves each link over the period, and the force on its inner end along x and y.
 pub(super) struct State {
     pub(super) chords: Vec<ChordPeriod>,
-    pub(super) lengths_m: Vec<Vec<f64>>,
     pub(super) forces_n: Vec<[Vec<f64>; 2]>,
+    shortened: Option<Shortened>,
 }
 
-/// How much shorter than its link each chord is in m, at the samples of a pair.
-pub(super) type Shortened = (FourierPair, Vec<Vec<f64>>);
+/// How much shorter than its link each chord is.
+#[derive(Clone)]
+pub(super) struct Shortened {
+    /// In m at the samples of the pair.
+    pub(super) by_m: Vec<Vec<f64>>,
+    pub(super) pair: FourierPair,
+    /// Bins that count.
+    pub(super) bins: usize,
+}
+
+/// The bars of an arm at a sample, and the acceleration of the inner end of each along it and across it.
+type Bars = Vec<(Bar, [f64; 2])>;
 
 /// What an iteration ends with.
 pub(super) struct Found {
@@ -56,6 +74,12 @@ pub(super) struct Linear {
     pub(super) answers: Answers,
     pub(super) torques_n_m: Vec<Vec<f64>>,
     pub(super) state: State,
+}
+
+impl From<Linear> for Found {
+    fn from(Linear { answers, torques_n_m, state }: Linear) -> Self {
+        Self { state, answers, torques_n_m, iteration: Iteration::default() }
+    }
 }
 
 impl State {
@@ -86,17 +110,68 @@ impl State {
 }
 
 impl<'a> Follower<'a> {
-    /// Checks the links, and solves them without second-order terms.
+    /// Checks the links, and solves them without second-order terms, at `fewest` samples of the period or as many as tell
+    /// that, and loads beyond which a share of the torques is negligible.
     pub(super) fn of(
         models: &'a [Arc<dyn Model>],
-        arm: &'a ArmPeriod,
+        whole: &'a ArmPeriod,
         second_order: SecondOrder,
+        (fewest, negligible): (usize, Option<f64>),
     ) -> Result<(Self, Linear), ElasticaError> {
-        assert!(models.len() == arm.links(), "a model for each chord");
-        let mut follower = Self { models, arm, second_order, sags: Vec::new(), round_off_n_m: 0.0 };
-        let state = follower.chords(&follower.shortened(None, 0))?;
-        let has_weight = arm.gravity_m_s2.iter().any(|part| *part != 0.0);
-        let is_exact = second_order != SecondOrder::None || has_weight || models.len() > 1;
+        assert!(models.len() == whole.links(), "a model for each chord");
+        let mut fewest = fewest.max(whole.fewest(UNTOLD));
+        loop {
+            let stride = whole.stride_to(fewest);
+            let arm = whole.every(stride);
+            fewest = 2 * arm.len();
+            let (sags, round_off_n_m) = (Vec::new(), 0.0);
+            let mut follower =
+                Self { models, whole, arm, stride, second_order, sags, round_off_n_m };
+            match follower.solved() {
+                Ok(linear) if stride == 1 || follower.tells(&linear, negligible) => {
+                    return Ok((follower, linear));
+                }
+                Err(error) if !follower.needs_more(&error) => return Err(follower.placed(error)),
+                _ => {}
+            }
+        }
+    }
+
+    /// True if more samples may mend this.
+    pub(super) fn needs_more(&self, error: &ElasticaError) -> bool {
+        self.stride > 1 && error.is_of_step()
+    }
+
+    /// The error with the number of its sample in the whole period.
+    pub(super) fn placed(&self, error: ElasticaError) -> ElasticaError {
+        match error {
+            ElasticaError::Elbow { sample, sine } => {
+                ElasticaError::Elbow { sample: sample * self.stride, sine }
+            }
+            error => error,
+        }
+    }
+
+    /// True if the samples tell these torques, and loads beyond which a share of them is negligible.
+    fn tells(&self, linear: &Linear, negligible: Option<f64>) -> bool {
+        let most = resolved(&self.arm.pair);
+        self.band(&linear.answers, UNTOLD_TORQUE) <= most
+            && negligible.is_none_or(|share| REACH * self.band(&linear.answers, share) <= most)
+    }
+
+    /// Bins beyond which a share of the torques is negligible.
+    pub(super) fn band(&self, answers: &Answers, negligible: f64) -> usize {
+        let of = |(answers, model): (&Vec<LoadedMotion<Complex64>>, &Arc<dyn Model>)| {
+            band(answers, negligible, (model.mesh(), self.round_off_n_m))
+        };
+        answers.iter().zip(self.models).map(of).fold(1, usize::max)
+    }
+
+    /// Checks the links, and solves them without second-order terms.
+    fn solved(&mut self) -> Result<Linear, ElasticaError> {
+        let (models, state) = (self.models, self.chords(None)?);
+        let has_weight = self.arm.gravity_m_s2.iter().any(|part| *part != 0.0);
+        let is_exact = self.second_order != SecondOrder::None || has_weight || models.len() > 1;
         for (link, (model, chord)) in models.iter().zip(&state.chords).enumerate() {
             check(&**model, chord, is_exact).map_err(|error| match error {
                 error @ ElasticaError::NotDerived { .. } => error.of_link(link),
@@ -109,13 +184,13 @@ impl<'a> Follower<'a> {
         };
         let ratios: Vec<f64> = models.iter().map(ratio).collect();
         if has_weight && ratios.iter().any(|ratio| *ratio > 0.0) {
-            let sags = Sag::of_arm(models, arm, second_order)?;
-            follower.sags = ratios.into_iter().zip(sags).collect();
+            let sags = Sag::of_arm(models, &self.arm, self.second_order)?;
+            self.sags = ratios.into_iter().zip(sags).collect();
         }
-        let linear = follower.linear(state)?;
+        let linear = self.linear(state)?;
         let amplitudes = linear.answers.iter().flatten().map(|answer| magnitude(answer.torque_n_m));
-        follower.round_off_n_m = ROUND_OFF * amplitudes.fold(0.0, f64::max);
-        Ok((follower, linear))
+        self.round_off_n_m = ROUND_OFF * amplitudes.fold(0.0, f64::max);
+        Ok(linear)
     }
 
     pub(super) fn on_chord<'b>(&'b self, link: usize, chord: &'b ChordPeriod) -> LinkOnChord<'b> {
@@ -125,48 +200,58 @@ impl<'a> Follower<'a> {
         LinkOnChord { model, chord, sag, friction_n_m_s_rad: 0.0, round_off_n_m }
     }
 
-    /// The histories of every chord; `shortened` is by how much each is shorter than its link, with its derivatives.
-    pub(super) fn chords(&self, shortened: &[[Vec<f64>; 3]]) -> Result<State, ElasticaError> {
-        let len = self.arm.pair.len();
+    /// The bars of an arm at each sample of a period, its links shortened.
+    fn bars(
+        &self,
+        arm: &ArmPeriod,
+        shortened: Option<&Shortened>,
+    ) -> Result<Vec<Bars>, ElasticaError> {
         let rigid: Vec<Moving> =
             self.models.iter().map(|model| [model.mesh().length_m(), 0.0, 0.0]).collect();
-        // Of each sample and link: direction, length, rate, angular acceleration, acceleration along and across.
+        let by_m = shortened.map(|Shortened { by_m, pair, bins }| {
+            let derived = |few: &Vec<f64>, derived| arm.at_all(pair, few, *bins, derived);
+            by_m.iter().map(|few| [0, 1, 2].map(|order| derived(few, order))).collect::<Vec<_>>()
+        });
         let at = |sample: usize| {
-            let own = |(rigid, by): (&Moving, &[Vec<f64>; 3])| {
-                [0, 1, 2].map(|order| rigid[order] - by[order][sample])
+            let own = |link: usize| {
+                let by_m = |order: usize| by_m.as_ref().map_or(0.0, |by| by[link][order][sample]);
+                [0, 1, 2].map(|order: usize| rigid[link][order] - by_m(order))
             };
-            let lengths: Vec<Moving> = rigid.iter().zip(shortened).map(own).collect();
+            let lengths: Vec<Moving> = (0..rigid.len()).map(own).collect();
             // Gravity is an upward acceleration of the first axis.
-            let mut axis = self.arm.gravity_m_s2.map(|part| -part);
-            let bars = self.arm.bars(sample, [&rigid, &lengths])?.into_iter().map(|bar| {
+            let mut axis = arm.gravity_m_s2.map(|part| -part);
+            let bars = arm.bars(sample, [&rigid, &lengths])?.into_iter().map(|bar| {
                 let axes = bar.axes();
-                let [along, across] = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
+                let parts = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
                 let [_, _, further] = bar.vector(axes);
                 axis = [axis[0] + further[0], axis[1] + further[1]];
-                let [angle, rate, acceleration] = bar.angle_rad;
-                [angle, bar.length_m[0], rate, acceleration, along, across]
+                (bar, parts)
             });
-            Ok(bars.collect::<Vec<_>>())
+            Ok(bars.collect())
         };
-        let samples: Vec<_> = (0..len).into_par_iter().map(at).collect();
-        let samples = samples.into_iter().collect::<Result<Vec<_>, ElasticaError>>()?;
-        let history = |link: usize, part: usize| -> Vec<f64> {
-            samples.iter().map(|bars| bars[link][part]).collect()
-        };
+        let samples: Vec<_> = (0..arm.len()).into_par_iter().map(at).collect();
+        samples.into_iter().collect()
+    }
+
+    /// The histories of every chord, of links that are shortened.
+    pub(super) fn chords(&self, shortened: Option<Shortened>) -> Result<State, ElasticaError> {
+        let samples = self.bars(&self.arm, shortened.as_ref())?;
         let (pair, place) = (&self.arm.pair, self.arm.gravity_m_s2);
-        let chords = (0..rigid.len()).map(|link| {
+        let chords = (0..self.models.len()).map(|link| {
+            let history = |of: fn(&(Bar, [f64; 2])) -> f64| -> Vec<f64> {
+                samples.iter().map(|bars| of(&bars[link])).collect()
+            };
             let histories = ChordHistories {
-                rate_rad_s: history(link, 2),
-                acceleration_rad_s2: history(link, 3),
-                along_m_s2: history(link, 4),
-                across_m_s2: history(link, 5),
+                rate_rad_s: history(|(bar, _)| bar.angle_rad[1]),
+                acceleration_rad_s2: history(|(bar, _)| bar.angle_rad[2]),
+                along_m_s2: history(|(_, [along, _])| *along),
+                across_m_s2: history(|(_, [_, across])| *across),
                 tip: None,
             };
-            let angle_rad = history(link, 0);
+            let angle_rad = history(|(bar, _)| bar.angle_rad[0]);
             ChordPeriod::of(pair.clone(), self.arm.step_s, (angle_rad, place), histories)
         });
-        let lengths_m = (0..rigid.len()).map(|link| history(link, 1)).collect();
-        Ok(State { chords: chords.collect(), lengths_m, forces_n: Vec::new() })
+        Ok(State { chords: chords.collect(), forces_n: Vec::new(), shortened })
     }
 
     /// All links without second-order terms.
@@ -193,54 +278,54 @@ impl<'a> Follower<'a> {
         changes.fold(0.0, f64::larger)
     }
 
-    /// How much shorter than its link each chord is, with its derivatives; of their amplitudes the first ones count.
-    pub(super) fn shortened(
-        &self,
-        shortened: Option<&Shortened>,
-        moving: usize,
-    ) -> Vec<[Vec<f64>; 3]> {
-        let none = || [0, 1, 2].map(|_| vec![0.0; self.arm.len()]);
-        match shortened.filter(|_| self.second_order == SecondOrder::Full) {
-            None => self.models.iter().map(|_| none()).collect(),
-            Some((pair, shortened)) => shortened
-                .iter()
-                .map(|few| [0, 1, 2].map(|derived| self.arm.at_all(pair, few, moving, derived)))
-                .collect(),
-        }
-    }
-
-    /// The histories of what was found; with `nodes`, of those of each link alone.
+    /// The histories of what was found, over the whole period; with `nodes`, of those of each link alone.
+    ///
+    /// # Errors
+    /// [`ElasticaError::Elbow`] between the samples that told the motion.
     pub(super) fn motion(
         &self,
         Found { state, answers, iteration, .. }: Found,
         nodes: Option<&[Vec<usize>]>,
-    ) -> ArmMotion {
-        let mut links: Vec<ArmLinkMotion> = Vec::new();
-        for (link, (chord, answers)) in state.chords.iter().zip(&answers).enumerate() {
+    ) -> Result<ArmMotion, ElasticaError> {
+        let pair = &self.whole.pair;
+        let bars = self.bars(self.whole, state.shortened.as_ref())?;
+        let of_link = |link: usize| {
             let nodes = nodes.map(|nodes| &nodes[link][..]);
-            let bent = self.on_chord(link, chord).motion(answers, self.second_order, nodes);
+            let on_chord = self.on_chord(link, &state.chords[link]);
+            let bent = on_chord.motion(&answers[link], self.second_order, (pair, nodes));
             let slope = bent.deflections.last().into_iter().flatten();
             let tip_slope_rad = match self.second_order {
                 SecondOrder::Full => slope.map(|sine| libm::asin(*sine)).collect(),
                 _ => slope.copied().collect(),
             };
-            let ChordHistories { rate_rad_s, acceleration_rad_s2, .. } = &chord.histories;
-            links.push(ArmLinkMotion {
+            let history = |of: &dyn Fn(&Bar) -> f64| -> Vec<f64> {
+                bars.iter().map(|bars| of(&bars[link].0)).collect()
+            };
+            ArmLinkMotion {
                 bent,
-                chord: [chord.angle_rad.clone(), rate_rad_s.clone(), acceleration_rad_s2.clone()],
-                chord_length_m: state.lengths_m[link].clone(),
+                chord: [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order])),
+                chord_length_m: history(&|bar| bar.length_m[0]),
                 tip_slope_rad,
-                force_n: state.forces_n[link].clone(),
-            });
-        }
+                force_n: state.forces_n[link].each_ref().map(|few| self.at_whole(few)),
+            }
+        };
+        let mut links: Vec<_> = (0..self.models.len()).into_par_iter().map(of_link).collect();
         for link in 0..links.len() {
             let friction = self.models[link].link().joint().friction_n_m_s_rad;
             if friction > 0.0 {
-                let rates = joint_rates(&links, link, self.arm);
+                let rates = joint_rates(&links, link, self.whole);
                 let torques = links[link].bent.torque_n_m.iter_mut().zip(rates);
                 torques.for_each(|(torque, rate)| *torque += friction * rate);
             }
         }
-        ArmMotion { links, iteration }
+        Ok(ArmMotion { links, iteration })
+    }
+
+    /// A history over the whole period.
+    fn at_whole(&self, few: &[f64]) -> Vec<f64> {
+        match self.stride {
+            1 => few.to_vec(),
+            _ => self.whole.pair.samples(self.arm.pair.amplitudes(few)),
+        }
     }
 }

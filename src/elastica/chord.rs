@@ -151,7 +151,7 @@ impl ChordPeriod {
 
     /// The pair with the fewest samples of the period that [resolve](resolved) products in so many bins.
     pub(super) fn pair_for(&self, bins: usize) -> FourierPair {
-        let few = fast_length((5 * bins).div_ceil(2));
+        let few = fast_length(resolving(bins));
         if few < self.len() { FourierPair::new(few) } else { self.pair.clone() }
     }
 
@@ -248,6 +248,11 @@ pub(super) fn counting(sizes: &[f64], least: f64) -> usize {
 /// Number of bins that products of histories have no alias in: those of the fifth order are the first that do.
 pub(super) fn resolved(pair: &FourierPair) -> usize {
     2 * pair.len() / 5
+}
+
+/// Fewest samples that [resolve](resolved) so many bins.
+pub(super) fn resolving(bins: usize) -> usize {
+    (5 * bins).div_ceil(2)
 }
 
 /// So many angles between `from` and `to`, along a step of ninth order: its first four derivatives are none at both

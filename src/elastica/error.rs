@@ -140,6 +140,14 @@ impl ElasticaError {
         }
     }
 
+    /// True if more samples of the same motion may do without it.
+    pub(super) fn is_of_step(&self) -> bool {
+        match self {
+            Self::OfLink { error, .. } => error.is_of_step(),
+            _ => matches!(self, Self::LongStep { .. }),
+        }
+    }
+
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {

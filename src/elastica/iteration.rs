@@ -53,8 +53,9 @@ impl Followed {
     ) -> impl Iterator<Item = (ElasticaMotion, f64)> + 'a {
         let link = LinkOnChord::of(model, chord);
         let others = self.others.iter();
-        others
-            .map(move |(answers, factor)| (link.motion(answers, self.second_order, None), *factor))
+        others.map(move |(answers, factor)| {
+            (link.motion(answers, self.second_order, (&chord.pair, None)), *factor)
+        })
     }
 }
 
@@ -79,7 +80,8 @@ pub fn follow(
     let link = LinkOnChord { sag, ..LinkOnChord::of(model, chord) };
     let linear = link.linear()?;
     if second_order == SecondOrder::None {
-        let (motion, iteration) = (link.motion(&linear, second_order, None), Iteration::default());
+        let motion = link.motion(&linear, second_order, (&chord.pair, None));
+        let iteration = Iteration::default();
         return Ok(Followed { motion, iteration, second_order, answers: linear, others: vec![] });
     }
     over_widest_band(
@@ -241,7 +243,7 @@ impl LinkOnChord<'_> {
             let contraction = (iterations > 1).then_some(factor);
             let iteration_error = contraction.map_or(change, |factor| further(change, factor));
             if iterations > 1 && iteration_error <= tolerance {
-                let motion = self.motion(&answers, second_order, None);
+                let motion = self.motion(&answers, second_order, (&self.chord.pair, None));
                 let others = vec![(previous, further(1.0, factor))];
                 let without =
                     self.hub(linear, SecondOrder::None, &self.chord.pair, &self.chord.histories).0;

@@ -1,10 +1,11 @@
 //! Chords of an arm: bars of given lengths from joint to joint, as a rigid arm has them or with the tip kept on its path.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::chord::{check_period, counting};
+use super::chord::{check_period, counting, resolving};
 use super::error::{ElasticaError, FEWEST};
 use crate::numeric::{FourierPair, angular_frequency, magnitude};
 
@@ -73,26 +74,57 @@ impl ArmPeriod {
         self.pair.len()
     }
 
-    /// Every how many samples tell the directions of the chords: a power of two; the rest of their amplitudes is a
-    /// negligible share.
-    pub(super) fn stride(&self, negligible: f64) -> usize {
-        let band = |of: fn(f64) -> f64, angles: &[f64]| {
-            let amplitudes =
-                self.pair.amplitudes(angles.iter().map(|a| of(*a)).collect::<Vec<_>>());
+    /// Bins beyond which the amplitudes of these histories, all added up, are a negligible share of each.
+    fn band<'a>(
+        &self,
+        negligible: f64,
+        histories: impl IntoIterator<Item = Cow<'a, [f64]>>,
+    ) -> usize {
+        let bands = histories.into_iter().map(|history| {
+            let amplitudes = self.pair.amplitudes(&*history);
             let sizes: Vec<f64> = amplitudes.iter().map(|value| magnitude(*value)).collect();
             counting(&sizes, negligible * sizes.iter().sum::<f64>())
-        };
-        let bands = self
-            .rigid
-            .iter()
-            .flat_map(|[angles, ..]| [band(libm::cos, angles), band(libm::sin, angles)]);
+        });
+        bands.fold(1, usize::max)
+    }
+
+    /// Cosines and sines of the chords' directions.
+    fn directions(&self) -> impl Iterator<Item = Cow<'_, [f64]>> {
+        self.rigid.iter().flat_map(|[angles, ..]| {
+            [libm::cos, libm::sin].map(|of| angles.iter().map(|angle| of(*angle)).collect())
+        })
+    }
+
+    /// Every how many samples tell the directions of the chords; the rest of their amplitudes is a negligible share.
+    pub(super) fn stride(&self, negligible: f64) -> usize {
         // Twice the band for what bends, which is no line of the directions.
-        let fewest = (4 * (bands.fold(1, usize::max) - 1)).max(FEWEST);
-        let mut stride = 1;
-        while self.len().is_multiple_of(4 * stride) && self.len() / (2 * stride) >= fewest {
-            stride *= 2;
+        self.stride_to(4 * (self.band(negligible, self.directions()) - 1))
+    }
+
+    /// Fewest samples that tell how the chords move, and which way they point where gravity acts; the rest of their
+    /// amplitudes is a negligible share.
+    pub(super) fn fewest(&self, negligible: f64) -> usize {
+        let turning = self.rigid.iter().map(|[.., turning]| Cow::Borrowed(&turning[..]));
+        let has_weight = self.gravity_m_s2.iter().any(|part| *part != 0.0);
+        let directions = has_weight.then(|| self.directions()).into_iter().flatten();
+        resolving(self.band(negligible, turning.chain(directions)))
+    }
+
+    /// The longest stride that leaves so many samples or more, an even number; 1 if none does.
+    pub(super) fn stride_to(&self, fewest: usize) -> usize {
+        let longest = self.len() / fewest.max(FEWEST);
+        (1..=longest).rev().find(|stride| self.len().is_multiple_of(2 * stride)).unwrap_or(1)
+    }
+
+    /// The same period with every so many of its samples.
+    pub(super) fn every(&self, stride: usize) -> Self {
+        let few = |history: &Vec<f64>| history.iter().copied().step_by(stride).collect();
+        Self {
+            pair: FourierPair::new(self.len() / stride),
+            step_s: self.step_s * stride as f64,
+            rigid: self.rigid.iter().map(|chord| chord.each_ref().map(few)).collect(),
+            ..*self
         }
-        stride
     }
 
     /// True if no chord has another direction at one sample than at another.

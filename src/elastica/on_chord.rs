@@ -225,17 +225,16 @@ impl LinkOnChord<'_> {
         ends.try_into().unwrap_or_else(|_| unreachable!("three columns are asked for"))
     }
 
-    /// The histories of these answers over the chord's own samples; with `nodes`, those of others are empty, but for the
-    /// tip's slope.
+    /// The histories of these answers at the samples of a pair over the chord's period; with `nodes`, those of others are
+    /// empty, but for the tip's slope, and of none the largest slope is not looked for: NaN.
     pub(super) fn motion(
         &self,
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
-        nodes: Option<&[usize]>,
+        (pair, nodes): (&FourierPair, Option<&[usize]>),
     ) -> ElasticaMotion {
-        let pair = &self.chord.pair;
         let (torque_n_m, hub_slope_rad) =
-            self.hub(answers, second_order, pair, &self.chord.histories);
+            self.hub(answers, second_order, pair, &self.chord.at(pair));
         let is_wanted = |node: usize| nodes.is_none_or(|nodes| nodes.contains(&node));
         let width = 2 * self.model.mesh().nodes_m().len();
         let deflections = (0..width).into_par_iter().map(|dof| {
@@ -243,8 +242,10 @@ impl LinkOnChord<'_> {
             if is_wanted { self.history(answers, dof, 0, pair) } else { Vec::new() }
         });
         let deflections = deflections.collect();
-        let ([shortenings_m, moments_n_m], largest_slope) =
-            self.shapes(answers, second_order, is_wanted);
+        let ([shortenings_m, moments_n_m], largest_slope) = match nodes {
+            Some([]) => ([0, 1].map(|_| vec![Vec::new(); width / 2]), f64::NAN),
+            _ => self.shapes(answers, second_order, (pair, is_wanted)),
+        };
         ElasticaMotion {
             torque_n_m,
             hub_slope_rad,
@@ -256,12 +257,12 @@ impl LinkOnChord<'_> {
     }
 
     /// Shortening and bending moment of each node in turn, empty where they are not wanted, and the largest slope: at as
-    /// many samples as products of what bends need, then at the chord's own.
+    /// many samples as products of what bends need, then at those of a pair.
     pub(super) fn shapes(
         &self,
         answers: &[LoadedMotion<Complex64>],
         second_order: SecondOrder,
-        is_wanted: impl Fn(usize) -> bool + Sync,
+        (whole, is_wanted): (&FourierPair, impl Fn(usize) -> bool + Sync),
     ) -> ([Vec<Vec<f64>>; 2], f64) {
         let (link, band) = (
             BentLink::of(self.model, second_order),
@@ -275,8 +276,10 @@ impl LinkOnChord<'_> {
             .at_each_instant(columns, states, |now, scratch, row| link.shape(now, scratch, row));
         let all = |(column, few): (usize, Vec<f64>)| match pair.len() {
             _ if !is_wanted(column / 2) => Vec::new(),
-            len if len == self.chord.len() => few,
-            _ => self.chord.pair.samples(pair.amplitudes(few)),
+            len if len == whole.len() => few,
+            // A link that only bends a little is not shortened.
+            _ if few.iter().all(|own| *own == 0.0) => vec![0.0; whole.len()],
+            _ => whole.samples(pair.amplitudes(few)),
         };
         let nodes = shapes.into_par_iter().enumerate().map(all).collect::<Vec<_>>();
         let mut parts = [Vec::new(), Vec::new()];

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::elastica::{AngleHistories, ArmMotion, ArmPeriod};
 use crate::inverse::MotorHistories;
@@ -111,7 +112,7 @@ impl ArmAnswer {
         &self,
         arm: &Arm,
         probes: &[Vec<usize>],
-        chronological: impl Fn(&[f64]) -> Vec<f64>,
+        chronological: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Vec<Curves> {
         let of = |joint: usize| {
             let JointHistories { angle: [angle, rate, acceleration], motor } =
@@ -133,7 +134,7 @@ impl ArmAnswer {
                 }),
             }
         };
-        (0..arm.links().len()).map(of).collect()
+        (0..arm.links().len()).into_par_iter().map(of).collect()
     }
 
     /// Largest distance in m of the rigid arm's tip from where it starts, over the samples of its path.

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::answer::{ArmAnswer, JointHistories};
 use super::problem::Models;
 use super::rigid::rigid_torques_n_m;
@@ -166,7 +168,7 @@ impl ArmAnswer {
                 }),
             }
         };
-        rigid_torques_n_m.into_iter().enumerate().map(of).collect()
+        rigid_torques_n_m.into_par_iter().enumerate().map(of).collect()
     }
 
     /// The links over a window, and x and y of the tip with their derivatives.
@@ -195,12 +197,11 @@ impl ArmAnswer {
                     (0..grid.len).map(|k| axis[part][0][k] + at(k)[part]).collect::<Vec<f64>>()
                 })
             };
-            let positions_m = (0..nodes_m.len()).map(place).collect();
-            let of_nodes = |histories: &mut dyn Iterator<Item = &Vec<f64>>| {
-                histories.map(|history| cut(history, grid)).collect::<Vec<_>>()
-            };
-            let deflections_m = of_nodes(&mut link.bent.deflections.iter().step_by(2));
-            let moments_n_m = of_nodes(&mut link.bent.moments_n_m.iter());
+            let positions_m = (0..nodes_m.len()).into_par_iter().map(place).collect();
+            let deflections = link.bent.deflections.par_iter().step_by(2);
+            let deflections_m = deflections.map(|history| cut(history, grid)).collect();
+            let moments = link.bent.moments_n_m.par_iter();
+            let moments_n_m = moments.map(|history| cut(history, grid)).collect();
             let length =
                 [0, 1, 2].map(|order| cut(&self.derivative(&link.chord_length_m, order), grid));
             for k in 0..grid.len {

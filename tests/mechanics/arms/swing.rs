@@ -54,6 +54,64 @@ fn over_cycle(parts: &[LinkParts], elements: usize, found: &ArmMotion) -> [f64; 
     sums
 }
 
+/// Torques of the joints at so many samples of a second in which two chords swing, in one wave or in several.
+fn torques_of_a_second(len: usize, has_several: bool, second_order: SecondOrder) -> [Vec<f64>; 2] {
+    let chord = |middle_rad: f64, by_rad: f64| -> AngleHistories {
+        let waves = if has_several { 5 } else { 1 };
+        let at = |k: usize| {
+            let sum = |derived: fn(f64, f64) -> f64| -> f64 {
+                // The odd terms of a triangle's series.
+                let terms = (0..waves).map(|term| {
+                    let n = f64::from(2 * term + 1);
+                    derived(TAU * n, TAU * n * k as f64 / len as f64) / n.powi(4)
+                });
+                by_rad * terms.sum::<f64>()
+            };
+            [
+                middle_rad + sum(|_, at| at.cos()),
+                sum(|omega, at| -omega * at.sin()),
+                sum(|omega, at| -omega * omega * at.cos()),
+            ]
+        };
+        [0, 1, 2].map(|part| (0..len).map(|k| at(k)[part]).collect())
+    };
+    let chords = vec![chord(-0.4, 0.3), chord(0.8, -0.2)];
+    let arm = ArmPeriod::new(1.0 / len as f64, chords, Kept::Tip, [0.0, -9.81]).expect("a period");
+    let found = follow_arm(&models(&two_links(), 6), &arm, second_order, 1e-10).expect("a motion");
+    [0, 1].map(|joint: usize| found.links[joint].bent.torque_n_m.clone())
+}
+
+/// A length that is twice a prime number has no samples to leave out.
+#[test]
+fn a_motion_takes_the_same_torques_however_few_samples_tell_it() {
+    let amplitudes = |torque_n_m: &[f64]| -> Vec<[f64; 2]> {
+        let turn = |k: usize, n: usize| TAU * (k * n % torque_n_m.len()) as f64;
+        let at = |k: usize, n: usize| turn(k, n) / torque_n_m.len() as f64;
+        let sum = |n: usize, of: fn(f64) -> f64| -> f64 {
+            let own = torque_n_m.iter().enumerate().map(|(k, torque)| torque * of(at(k, n)));
+            own.sum::<f64>() / torque_n_m.len() as f64
+        };
+        (0..12).map(|n| [sum(n, f64::cos), sum(n, f64::sin)]).collect()
+    };
+    for second_order in [SecondOrder::None, SecondOrder::Full] {
+        for has_several in [false, true] {
+            let few = torques_of_a_second(1024, has_several, second_order);
+            let all = torques_of_a_second(2 * 509, has_several, second_order);
+            for (few, all) in few.iter().zip(&all) {
+                let [low, high] = [f64::min, f64::max].map(|of| few.iter().copied().reduce(of));
+                let range = high.unwrap() - low.unwrap();
+                let (few, all) = (amplitudes(few), amplitudes(all));
+                for (n, (few, all)) in few.iter().zip(&all).enumerate() {
+                    for (few, all) in few.iter().zip(all) {
+                        let off = (few - all).abs() / range;
+                        assert!(off < 1e-10, "{second_order:?}, {has_several}, {n}: {off:.1e}");
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// What links shorten by swings twice as fast as they do, and is no part of the linear torques.
 #[test]
 fn a_cycle_takes_what_damping_takes() {
