@@ -1,6 +1,6 @@
 //! An arm of several links and its path, as `solve`, `verify` and `sweep` read and solve them.
 
-use flexlink::csv::{Digits, InputFile, PathTable, read_path_table};
+use flexlink::csv::{Digits, InputFile, PathTable};
 use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert_arm};
 use flexlink::motion::ArmPath;
 use flexlink::result::{ArmMetrics, Exceeded, Remark};
@@ -8,7 +8,7 @@ use flexlink::spec::ArmSpecification;
 use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
 use flexlink::verify::{ArmAnswer, Verification, verify_arm};
 
-use crate::options::inputs::{ReadArgs, ScaleArgs, tell};
+use crate::options::inputs::{ReadArgs, ResampleArgs, ScaleArgs, tell};
 use crate::terminal::{Exit, Failure, StageBar, memory};
 
 /// An arm and the path that it is to follow.
@@ -35,10 +35,9 @@ impl ArmAndPath {
     pub(super) fn read(
         (arm_file, specification): (&InputFile, Box<ArmSpecification>),
         file: &InputFile,
-        read: &ReadArgs,
-        scale: &ScaleArgs,
+        (read, resample, scale): (&ReadArgs, &ResampleArgs, &ScaleArgs),
     ) -> Result<Self, Failure> {
-        let table = read_path_table(&file.shown, &file.bytes, &read.format())?;
+        let table = resample.path_of(file, read)?;
         tell(&file.shown, table.reading());
         Self::of((arm_file, specification), scale.scaled_path(&table)?)
     }

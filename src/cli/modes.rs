@@ -16,7 +16,7 @@ use flexlink::result::{
     CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares, Remark, mesh_errors,
 };
 use flexlink::spec::{ArmSpecification, Described, Specification};
-use flexlink::store::{arm_modes_json, modes_json, pose_modes_json};
+use flexlink::store::{arm_modes_json, modes_json, pose_modes_json, write_arm_modes};
 
 use super::arm_pose::{ArmInPose, COARSE};
 use crate::options::common::{SyncArgs, angle_rad};
@@ -29,7 +29,7 @@ const EXAMPLE: &str = "\
 Example:
   flexlink modes link.toml --count 5 -o out
   flexlink modes hanging.toml --at '-90 deg'
-  flexlink modes arm.toml --at '30 deg,75 deg'";
+  flexlink modes arm.toml --at '30 deg,75 deg' -o out";
 
 /// Error of an automatic mesh in the modes of a pose. They are computed by dense algebra, whose round-off grows with the
 /// fourth power of the number of elements.
@@ -57,7 +57,9 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 ///
 /// For an arm of several links --at is needed, with a direction for each: the frequencies are those of small motions about
 /// the arm's shape at rest there, bent by its weight, all joints free and all rotors held; the zeros are those of each
-/// link. The bending of the links is refined until the frequencies are exact to mesh.tolerance.
+/// link. The bending of the links is refined until the frequencies are exact to mesh.tolerance. With -o, held_modes.csv
+/// has the rotors held, and mode_shapes.csv x and y of each node, at rest and moved by the modes with free joints,
+/// mass-normalised and with the joint that turns most turning counterclockwise.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
@@ -72,7 +74,7 @@ pub(crate) struct Modes {
     /// The frequencies with gravity where the link points this way: an angle in rad, or with its unit, as
     /// in '-90 deg'. For an arm the directions of all its links, from joint to joint, the inner one first.
     #[arg(long, value_name = "ANGLE", value_parser = angle_rad, allow_hyphen_values = true)]
-    #[arg(value_delimiter = ',', conflicts_with = "output")]
+    #[arg(value_delimiter = ',')]
     at: Option<Vec<f64>>,
 
     /// Folder for the tables [default: none is written].
@@ -107,6 +109,10 @@ impl Modes {
         };
         match self.at.as_deref() {
             None => {}
+            Some(_) if self.output.is_some() => {
+                let message = "--output with --at is for an arm of several links";
+                return Err(Failure::new(Exit::Usage, &message, Some("--json has all numbers")));
+            }
             Some([angle_rad]) => return self.tell_pose(&specification, *angle_rad),
             Some(more) => {
                 let message = format!("--at = {} angles, but must be one for one link", more.len());
@@ -134,9 +140,17 @@ impl Modes {
         let modes = pose.modes(count)?;
         let zeros = arm.links().iter().zip(meshes).map(|(own, plan)| {
             let (mesh, omega_rad_s) = resolved(&own.link, plan, count)?;
-            Ok(zeros_on(&mesh, count, omega_rad_s.last().copied().unwrap_or_default()))
+            let zeros = zeros_on(&mesh, count, omega_rad_s.last().copied().unwrap_or_default());
+            Ok((zeros, mesh.nodes_m().to_vec()))
         });
-        let zeros = zeros.collect::<Result<Vec<LinkZeros>, Failure>>()?;
+        let zeros = zeros.collect::<Result<Vec<(LinkZeros, Vec<f64>)>, Failure>>()?;
+        let (zeros, nodes_m): (Vec<_>, Vec<_>) = zeros.into_iter().unzip();
+        if let Some(folder) = &self.output {
+            let nodes: usize = nodes_m.iter().map(Vec::len).sum();
+            check_shapes(2 * modes.free.modes.len() * nodes)?;
+            let shapes = modes.shapes(nodes_m);
+            write_arm_modes(self.sync.stage(folder)?, (&modes, &shapes, &zeros), self.digits)?;
+        }
         console::remarks(remarks);
         let mut warnings = 0;
         for (what, found) in [("joints free", &modes.free), ("rotors held", &modes.held)] {
@@ -244,8 +258,7 @@ fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesR
     let link = &specification.link;
     let (mesh, omega_rad_s) = resolved(link, &specification.mesh, count)?;
     let law = DampingLaw::of(link, &mesh)?;
-    let bytes = omega_rad_s.len() * mesh.nodes_m().len() * BYTES_PER_DISPLACEMENT;
-    memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")?;
+    check_shapes(omega_rad_s.len() * mesh.nodes_m().len())?;
     let finer = mesh.refined();
     let highest = omega_rad_s.last().copied().unwrap_or_default();
     let held = link.drive().map(|drive| {
@@ -264,6 +277,12 @@ fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesR
         held,
     };
     Ok((mesh, result))
+}
+
+/// Refuses mode shapes of so many displacements that they do not fit into the memory.
+fn check_shapes(displacements: usize) -> Result<(), Failure> {
+    let bytes = displacements * BYTES_PER_DISPLACEMENT;
+    memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")
 }
 
 /// Values on a mesh, and what it is wrong by.

@@ -108,10 +108,11 @@ impl Verify {
         let specification = match described(&file, &self.link.changes.overrides()?)? {
             Described::Link(specification) => specification,
             Described::Arm(arm) => {
-                let options = [self.resample.arguments(), self.scale.of_one_link()];
+                let options = [self.resample.of_one_link(), self.scale.of_one_link()];
                 refuse_for_arms(options.concat())?;
                 let path = InputFile::read(&self.motion)?;
-                let arm = ArmAndPath::read((&file, arm), &path, &self.read, &self.scale)?;
+                let how = (&self.read, &self.resample, &self.scale);
+                let arm = ArmAndPath::read((&file, arm), &path, how)?;
                 return Ok(Loaded::Arm(Box::new(arm)));
             }
         };

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::dialect::{Decimal, Delimiter, Given};
-use super::heading::{Measure, QUANTITIES, Quantity, TIME, nearest};
+use super::heading::{ANGLES, Measure, QUANTITIES, Quantity, TIME, nearest};
 use super::unit_name::UnitName;
 
 /// What the user says of a table's form. What is not said is read from the table.
@@ -128,12 +128,13 @@ fn pair<'a>(text: &'a str, example: &str) -> Result<(Quantity, &'a str), String>
     let (word, value) = (word.trim().to_lowercase(), value.trim());
     // A motion, a deflection, an acceleration is that of the tip.
     let plain = word.strip_prefix("tip_").unwrap_or(&word);
-    let found = QUANTITIES.into_iter().find(|quantity| [&*word, plain].contains(&quantity.word));
+    let mut known = QUANTITIES.into_iter().chain(ANGLES);
+    let found = known.find(|quantity| [&*word, plain].contains(&quantity.word));
     let quantity = found.ok_or_else(|| {
         let words = QUANTITIES.map(|quantity| quantity.word);
         match nearest(&word, words) {
             Some(near) => format!("did you mean {near}?"),
-            None => format!("the quantity must be one of {}", words.join(", ")),
+            None => format!("the quantity must be one of {}, angle1 to angle9", words.join(", ")),
         }
     })?;
     Ok((quantity, value))

@@ -98,8 +98,8 @@ pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9
     each
 }
 
-/// Every quantity that an option may name.
-pub(super) const QUANTITIES: [Quantity; 11] = [
+/// Every quantity that an option may name, beside [`ANGLES`].
+pub(super) const QUANTITIES: [Quantity; 13] = [
     TIME,
     ACCELERATION,
     VELOCITY,
@@ -111,6 +111,8 @@ pub(super) const QUANTITIES: [Quantity; 11] = [
     DEFLECTION,
     ROOT_STRAIN,
     VOLTAGE,
+    PATH_X,
+    PATH_Y,
 ];
 
 impl Quantity {

@@ -223,7 +223,7 @@ pub fn read_target(
 }
 
 /// Number of steps in the duration; an error unless it is whole.
-fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
+pub(super) fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
     let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
     if !(step_s.is_finite() && step_s > 0.0) {
         return Err(refuse("must be finite and above 0".to_owned()));

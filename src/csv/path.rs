@@ -9,10 +9,12 @@ use super::heading::{
 };
 use super::motion_columns::unread;
 use super::number::Digits;
-use super::place::TableError;
+use super::place::{Place, TableError};
+use super::recorded::Uniform;
 use super::samples::{Samples, refuse_samples};
 use super::table::{Column, ColumnGroup, write_over_time};
-use crate::motion::{ArmPath, MotionError, PathColumn, PathColumns, Uncertainty};
+use crate::motion::{ArmPath, MotionError, PathColumn, PathColumns, Uncertainty, refuse_jump};
+use crate::numeric::SplineEnds;
 
 const PATH: Vocabulary = Vocabulary {
     quantities: &[
@@ -22,8 +24,11 @@ const PATH: Vocabulary = Vocabulary {
     prefix: "tip_",
     example: "time,x,y",
     choice: None,
-    by_option: "",
+    by_option: BY_OPTION,
 };
+
+/// What a choice of columns must name: where one quantity is chosen, the others are not looked for.
+const BY_OPTION: &str = "--columns time=1,x=2,y=3 says which column is what";
 
 /// A path read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +65,35 @@ impl PathTable {
     /// As [`PathColumns::slowed`].
     pub fn slowed(&self, factor: f64) -> Result<Self, MotionError> {
         Ok(Self { columns: self.columns.clone().slowed(factor)?, ..self.clone() })
+    }
+
+    /// The path on a uniform grid from its first time to its last, by cubic splines that are at rest at both ends.
+    ///
+    /// ```
+    /// use flexlink::csv::read_path_table;
+    /// let file = b"time,angle1,angle2\n0,0,1\n0.1,0.2,1\n0.3,0.8,1\n0.4,1,1\n";
+    /// let path = read_path_table("path.csv", file, &Default::default())?.resampled(0.05)?;
+    /// assert_eq!(path.columns().time_s.len(), 9);
+    /// # Ok::<(), flexlink::csv::TableError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`TableError`] as [`MotionTable::resampled`](super::MotionTable::resampled), and for an angle that jumps, through
+    /// which a spline would turn the link.
+    pub fn resampled(mut self, step_s: f64) -> Result<Self, TableError> {
+        for column in self.columns.angles.iter().flatten() {
+            refuse_jump(column)
+                .map_err(|error| self.refused(error.sample(), &error, error.hint()))?;
+        }
+        let place = Place { file: &self.name, line: None };
+        let PathColumns { time_s, tip, angles } = &mut self.columns;
+        let uniform = Uniform::dividing(time_s, step_s, place)?;
+        for column in tip.iter_mut().flatten().chain(angles.iter_mut().flatten()) {
+            column.values = uniform.interpolated(&column.values, SplineEnds::Clamped);
+        }
+        self.lines = uniform.lines(&self.lines);
+        *time_s = uniform.times_s;
+        Ok(self)
     }
 
     /// The same path of a file that errors call `name`.
@@ -134,13 +168,23 @@ pub fn write_path(
 
 /// Reads the first row, and checks that the columns describe a path.
 fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
-    let Header { fields, place, .. } = header;
+    let Header { fields, place, format } = header;
     let columns = Columns::find(&PATH, header)?;
     let headings = &columns.headings;
-    require(headings, TIME, fields, place)?;
+    let by_option = || BY_OPTION.to_owned();
+    require(headings, TIME, fields, place).map_err(|error| error.or_hint(by_option()))?;
     let has = |quantity: Quantity| find(headings, quantity).is_some();
-    let hint = || "an arm is led by time, x and y, or by time, angle1, angle2, …".to_owned();
+    let hint =
+        || format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
     for (own, other) in [(PATH_X, PATH_Y), (PATH_Y, PATH_X)] {
+        if has(own) && !has(other) && format.columns.iter().any(|choice| choice.quantity != TIME) {
+            let must = format!(
+                "must choose {}, too: beside what it chooses nothing is looked for",
+                other.word
+            );
+            let error = place.refuse("--columns", own.word, must);
+            return Err(error.with_hint(BY_OPTION.to_owned()));
+        }
         if has(own) && !has(other) {
             return Err(refuse_missing(&names(fields), other.word, place).or_hint(hint()));
         }
@@ -148,7 +192,7 @@ fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     if !has(PATH_X) && !ANGLES.into_iter().any(has) {
         return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint()));
     }
-    let (unread, hint) = unread(&columns, fields, &PATH, "names of columns have no blanks");
+    let (unread, hint) = unread(&columns, fields, &PATH, BY_OPTION);
     Ok((columns, Reading { unread, hint, ..Reading::default() }))
 }
 

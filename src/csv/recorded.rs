@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::MotionTable;
+use super::motion::{MotionTable, whole_steps};
 use super::rows::{Place, TableError};
 use super::samples::refuse_samples;
 use crate::link::Gravity;
@@ -137,29 +137,20 @@ impl MotionTable {
 
     /// The samples at so many steps from the first time on; the last one is that of the table.
     pub(super) fn at_steps(self, steps: usize, step_s: f64) -> Self {
-        let known = &self.columns.time_s;
-        let (first, last) = (known[0], known[known.len() - 1]);
-        let time_s: Vec<f64> = (0..=steps).map(|k| first + k as f64 * step_s).collect();
+        let uniform = Uniform::of(&self.columns.time_s, steps, step_s);
         let on_grid = |values: &Option<Vec<f64>>, ends| {
-            let spline = CubicSpline::new(known, values.as_ref()?, ends);
-            // At the end the motion rests: a twentieth of a step more or less changes nothing.
-            let at = |(k, t): (usize, &f64)| if k == steps { last } else { t.min(last) };
-            Some(time_s.iter().enumerate().map(|time| spline.value(at(time))).collect())
+            values.as_deref().map(|values| uniform.interpolated(values, ends))
         };
         let columns = &self.columns;
         let ends = self.ends.said_by(columns.velocity_m_s.as_deref());
         let rests = if ends == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
-        let lines = time_s.iter().map(|time| {
-            let not_later = known.partition_point(|known| *known <= time + SAME_TIME * step_s);
-            self.lines[not_later.saturating_sub(1)]
-        });
         Self {
-            lines: lines.collect(),
+            lines: uniform.lines(&self.lines),
             columns: MotionColumns {
                 acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
                 velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
                 displacement_m: on_grid(&columns.displacement_m, rests),
-                time_s,
+                time_s: uniform.times_s,
             },
             name: self.name,
             reading: self.reading,
@@ -198,6 +189,49 @@ impl MotionTable {
         let uniform = self.at_steps(steps, step_s);
         let recording = Recording { jitter: Some(jitter), ..uniform.recording };
         Self { lines, recording, ..uniform }
+    }
+}
+
+/// Times at even steps from the first of known ones on.
+#[expect(clippy::struct_field_names, reason = "their units end alike")]
+pub(super) struct Uniform<'a> {
+    known_s: &'a [f64],
+    step_s: f64,
+    pub(super) times_s: Vec<f64>,
+}
+
+impl<'a> Uniform<'a> {
+    /// From the first known time to the last, at a step that must divide what lies between them.
+    pub(super) fn dividing(
+        known_s: &'a [f64],
+        step_s: f64,
+        place: Place,
+    ) -> Result<Self, TableError> {
+        let steps = whole_steps(known_s[known_s.len() - 1] - known_s[0], step_s, place)?;
+        Ok(Self::of(known_s, steps, step_s))
+    }
+
+    fn of(known_s: &'a [f64], steps: usize, step_s: f64) -> Self {
+        let times_s = (0..=steps).map(|k| known_s[0] + k as f64 * step_s).collect();
+        Self { known_s, step_s, times_s }
+    }
+
+    /// Values at the known times, by a cubic spline at these.
+    pub(super) fn interpolated(&self, values: &[f64], ends: SplineEnds) -> Vec<f64> {
+        let spline = CubicSpline::new(self.known_s, values, ends);
+        let (steps, last_s) = (self.times_s.len() - 1, self.known_s[self.known_s.len() - 1]);
+        // At the end the motion rests: a twentieth of a step more or less changes nothing.
+        let at = |(k, t): (usize, &f64)| if k == steps { last_s } else { t.min(last_s) };
+        self.times_s.iter().enumerate().map(|time| spline.value(at(time))).collect()
+    }
+
+    /// Of each time, the line of the last known one that is not later.
+    pub(super) fn lines(&self, lines: &[u64]) -> Vec<u64> {
+        let line = |time_s: &f64| {
+            let is_not_later = |known_s: &f64| *known_s <= time_s + SAME_TIME * self.step_s;
+            lines[self.known_s.partition_point(is_not_later).saturating_sub(1)]
+        };
+        self.times_s.iter().map(line).collect()
     }
 }
 

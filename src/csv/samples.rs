@@ -150,7 +150,8 @@ impl Samples {
     pub(super) fn rounding_of(&self, quantity: Quantity) -> Option<Rounding> {
         let is_meant = |(heading, _): &(&Heading, &Digits)| heading.quantity == quantity;
         let (heading, digits) = self.headings.iter().zip(&self.digits).find(is_meant)?;
-        digits.rounding().map(|own| Rounding { step: heading.to_si(own.step), ..own })
+        // A factor of --scale may turn the sign.
+        digits.rounding().map(|own| Rounding { step: heading.to_si(own.step).abs(), ..own })
     }
 
     fn push(&mut self, fields: &[&str], place: Place) -> Result<(), TableError> {

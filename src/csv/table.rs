@@ -79,21 +79,20 @@ pub(super) fn write_over_time(
     write_table(out, Some((heading, time_s, format)), rows, groups, digits)
 }
 
-/// Writes columns of any length, each with decimals for its own peak, after a column of this heading
-/// that counts the rows from 1. Fields beyond the end of a column are empty.
+/// Writes columns of any length, each with decimals for its own peak, after one of whole numbers. Fields beyond the end of
+/// a column are empty.
 ///
 /// # Errors
 /// Those of `out`.
 pub(crate) fn write_columns(
     out: &mut (dyn Write + Send),
-    count: Option<&str>,
+    numbers: Option<(&str, &[f64])>,
     columns: &[(&str, &[f64])],
     digits: Digits,
 ) -> io::Result<()> {
     let rows = columns.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
-    let numbers: Vec<f64> = (1..=rows).map(|row| row as f64).collect();
     let whole = CellFormat::new(NumberFormat::Fixed(0));
-    let first = count.map(|heading| (heading, &numbers[..], whole));
+    let first = numbers.map(|(heading, numbers)| (heading, numbers, whole));
     let groups: Vec<_> = columns.iter().map(|column| group([*column])).collect();
     write_table(out, first, rows, &groups, digits)
 }
@@ -331,14 +330,14 @@ mod tests {
     #[test]
     fn short_columns_and_missing_values_leave_fields_empty() {
         let columns = [("zero_per_s", &[2.0, f64::INFINITY][..]), ("mesh_error", &[1.0; 3])];
-        let written = |count| {
+        let written = |numbers| {
             let mut out = Vec::new();
-            write_columns(&mut out, count, &columns, Digits::BelowPeak(2)).unwrap();
+            write_columns(&mut out, numbers, &columns, Digits::BelowPeak(2)).unwrap();
             String::from_utf8(out).unwrap()
         };
         assert_eq!(written(None), "zero_per_s,mesh_error\n2.00,1.00\n,1.00\n,1.00\n");
         let counted = "mode,zero_per_s,mesh_error\n1,2.00,1.00\n2,,1.00\n3,,1.00\n";
-        assert_eq!(written(Some("mode")), counted);
+        assert_eq!(written(Some(("mode", &[1.0, 2.0, 3.0]))), counted);
     }
 
     fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {

@@ -22,6 +22,7 @@ pub use error::MotionError;
 pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};
 pub(crate) use path::CourseHistories;
 pub use path::{ArmPath, Prescribed};
+pub(crate) use path_columns::refuse_jump;
 pub use path_columns::{PathColumn, PathColumns, PathError};
 pub(crate) use period::TipPeriod;
 pub use period::{TipHistories, TipMotionHistories};

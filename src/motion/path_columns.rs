@@ -152,9 +152,9 @@ impl PathError {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Time(_) => {
-                Some("write times with more decimals, at one step from the first to the last")
-            }
+            Self::Time(_) => Some(
+                "write times with more decimals, or let --resample STEP make uneven samples uniform",
+            ),
             Self::Column { error: MotionError::MovingAtEnd { .. }, .. }
             | Self::TurnsAtEnd { .. } => {
                 Some("a path goes from rest to rest; add the samples that bring the arm to rest")
@@ -168,7 +168,7 @@ impl PathError {
 }
 
 /// Refuses an angle that jumps by half a turn or more.
-pub(super) fn refuse_jump(column: &PathColumn) -> Result<(), PathError> {
+pub(crate) fn refuse_jump(column: &PathColumn) -> Result<(), PathError> {
     let jumps = |pair: &[f64]| (pair[1] - pair[0]).abs() >= PI;
     match column.values.windows(2).position(jumps) {
         None => Ok(()),

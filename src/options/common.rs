@@ -9,6 +9,7 @@ use clap::Args;
 
 use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
+use flexlink::inverse::ArmSolution;
 use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::store::{Durability, OutputFolder, RunOutputs};
 
@@ -17,7 +18,8 @@ use crate::terminal::{Exit, Failure, console};
 /// Which part of the nodal tables to write.
 #[derive(Debug, Args)]
 pub(crate) struct NodeArgs {
-    /// Nodes to write, numbered from 0 at the root [default: all].
+    /// Nodes to write, numbered from 0 at the root [default: all]. Of an arm that is solved those of each
+    /// link: a link that has fewer writes those that it has.
     #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',', value_parser = node)]
     pub(crate) list: Option<Vec<usize>>,
 
@@ -45,10 +47,19 @@ impl NodeArgs {
 
     /// Returns an error if a node is not one of the mesh, or named twice.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
-        let last = mesh.nodes_m().len() - 1;
+        self.check_up_to(mesh.nodes_m().len() - 1, "nodes of the mesh")
+    }
+
+    /// Returns an error if no link of an arm has a node, or one is named twice.
+    pub(crate) fn check_arm(&self, solution: &ArmSolution) -> Result<(), Failure> {
+        let most = solution.links.iter().map(|link| link.nodes_m.len()).max();
+        self.check_up_to(most.unwrap_or(1) - 1, "nodes of a link")
+    }
+
+    fn check_up_to(&self, last: usize, what: &str) -> Result<(), Failure> {
         let nodes = self.list.as_deref().unwrap_or_default();
         if let Some(node) = nodes.iter().find(|node| **node > last) {
-            let message = format!("--nodes = {node}, but must name nodes of the mesh, 0 to {last}");
+            let message = format!("--nodes = {node}, but must name {what}, 0 to {last}");
             return Err(Failure::new(Exit::Usage, &message, Some("nodes.csv lists them")));
         }
         let mut seen = BTreeSet::new();

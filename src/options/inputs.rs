@@ -8,7 +8,7 @@ use clap::Args;
 
 use flexlink::csv::{
     ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, PathTable, Reading, TableFormat,
-    UnitName, read_motion_table_as,
+    UnitName, read_motion_table_as, read_path_table,
 };
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
@@ -197,9 +197,23 @@ impl ResampleArgs {
         Ok((table.into_motion()?, reading))
     }
 
+    /// Reads the path of an arm.
+    pub(crate) fn path_of(&self, file: &InputFile, read: &ReadArgs) -> Result<PathTable, Failure> {
+        let table = read_path_table(&file.shown, &file.bytes, &read.format())?;
+        Ok(match self.resample {
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        })
+    }
+
     /// The arguments, for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let resample = self.resample.map(|step_s| option("--resample", step_s));
+        resample.into_iter().flatten().chain(self.of_one_link()).collect()
+    }
+
+    /// The arguments that an arm's path does not take.
+    pub(crate) fn of_one_link(&self) -> Vec<String> {
         let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
         let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
         let ends = match self.ends() {
@@ -207,7 +221,7 @@ impl ResampleArgs {
             Ends::Moving => Some("--moving-ends".to_owned()),
             Ends::Periodic => Some("--periodic".to_owned()),
         };
-        [resample, noise, lowpass].into_iter().flatten().flatten().chain(ends).collect()
+        [noise, lowpass].into_iter().flatten().flatten().chain(ends).collect()
     }
 
     fn ends(&self) -> Ends {
@@ -294,7 +308,8 @@ const READING: &str = "Reading a measured MOTION or TORQUE";
 #[derive(Debug, Args)]
 pub(crate) struct ReadArgs {
     /// Which column holds which quantity, by its number from 1 or by its heading: time=1,displacement=3
-    /// or displacement=pos. A table without headings needs the time, too.
+    /// or displacement=pos; of an arm's path x, y, angle1, angle2, … A table without headings needs the
+    /// time, too.
     #[arg(long, help_heading = READING, value_name = "QUANTITY=COLUMN", value_delimiter = ',')]
     columns: Vec<ColumnChoice>,
 
@@ -302,7 +317,8 @@ pub(crate) struct ReadArgs {
     #[arg(long, help_heading = READING, value_name = "UNIT")]
     time_unit: Option<UnitName>,
 
-    /// Unit of the motion or the torque, such as mm, deg or 'N cm'.
+    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. Of an arm's path, a length is that of
+    /// x and y, an angle that of all directions.
     #[arg(long, help_heading = READING, value_name = "UNIT")]
     unit: Option<UnitName>,
 

@@ -6,7 +6,7 @@ use super::axis::Axis;
 use super::colour_map::{ColourMap, Colours};
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::page::{FILES, Section, document, figures_section, inputs, made_by, table};
-use crate::compare::{Cell, TableColumn};
+use crate::compare::{Cell, Table, TableColumn};
 use crate::result::StoredSweep;
 use crate::text::significant;
 
@@ -68,18 +68,11 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     }
     // The value with most numbers becomes the axis; of equals the last, which runs fastest.
     varied.sort_by_key(|varied| varied.levels.len());
-    for topic in &TOPICS {
-        let found: Vec<(&str, &TableColumn)> = topic
-            .columns
-            .iter()
-            .filter_map(|(column, name)| Some((*name, sweep.table.column(column)?)))
-            .filter(|(_, column)| (0..rows).any(|row| column.number(row).is_finite()))
-            .collect();
-        let [(_, first), ..] = found[..] else { continue };
+    for drawn in TOPICS.iter().flat_map(|topic| topic.drawn(&sweep.table)) {
         match (&varied[..], several.len()) {
-            ([one], 1) => figures.add(Ok(over_one(topic, one, &found))),
-            ([other, one], 2) => figures.add(Ok(over_two(topic, [one, other], first))),
-            ([.., x], _) => figures.add(over_many(topic, x, &several, first)),
+            ([one], 1) => figures.add(Ok(over_one(&drawn, one))),
+            ([other, one], 2) => figures.add(Ok(over_two(&drawn, [one, other]))),
+            ([.., x], _) => figures.add(over_many(&drawn, x, &several)),
             ([], _) => {}
         }
     }
@@ -92,30 +85,32 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
 /// A line's name and its points.
 type Line = (String, Vec<(f64, f64)>);
 
-fn figure(topic: &Topic, x: &Varied, lines: Vec<Line>) -> Figure {
+fn figure(drawn: &Drawn, x: &Varied, lines: Vec<Line>) -> Figure {
     let curve = |(k, (name, mut points)): (usize, Line)| {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         Curve { name, stroke: Stroke::Dotted(k + 1), points }
     };
     let curves = lines.into_iter().enumerate().map(curve).collect();
+    let Drawn { topic, id, title, .. } = drawn;
     let caption = topic.caption.to_owned();
-    Figure::of_curves(topic.id, topic.title, caption, x.axis(0.03), topic.quantity, curves)
+    Figure::of_curves(id.clone(), title, caption, x.axis(0.03), topic.quantity, curves)
 }
 
 /// A line for each column.
-fn over_one(topic: &Topic, x: &Varied, columns: &[(&str, &TableColumn)]) -> Figure {
-    let line = |(name, column): &(&str, &TableColumn)| {
+fn over_one(drawn: &Drawn, x: &Varied) -> Figure {
+    let line = |(name, column): &(String, &TableColumn)| {
         let points = x.values.iter().enumerate().map(|(row, x)| (*x, column.number(row)));
-        ((*name).to_owned(), points.collect())
+        (name.clone(), points.collect())
     };
-    figure(topic, x, columns.iter().map(line).collect())
+    figure(drawn, x, drawn.columns.iter().map(line).collect())
 }
 
 /// Columns and rows of a heat map: enough for fields of uneven width.
 pub(super) const FINE: (usize, usize) = (480, 160);
 
-/// A heat map; the field of a case reaches half way to its neighbours.
-fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure {
+/// A heat map of the first column; the field of a case reaches half way to its neighbours.
+fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
+    let (topic, column) = (drawn.topic, drawn.columns[0].1);
     let place = |varied: &Varied, case: usize| {
         varied.levels.iter().position(|level| level.total_cmp(&varied.values[case]).is_eq())
     };
@@ -133,9 +128,9 @@ fn over_two(topic: &Topic, [x, y]: [&Varied; 2], column: &TableColumn) -> Figure
         colours: Colours::Sequential,
         rows: rows.iter().map(row).collect(),
     };
-    let title = format!("{}, over two values", topic.title);
+    let title = format!("{}, over two values", drawn.title);
     let caption = format!("{} Each field is a case; white where there is none.", topic.caption);
-    let figure = Figure::new(topic.id, &title, caption, field_axis(x), field_axis(y));
+    let figure = Figure::new(drawn.id.clone(), &title, caption, field_axis(x), field_axis(y));
     Figure { map: Some(map), ..figure }
 }
 
@@ -158,13 +153,9 @@ fn fields(varied: &Varied, count: usize) -> Vec<usize> {
     (0..count).map(nearest).collect()
 }
 
-/// A line for each combination of the other values.
-fn over_many(
-    topic: &Topic,
-    x: &Varied,
-    several: &[&TableColumn],
-    column: &TableColumn,
-) -> Result<Figure, String> {
+/// The first column: a line for each combination of the other values.
+fn over_many(drawn: &Drawn, x: &Varied, several: &[&TableColumn]) -> Result<Figure, String> {
+    let column = drawn.columns[0].1;
     let name = |row: usize| {
         let others = several.iter().filter(|other| other.name() != x.name);
         let value = |other: &&TableColumn| format!("{} = {}", other.name(), other.text(row));
@@ -181,12 +172,12 @@ fn over_many(
     if lines.len() > MOST_LINES {
         return Err(format!(
             "{}, since {} lines over {} are more than a figure holds: sweep fewer values at a time",
-            topic.title,
+            drawn.title,
             lines.len(),
             x.name
         ));
     }
-    Ok(figure(topic, x, lines))
+    Ok(figure(drawn, x, lines))
 }
 
 /// What a figure shows of each case.
@@ -195,9 +186,42 @@ struct Topic {
     title: &'static str,
     /// Name and unit of the y axis.
     quantity: (&'static str, &'static str),
-    /// Columns of the table, each with its name in the legend.
-    columns: &'static [(&'static str, &'static str)],
+    /// Columns of the table, between whose parts an arm has the joint's number, each with its name in the legend.
+    columns: &'static [([&'static str; 2], &'static str)],
     caption: &'static str,
+}
+
+/// One figure of a topic.
+struct Drawn<'a> {
+    topic: &'static Topic,
+    id: String,
+    title: String,
+    /// Columns of the table, each with its name in the legend.
+    columns: Vec<(String, &'a TableColumn)>,
+}
+
+impl Topic {
+    /// Its figures: of a link one, of an arm one for each joint.
+    fn drawn<'a>(&'static self, table: &'a Table) -> Vec<Drawn<'a>> {
+        let of = |joint: Option<usize>| -> Option<Drawn<'a>> {
+            let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
+            let column = |([quantity, unit], name): &([&str; 2], &str)| {
+                let column = table.column(&format!("{quantity}{number}{unit}"))?;
+                let has_number = (0..table.lines.len()).any(|row| column.number(row).is_finite());
+                has_number.then(|| ((*name).to_owned(), column))
+            };
+            let columns: Vec<_> = self.columns.iter().filter_map(column).collect();
+            let of_joint = |text: &str| joint.map(|joint| format!("{text}{joint}"));
+            (!columns.is_empty()).then(|| Drawn {
+                topic: self,
+                id: self.id.to_owned() + &of_joint("-joint-").unwrap_or_default(),
+                title: self.title.to_owned() + &of_joint(", joint ").unwrap_or_default(),
+                columns,
+            })
+        };
+        let of_joints = (1..).map_while(|joint| of(Some(joint)));
+        of(None).into_iter().chain(of_joints).collect()
+    }
 }
 
 /// All topics, in the order of the page.
@@ -206,7 +230,7 @@ const TOPICS: [Topic; 8] = [
         id: "torque-ratio",
         title: "Peak torque, flexible over rigid",
         quantity: ("ratio", ""),
-        columns: &[("torque_ratio", "ratio")],
+        columns: &[(["torque_ratio", ""], "ratio")],
         caption: "Peak torque of the flexible link over that of the rigid one. It tends to 1 where the \
                   link is stiff for this motion.",
     },
@@ -214,49 +238,49 @@ const TOPICS: [Topic; 8] = [
         id: "lead",
         title: "Lead",
         quantity: ("lead", "s"),
-        columns: &[("lead_s", "lead")],
+        columns: &[(["lead", "_s"], "lead")],
         caption: "How long before the tip moves the torque begins, at the 2 % level.",
     },
     Topic {
         id: "lag",
         title: "Lag",
         quantity: ("lag", "s"),
-        columns: &[("lag_s", "lag")],
+        columns: &[(["lag", "_s"], "lag")],
         caption: "How long the torque goes on after the tip has stopped, at the 2 % level.",
     },
     Topic {
         id: "peak-torque",
         title: "Peak torque",
         quantity: ("torque", "N m"),
-        columns: &[("peak_torque_n_m", "flexible link"), ("peak_rigid_torque_n_m", "rigid link")],
-        caption: "Largest torque at the hub.",
+        columns: &[(["peak_torque", "_n_m"], "flexible"), (["peak_rigid_torque", "_n_m"], "rigid")],
+        caption: "Largest torque at the hub, or at the joint of an arm.",
     },
     Topic {
         id: "peak-motor-torque",
         title: "Peak torque of the motor",
         quantity: ("torque", "N m"),
-        columns: &[("peak_motor_torque_n_m", "motor")],
+        columns: &[(["peak_motor_torque", "_n_m"], "motor")],
         caption: "Largest torque of the motor, on its own side of the gear.",
     },
     Topic {
         id: "residual",
         title: "Vibration left behind",
         quantity: ("amplitude", "m"),
-        columns: &[("residual_m", "residual")],
+        columns: &[(["residual", "_m"], "residual")],
         caption: "How far the tip vibrates after the torque's last sample.",
     },
     Topic {
         id: "tip-error",
         title: "Error of the tip",
         quantity: ("error", "m"),
-        columns: &[("tip_error_m", "largest error")],
+        columns: &[(["tip_error", "_m"], "largest error")],
         caption: "How far the tip strays from the wanted motion, at most.",
     },
     Topic {
         id: "deflection",
         title: "Peak deflection",
         quantity: ("deflection", "m"),
-        columns: &[("peak_deflection_m", "tip")],
+        columns: &[(["peak_deflection", "_m"], "tip")],
         caption: "Largest deflection of the tip from the hub's tangent line.",
     },
 ];

@@ -54,7 +54,7 @@ pub fn move_arm(
         }
         Ok(Problem { chain, drives: &drives, grid, start: (q, rates) })
     };
-    settled(problem, (tolerance, MOST_REFINEMENTS))
+    settled(problem, (tolerance, MOST_REFINEMENTS), &|_| {})
 }
 
 /// The same with the damping of its links, which must be proportional to stiffness.

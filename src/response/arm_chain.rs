@@ -5,7 +5,7 @@ use super::arm_state::ArmState;
 use super::balance::{Balance, Energies, Met, Place};
 use super::chain::Chain;
 use super::error::SimulationError;
-use super::shape::direction;
+use super::shape::{Station, direction};
 use crate::link::{Arm, Link};
 use crate::numeric::dot;
 
@@ -168,6 +168,25 @@ impl ArmChain {
             own
         };
         self.links.iter().zip(&self.joints).map(of_link).collect()
+    }
+
+    /// x and y in m of places on the links, of which `stations` has those of each link.
+    pub(super) fn places_m(&self, stations: &[Vec<Station>], q: &[f64]) -> Vec<Vec<[f64; 2]>> {
+        let ends = self.walk(q, &vec![0.0; self.count], |_, _| {});
+        let joints_m = std::iter::once([0.0; 2]).chain(ends.iter().map(|end| end.at_m));
+        let links = self.links.iter().zip(stations).zip(self.of_links(q)).zip(joints_m);
+        let of_link =
+            |(((link, stations), own), joint_m): (((&Chain, &Vec<Station>), _), [f64; 2])| {
+                let own: Vec<f64> = own;
+                let places = link.places_m(stations, &own).into_iter();
+                places.map(|[x, y]| [joint_m[0] + x, joint_m[1] + y]).collect()
+            };
+        links.map(of_link).collect()
+    }
+
+    /// How places at distances in m from the joint of each link follow from the coordinates.
+    pub(super) fn stations(&self, along_m: &[Vec<f64>]) -> Vec<Vec<Station>> {
+        self.links.iter().zip(along_m).map(|(link, own)| link.stations(own)).collect()
     }
 
     /// Coordinates of the arm from those of each link alone.

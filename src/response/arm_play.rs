@@ -77,16 +77,32 @@ pub(super) struct Problem<'a> {
     pub(super) start: (Vec<f64>, Vec<f64>),
 }
 
+/// How far the play of an arm is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArmProgress {
+    /// How often it has been refined: more angles, half the step.
+    pub refinement: usize,
+    /// Samples that are played so finely.
+    pub done: usize,
+    /// All samples.
+    pub samples: usize,
+}
+
 /// Plays finer and finer until that changes tip and joints by less than `tolerance` of what they move by, or the finest
-/// is reached ([`PlayedArm::change`] tells); `problem` is given how many orders more the polynomials have.
+/// is reached ([`PlayedArm::change`] tells); `problem` is given how many orders more the polynomials have, `watch` each
+/// sample that is played.
 ///
 /// # Errors
 /// [`SimulationError`].
 pub(super) fn settled<'a>(
     problem: impl Fn(usize) -> Result<Problem<'a>, SimulationError>,
     (tolerance, most_refinements): (f64, usize),
+    watch: &dyn Fn(ArmProgress),
 ) -> Result<PlayedArm, SimulationError> {
-    let played = |orders: usize, finer: usize| problem(orders * MORE_ORDERS)?.played(1 << finer);
+    let played = |orders: usize, refinement: usize| {
+        let at = |done, samples| watch(ArmProgress { refinement, done, samples });
+        problem(orders * MORE_ORDERS)?.played(1 << refinement, at)
+    };
     let (mut orders, mut coarse) = (0, played(0, 0));
     for finer in 1..=most_refinements {
         let before = match coarse {
@@ -148,8 +164,8 @@ impl Drive {
 }
 
 impl Problem<'_> {
-    /// Plays with so many steps from one sample to the next.
-    fn played(self, steps: usize) -> Result<PlayedArm, SimulationError> {
+    /// Plays with so many steps from one sample to the next; `at` is given how many samples of how many are played.
+    fn played(self, steps: usize, at: impl Fn(usize, usize)) -> Result<PlayedArm, SimulationError> {
         let (grid, count) = (*self.grid, self.chain.count);
         let (mut stiffness, mut damping) =
             (self.chain.stiffness.clone(), self.chain.damping.clone());
@@ -191,6 +207,7 @@ impl Problem<'_> {
             found.lost_j.push(lost_j);
             self.accelerate(sample, &mut motion, &mut balance)?;
             found.observe(&self, sample, &motion, &mut balance);
+            at(sample + 1, grid.len);
         }
         Ok(found)
     }
@@ -376,21 +393,13 @@ impl PlayedArm {
         along_m: &[Vec<f64>],
         every: NonZeroUsize,
     ) -> Vec<Vec<[Vec<f64>; 2]>> {
-        let stations = self.chain.links.iter().zip(along_m).map(|(link, own)| link.stations(own));
-        let stations: Vec<_> = stations.collect();
+        let stations = self.chain.stations(along_m);
         let columns = |own: &Vec<f64>| own.iter().map(|_| [Vec::new(), Vec::new()]).collect();
         let mut found: Vec<Vec<[Vec<f64>; 2]>> = along_m.iter().map(columns).collect();
         for sample in (0..self.grid.len).step_by(every.get()) {
-            let (q, rates) = self.record.at(sample);
-            let mut joint_m = [0.0; 2];
-            let ends = self.chain.walk(q, rates, |_, _| {});
-            for (number, own) in self.chain.of_links(q).iter().enumerate() {
-                let places = self.chain.links[number].places_m(&stations[number], own);
-                for (columns, place) in found[number].iter_mut().zip(places) {
-                    let both = columns.iter_mut().zip(joint_m).zip(place);
-                    both.for_each(|((column, joint_m), own_m)| column.push(joint_m + own_m));
-                }
-                joint_m = ends[number].at_m;
+            let places = self.chain.places_m(&stations, self.record.at(sample).0);
+            for (columns, place) in found.iter_mut().flatten().zip(places.iter().flatten()) {
+                columns.iter_mut().zip(place).for_each(|(column, part)| column.push(*part));
             }
         }
         found

@@ -4,7 +4,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::arm_chain::ArmChain;
-use super::arm_play::{Drive, PlayedArm, Problem, settled};
+use super::arm_play::{ArmProgress, Drive, PlayedArm, Problem, settled};
 use super::arm_rest::{ArmStart, at_rest};
 use super::driving::{Driving, Interpolation, pieces};
 use super::error::{STEP_SHARE, SimulationError};
@@ -147,7 +147,7 @@ impl ArmPlayWarning {
     }
 }
 
-/// Computes the motion of an arm under torques of its joints: direct dynamics.
+/// Computes the motion of an arm under torques of its joints: direct dynamics; `watch` gets the progress.
 ///
 /// The arm is a chain of inextensible elasticas with angles as coordinates, integrated by Radau's method with more
 /// angles and shorter steps until tip and joints settle; nothing of the inversion is used. Hysteretic damping has no
@@ -162,6 +162,7 @@ pub fn simulate_arm(
     arm: &Arm,
     plans: &[MeshPlan],
     play: &ArmPlay<'_>,
+    watch: &dyn Fn(ArmProgress),
 ) -> Result<(PlayedArm, Vec<ArmPlayWarning>), SimulationError> {
     let links = arm.links().len();
     assert!(play.torques.len() == links, "one torque for each link");
@@ -191,7 +192,7 @@ pub fn simulate_arm(
         };
         Ok(Problem { chain, drives: &drives, grid: &grid, start })
     };
-    let mut found = settled(problem, (play.tolerance, MOST_REFINEMENTS))?;
+    let mut found = settled(problem, (play.tolerance, MOST_REFINEMENTS), watch)?;
     let weight_n_m = arm.weight_moment_n_m();
     for torque_n_m in &mut found.holding_n_m {
         *torque_n_m = without_noise(*torque_n_m, weight_n_m);

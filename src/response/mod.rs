@@ -33,7 +33,7 @@ mod state;
 mod stepper;
 
 pub use arm::{MovedJoint, move_arm};
-pub use arm_play::PlayedArm;
+pub use arm_play::{ArmProgress, PlayedArm};
 pub use arm_rest::ArmStart;
 pub use arm_simulation::{ArmPlay, ArmPlayWarning, simulate_arm};
 pub use arm_state::ArmState;
@@ -45,7 +45,9 @@ pub use history::{Feedback, HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
 pub use play::{Input, Play};
 pub use pose::{ArmPose, ArmResponse, PoseError, TorqueResponse};
-pub use pose_modes::{ArmModes, ArmResponses, PoseMode, SettledModes, arm_modes, arm_responses};
+pub use pose_modes::{
+    ArmModes, ArmResponses, ArmShapes, PoseMode, SettledModes, arm_modes, arm_responses,
+};
 pub(crate) use pose_modes::{MORE_ORDERS, MOST_REFINEMENTS};
 pub use residual::ResidualVibration;
 pub(crate) use sensed::{Driven, sensed};

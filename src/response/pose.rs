@@ -89,6 +89,9 @@ impl PoseError {
 /// An arm about its shape at rest in a pose.
 #[derive(Debug, Clone)]
 pub struct ArmPose {
+    chain: ArmChain,
+    /// The coordinates at rest.
+    rest: Vec<f64>,
     pub(super) count: usize,
     /// Coordinates that are the angles of joints.
     pub(super) joints: Vec<usize>,
@@ -100,7 +103,7 @@ pub struct ArmPose {
     friction_n_m_s_rad: Vec<f64>,
     /// Place of the tip in m, and R of x and y.
     tip_m: [f64; 2],
-    tip_rows: [Vec<f64>; 2],
+    pub(super) tip_rows: [Vec<f64>; 2],
     holding_n_m: Vec<f64>,
     pub(super) has_weight: bool,
 }
@@ -175,15 +178,17 @@ impl ArmPose {
                 .iter()
                 .map(|joint| without_noise(-balance.force[*joint], weight_n_m))
                 .collect(),
-            joints: chain.joints,
+            joints: chain.joints.clone(),
             mass: balance.mass,
             stiffness,
             loss,
             damping,
-            friction_n_m_s_rad: chain.friction_n_m_s_rad,
+            friction_n_m_s_rad: chain.friction_n_m_s_rad.clone(),
             tip_m: tip.at_m.map(|part| without_noise(part, length_m)),
             tip_rows: tip.by,
             has_weight: arm.has_weight(),
+            chain,
+            rest: q,
         })
     }
 
@@ -195,6 +200,33 @@ impl ArmPose {
     /// Torques in N m that hold the arm at rest, the inner joint first.
     pub fn holding_torques_n_m(&self) -> &[f64] {
         &self.holding_n_m
+    }
+
+    /// x and y in m of places on the links at rest: of each link, of each of its places. `along_m` has their distances in m
+    /// from the joint of each link.
+    pub(super) fn places_m(&self, along_m: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
+        self.chain.places_m(&self.chain.stations(along_m), &self.rest)
+    }
+
+    /// How coordinates, to first order, move these places along x and y.
+    pub(super) fn moved(&self, along_m: &[Vec<f64>], shape: &[f64]) -> Vec<Vec<[f64; 2]>> {
+        let stations = self.chain.stations(along_m);
+        // Coordinates may be of any size: no one changes by more than these parts.
+        let part = PART_RAD / shape.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let mut found: Vec<_> = along_m.iter().map(|own| vec![[0.0; 2]; own.len()]).collect();
+        for (parts, share) in (1_u8..).zip(SHARES) {
+            for sign in [1.0, -1.0] {
+                let step = sign * f64::from(parts) * part;
+                let q: Vec<f64> = self.rest.iter().zip(shape).map(|(q, x)| q + step * x).collect();
+                let places = self.chain.places_m(&stations, &q);
+                for (own, place) in found.iter_mut().flatten().zip(places.iter().flatten()) {
+                    own.iter_mut()
+                        .zip(place)
+                        .for_each(|(own, at)| *own += sign * share / part * at);
+                }
+            }
+        }
+        found
     }
 
     /// What the torque of each joint moves at `frequency_hz` > 0, friction of the joints included. At a pole of an undamped

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
-use crate::numeric::{Size, SymmetricEigen, magnitude};
+use crate::numeric::{Size, SymmetricEigen, dot, magnitude};
 
 /// What each refinement adds to every order, and most of them.
 pub(crate) const MORE_ORDERS: usize = 4;
@@ -29,6 +29,8 @@ pub struct PoseMode {
     pub damping_ratio: Option<f64>,
     /// How far each joint turns, the largest 1; all 0 where none does.
     pub joints: Vec<f64>,
+    /// The coordinates of the pose, xᵀ M x = 1.
+    pub(super) shape: Vec<f64>,
 }
 
 /// Modes, those with the lowest ω² first.
@@ -40,8 +42,19 @@ pub struct SettledModes {
     pub errors: Vec<f64>,
 }
 
-/// Modes of an arm about a pose.
+/// Nodes of an arm at rest, and how modes move them: of each link, of each of its nodes.
 #[derive(Debug, Clone, PartialEq)]
+pub struct ArmShapes {
+    /// Distances of the nodes in m from the joint of their link.
+    pub nodes_m: Vec<Vec<f64>>,
+    /// x and y at rest in m.
+    pub rest_m: Vec<Vec<[f64; 2]>>,
+    /// Mass-normalised displacements along x and y in 1/√kg, one list a mode with all joints free.
+    pub free: Vec<Vec<Vec<[f64; 2]>>>,
+}
+
+/// Modes of an arm about a pose.
+#[derive(Debug, Clone)]
 pub struct ArmModes {
     /// Direction of each link's chord in rad, counterclockwise from x.
     pub directions_rad: Vec<f64>,
@@ -55,6 +68,20 @@ pub struct ArmModes {
     pub held: SettledModes,
     /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
     pub joint_stiffnesses_n_m_rad: Vec<f64>,
+    pose: ArmPose,
+}
+
+impl ArmModes {
+    /// Shapes of the modes at nodes whose distances in m from the joint of their link are given, link by link. The joint that
+    /// turns most turns counterclockwise; where none turns, the tip moves along x or y, along which it moves more.
+    pub fn shapes(&self, nodes_m: Vec<Vec<f64>>) -> ArmShapes {
+        let modes = self.free.modes.par_iter();
+        ArmShapes {
+            rest_m: self.pose.places_m(&nodes_m),
+            free: modes.map(|mode| self.pose.moved(&nodes_m, &mode.shape)).collect(),
+            nodes_m,
+        }
+    }
 }
 
 /// Responses of an arm about a pose.
@@ -116,10 +143,13 @@ impl ArmPose {
         let turn = largest(&mut self.joints.iter().map(|joint| x[*joint]));
         let turns = turn.abs() > NO_TURN * largest(&mut x.iter().copied()).abs();
         let part = |joint: &usize| if turns { x[*joint] / turn } else { 0.0 };
+        let tip = largest(&mut self.tip_rows.iter().map(|row| dot(row, x)));
+        let factor = f64::copysign(1.0, if turns { turn } else { tip }) / mass.sqrt();
         PoseMode {
             square_per_s2,
             damping_ratio: (square_per_s2 > 0.0).then_some(ratio),
             joints: self.joints.iter().map(part).collect(),
+            shape: x.iter().map(|own| factor * own).collect(),
         }
     }
 }
@@ -212,6 +242,7 @@ pub fn arm_modes(
             tip_m: pose.tip_m(),
             holding_torques_n_m: pose.holding_torques_n_m().to_vec(),
             joint_stiffnesses_n_m_rad: springs.clone(),
+            pose,
         })
     };
     refined(on, |found| {

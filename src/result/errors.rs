@@ -119,7 +119,7 @@ pub struct ModesResult {
 }
 
 /// Zeros of one link's torque → tip.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct LinkZeros {
     /// Zeros ±z in 1/s.
     pub zeros_per_s: Vec<f64>,

@@ -191,7 +191,8 @@ impl RunOutputs {
         }
         for (name, columns) in &mut tables {
             for (number, link) in (1..).zip(&solution.links) {
-                for node in 0..link.nodes_m.len() {
+                let kept = self.nodes_up_to(link.nodes_m.len());
+                for node in kept {
                     match *name {
                         POSITIONS => {
                             for (axis, values) in ["x", "y"].iter().zip(&link.positions_m[node]) {

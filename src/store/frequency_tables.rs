@@ -11,7 +11,7 @@ use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
-use crate::response::{ArmModes, ArmResponses, SettledModes};
+use crate::response::{ArmModes, ArmResponses, ArmShapes, SettledModes};
 use crate::result::{LinkZeros, ModesResult, PoseModes, PoseSquares};
 
 /// Names of all files that `modes` may write.
@@ -38,16 +38,107 @@ impl ModesResult {
             let own = [("mesh_error", &held.mesh_errors[..])];
             folder.file(HELD, |out| write_modes(out, &held.omega_rad_s, &own, digits))?;
         }
-        let zeros = [
-            ("zero_per_s", &self.zeros.zeros_per_s[..]),
-            ("lead_to_1_percent_s", &self.zeros.leads_s()),
-            ("blocked_frequency_hz", &self.zeros.blocked_hz),
-            ("mesh_error", &self.zeros.mesh_errors),
-            ("blocked_mesh_error", &self.zeros.blocked_mesh_errors),
-        ];
+        let zeros = zero_columns(&self.zeros);
+        let zeros: Vec<_> = zeros.iter().map(|(name, values)| (*name, &values[..])).collect();
         folder.file(ZEROS, |out| write_columns(out, None, &zeros, digits))?;
         folder.commit(ZEROS, &OWNED)
     }
+}
+
+/// The columns of a link's zeros.
+fn zero_columns(zeros: &LinkZeros) -> [(&'static str, Vec<f64>); 5] {
+    [
+        ("zero_per_s", zeros.zeros_per_s.clone()),
+        ("lead_to_1_percent_s", zeros.leads_s()),
+        ("blocked_frequency_hz", zeros.blocked_hz.clone()),
+        ("mesh_error", zeros.mesh_errors.clone()),
+        ("blocked_mesh_error", zeros.blocked_mesh_errors.clone()),
+    ]
+}
+
+/// Writes modes.csv, `held_modes.csv` and `mode_shapes.csv` of an arm in a pose, and zeros.csv of its links: all or none.
+///
+/// # Errors
+/// [`FolderError`] names the file that cannot be written.
+pub fn write_arm_modes(
+    folder: OutputFolder,
+    (modes, shapes, zeros): (&ArmModes, &ArmShapes, &[LinkZeros]),
+    digits: Digits,
+) -> Result<(), FolderError> {
+    folder.file(MODES, |out| write_settled(out, &modes.free, digits))?;
+    folder.file(HELD, |out| write_settled(out, &modes.held, digits))?;
+    folder.file(SHAPES, |out| write_shapes(out, shapes, digits))?;
+    folder.file(ZEROS, |out| write_zeros(out, zeros, digits))?;
+    folder.commit(ZEROS, &OWNED)
+}
+
+/// Writes modes of an arm. What leaves the pose has a growth rate alone, what stays where it is turned no period.
+fn write_settled(
+    out: &mut (dyn Write + Send),
+    found: &SettledModes,
+    digits: Digits,
+) -> io::Result<()> {
+    let column = |of: &dyn Fn(usize) -> f64| (0..found.modes.len()).map(of).collect::<Vec<f64>>();
+    let square = |k: usize| found.modes[k].square_per_s2;
+    let omega_rad_s = column(&|k| square(k).sqrt());
+    let growth = column(&|k| if square(k) < 0.0 { (-square(k)).sqrt() } else { f64::NAN });
+    let ratios = column(&|k| found.modes[k].damping_ratio.unwrap_or(f64::NAN));
+    let joints = found.modes.first().map_or(0, |mode| mode.joints.len());
+    let joints: Vec<_> = (0..joints)
+        .map(|joint| (format!("joint{}", joint + 1), column(&|k| found.modes[k].joints[joint])))
+        .collect();
+    let turns = joints.iter().map(|(name, values)| (&name[..], &values[..]));
+    let own =
+        [("growth_per_s", &growth[..]), ("damping_ratio", &ratios), ("mesh_error", &found.errors)];
+    let own: Vec<_> = own.into_iter().chain(turns).collect();
+    write_modes(out, &omega_rad_s, &own, digits)
+}
+
+/// Writes a row for each node of each link: where it is at rest, and how the modes with free joints move it.
+fn write_shapes(
+    out: &mut (dyn Write + Send),
+    shapes: &ArmShapes,
+    digits: Digits,
+) -> io::Result<()> {
+    let nodes_m: Vec<f64> = shapes.nodes_m.iter().flatten().copied().collect();
+    let links = of_links(shapes.nodes_m.iter().map(Vec::len));
+    let mut columns = vec![("x_m".to_owned(), nodes_m)];
+    let mut both = |name: &dyn Fn(&str) -> String, places: &[Vec<[f64; 2]>]| {
+        for (axis, letter) in ["x", "y"].into_iter().enumerate() {
+            let values = places.iter().flatten().map(|place| place[axis]);
+            columns.push((name(letter), values.collect()));
+        }
+    };
+    both(&|axis| format!("rest_{axis}_m"), &shapes.rest_m);
+    for (mode, moved) in (1..).zip(&shapes.free) {
+        both(&|axis| format!("mode_{mode}_{axis}"), moved);
+    }
+    let columns: Vec<_> = columns.iter().map(|(name, values)| (&name[..], &values[..])).collect();
+    write_columns(out, Some(("link", &links)), &columns, digits)
+}
+
+/// Writes the zeros of one link after those of the other.
+fn write_zeros(
+    out: &mut (dyn Write + Send),
+    zeros: &[LinkZeros],
+    digits: Digits,
+) -> io::Result<()> {
+    let most = |own: &LinkZeros| own.zeros_per_s.len().max(own.blocked_hz.len());
+    let links = of_links(zeros.iter().map(most));
+    let mut columns = zero_columns(&LinkZeros::default());
+    for own in zeros {
+        for (whole, (_, mut values)) in columns.iter_mut().zip(zero_columns(own)) {
+            values.resize(most(own), f64::NAN);
+            whole.1.append(&mut values);
+        }
+    }
+    let columns: Vec<_> = columns.iter().map(|(name, values)| (*name, &values[..])).collect();
+    write_columns(out, Some(("link", &links)), &columns, digits)
+}
+
+/// The number of the link, from 1, of each row, from the number of rows of each link.
+fn of_links(rows: impl Iterator<Item = usize>) -> Vec<f64> {
+    (1_u8..).zip(rows).flat_map(|(link, rows)| vec![f64::from(link); rows]).collect()
 }
 
 /// Writes number, angular frequency, frequency and period of each mode, then the columns `own`.
@@ -57,11 +148,12 @@ fn write_modes(
     own: &[(&str, &[f64])],
     digits: Digits,
 ) -> io::Result<()> {
+    let numbers: Vec<f64> = (1..=omega_rad_s.len()).map(|mode| mode as f64).collect();
     let hertz: Vec<f64> = omega_rad_s.iter().map(|omega| omega / TAU).collect();
     let periods: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
     let common =
         [("omega_rad_s", omega_rad_s), ("frequency_hz", &hertz[..]), ("period_s", &periods[..])];
-    write_columns(out, Some("mode"), &[&common[..], own].concat(), digits)
+    write_columns(out, Some(("mode", &numbers)), &[&common[..], own].concat(), digits)
 }
 
 /// One of the transfers of a row.

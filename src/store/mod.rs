@@ -21,7 +21,7 @@ pub use arm_run::ArmRun;
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{
     ResponseColumns, arm_modes_json, arm_response, frequency_response_json, link_response,
-    modes_json, pose_modes_json, write_frequency_response,
+    modes_json, pose_modes_json, write_arm_modes, write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::{Fingerprint, FitInputs, fit_json, read_state, state_json};

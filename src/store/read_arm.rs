@@ -50,10 +50,15 @@ pub(super) fn read_arm(
     torques.check_even()?;
     check_window(&torques, summary)?;
     let times_s = torques.take(TIME);
+    let has_some_nodes = summary.origin().arguments.iter().any(|own| own == "--nodes");
     let read = |file: &str, columns: &[String]| {
-        let table = Table::holding(&folder.file(file)?, columns)?;
-        // The tables at nodes may be thinned.
         let is_nodal = [POSITIONS, MOMENTS.file].contains(&file);
+        let table = Table::holding(&folder.file(file)?, columns);
+        let table = table.map_err(|error| {
+            let hint = "the page draws all nodes of an arm: solve it without --nodes";
+            if is_nodal && has_some_nodes { error.with_hint(hint.to_owned()) } else { error }
+        })?;
+        // The tables at nodes may be thinned.
         let every = if is_nodal { stride(table.times_s(), &times_s) } else { 1 };
         table.check_times((TORQUES, &times_s), every)?;
         Ok::<Table, TableError>(table)

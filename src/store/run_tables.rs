@@ -268,6 +268,13 @@ impl RunOutputs {
     fn nodes_of(&self, mesh: &Mesh) -> Vec<usize> {
         self.nodes.clone().unwrap_or_else(|| (0..mesh.nodes_m().len()).collect())
     }
+
+    /// The nodes to write of a link of an arm that has so many: those of the list that it has, or all.
+    pub(super) fn nodes_up_to(&self, count: usize) -> Vec<usize> {
+        let mut nodes = self.nodes.clone().unwrap_or_else(|| (0..count).collect());
+        nodes.retain(|node| *node < count);
+        nodes
+    }
 }
 
 /// Writes the files that every run has, and gives all files their names.

@@ -11,6 +11,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use flexlink::inverse::{Stage, Watch};
+use flexlink::response::ArmProgress;
 
 use super::console;
 use super::exit::Failure;
@@ -90,6 +91,9 @@ const SHORT: Duration = Duration::from_millis(500);
 /// Time between two drawings of a bar that does not move.
 const TICK: Duration = Duration::from_millis(100);
 
+/// How often a bar moves over one play of an arm.
+const PLAY_TICKS: usize = 100;
+
 /// Stages of unknown length: the first, those between two others, and the one after the last row is
 /// written.
 const FIRST: &str = "finding the band";
@@ -158,6 +162,20 @@ impl StageBar {
     /// Shows how many links a fit has tried.
     pub(crate) fn tried(&self, links: usize) {
         self.bar.set_message(format!("fitting, {links} links tried"));
+    }
+
+    /// Shows how far the play of an arm is.
+    pub(crate) fn played(&self, ArmProgress { refinement, done, samples }: ArmProgress) {
+        if done % samples.div_ceil(PLAY_TICKS) != 0 {
+            return;
+        }
+        self.bar.set_length(samples as u64);
+        self.bar.set_position(done as u64);
+        self.bar.set_message(match refinement {
+            0 => "playing".to_owned(),
+            finer => format!("playing, refinement {finer}"),
+        });
+        self.bar.set_style(style(KNOWN));
     }
 
     /// Shows a stage of unknown length.

@@ -117,5 +117,82 @@ fn poses_that_are_none_are_refused() {
     let bayo = repository("specs/bayo1987_example1.toml");
     refused(&["frf", &bayo, "--at", "1"], 2, "--at is for an arm of several links");
     refused(&["modes", &bayo, "--at", "1,2"], 2, "--at = 2 angles, but must be one for one link");
-    refused(&["modes", "arm.toml", "--at", "1,2", "-o", "m"], 2, "cannot be used with");
+    refused(&["modes", &bayo, "--at", "1", "-o", "m"], 2, "--output with --at is for an arm");
+}
+
+/// Rows of a table, its names first.
+fn rows(text: &str) -> Vec<Vec<&str>> {
+    text.lines().map(|line| line.split(',').collect()).collect()
+}
+
+#[test]
+fn modes_shapes_and_zeros_of_a_pose_are_tabled() {
+    let bench = bench();
+    let pose = ["modes", "arm.toml", "--at", "-60 deg,20 deg", "--count", "2"];
+    let output = bench.run(&[&pose[..], &["-o", "m"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let files = ["held_modes.csv", "mode_shapes.csv", "modes.csv", "zeros.csv"];
+    assert_eq!(bench.names("m"), files);
+    let json = stdout(&bench.run(&[&pose[..], &["--json"]].concat()));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let numbers = |list: &serde_json::Value| -> Vec<f64> {
+        list.as_array().unwrap().iter().map(|own| own.as_f64().unwrap()).collect()
+    };
+
+    // The first swing falls: it has a rate in place of a frequency.
+    let text = bench.read("m/modes.csv");
+    let modes = rows(&text);
+    let own = ["growth_per_s", "damping_ratio", "mesh_error", "joint1", "joint2"];
+    let common = ["mode", "omega_rad_s", "frequency_hz", "period_s"];
+    assert_eq!(modes[0], [&common[..], &own].concat());
+    assert_eq!(modes.len(), 1 + 2 + 2);
+    assert_eq!(modes[1][..4], ["1", "", "", ""]);
+    let growth: f64 = modes[1][4].parse().unwrap();
+    assert!((growth - json["free"]["growth_per_s"][0].as_f64().unwrap()).abs() < 1e-9);
+    for (k, row) in modes[1..].iter().enumerate().skip(1) {
+        let hertz: f64 = row[2].parse().unwrap();
+        assert!((hertz - json["free"]["frequency_hz"][k].as_f64().unwrap()).abs() < 1e-8);
+        assert_eq!(row[4], "");
+    }
+    let text = bench.read("m/held_modes.csv");
+    assert_eq!((rows(&text)[0].len(), rows(&text).len()), (9, 3));
+
+    // Links in order, each from its joint to its tip, where the next one begins.
+    let shapes = bench.table("m/mode_shapes.csv");
+    let names: Vec<&str> = shapes.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[..6], ["link", "x_m", "rest_x_m", "rest_y_m", "mode_1_x", "mode_1_y"]);
+    assert_eq!(names.len(), 4 + 2 * 4);
+    let links = &shapes[0].1;
+    let root = links.iter().position(|link| *link > 1.5).unwrap();
+    assert!((shapes[1].1[root - 1] - 0.7).abs() < 1e-9 && shapes[1].1[root] == 0.0);
+    for (name, values) in &shapes[2..] {
+        assert!((values[root] - values[root - 1]).abs() < 1e-9, "{name}");
+        assert!(values[0].abs() < 1e-12, "{name}");
+    }
+    let tip = numbers(&json["tip_m"]);
+    for (own, tip) in shapes[2..4].iter().zip(tip) {
+        assert!((own.1.last().unwrap() - tip).abs() < 1e-9);
+    }
+    // Where the first joint turns most, it turns counterclockwise: from -60 deg towards x.
+    let turns = (0..4).filter(|mode| json["free"]["joints"][*mode][0] == 1.0);
+    for mode in turns.inspect(|mode| assert!(*mode > 0)) {
+        let [x, y] = [0, 1].map(|axis: usize| shapes[4 + 2 * mode + axis].1[1]);
+        assert!(0.866 * x + 0.5 * y > 0.0, "mode {}", mode + 1);
+    }
+
+    // The drive's spring is in the first joint alone; zeros of both links stand in one table.
+    let text = bench.read("m/zeros.csv");
+    let zeros = rows(&text);
+    assert_eq!(zeros[0][..2], ["link", "zero_per_s"]);
+    let of_link = |number: usize| -> Vec<f64> {
+        let own = zeros.iter().filter(|row| row[0] == number.to_string() && !row[1].is_empty());
+        own.map(|row| row[1].parse().unwrap()).collect()
+    };
+    for link in 0..2 {
+        let exact = numbers(&json["links"][link]["zero_per_s"]);
+        let found = of_link(link + 1);
+        assert!(
+            found.len() == 2 && found.iter().zip(&exact).all(|(a, b)| (a / b - 1.0).abs() < 1e-9)
+        );
+    }
 }

@@ -1,6 +1,6 @@
 //! Paths of arms that `trajectory` makes: what is written, refused before it is solved, and fitted to limits.
 
-use super::{Bench, repository, stderr, stdout};
+use super::{Bench, column, repository, stderr, stdout};
 
 const ARM: &str = "specs/arms/two_links.toml";
 
@@ -150,4 +150,150 @@ fn the_shortest_path_within_the_limits_of_all_joints_is_found() {
     assert_eq!(heavy.status.code(), Some(4));
     let message = "error: joint 1: limits.torque = 2.000 N m, but must be at least ";
     assert!(stderr(&heavy).starts_with(message), "{}", stderr(&heavy));
+}
+
+/// Linear, on a mesh of its own: what is read counts here.
+const LINEAR: [&str; 4] = ["--set", "analysis.second_order=\"none\"", "--set", "mesh.elements=4"];
+
+/// A path of two links, as its samples are at uniform or uneven times.
+fn samples(uneven: f64) -> Vec<[f64; 3]> {
+    let of = |k: u32| {
+        let even = f64::from(k) / 200.0;
+        let u = even + uneven * (std::f64::consts::TAU * even).sin() / std::f64::consts::TAU;
+        let share = u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))));
+        [u, 0.9, -0.5 + 0.6 * share]
+    };
+    (0..=200).map(of).collect()
+}
+
+fn table(heading: &str, rows: impl IntoIterator<Item = String>) -> String {
+    rows.into_iter().fold(format!("{heading}\n"), |text, row| text + &row + "\n")
+}
+
+fn standard([time, x, y]: [f64; 3]) -> String {
+    format!("{time:.15},{x:.15},{y:.15}")
+}
+
+/// Largest difference of both torques of two runs, over the largest torque.
+fn difference(bench: &Bench, runs: [&str; 2]) -> f64 {
+    let mut worst: f64 = 0.0;
+    for name in ["torque1_n_m", "torque2_n_m"] {
+        let of = |run: &str, name: &str| column(bench, &format!("{run}/torques.csv"), name);
+        let [times, others] = runs.map(|run| of(run, "time_s"));
+        let [own, other] = runs.map(|run| of(run, name));
+        let peak = own.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        let same = |time: &f64| others.iter().position(|other| (other - time).abs() < 1e-9);
+        let pairs: Vec<_> =
+            times.iter().zip(&own).filter_map(|(t, a)| Some((a, other[same(t)?]))).collect();
+        assert!(pairs.len() > 200, "{}", pairs.len());
+        worst = pairs.iter().fold(worst, |most, (a, b)| most.max((*a - b).abs() / peak));
+    }
+    worst
+}
+
+fn solved(bench: &Bench, arguments: &[&str]) -> String {
+    let arm = repository(ARM);
+    let output = bench.run(&[&["solve", &arm], arguments, &LINEAR, &["-q"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    stderr(&output)
+}
+
+#[test]
+fn a_path_as_an_instrument_writes_it_is_read_by_the_options_recorded_and_repeated() {
+    let bench = Bench::new();
+    bench.write("path.csv", &table("time,x,y", samples(0.0).into_iter().map(standard)));
+    solved(&bench, &["path.csv", "-o", "standard"]);
+    let lab = samples(0.0).into_iter().map(|[time, x, y]| {
+        let [ms, x, y] = [1e3 * time, 1e3 * x, -2e3 * y].map(|own| format!("{own:.12}"));
+        format!("7;{y};{x};{ms}").replace('.', ",")
+    });
+    bench.write("lab.csv", &table("Messung 3\nNr;hoch;rechts;Zeit", lab));
+    let reading = [
+        "--columns",
+        "time=4,x=rechts",
+        "--columns",
+        "y=2",
+        "--time-unit",
+        "ms",
+        "--unit",
+        "mm",
+        "--scale",
+        "y=-0.5",
+        "--skip",
+        "1",
+    ];
+    let told = solved(&bench, &[&["lab.csv", "-o", "lab"], &reading[..]].concat());
+    let note = "note: lab.csv: read ; as delimiter, decimal comma, y from column 2 \"hoch\" in mm, \
+                x from column 3 \"rechts\" in mm, time from column 4 \"Zeit\" in ms\n";
+    assert!(told.starts_with(note), "{told}");
+    let off = difference(&bench, ["standard", "lab"]);
+    assert!(off < 1e-8, "{off:e}");
+    let recorded = bench.json("lab/summary.json")["inputs"]["arguments"].to_string();
+    assert!(recorded.contains("\"--columns\",\"x=rechts\""), "{recorded}");
+    assert!(recorded.contains("\"--scale\",\"y=-0.5\""), "{recorded}");
+    let again = bench.run(&["solve", "--repeat", "lab", &repository(ARM), "lab.csv"]);
+    assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
+}
+
+#[test]
+fn uneven_samples_of_a_path_are_made_uniform_by_a_spline_and_repeated() {
+    let bench = Bench::new();
+    bench.write("even.csv", &table("time,x,y", samples(0.0).into_iter().map(standard)));
+    bench.write("uneven.csv", &table("time,x,y", samples(0.05).into_iter().map(standard)));
+    solved(&bench, &["even.csv", "-o", "even"]);
+    solved(&bench, &["uneven.csv", "--resample", "0.005", "-o", "uneven"]);
+    let off = difference(&bench, ["even", "uneven"]);
+    assert!(off > 1e-12 && off < 1e-6, "{off:e}");
+    let again = bench.run(&["solve", "--repeat", "uneven", &repository(ARM), "uneven.csv"]);
+    assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
+
+    let arm = repository(ARM);
+    let sweep = ["sweep", &arm, "uneven.csv", "--resample", "0.005", "--vary", "mesh.elements=4"];
+    let linear = ["--set", "analysis.second_order=\"none\"", "-o", "sweep.csv", "-q"];
+    let swept = bench.run(&[&sweep[..], &linear].concat());
+    assert!(swept.status.success(), "{}", stderr(&swept));
+    let summary = bench.json("uneven/summary.json");
+    let peak = summary["results"]["joints"][0]["peak_torque_n_m"].as_f64().unwrap();
+    let text = bench.read("sweep.csv");
+    let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let at = names.iter().position(|name| *name == "peak_torque1_n_m").unwrap();
+    let found: f64 = text.lines().nth(1).unwrap().split(',').nth(at).unwrap().parse().unwrap();
+    assert!((found / peak - 1.0).abs() < 1e-8, "{found} {peak}");
+}
+
+#[test]
+fn options_that_do_not_fit_a_path_are_refused_in_words() {
+    let bench = Bench::new();
+    bench.write("path.csv", &table("time,x,y", samples(0.0).into_iter().map(standard)));
+    bench.write("uneven.csv", &table("time,x,y", samples(0.05).into_iter().map(standard)));
+    let turned = samples(0.0).into_iter().enumerate().map(|(k, [time, ..])| {
+        let degrees = if k < 100 { 170.0 } else { -175.0 };
+        format!("{time},{degrees},10")
+    });
+    bench.write("jump.csv", &table("time,angle1 [deg],angle2 [deg]", turned));
+    let arm = repository(ARM);
+    let refused = |file: &str, options: &[&str], code: i32, words: &str| {
+        let output = bench.run(&[&["solve", &arm, file], options, &["-o", "out"]].concat());
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{message}");
+        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
+        assert!(!bench.path("out").exists(), "nothing is written");
+    };
+    let read = "must be a unit of one of those read, time, x, y";
+    refused("path.csv", &["--unit", "deg"], 3, read);
+    refused("path.csv", &["--scale", "angle1=2"], 3, "must be one of those read, time, x, y");
+    refused("path.csv", &["--columns", "x=2"], 3, "--columns = x, but must choose y, too");
+    refused("path.csv", &["--columns", "displacement=2"], 3, "must be one of time, x, y, angle1");
+    refused("path.csv", &["--columns", "x=2,y=4"], 3, "y=4, but must be at most 3");
+    refused("path.csv", &["--columns", "z=2"], 2, "angle1 to angle9");
+    refused("uneven.csv", &[], 3, "let --resample STEP make uneven samples uniform");
+    refused("uneven.csv", &["--resample", "0.3"], 3, "must divide the motion's 1 s into whole");
+    refused("uneven.csv", &["--resample", "-1"], 3, "must be finite and above 0");
+    // A spline through the jump would turn the link by nearly a turn.
+    refused("jump.csv", &["--resample", "0.001"], 3, "jump.csv:102: angle1 = -3.054326 rad");
+    let link = repository("specs/bayo1987_example1.toml");
+    let output = bench.run(&["solve", &link, "path.csv", "--columns", "x=2"]);
+    assert_eq!(output.status.code(), Some(3));
+    let words = "--columns = x, but must be one of time, acceleration";
+    assert!(stderr(&output).contains(words), "{}", stderr(&output));
 }

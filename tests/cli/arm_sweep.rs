@@ -157,6 +157,38 @@ fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
 }
 
 #[test]
+fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
+    let bench = bench();
+    let stiffness = ["--vary", "links.*.segments.*.EI*=1,4"];
+    swept(&bench, &[&stiffness[..], &["--vary", "duration*=1,1.5"]].concat());
+    let done = |arguments: &[&str]| {
+        let output = bench.run(arguments);
+        assert!(output.status.success(), "{}", stderr(&output));
+    };
+    done(&["report", "sweep.csv", "-q", "--svg", "maps"]);
+    let topics = ["deflection", "lag", "lead", "peak-torque"];
+    let of_joints = |topic: &&str| [1, 2].map(|joint| format!("{topic}-joint-{joint}.svg"));
+    let expected: Vec<String> = topics.iter().flat_map(of_joints).collect();
+    assert_eq!(bench.names("maps"), expected);
+    assert!(bench.read("maps/lead-joint-2.svg").contains("Lead, joint 2, over two values"));
+    swept(&bench, &stiffness);
+    done(&["report", "sweep.csv", "-q", "--svg", "lines"]);
+    // The last point of the second joint is the last row's.
+    let (svg, rows) = (bench.read("lines/peak-torque-joint-2.svg"), rows(&bench, "sweep.csv"));
+    let column = rows[0].iter().position(|name| name == "peak_torque2_n_m").unwrap();
+    let shown = super::report::points(&svg, "flexible");
+    let (peak, last) = (rows[2][column].parse::<f64>().unwrap(), shown.last().unwrap().1);
+    assert!((last - peak).abs() < 1e-3 * peak, "{last} {peak}");
+    assert_eq!(super::report::points(&svg, "rigid").len(), 2);
+    bench.write(
+        "other.csv",
+        &bench.read("sweep.csv").replace("peak_torque2_n_m", "peak_torque3_n_m"),
+    );
+    let output = bench.run(&["report", "other.csv"]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+}
+
+#[test]
 fn what_is_of_one_link_is_refused_for_sweeps_of_arms() {
     let bench = bench();
     let mass = ["--vary", "links.fore.payload.mass=0.1,0.2"];
@@ -165,7 +197,6 @@ fn what_is_of_one_link_is_refused_for_sweeps_of_arms() {
         (&["--vary", "duration=1,2"], 2, "duration=1, but duration of the motion takes factors"),
         (&[&mass[..], &["--torque", "t.csv"]].concat(), 2, "--torque is for one link"),
         (&[&mass[..], &["--periodic"]].concat(), 2, "--periodic is for one link"),
-        (&[&mass[..], &["--outputs", "a", "--nodes", "1"]].concat(), 2, "--nodes is for one link"),
         (
             &["--vary", "links.fore.payload.mass=0.1,0.2", "--vary", "links.*.payload.mass=0.1"],
             3,

@@ -147,7 +147,12 @@ fn what_an_arm_cannot_follow_is_refused_by_its_row() {
     bench.write("lone.csv", "time,displacement\n0,0\n1,1\n2,1\n3,1\n");
     refused("lone.csv", &[], 3, "x and y, or angle1");
     refused("path.csv", &["--noise", "1"], 2, "--noise is for one link");
-    refused("path.csv", &["--nodes", "1"], 2, "--nodes is for one link");
+    refused(
+        "path.csv",
+        &["--nodes", "1", "--report"],
+        2,
+        "--report draws an arm with all its nodes",
+    );
     refused(
         "path.csv",
         &["--set", "links.upper.hub.inertia=-1"],
@@ -333,4 +338,47 @@ fn coordinates_that_hardly_move_are_solved_or_refused_in_words() {
     let message = stderr(&short);
     assert!(!message.contains("panicked"), "{message}");
     assert!(message.contains("warning: ") || message.starts_with("error: "), "{message}");
+}
+
+#[test]
+fn nodes_of_the_list_are_written_for_each_link_that_has_them_and_repeated() {
+    let bench = bench();
+    let path = repository("trajectories/arms/line_1.5s.csv");
+    let two = repository("specs/arms/two_links.toml");
+    let linear = ["--set", "analysis.second_order=\"none\"", "-q"];
+    let elements =
+        ["--set", "links.0.segments.0.elements=4", "--set", "links.1.segments.0.elements=2"];
+    let run = |more: &[&str]| {
+        bench.run(&[&["solve", &two, &path][..], &linear, &elements, more].concat())
+    };
+    let all = run(&["--moments", "-o", "all"]);
+    assert!(all.status.success(), "{}", stderr(&all));
+    let few = run(&["--moments", "--nodes", "4,1", "-o", "few"]);
+    assert!(few.status.success(), "{}", stderr(&few));
+    let heading = |file: &str| bench.read(file).lines().next().unwrap().to_owned();
+    let names = "time_s,x1_4_m,y1_4_m,x1_1_m,y1_1_m,x2_1_m,y2_1_m";
+    assert_eq!(heading("few/nodal_positions.csv"), names);
+    assert_eq!(heading("few/bending_moments.csv"), "time_s,m1_4_n_m,m1_1_n_m,m2_1_n_m");
+    for name in ["x1_4_m", "y2_1_m"] {
+        let [few, all] =
+            ["few", "all"].map(|run| column(&bench, &format!("{run}/nodal_positions.csv"), name));
+        assert!(few.len() == all.len() && few.iter().zip(&all).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+    assert!(bench.read("few/nodes.csv") == bench.read("all/nodes.csv"), "it lists all nodes");
+    let again = bench.run(&["solve", "--repeat", "few", &two, &path]);
+    assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
+
+    let page = bench.run(&["report", "few"]);
+    assert_eq!(page.status.code(), Some(3));
+    let told = stderr(&page);
+    assert!(told.contains("must include x1_0_m") && told.contains("without --nodes"), "{told}");
+    for (nodes, words) in [
+        ("5", "--nodes = 5, but must name nodes of a link, 0 to 4"),
+        ("1,1", "--nodes = 1 twice, but must name it once"),
+    ] {
+        let none = run(&["--nodes", nodes, "-o", "none"]);
+        assert_eq!(none.status.code(), Some(2));
+        assert!(stderr(&none).contains(words), "{}", stderr(&none));
+        assert!(!bench.path("none").exists());
+    }
 }

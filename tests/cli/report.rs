@@ -51,7 +51,7 @@ fn colours(picture: &[u8]) -> HashSet<[u8; 3]> {
 }
 
 /// Points of a line of a figure, in the units of its axes.
-fn points(svg: &str, line: &str) -> Vec<(f64, f64)> {
+pub(super) fn points(svg: &str, line: &str) -> Vec<(f64, f64)> {
     let (x, y) = (numbers(attribute(svg, "data-x")), numbers(attribute(svg, "data-y")));
     let plot = numbers(attribute(svg, "data-plot"));
     let path = &svg[svg.find(&format!("data-name=\"{line}\"")).unwrap()..];

@@ -48,10 +48,7 @@ impl Simulate {
 
     /// Plays the torques, writes and tells.
     pub(super) fn run_arm(&self, inputs: &ArmInputs) -> Result<(), Failure> {
-        let stages = StageBar::new();
-        stages.at("playing");
         let played = self.compute_arm(inputs)?;
-        drop(stages);
         let Played { tip_error, warnings, .. } = &played;
         let run = played.run(inputs);
         let summary = self.write_arm(inputs, &run)?;
@@ -68,7 +65,9 @@ impl Simulate {
         let ArmSpecification { arm, meshes, .. } = &*inputs.specification;
         let tolerance = MeshPlan::smallest_tolerance(meshes);
         let play = inputs.playing.play(self.play.until, tolerance);
-        let simulated = simulate_arm(arm, meshes, &play);
+        let stages = StageBar::new();
+        let simulated = simulate_arm(arm, meshes, &play, &|progress| stages.played(progress));
+        drop(stages);
         let (motion, warnings) = simulated.map_err(|error| self.arm_refused(&error, inputs))?;
         let target = inputs.playing.target.as_ref();
         let tip_error = target.map(|(file, target)| {

@@ -37,7 +37,8 @@ impl<'a> ArmProblem<'a> {
     ) -> Result<Self, Failure> {
         options.refuse_for_arms()?;
         let arm = (&arm_file, specification);
-        let inputs = ArmAndPath::read(arm, &path_file, &options.read, &options.scale)?;
+        let SolveOptions { read, resample, scale, .. } = options;
+        let inputs = ArmAndPath::read(arm, &path_file, (read, resample, scale))?;
         Ok(Self { options, arm_file, path_file, inputs })
     }
 
@@ -45,6 +46,7 @@ impl<'a> ArmProblem<'a> {
     pub(super) fn solve(&self, stages: &StageBar) -> Result<SolvedRun, Failure> {
         stages.at("solving");
         let solved = self.inputs.solve(memory::available())?;
+        self.options.nodes.check_arm(&solved.solution)?;
         let verified = || self.inputs.verified(&solved.solution, self.options.digits, stages);
         let verification = self.options.verify.then(verified);
         Ok(SolvedRun { solved, verification })

@@ -92,6 +92,11 @@ impl Solve {
         let (problem, output) = self.load()?;
         let problem = match problem {
             OneOrSeveral::One(problem) => problem,
+            OneOrSeveral::Several(_) if self.report && self.options.nodes.list.is_some() => {
+                let message =
+                    "--report draws an arm with all its nodes, but --nodes leaves some out";
+                return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
+            }
             OneOrSeveral::Several(problem) => return self.run_arm(&problem, output),
         };
         let stages = self.print.stages();

@@ -30,13 +30,13 @@ pub(super) struct SolveOptions {
     changes: ChangeArgs,
 
     #[command(flatten)]
-    resample: ResampleArgs,
+    pub(super) resample: ResampleArgs,
 
     #[command(flatten)]
     pub(super) scale: ScaleArgs,
 
     #[command(flatten)]
-    nodes: NodeArgs,
+    pub(super) nodes: NodeArgs,
 
     #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
     deflections: bool,
@@ -69,9 +69,7 @@ pub(super) struct Recorded {
 impl SolveOptions {
     /// Refuses what is known for one link alone.
     pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
-        let options = [self.resample.arguments(), self.scale.of_one_link()].concat();
-        let nodes = self.nodes.list.as_ref().map(|_| "--nodes".to_owned());
-        refuse_for_arms(options.into_iter().chain(nodes))
+        refuse_for_arms([self.resample.of_one_link(), self.scale.of_one_link()].concat())
     }
 
     /// What a link file, or that of an arm, describes, with the changes.

@@ -265,8 +265,7 @@ impl CaseArgs {
     /// Refuses what is known for one link alone.
     fn refuse_for_arms(&self, plan: &SweepPlan) -> Result<(), Failure> {
         let torque = self.torque.torque.as_ref().map(|_| "--torque".to_owned());
-        let nodes = self.outputs.nodes.list.as_ref().map(|_| "--nodes".to_owned());
-        refuse_for_arms(self.resample.arguments().into_iter().chain(torque).chain(nodes))?;
+        refuse_for_arms(self.resample.of_one_link().into_iter().chain(torque))?;
         if plan.variations().iter().any(|variation| variation.path() == "distance") {
             let message = "--vary: distance is for one link, and the arm has several";
             let hint = "duration*= scales the times of a path, which goes from place to place";

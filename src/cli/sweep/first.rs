@@ -1,6 +1,6 @@
 //! The first case of a sweep: a link and its motion, or an arm and its path.
 
-use flexlink::csv::{InputFile, PathTable, Reading, read_path_table};
+use flexlink::csv::{InputFile, PathTable, Reading};
 use flexlink::link::{Arm, Link};
 use flexlink::motion::{Periods, TipMotion};
 use flexlink::spec::{ArmSpecification, Described, Specification};
@@ -40,7 +40,7 @@ impl First {
                 Ok((Self::Link(Box::new(FirstLink { link, motion, periods })), reading))
             }
             Described::Arm(found) => {
-                let path = read_path_table(&file.shown, &file.bytes, &read.format())?;
+                let path = resample.path_of(file, read)?;
                 let ArmSpecification { arm, .. } = *found;
                 path.path(&arm.lengths_m())?;
                 let reading = path.reading().clone();

@@ -14,8 +14,9 @@ use crate::csv::{CHECK, InputFile, Place, TableError, quoted, read_table, sha256
 use crate::result::StoredSweep;
 use crate::sweep::SweepKind;
 
-/// The first column after those of the values varied.
+/// The first column after those of the values varied: of a link, and of an arm.
 const FIRST: &str = "period_1_s";
+const FIRST_OF_ARM: &str = "zero_1_per_s";
 
 /// Hint for a file that is no table of a sweep.
 const THE_FOLDER: &str = "of a run of solve or simulate, give the folder";
@@ -151,13 +152,16 @@ pub(in crate::store) fn read_sweep(path: &Path) -> Result<StoredSweep, TableErro
 
 /// Number of the columns of values varied.
 fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
-    let varied = names.iter().position(|name| *name == FIRST).unwrap_or(0);
+    let place_of = |first: &str| names.iter().position(|name| *name == first);
+    let varied = place_of(FIRST).or_else(|| place_of(FIRST_OF_ARM)).unwrap_or(0);
     if varied == 0 {
         let must = format!("must be those of a sweep: values varied, {FIRST}, …, {ERROR}");
         let error = place.refuse("columns", quoted(&names.join(",")), must);
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
-    let kinds = [SweepKind::Driven, SweepKind::Solved, SweepKind::Played];
+    let joints = joints_of(names);
+    let arms = [SweepKind::DrivenArm { joints }, SweepKind::Arm { joints }];
+    let kinds = [SweepKind::Driven, SweepKind::Solved, SweepKind::Played, arms[0], arms[1]];
     let known =
         kinds.map(|kind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat());
     let found = &names[varied..];
@@ -178,6 +182,15 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         Some(stray) => Err(place.refuse_column(varied + stray, found[stray], must)),
         None => Err(place.refuse(format!("columns from {FIRST} on"), quoted_all(found), must)),
     }
+}
+
+/// How many joints these columns are of.
+fn joints_of(names: &[&str]) -> usize {
+    let joints = (1..).take_while(|joint| {
+        let first = format!("peak_torque{joint}_n_m");
+        names.contains(&&first[..])
+    });
+    joints.count()
 }
 
 fn quoted_all<S: Borrow<str>>(names: &[S]) -> String {
@@ -208,7 +221,8 @@ pub(in crate::store) fn is_sweep(path: &Path) -> bool {
     let header = lines.map_while(Result::ok).find(|line| !line.starts_with('#'));
     header.is_some_and(|header| {
         let header = header.trim_end();
-        header.contains(&format!(",{FIRST},")) && header.ends_with(&format!(",{ERROR}"))
+        let begins = |first: &str| header.contains(&format!(",{first},"));
+        (begins(FIRST) || begins(FIRST_OF_ARM)) && header.ends_with(&format!(",{ERROR}"))
     })
 }
 

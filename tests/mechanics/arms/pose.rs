@@ -481,3 +481,43 @@ fn what_has_no_small_motions_is_refused() {
     let arm = arm([many(), many(), many(), many()], DOWN);
     assert!(matches!(refused(&arm, &[0.0; 4]), PoseError::TooMany { .. }));
 }
+
+/// Simpson's integral of samples at an even step.
+fn integral(step: f64, values: &[f64]) -> f64 {
+    let weight = |k: usize| match k {
+        0 => 1.0,
+        k if k + 1 == values.len() => 1.0,
+        k if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    values.iter().enumerate().map(|(k, value)| weight(k) * value).sum::<f64>() * step / 3.0
+}
+
+#[test]
+fn shapes_are_normalised_by_the_masses_and_orthogonal() {
+    const POINTS: usize = 200;
+    let two = Two { hubs: [0.0; 2], ..TWO };
+    let nodes_m = two.lengths_m.map(|length| {
+        (0..=POINTS).map(|k| length * k as f64 / POINTS as f64).collect::<Vec<f64>>()
+    });
+    for (gravity_m_s2, pose) in [([0.0; 2], [0.3, 1.2]), (DOWN, [-1.2, 0.4])] {
+        let shapes = modes(&two.arm(gravity_m_s2), &pose, 3).shapes(nodes_m.to_vec());
+        assert_eq!(shapes.free.len(), 5);
+        let product = |a: &[Vec<[f64; 2]>], b: &[Vec<[f64; 2]>]| -> f64 {
+            let of_link = |link: usize| {
+                let dot = |(a, b): (&[f64; 2], &[f64; 2])| a[0] * b[0] + a[1] * b[1];
+                let dots: Vec<f64> = a[link].iter().zip(&b[link]).map(dot).collect();
+                let step = two.lengths_m[link] / POINTS as f64;
+                two.masses[link] * integral(step, &dots) + two.carried[link] * dots[POINTS]
+            };
+            of_link(0) + of_link(1)
+        };
+        for (i, a) in shapes.free.iter().enumerate() {
+            for (j, b) in shapes.free.iter().enumerate() {
+                let exact = if i == j { 1.0 } else { 0.0 };
+                let found = product(a, b);
+                assert!((found - exact).abs() < 1e-6, "modes {i} and {j}: {found}");
+            }
+        }
+    }
+}

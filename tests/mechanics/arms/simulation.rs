@@ -49,7 +49,7 @@ fn played(
         tolerance,
         memory_bytes: None,
     };
-    simulate_arm(arm, &plans(arm, ElementCount::Total(4)), &play).expect("a motion")
+    simulate_arm(arm, &plans(arm, ElementCount::Total(4)), &play, &|_| {}).expect("a motion")
 }
 
 /// Largest distance of the tip from that which was solved, over the tip's way.
@@ -161,7 +161,9 @@ fn an_arm_goes_on_from_a_state_as_if_it_had_not_stopped() {
             tolerance: 1e-6,
             memory_bytes: None,
         };
-        simulate_arm(&arm, &plans(&arm, ElementCount::Total(4)), &play).expect("a motion").0
+        simulate_arm(&arm, &plans(&arm, ElementCount::Total(4)), &play, &|_| {})
+            .expect("a motion")
+            .0
     };
     let whole = play(&parts(0, 80), chords);
     let half = play(&parts(0, 40), chords);
