@@ -4,14 +4,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use flexlink::elastica::SecondOrder;
-use flexlink::inverse::ArmSolution;
+use flexlink::inverse::{ArmSolution, QuantityErrors};
 use flexlink::link::Arm;
 use flexlink::motion::Prescribed;
 use flexlink::response::{ArmModes, PoseMode, SettledModes};
 use flexlink::result::{ArmMetrics, JointMetrics, LinkZeros};
 use flexlink::text::{plain, significant, visible};
 
-use super::runs::{four, timing_line};
+use super::runs::{four, in_columns, rows_text, timing_line};
 use super::tables::{MESH_ERROR, share, unsteady, zero_rows};
 
 /// The summary of an arm's solution; `written` says where its files are.
@@ -35,8 +35,7 @@ pub(crate) fn arm_text(solution: &ArmSolution, metrics: &ArmMetrics, written: &s
         line(&format!("joint {}", number + 1), joint_text(joint));
     }
     line("errors", errors_line(solution));
-    line("window", window_line(solution));
-    line("written", written.to_owned());
+    line("written", format!("{}; {written}", rows_text(&solution.grid)));
     text
 }
 
@@ -112,7 +111,7 @@ fn joint_text(joint: &JointMetrics) -> String {
     ]);
     let [deflection, moment] = four([joint.peak_deflection_m, joint.peak_root_moment_n_m]);
     let mut text = format!(
-        "peak {peak} N m, rms {rms} N m; the rigid arm {rigid} N m\n         {}\n         turns from {start} to {end} rad; peaks {rate} rad/s, {power} W\n         its link bends by \
+        "peak {peak} N m, rms {rms} N m; the rigid arm {rigid} N m;\n         {}\n         turns from {start} to {end} rad; peaks {rate} rad/s, {power} W\n         its link bends by \
          {deflection} m; {moment} N m at its root",
         timing_line(joint.lead_s, joint.lag_s)
     );
@@ -125,28 +124,23 @@ fn joint_text(joint: &JointMetrics) -> String {
 }
 
 fn errors_line(solution: &ArmSolution) -> String {
-    let shown = |error: f64| significant(error, 2);
-    let [mesh, window] = [solution.worst(|own| own.mesh), solution.worst(|own| own.window)];
-    let mut parts = vec![
-        format!("tip {}", shown(solution.expected_tip_error())),
-        format!("mesh {}", shown(mesh)),
-        format!("window {}", shown(window)),
+    type Kind = fn(&QuantityErrors) -> Option<f64>;
+    let kinds: [(&str, Kind); 5] = [
+        ("mesh", |own| Some(own.mesh)),
+        ("window", |own| Some(own.window)),
+        ("step", |own| own.step),
+        ("iteration", |own| own.iteration),
+        ("input", |own| own.input),
     ];
-    let optional = |kind: &dyn Fn(&flexlink::inverse::QuantityErrors) -> Option<f64>| {
+    let worst = kinds.into_iter().filter_map(|(name, kind)| {
         let is_there = solution.errors.iter().any(|own| kind(&own.torque).is_some());
-        is_there.then(|| solution.worst(|own| kind(own).unwrap_or(0.0)))
-    };
-    parts.extend(optional(&|own| own.iteration).map(|e| format!("iteration {}", shown(e))));
-    parts.extend(optional(&|own| own.input).map(|e| format!("input {}", shown(e))));
-    parts.extend(optional(&|own| own.step).map(|e| format!("step {}", shown(e))));
+        let error = is_there.then(|| solution.worst(|own| kind(own).unwrap_or(0.0)))?;
+        Some((name.to_owned(), significant(error, 2)))
+    });
+    let tip = ("tip".to_owned(), significant(solution.expected_tip_error(), 2));
     let of = if solution.arm.has_weight() { "range" } else { "peak" };
-    format!("{},\n         of each {of}, the worst of all joints", parts.join(", "))
-}
-
-fn window_line(solution: &ArmSolution) -> String {
-    let grid = &solution.grid;
-    let [from, to] = four([grid.time_s(0), grid.end_s()]);
-    format!("{from} … {to} s, {} rows", grid.len)
+    let end = format!("of each {of}, worst of all joints");
+    in_columns(std::iter::once(tip).chain(worst), &end)
 }
 
 /// Modes of an arm in a pose, joints free and held, and zeros of its links.

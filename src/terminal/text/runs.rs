@@ -9,6 +9,7 @@ use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::Ends;
+use flexlink::numeric::TimeGrid;
 use flexlink::result::{Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, plain, significant, visible};
 
@@ -27,8 +28,6 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let periods: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
-    let zeros = solution.zeros_per_s(REPORTED_ZEROS);
     let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
     labelled(
         link,
@@ -38,19 +37,16 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
             ("gravity", gravity_line(solution)),
             ("order", order_line(solution)),
             ("ratios", ratios_line(law, &frequencies)),
-            ("periods", list(&periods, 5, &format!(" s{}", without_gravity(link)))),
-            ("zeros", list(&zeros, 4, &format!(" 1/s (real, ±){}", without_gravity(link)))),
+            ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
             ("motion", motion_line(solution, metrics)),
-            ("torque", acting(metrics.peak_torque_n_m, metrics.rms_torque_n_m)),
-            ("rigid", rigid_line(metrics)),
+            ("torque", torque_line(metrics)),
             ("timing", timing_text(metrics)),
             ("hub", hub_line(&hub)),
             ("motor", metrics.motor.as_ref().map(motor_line).unwrap_or_default()),
             ("bending", bending_line(metrics)),
             ("band", band_line(solution)),
             ("errors", solution_errors(solution)),
-            ("window", window_line(solution)),
-            ("written", written),
+            ("written", format!("{}; {written}", rows_text(&solution.grid))),
         ],
     )
 }
@@ -105,7 +101,7 @@ pub(super) fn damping_line(link: &Link, law: &DampingLaw) -> String {
 pub(super) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
     let ratios = law.modal_ratios(frequencies_rad_s);
     let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
-    if are_one { String::new() } else { list(&ratios, 2, "") }
+    if are_one { String::new() } else { list(&ratios, 2) }
 }
 
 /// Gravity, and the direction of the link where the tip's displacement is 0.
@@ -129,24 +125,37 @@ fn order_line(solution: &Solution) -> String {
     };
     let change = significant(100.0 * found.torque_change, 2);
     let contraction = found.contraction.map_or("none".into(), |factor| significant(factor, 2));
-    format!(
-        "{name}: {change} % of the torque; largest slope {slope};\n{:LABEL$}{} iterations, contraction \
-         {contraction}",
-        "", found.iterations
+    let iterations = found.iterations;
+    wrapped(
+        [
+            format!("{name}: {change} % of the torque"),
+            format!("largest slope {slope}"),
+            format!("{iterations} iterations"),
+            format!("contraction {contraction}"),
+        ]
+        .into_iter(),
+        "",
     )
 }
 
-/// What periods and zeros leave out.
-fn without_gravity(link: &Link) -> &'static str {
-    if link.has_weight() { ", without gravity" } else { "" }
+/// The first natural frequencies with a free hub, and the zeros of torque → tip.
+fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
+    let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
+    let hertz = if hertz.is_empty() { "none".into() } else { list(&hertz, 4) + " Hz" };
+    let zeros = zeros_per_s.iter().map(|zero| format!("±{}", significant(*zero, 4)));
+    let zeros: Vec<String> = zeros.collect();
+    let zeros = if zeros.is_empty() { "none".into() } else { zeros.join(" ") + " 1/s" };
+    let without = if link.has_weight() { ", both without gravity" } else { "" };
+    let one = format!("{hertz}; zeros {zeros}{without}");
+    if LABEL + one.chars().count() <= COLUMNS {
+        return one;
+    }
+    format!("{hertz};\n{:LABEL$}zeros {zeros}{without}", "")
 }
 
-/// Several numbers with `digits` significant digits each, and their unit.
-fn list(values: &[f64], digits: usize, unit: &str) -> String {
-    if values.is_empty() {
-        return "none".into();
-    }
-    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ") + unit
+/// Several numbers with `digits` significant digits each.
+fn list(values: &[f64], digits: usize) -> String {
+    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
 }
 
 /// Velocity over its peak that is shown as rest.
@@ -208,10 +217,19 @@ fn acting(peak_n_m: Peak, rms_n_m: f64) -> String {
     format!("peak {peak} N m at {time} s, rms {rms} N m")
 }
 
-fn rigid_line(metrics: &Metrics) -> String {
-    let peak = significant(metrics.peak_rigid_torque_n_m.value, 4);
-    let ratio = significant(metrics.torque_ratio, 3);
-    format!("peak {peak} N m for a rigid link, ratio {ratio}")
+/// The hub's torque beside that of a rigid link.
+fn torque_line(metrics: &Metrics) -> String {
+    let [peak, rigid] = four([metrics.peak_torque_n_m.value, metrics.peak_rigid_torque_n_m.value]);
+    let [time, rms, ratio] =
+        [metrics.peak_torque_n_m.time_s, metrics.rms_torque_n_m, metrics.torque_ratio]
+            .map(|number| significant(number, 3));
+    let parts = [
+        format!("peak {peak} N m at {time} s"),
+        format!("rms {rms}"),
+        format!("rigid link {rigid}"),
+        format!("ratio {ratio}"),
+    ];
+    wrapped(parts.into_iter(), "")
 }
 
 fn timing_text(metrics: &Metrics) -> String {
@@ -221,15 +239,15 @@ fn timing_text(metrics: &Metrics) -> String {
     }
 }
 
+/// When the torque is above 2 % of its peak. A slow motion begins and ends with less.
 pub(super) fn timing_line(lead_s: f64, lag_s: f64) -> String {
-    let [from, to] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
+    let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {
-        return format!("from {from} s before to {to} s after the tip's motion (2 % level)");
+        return format!("starts {start} s before the motion, ends {end} s after it (2 % level)");
     }
-    // A slow motion begins and ends with less torque than that.
     let begins = if lead_s < 0.0 { "after" } else { "before" };
     let ends = if lag_s < 0.0 { "before" } else { "after" };
-    format!("{from} s {begins} the tip starts to {to} s {ends} it stops (2 % level)")
+    format!("starts {start} s {begins} the motion begins, ends {end} s {ends} it ends")
 }
 
 /// The largest angle, rate and power of the hub.
@@ -254,11 +272,14 @@ fn bending_line(metrics: &Metrics) -> String {
 }
 
 fn band_line(solution: &Solution) -> String {
-    let Some(cutoff_hz) = solution.band.cutoff_hz else {
-        return "every frequency of the samples".into();
+    let band = &solution.band;
+    let highest =
+        format!("{} frequencies to {} Hz", band.frequencies, significant(band.highest_hz, 3));
+    let of_motion = match band.cutoff_hz {
+        None => "every frequency of the samples".to_owned(),
+        Some(cutoff_hz) => format!("the motion to {} Hz", significant(cutoff_hz, 3)),
     };
-    let (cutoff, error) = (significant(cutoff_hz, 3), solution.accuracy.tip);
-    format!("to {cutoff} Hz; largest tip error {error:.1e} of the tip's travel")
+    format!("{of_motion}; {highest}")
 }
 
 /// One kind of error of a quantity, where it was measured.
@@ -293,9 +314,11 @@ fn solution_errors(solution: &Solution) -> String {
         let torque = errors.errors.torque.input;
         let torque = torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
         let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
-        Some(format!("{name} {torque}{error:.1e}{of}"))
+        Some((format!("{name}{of}"), format!("{torque}{error:.1e}")))
     });
-    wrapped(worst, if solution.link().has_weight() { " of the range" } else { " of the peak" })
+    let tip = solution.band.cutoff_hz.map(|_| ("tip".to_owned(), format!("{:.1e}", errors.tip)));
+    let of = if solution.link().has_weight() { "of the range" } else { "of the peak" };
+    in_columns(tip.into_iter().chain(worst), of)
 }
 
 /// Columns of a line, and of the label that it begins with.
@@ -321,12 +344,36 @@ fn wrapped(items: impl Iterator<Item = String>, end: &str) -> String {
     text + end
 }
 
-fn window_line(solution: &Solution) -> String {
-    let (grid, band) = (&solution.grid, &solution.band);
-    let (rows, frequencies) = (grid.len, band.frequencies);
+/// Values below their names, in as many blocks as 80 columns take, and an end behind the last one.
+pub(super) fn in_columns(items: impl Iterator<Item = (String, String)>, end: &str) -> String {
+    let mut blocks: Vec<[String; 2]> = Vec::new();
+    for (name, value) in items {
+        let width = name.chars().count().max(value.chars().count());
+        let fits = |block: &[String; 2]| LABEL + block[0].chars().count() + 2 + width <= COLUMNS;
+        if !blocks.last().is_some_and(fits) {
+            blocks.push([String::new(), String::new()]);
+        }
+        if let Some([names, values]) = blocks.last_mut() {
+            let gap = if names.is_empty() { "" } else { "  " };
+            *names += &format!("{gap}{name:<width$}");
+            *values += &format!("{gap}{value:<width$}");
+        }
+    }
+    let mut lines: Vec<String> =
+        blocks.iter().flatten().map(|line| line.trim_end().to_owned()).collect();
+    match lines.last_mut() {
+        Some(last) if LABEL + last.chars().count() + 2 + end.len() <= COLUMNS => {
+            *last += &format!("  {end}");
+        }
+        _ => lines.push(end.to_owned()),
+    }
+    lines.join(&format!("\n{:LABEL$}", ""))
+}
+
+/// Rows that are written, and the times of the first and the last.
+pub(super) fn rows_text(grid: &TimeGrid) -> String {
     let [start, end] = four([grid.time_s(0), grid.end_s()]);
-    let highest = significant(band.highest_hz, 3);
-    format!("{start} … {end} s, {rows} rows; {frequencies} frequencies to {highest} Hz")
+    format!("{} rows, {start} … {end} s", grid.len)
 }
 
 #[cfg(test)]
@@ -336,21 +383,35 @@ mod tests {
     #[test]
     fn a_torque_that_acts_within_the_motion_alone_is_told_so() {
         let expected = [
-            ((0.305, 0.319), "from 0.305 s before to 0.319 s after the tip's motion (2 % level)"),
-            ((-19.3, -20.1), "19.3 s after the tip starts to 20.1 s before it stops (2 % level)"),
+            ((0.305, 0.319), "starts 0.305 s before the motion, ends 0.319 s after it (2 % level)"),
+            ((-19.3, -20.1), "starts 19.3 s after the motion begins, ends 20.1 s before it ends"),
             (
                 (-0.0193, 0.25),
-                "0.0193 s after the tip starts to 0.250 s after it stops (2 % level)",
+                "starts 0.0193 s after the motion begins, ends 0.250 s after it ends",
             ),
             (
                 (0.1, -0.0201),
-                "0.100 s before the tip starts to 0.0201 s before it stops (2 % level)",
+                "starts 0.100 s before the motion begins, ends 0.0201 s before it ends",
             ),
         ];
         for ((lead_s, lag_s), text) in expected {
             assert_eq!(timing_line(lead_s, lag_s), text);
             assert!(LABEL + text.chars().count() <= COLUMNS, "{text}");
         }
+    }
+
+    #[test]
+    fn values_stand_below_their_names_on_as_many_lines_as_they_need() {
+        let item = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let two = [item("tip", "1.0e-6"), item("mesh (hub angle)", "2e-4")];
+        let text = in_columns(two.into_iter(), "of the peak");
+        assert_eq!(text, "tip     mesh (hub angle)\n         1.0e-6  2e-4  of the peak");
+        let many = (0..9).map(|k| item(&format!("quantity {k}"), "1.0e-6"));
+        let text = in_columns(many, "of the peak");
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 4, "{text}");
+        assert!(lines[2].trim_start().starts_with("quantity 6"), "{text}");
+        assert!(lines.iter().all(|line| line.chars().count() <= COLUMNS), "{text}");
     }
 
     #[test]
