@@ -318,7 +318,9 @@ impl Header<'_> {
         if headings.iter().any(fits) {
             return Ok(());
         }
-        let must = format!("must be a unit of one of those read, {}", words().join(", "));
+        let mut words = words();
+        words.retain(|word| *word != TIME.word);
+        let must = format!("must be a unit of one of those read, {}", words.join(", "));
         Err(self.place.refuse("--unit", quoted(&unit.to_string()), must))
     }
 }

@@ -178,10 +178,7 @@ fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
         || format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
     for (own, other) in [(PATH_X, PATH_Y), (PATH_Y, PATH_X)] {
         if has(own) && !has(other) && format.columns.iter().any(|choice| choice.quantity != TIME) {
-            let must = format!(
-                "must choose {}, too: beside what it chooses nothing is looked for",
-                other.word
-            );
+            let must = format!("must also choose {}: with it no other column is read", other.word);
             let error = place.refuse("--columns", own.word, must);
             return Err(error.with_hint(BY_OPTION.to_owned()));
         }

@@ -21,9 +21,10 @@ use crate::numeric::{FourierPair, Size, magnitude};
 /// Round-off of the torque of one joint, over the largest amplitude of any.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Share of accelerations and directions, all added up, and of torques, that samples which are left out may carry.
-const UNTOLD: f64 = 1e-10;
-const UNTOLD_TORQUE: f64 = 1e-12;
+/// Shares of accelerations and of torques, all added up, beyond the frequencies that samples must resolve. What the
+/// transfers of the links make of the first is measured by the second.
+const LEFT_OUT: f64 = 1e-10;
+const LEFT_OUT_TORQUE: f64 = 1e-12;
 
 /// Amplitudes of the answer of each link.
 pub(super) type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
@@ -42,7 +43,7 @@ pub(super) struct Follower<'a> {
     pub(super) round_off_n_m: f64,
 }
 
-/// What moves each link over the period, and the force on its inner end along x and y.
+/// What moves each link over the period, and the force on its inner end along its chord and across it.
 pub(super) struct State {
     pub(super) chords: Vec<ChordPeriod>,
     pub(super) forces_n: Vec<[Vec<f64>; 2]>,
@@ -91,16 +92,15 @@ impl State {
         (along_n, across_n): (&[f64], &[f64]),
         torque_n_m: &[f64],
     ) {
+        self.forces_n.insert(0, [along_n.to_vec(), across_n.to_vec()]);
         let axes = |link: usize, k: usize| axes(self.chords[link].angle_rad[k]);
         let samples = along_n.iter().zip(across_n).enumerate();
         let forces = samples.map(|(k, (along_n, across_n))| {
             let [e, n] = axes(link, k);
             [0, 1].map(|axis| along_n * e[axis] + across_n * n[axis])
         });
-        let forces: Vec<[f64; 2]> = forces.collect();
-        self.forces_n.insert(0, [0, 1].map(|axis| forces.iter().map(|f| f[axis]).collect()));
         let Some(before) = link.checked_sub(1) else { return };
-        let on_tip = forces.iter().enumerate().map(|(k, force)| {
+        let on_tip = forces.enumerate().map(|(k, force)| {
             axes(before, k).map(|unit| -(force[0] * unit[0] + force[1] * unit[1]))
         });
         let (along_n, across_n) = on_tip.map(|[along, across]| (along, across)).unzip();
@@ -119,16 +119,16 @@ impl<'a> Follower<'a> {
         (fewest, negligible): (usize, Option<f64>),
     ) -> Result<(Self, Linear), ElasticaError> {
         assert!(models.len() == whole.links(), "a model for each chord");
-        let mut fewest = fewest.max(whole.fewest(UNTOLD));
+        let mut fewest = fewest.max(whole.fewest(LEFT_OUT));
         loop {
             let stride = whole.stride_to(fewest);
-            let arm = whole.every(stride);
+            let arm = whole.thinned(stride);
             fewest = 2 * arm.len();
             let (sags, round_off_n_m) = (Vec::new(), 0.0);
             let mut follower =
                 Self { models, whole, arm, stride, second_order, sags, round_off_n_m };
             match follower.solved() {
-                Ok(linear) if stride == 1 || follower.tells(&linear, negligible) => {
+                Ok(linear) if stride == 1 || follower.resolves(&linear, negligible) => {
                     return Ok((follower, linear));
                 }
                 Err(error) if !follower.needs_more(&error) => return Err(follower.placed(error)),
@@ -152,10 +152,10 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// True if the samples tell these torques, and loads beyond which a share of them is negligible.
-    fn tells(&self, linear: &Linear, negligible: Option<f64>) -> bool {
+    /// True if the samples resolve these torques, and loads beyond which a share of them is negligible.
+    fn resolves(&self, linear: &Linear, negligible: Option<f64>) -> bool {
         let most = resolved(&self.arm.pair);
-        self.band(&linear.answers, UNTOLD_TORQUE) <= most
+        self.band(&linear.answers, LEFT_OUT_TORQUE) <= most
             && negligible.is_none_or(|share| REACH * self.band(&linear.answers, share) <= most)
     }
 
@@ -281,14 +281,20 @@ impl<'a> Follower<'a> {
     /// The histories of what was found, over the whole period; with `nodes`, of those of each link alone.
     ///
     /// # Errors
-    /// [`ElasticaError::Elbow`] between the samples that told the motion.
+    /// [`ElasticaError::Elbow`] or [`ElasticaError::Diverges`] between the samples that resolved the motion.
     pub(super) fn motion(
         &self,
         Found { state, answers, iteration, .. }: Found,
         nodes: Option<&[Vec<usize>]>,
     ) -> Result<ArmMotion, ElasticaError> {
         let pair = &self.whole.pair;
-        let bars = self.bars(self.whole, state.shortened.as_ref())?;
+        let Iteration { iterations, error, .. } = iteration;
+        let bars = self.bars(self.whole, state.shortened.as_ref());
+        // What was possible before the links bent was the iteration's doing.
+        let bars = bars.map_err(|refused| match state.shortened {
+            Some(_) => refused.diverging(iterations, error),
+            None => refused,
+        })?;
         let of_link = |link: usize| {
             let nodes = nodes.map(|nodes| &nodes[link][..]);
             let on_chord = self.on_chord(link, &state.chords[link]);
@@ -301,12 +307,21 @@ impl<'a> Follower<'a> {
             let history = |of: &dyn Fn(&Bar) -> f64| -> Vec<f64> {
                 bars.iter().map(|bars| of(&bars[link].0)).collect()
             };
+            // Along x and y only here: chords that turn together make that faster than all else.
+            let [along_n, across_n] = state.forces_n[link].each_ref().map(|few| self.at_whole(few));
+            let parts = along_n.iter().zip(&across_n).zip(&bars);
+            let forces_n: Vec<[f64; 2]> = parts
+                .map(|((along_n, across_n), bars)| {
+                    let [e, n] = bars[link].0.axes();
+                    [0, 1].map(|axis| along_n * e[axis] + across_n * n[axis])
+                })
+                .collect();
             ArmLinkMotion {
                 bent,
                 chord: [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order])),
                 chord_length_m: history(&|bar| bar.length_m[0]),
                 tip_slope_rad,
-                force_n: state.forces_n[link].each_ref().map(|few| self.at_whole(few)),
+                force_n: [0, 1].map(|axis| forces_n.iter().map(|force| force[axis]).collect()),
             }
         };
         let mut links: Vec<_> = (0..self.models.len()).into_par_iter().map(of_link).collect();
@@ -325,7 +340,8 @@ impl<'a> Follower<'a> {
     fn at_whole(&self, few: &[f64]) -> Vec<f64> {
         match self.stride {
             1 => few.to_vec(),
-            _ => self.whole.pair.samples(self.arm.pair.amplitudes(few)),
+            // Without the Nyquist frequency, which lies within a longer spectrum.
+            _ => self.whole.pair.samples(&self.arm.pair.amplitudes(few)[..self.arm.len() / 2]),
         }
     }
 }

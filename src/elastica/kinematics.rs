@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use super::chord::{check_period, counting, resolving};
 use super::error::{ElasticaError, FEWEST};
@@ -101,13 +102,27 @@ impl ArmPeriod {
         self.stride_to(4 * (self.band(negligible, self.directions()) - 1))
     }
 
-    /// Fewest samples that tell how the chords move, and which way they point where gravity acts; the rest of their
-    /// amplitudes is a negligible share.
+    /// Fewest samples that resolve what moves links of equal length: how each chord turns, its centripetal acceleration, and
+    /// that of its inner end along it and across it, with gravity; the rest of their amplitudes is a negligible share.
     pub(super) fn fewest(&self, negligible: f64) -> usize {
-        let turning = self.rigid.iter().map(|[.., turning]| Cow::Borrowed(&turning[..]));
-        let has_weight = self.gravity_m_s2.iter().any(|part| *part != 0.0);
-        let directions = has_weight.then(|| self.directions()).into_iter().flatten();
-        resolving(self.band(negligible, turning.chain(directions)))
+        let bars_of = |sample: usize| {
+            let mut axis = self.gravity_m_s2.map(|part| -part);
+            let parts = (0..self.links()).map(|link| {
+                let bar = Bar { length_m: [1.0, 0.0, 0.0], angle_rad: self.rigid_at(link, sample) };
+                let axes = bar.axes();
+                let [along, across] = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
+                let [_, _, further] = bar.vector(axes);
+                axis = [axis[0] + further[0], axis[1] + further[1]];
+                let [_, rate, turning] = bar.angle_rad;
+                [turning, rate * rate, along, across]
+            });
+            parts.collect::<Vec<_>>()
+        };
+        let samples: Vec<_> = (0..self.len()).into_par_iter().map(bars_of).collect();
+        let histories = (0..4 * self.links()).map(|column| {
+            Cow::Owned(samples.iter().map(|parts| parts[column / 4][column % 4]).collect())
+        });
+        resolving(self.band(negligible, histories))
     }
 
     /// The longest stride that leaves so many samples or more, an even number; 1 if none does.
@@ -117,7 +132,7 @@ impl ArmPeriod {
     }
 
     /// The same period with every so many of its samples.
-    pub(super) fn every(&self, stride: usize) -> Self {
+    pub(super) fn thinned(&self, stride: usize) -> Self {
         let few = |history: &Vec<f64>| history.iter().copied().step_by(stride).collect();
         Self {
             pair: FourierPair::new(self.len() / stride),

@@ -226,7 +226,7 @@ impl LinkOnChord<'_> {
     }
 
     /// The histories of these answers at the samples of a pair over the chord's period; with `nodes`, those of others are
-    /// empty, but for the tip's slope, and of none the largest slope is not looked for: NaN.
+    /// empty, but for the tip's slope.
     pub(super) fn motion(
         &self,
         answers: &[LoadedMotion<Complex64>],
@@ -242,10 +242,8 @@ impl LinkOnChord<'_> {
             if is_wanted { self.history(answers, dof, 0, pair) } else { Vec::new() }
         });
         let deflections = deflections.collect();
-        let ([shortenings_m, moments_n_m], largest_slope) = match nodes {
-            Some([]) => ([0, 1].map(|_| vec![Vec::new(); width / 2]), f64::NAN),
-            _ => self.shapes(answers, second_order, (pair, is_wanted)),
-        };
+        let ([shortenings_m, moments_n_m], largest_slope) =
+            self.shapes(answers, second_order, (pair, is_wanted));
         ElasticaMotion {
             torque_n_m,
             hub_slope_rad,

@@ -279,7 +279,7 @@ fn options_that_do_not_fit_a_path_are_refused_in_words() {
         assert!(message.starts_with("error: ") && message.contains(words), "{message}");
         assert!(!bench.path("out").exists(), "nothing is written");
     };
-    let read = "must be a unit of one of those read, time, x, y";
+    let read = "must be a unit of one of those read, x, y";
     refused("path.csv", &["--unit", "deg"], 3, read);
     refused("path.csv", &["--scale", "angle1=2"], 3, "must be one of those read, time, x, y");
     refused("path.csv", &["--columns", "x=2"], 3, "--columns = x, but must choose y, too");

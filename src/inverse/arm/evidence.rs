@@ -6,7 +6,7 @@ use super::answer::{ArmAnswer, PathPeriod};
 use super::error::ArmError;
 use super::problem::ArmProblem;
 use super::solution::ArmSolution;
-use super::solve::{Sizes, Solved, Solver};
+use super::solve::{LEAST_SIZE, Sizes, Solved, Solver};
 use super::warning::ArmWarning;
 use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
@@ -16,19 +16,19 @@ use crate::inverse::{
     InversionError, Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning,
 };
 use crate::motion::Cutoff;
-use crate::numeric::{Size, largest, largest_difference};
+use crate::numeric::{Size, extremes, largest, largest_difference};
 
 /// Change of a torque by further iterations, over its size, that is round-off.
 const ROUND_OFF: f64 = 1e-11;
 
 impl Solved {
-    /// About what all terms change of a torque at most, over its size, where fewer were asked for; none where they are
+    /// About what all terms change of a torque at most, over its range, where fewer were asked for; none where they are
     /// refused.
     pub(super) fn left_out(&self) -> Option<f64> {
-        let Self { models, answer, sizes, .. } = self;
+        let Self { models, answer, .. } = self;
         let motion = estimate_arm(models, &answer.path.arm).ok()?;
         let full = ArmAnswer { motion, path: Arc::clone(&answer.path) };
-        Some(largest_change(answer, &full, sizes))
+        Some(largest_change(answer, &full))
     }
 }
 
@@ -197,13 +197,18 @@ fn looser(cutoffs: &[Cutoff]) -> Vec<Cutoff> {
     cutoffs.iter().map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own }).collect()
 }
 
-/// Largest difference of two answers' torques, over their sizes.
-fn largest_change(own: &ArmAnswer, other: &ArmAnswer, sizes: &Sizes) -> f64 {
-    let torques = sizes.iter().enumerate().map(|(joint, size)| {
-        let [own, other] = [own, other].map(|answer| {
-            own.path.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m)
-        });
-        largest_difference(&own, &other) / size.torque
+/// Largest difference of two answers' torques, over their ranges; of a joint that hardly moves, over the largest of any.
+fn largest_change(own: &ArmAnswer, other: &ArmAnswer) -> f64 {
+    let torque = |answer: &ArmAnswer, joint: usize| {
+        answer.path.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m)
+    };
+    let changes = (0..own.motion.links.len()).map(|joint| {
+        let (own, other) = (torque(own, joint), torque(other, joint));
+        let [low, high] = extremes(&own);
+        (largest_difference(&own, &other), high - low)
     });
-    torques.fold(0.0, Size::larger)
+    let changes: Vec<(f64, f64)> = changes.collect();
+    let widest = changes.iter().map(|(_, range)| *range).fold(0.0, f64::max);
+    let share = |(change, range): &(f64, f64)| change / range.max(LEAST_SIZE * widest);
+    changes.iter().map(share).fold(0.0, Size::larger)
 }

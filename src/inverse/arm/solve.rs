@@ -21,7 +21,7 @@ use crate::motion::{ArmPath, Cutoff};
 use crate::numeric::{Size, TimeGrid};
 
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
-const LEAST_SIZE: f64 = 1e-6;
+pub(super) const LEAST_SIZE: f64 = 1e-6;
 
 /// A longer period that leaves more than this share of what the last one left did not help.
 const STILL: f64 = 0.5;

@@ -170,10 +170,13 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     let found = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &first);
     let left_out = found.findings.left_out.flatten().expect("a share");
     assert!((1e-3..1e-2).contains(&left_out), "{left_out:e}");
-    let all = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &Analysis::default());
-    for order in [SecondOrder::First, SecondOrder::None] {
+    let (level, upright) = (self::arm(&two_links(), [0.0; 2]), &arm);
+    let cases =
+        [(upright, SecondOrder::First), (upright, SecondOrder::None), (&level, SecondOrder::None)];
+    for (arm, order) in cases {
+        let all = solved(arm, &line(arm, 1.5), ElementCount::Total(8), &Analysis::default());
         let analysis = Analysis::default().with_second_order(order);
-        let own = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &analysis);
+        let own = solved(arm, &line(arm, 1.5), ElementCount::Total(8), &analysis);
         let later = own.grid.first - all.grid.first;
         let changed = own.joints.iter().zip(&all.joints).map(|(own, all)| {
             let at = |k: usize| {

@@ -112,6 +112,82 @@ fn a_motion_takes_the_same_torques_however_few_samples_tell_it() {
     }
 }
 
+/// Holds forces on the inner ends of two links that hardly bend, and the torque of the second one, against those of rigid
+/// links, in the horizontal plane, over a second in which the chords move as given: angle, rate, acceleration.
+fn assert_rigid(motion: [&dyn Fn(f64) -> [f64; 3]; 2], len: usize) {
+    let parts = two_links().map(|own| stiffer(own, 1e6));
+    let models = models(&parts, 4);
+    let chord = |of: &dyn Fn(f64) -> [f64; 3]| -> AngleHistories {
+        let at: Vec<[f64; 3]> = (0..len).map(|k| of(k as f64 / len as f64)).collect();
+        [0, 1, 2].map(|part| at.iter().map(|own| own[part]).collect())
+    };
+    let chords = vec![chord(motion[0]), chord(motion[1])];
+    let arm = ArmPeriod::new(1.0 / len as f64, chords.clone(), Kept::Angles, [0.0; 2]).unwrap();
+    let found = follow_arm(&models, &arm, SecondOrder::None, 1e-9).expect("a motion");
+    let link = |number: usize| models[number].link();
+    let [mut worst, mut largest] = [[0.0_f64; 3]; 2];
+    for k in 0..len {
+        // Of a length along the chord: ℓ θ̈ n − ℓ θ̇² e.
+        let turned = |number: usize| {
+            let [angle, rate, turning] = [0, 1, 2].map(|part: usize| chords[number][part][k]);
+            let (sine, cosine) = angle.sin_cos();
+            [
+                -turning * sine - rate * rate * cosine,
+                turning * cosine - rate * rate * sine,
+                -sine,
+                cosine,
+            ]
+        };
+        let (first, second) = (turned(0), turned(1));
+        let elbow = [0, 1].map(|axis: usize| link(0).length_m() * first[axis]);
+        let own = |axis: usize| {
+            link(1).mass_kg() * elbow[axis] + link(1).mass_moment_kg_m() * second[axis]
+        };
+        let on_second = [own(0), own(1)];
+        let both = |axis: usize| on_second[axis] + link(0).mass_moment_kg_m() * first[axis];
+        let across = elbow[0] * second[2] + elbow[1] * second[3];
+        let inertia = link(1).rigid_inertia_kg_m2();
+        let torque_n_m = inertia * chords[1][2][k] + link(1).mass_moment_kg_m() * across;
+        let forces = [[both(0), both(1)], on_second];
+        for (number, expected) in forces.iter().enumerate() {
+            for axis in [0, 1] {
+                let off = found.links[number].force_n[axis][k] - expected[axis];
+                worst[number] = worst[number].max(off.abs());
+                largest[number] = largest[number].max(expected[axis].abs());
+            }
+        }
+        worst[2] = worst[2].max((found.links[1].bent.torque_n_m[k] - torque_n_m).abs());
+        largest[2] = largest[2].max(torque_n_m.abs());
+    }
+    for (worst, largest) in worst.iter().zip(largest) {
+        assert!(worst / largest < 1e-4, "{worst:e} of {largest:e}");
+    }
+}
+
+/// Chords that turn together turn forces faster than anything else changes.
+#[test]
+fn forces_of_chords_that_turn_far_together_are_those_of_rigid_links() {
+    let turned = |by_rad: f64, from_rad: f64| {
+        move |t: f64| {
+            // A step of ninth order between 0.2 and 0.8 s, by whole turns.
+            let x = ((t - 0.2) / 0.6).clamp(0.0, 1.0);
+            let step = x.powi(5) * (126.0 - x * (420.0 - x * (540.0 - x * (315.0 - x * 70.0))));
+            let rate = 630.0 * (x * (1.0 - x)).powi(4) / 0.6;
+            let turning = 2520.0 * (x * (1.0 - x)).powi(3) * (1.0 - 2.0 * x) / 0.36;
+            [from_rad + by_rad * step, by_rad * rate, by_rad * turning]
+        }
+    };
+    let together = 8.0 * TAU;
+    assert_rigid([&turned(together, 0.1), &turned(together, 1.4)], 1024);
+}
+
+/// Steady turns have neither angular accelerations nor others that change along the first link.
+#[test]
+fn torques_of_steady_turns_at_different_rates_are_those_of_rigid_links() {
+    let steady = |turns: f64| move |t: f64| [TAU * turns * t, TAU * turns, 0.0];
+    assert_rigid([&steady(3.0), &steady(10.0)], 1024);
+}
+
 /// What links shorten by swings twice as fast as they do, and is no part of the linear torques.
 #[test]
 fn a_cycle_takes_what_damping_takes() {
