@@ -29,11 +29,16 @@ DOCUMENTS = [
     "CHANGELOG.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
-    "docs/growth.svg",
-    "docs/torque.svg",
-    "docs/waves.svg",
 ]
-EXAMPLES = ["specs/*.toml", "specs/arms/*.toml", "trajectories/*.csv", "trajectories/arms/*.csv", "examples/*"]
+PATTERNS = [
+    "docs/*.md",
+    "docs/*.svg",
+    "specs/*.toml",
+    "specs/arms/*.toml",
+    "trajectories/*.csv",
+    "trajectories/arms/*.csv",
+    "examples/*",
+]
 COMPLETIONS = {
     "bash": "flexlink.bash",
     "elvish": "flexlink.elv",
@@ -53,7 +58,7 @@ def contents(binary, target):
     files = {binary.name: binary.read_bytes()}
     for name in DOCUMENTS:
         files[name] = (ROOT / name).read_bytes()
-    for pattern in EXAMPLES:
+    for pattern in PATTERNS:
         for path in ROOT.glob(pattern):
             files[path.relative_to(ROOT).as_posix()] = path.read_bytes()
     files["LICENSES-THIRD-PARTY"] = licences(ROOT, target)

@@ -22,6 +22,7 @@ NEEDED = [
     "CHANGELOG.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
+    "docs/files.md",
     "docs/growth.svg",
     "docs/torque.svg",
     "docs/waves.svg",

@@ -1,5 +1,5 @@
-//! The README's commands print what it says, its link file is read, and help texts and refusals are as
-//! they were read last. A refusal writes nothing.
+//! Commands in README and book print what they say, the book's link file is read, and help texts and
+//! refusals are as they were read last. A refusal writes nothing.
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
@@ -9,6 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use flexlink::spec::read_specification;
+use trycmd::schema::Bin;
 use walkdir::WalkDir;
 
 /// Folders of the repository that the commands read.
@@ -20,6 +21,10 @@ fn run(files: &[&str]) {
     let cases = trycmd::TestCases::new();
     // On any machine: letters in UTF-8, lines as wide as this program makes them.
     cases.env("LC_ALL", "C.UTF-8").env("COLUMNS", "100").env("NO_COLOR", "1");
+    // What a user does between two commands.
+    for program in ["editor", "xdg-open"] {
+        cases.register_bin(program, Bin::Ignore);
+    }
     for file in files {
         cases.case(repository(file));
     }
@@ -37,7 +42,7 @@ fn content(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
 
 /// The commands run in a folder that holds the inputs alone, or in the folder of their own inputs.
 #[test]
-fn commands_of_the_readme_help_texts_and_refusals_print_what_is_shown() {
+fn commands_of_readme_book_help_texts_and_refusals_print_what_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     for name in INPUTS {
         for entry in WalkDir::new(repository(name)) {
@@ -62,17 +67,18 @@ fn commands_of_the_readme_help_texts_and_refusals_print_what_is_shown() {
         assert!(changed.is_empty(), "a refusal has changed {changed:?}");
     }
 
+    // Pages run side by side: each writes into folders of its own.
     run(&["README.md", "docs/*.md"]);
     // Windows removes no folder that a process is in.
     env::set_current_dir(repository("")).unwrap();
 }
 
 #[test]
-fn the_link_file_of_the_readme_is_read() {
-    let readme = include_str!("../README.md");
-    let (_, rest) = readme.split_once("```toml\n").unwrap();
+fn the_link_file_of_the_book_is_read() {
+    let page = include_str!("../docs/files.md");
+    let (_, rest) = page.split_once("```toml\n").unwrap();
     let (example, _) = rest.split_once("```").unwrap();
-    let specification = read_specification("README.md", example, &[]).unwrap();
+    let specification = read_specification("files.md", example, &[]).unwrap();
     assert_eq!(specification.link.segments().len(), 2);
     assert_eq!(specification.link.masses().len(), 1);
     assert!(!specification.mesh.is_automatic());

@@ -6,6 +6,7 @@ mod arm_pose;
 mod compare;
 mod fit;
 mod frf;
+mod help;
 mod modes;
 mod report;
 mod setup;
@@ -28,6 +29,7 @@ use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 /// finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).
 #[derive(Debug, Parser)]
 #[command(version, about, after_help = EXIT_CODES, max_term_width = 100)]
+#[command(disable_help_subcommand = true)] // ours prints pages, too
 #[command(bin_name = "flexlink")] // on Windows too, where the file is flexlink.exe
 struct Cli {
     #[command(subcommand)]
@@ -56,6 +58,7 @@ enum Command {
     Completions(setup::Completions),
     #[command(name = "man")]
     Manual(setup::Manual),
+    Help(help::Help),
 }
 
 /// Reads the command line and runs its command: the one place that prints an error and its hint.
@@ -96,6 +99,7 @@ impl Command {
             Self::Schema(schema) => schema.run(),
             Self::Completions(completions) => completions.run(Cli::command()),
             Self::Manual(manual) => manual.run(Cli::command()),
+            Self::Help(help) => help.run(Cli::command()),
         };
         done.map(|()| Ending::Done)
     }
@@ -108,5 +112,13 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn help_knows_all_commands() {
+        for command in Cli::command().get_subcommands().map(clap::Command::get_name) {
+            let words = ["flexlink", "help", command];
+            assert!(command == "help" || Cli::try_parse_from(words).is_ok(), "{command}");
+        }
     }
 }

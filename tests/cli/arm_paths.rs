@@ -282,7 +282,7 @@ fn options_that_do_not_fit_a_path_are_refused_in_words() {
     let read = "must be a unit of one of those read, x, y";
     refused("path.csv", &["--unit", "deg"], 3, read);
     refused("path.csv", &["--scale", "angle1=2"], 3, "must be one of those read, time, x, y");
-    refused("path.csv", &["--columns", "x=2"], 3, "--columns = x, but must choose y, too");
+    refused("path.csv", &["--columns", "x=2"], 3, "--columns = x, but must also choose y");
     refused("path.csv", &["--columns", "displacement=2"], 3, "must be one of time, x, y, angle1");
     refused("path.csv", &["--columns", "x=2,y=4"], 3, "y=4, but must be at most 3");
     refused("path.csv", &["--columns", "z=2"], 2, "angle1 to angle9");

@@ -56,7 +56,7 @@ fn a_cycle_is_solved_told_verified_repeated_and_played() {
     let text = stdout(&output);
     assert!(text.contains("\nmotion   cycle of 0.06000 m in 1.000 s at 0.0125 s; peaks"), "{text}");
     assert!(text.contains("\ntiming   one cycle, which the torque repeats\n"), "{text}");
-    assert!(text.contains(", 80 rows; ") && !text.contains("window 0"), "{text}");
+    assert!(text.contains("written  80 rows, ") && !text.contains("window"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let summary: serde_json::Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
     assert_eq!(summary["motion"]["ends"], "periodic");

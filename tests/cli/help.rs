@@ -57,3 +57,43 @@ fn without_a_command_the_help_is_shown() {
         assert!(stderr(&output).contains(&format!("{code} ")), "exit code {code}");
     }
 }
+
+#[test]
+fn pages_of_the_book_are_topics_of_help() {
+    let bench = Bench::new();
+    for (topic, words) in [
+        ("files", ["Link file\n---------", "hub_angle.csv"]),
+        ("limits", ["The method\n----------", "* Fast hubs."]),
+    ] {
+        let page = help(&bench, &["help", topic], "60");
+        for word in words {
+            assert!(page.contains(word), "{topic} lacks {word}: {page}");
+        }
+        assert!(
+            page.lines()
+                .filter(|line| !line.starts_with("    "))
+                .all(|line| line.chars().count() <= 80)
+        );
+    }
+}
+
+#[test]
+fn help_of_a_command_is_its_own_help() {
+    let bench = Bench::new();
+    for command in commands(&bench) {
+        let [by_topic, by_flag] =
+            [["help", &command], [&command, "--help"]].map(|words| help(&bench, &words, "80"));
+        assert!(by_topic == by_flag, "{command}");
+    }
+    assert_eq!(help(&bench, &["help"], "80"), help(&bench, &["--help"], "80"));
+}
+
+#[test]
+fn an_unknown_topic_is_refused_with_those_that_are_there() {
+    let bench = Bench::new();
+    let output = bench.run(&["help", "limit"]);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(2), String::new()));
+    for word in ["'limit'", "files, limits, solve,", "'limits'"] {
+        assert!(stderr(&output).contains(word), "{word}: {}", stderr(&output));
+    }
+}

@@ -415,7 +415,7 @@ fn what_is_no_result_is_refused_in_words() {
 }
 
 #[test]
-fn the_figures_of_the_readme_are_those_of_the_papers_example() {
+fn the_figures_of_readme_and_book_are_those_of_the_papers_example() {
     let bench = Bench::new();
     solved(&bench, &[]);
     done(&bench, &["report", "out", "-q", "--svg", "figures"]);

@@ -54,8 +54,8 @@ fn every_link_file_and_arm_file_of_this_repository_is_valid() {
     let paths = [links, arms, files("src/cli/templates")].concat();
     let mut texts: Vec<String> =
         paths.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
-    let readme = include_str!("../../README.md").split_once("```toml\n").unwrap().1;
-    texts.push(readme.split_once("```").unwrap().0.to_owned());
+    let page = include_str!("../../docs/files.md").split_once("```toml\n").unwrap().1;
+    texts.push(page.split_once("```").unwrap().0.to_owned());
     let validator = validator();
     for text in texts {
         let file: Value = toml::from_str(&text).unwrap();

@@ -26,7 +26,7 @@ Example:
       --columns time=1,displacement=3 --unit mm
   flexlink solve --repeat out
 
-LINK and MOTION are described in the README, measured tables in docs/files.md; one of them \
+`flexlink help files` describes LINK, MOTION and measured tables; one of them \
 may be `-`, standard input. An arm of several links and its path: docs/arms.md.";
 
 const USAGE: &str = "\

@@ -1,0 +1,231 @@
+//! `help`: the help of a command, or a page of the book as text for a terminal.
+
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Args, Command};
+
+use crate::terminal::{Failure, console};
+
+/// Pages of the book by topic, with what each one holds.
+const PAGES: [(&str, &str, &str); 2] = [
+    ("files", "Link files, motions, measured tables, results", include_str!("../../docs/files.md")),
+    ("limits", "The method, and where it ends", include_str!("../../docs/limits.md")),
+];
+
+/// All commands but `help`: completions of shells list them.
+const COMMANDS: [&str; 14] = [
+    "solve",
+    "simulate",
+    "verify",
+    "modes",
+    "frf",
+    "fit",
+    "sweep",
+    "trajectory",
+    "compare",
+    "report",
+    "init",
+    "schema",
+    "completions",
+    "man",
+];
+
+/// Columns of a page, which any terminal has; letters in names of files and numbers make none longer.
+const WIDTH: usize = 80;
+
+/// A column of a table gets no narrower.
+const NARROWEST: usize = 12;
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink help solve
+  flexlink help files | less";
+
+fn topics() -> PossibleValuesParser {
+    let pages = PAGES.map(|(name, about, _)| PossibleValue::new(name).help(about));
+    pages.into_iter().chain(COMMANDS.map(PossibleValue::new)).collect::<Vec<_>>().into()
+}
+
+/// Print the help of a command, or a page of the book: files, limits.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Help {
+    /// A command, or a page [default: all commands].
+    #[arg(value_name = "TOPIC", value_parser = topics())]
+    topic: Option<String>,
+}
+
+impl Help {
+    pub(crate) fn run(&self, mut program: Command) -> Result<(), Failure> {
+        let topic = self.topic.as_deref();
+        if let Some((.., page)) = PAGES.iter().find(|(name, ..)| Some(*name) == topic) {
+            return console::print(&terminal_text(page));
+        }
+        let words = ["flexlink"].into_iter().chain(topic).chain(["--help"]);
+        let shown = program.try_get_matches_from_mut(words);
+        shown.map_or_else(|help| console::parser_text(&help).map(drop), |_| Ok(()))
+    }
+}
+
+/// A page of Markdown as plain text: lines and tables of `WIDTH` columns, code as it is, no marks of
+/// emphasis, and for a link its text and its page.
+fn terminal_text(page: &str) -> String {
+    let mut text = String::new();
+    let mut lines = page.lines().peekable();
+    while let Some(line) = lines.next() {
+        if line.starts_with("```") {
+            for code in lines.by_ref().take_while(|line| !line.starts_with("```")) {
+                text += format!("    {code}").trim_end();
+                text.push('\n');
+            }
+        } else if let Some(heading) = line.strip_prefix('#') {
+            let underline = match heading.trim_start_matches('#').len() {
+                rest if rest == heading.len() => "=",
+                rest if rest + 1 == heading.len() => "-",
+                _ => "~",
+            };
+            let heading = inline(heading.trim_start_matches('#').trim());
+            let underline = underline.repeat(heading.chars().count());
+            text += &format!("{heading}\n{underline}\n");
+        } else if line.starts_with('|') {
+            let mut rows = vec![line];
+            while let Some(row) = lines.next_if(|line| line.starts_with('|')) {
+                rows.push(row);
+            }
+            text += &table(&rows);
+        } else if line.is_empty() {
+            text.push('\n');
+        } else {
+            let mut paragraph = line.to_owned();
+            let goes_on = |line: &&str| !line.is_empty() && !line.starts_with(['#', '|', '*', '`']);
+            while let Some(line) = lines.next_if(goes_on) {
+                paragraph = paragraph + " " + line.trim_start();
+            }
+            let (first, rest) =
+                paragraph.strip_prefix("* ").map_or(("", &*paragraph), |rest| ("* ", rest));
+            let mut mark = first;
+            for line in wrapped(&inline(rest), WIDTH - first.len()) {
+                text += &format!("{mark}{line}\n");
+                mark = if first.is_empty() { "" } else { "  " };
+            }
+        }
+    }
+    text
+}
+
+/// A text without marks of emphasis and links; code is kept with its marks.
+fn inline(text: &str) -> String {
+    let mut pieces = text.split('`');
+    let mut shown = String::new();
+    while let Some(words) = pieces.next() {
+        shown += &words.replace('*', "");
+        if let Some(code) = pieces.next() {
+            shown += &format!("`{code}`");
+        }
+    }
+    let mut text = shown;
+    while let Some((before, link)) = text.split_once("](") {
+        let (Some((before, name)), Some((target, after))) =
+            (before.rsplit_once('['), link.split_once(')'))
+        else {
+            break;
+        };
+        let page = target.split('#').next().unwrap_or_default();
+        let page = if page.contains(':') { page.to_owned() } else { format!("docs/{page}") };
+        text = match name {
+            name if target.starts_with('#') => format!("{before}{name}{after}"),
+            name if page.ends_with(name) => format!("{before}{page}{after}"),
+            name => format!("{before}{name} ({page}){after}"),
+        };
+    }
+    text
+}
+
+/// A table with columns as wide as they need to be, or narrower ones whose cells have several lines.
+fn table(rows: &[&str]) -> String {
+    let cells = |row: &&str| -> Vec<String> {
+        row.trim_matches('|').split('|').map(|cell| inline(cell.trim())).collect()
+    };
+    let is_ruler = |row: &&str| row.chars().all(|c| "|-: ".contains(c)) && row.contains('-');
+    let rows: Vec<_> = rows.iter().filter(|row| !is_ruler(row)).map(cells).collect();
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max()
+    };
+    let mut widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+    while widths.iter().sum::<usize>() + 2 * columns > WIDTH + 2 {
+        match widths.iter_mut().max() {
+            Some(widest) if *widest > NARROWEST => *widest -= 1,
+            _ => break,
+        }
+    }
+    let mut text = String::new();
+    for (number, row) in rows.iter().enumerate() {
+        let cells: Vec<_> =
+            row.iter().zip(&widths).map(|(cell, width)| wrapped(cell, *width)).collect();
+        let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+        for line in 0..height {
+            let parts = cells.iter().zip(&widths).map(|(cell, width)| {
+                format!("{:width$}", cell.get(line).map_or("", String::as_str))
+            });
+            text += parts.collect::<Vec<_>>().join("  ").trim_end();
+            text.push('\n');
+        }
+        if number == 0 && height > 0 && row.iter().any(|cell| !cell.is_empty()) {
+            let rulers: Vec<_> = widths.iter().map(|width| "-".repeat(*width)).collect();
+            text += &(rulers.join("  ") + "\n");
+        }
+    }
+    text
+}
+
+/// Lines of at most so many letters, but for longer words.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    // A percent sign stays with its number.
+    for word in text.replace(" %", "\u{a0}%").split(' ').filter(|word| !word.is_empty()) {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.iter().map(|line| line.replace('\u{a0}', " ")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_is_plain_text() {
+        let page = "# Limits\n\nSee **the** [arms](arms.md#a), [ends.md](ends.md) or [above](#limits) for `EI*=4` \
+                    and *more*.\n\n* one\n  and the same\n* two\n\n```toml\nx = [1]  # **\n```\n";
+        let text = "Limits\n======\n\nSee the arms (docs/arms.md), docs/ends.md or above for `EI*=4` and more.\n\n\
+                    * one and the same\n* two\n\n    x = [1]  # **\n";
+        assert_eq!(terminal_text(page), text);
+    }
+
+    #[test]
+    fn cells_of_wide_tables_have_several_lines() {
+        let words = "word ".repeat(20);
+        let text = terminal_text(&format!("| file | holds |\n|---|--:|\n| `a.csv` | {words}|\n"));
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+        assert!(text.starts_with("file     holds\n-------  ----"), "{text}");
+        assert_eq!(text.lines().count(), 4, "{text}");
+    }
+
+    #[test]
+    fn lines_of_the_pages_are_short_and_have_no_marks() {
+        for (name, _, page) in PAGES {
+            let text = terminal_text(page);
+            assert!(!text.contains("]("), "{name}");
+            // Code and printed results are as they are.
+            for line in text.lines().filter(|line| !line.starts_with("    ")) {
+                assert!(line.chars().count() <= WIDTH, "{name}: {line}");
+                assert!(!line.contains("**"), "{name}: {line}");
+            }
+        }
+    }
+}
