@@ -85,7 +85,7 @@ fn terminal_text(page: &str) -> String {
             };
             let heading = inline(heading.trim_start_matches('#').trim());
             let underline = underline.repeat(heading.chars().count());
-            text += &format!("{heading}\n{underline}\n");
+            text += &[heading.as_str(), &underline, ""].join("\n");
         } else if line.starts_with('|') {
             let mut rows = vec![line];
             while let Some(row) = lines.next_if(|line| line.starts_with('|')) {
@@ -104,7 +104,7 @@ fn terminal_text(page: &str) -> String {
                 paragraph.strip_prefix("* ").map_or(("", &*paragraph), |rest| ("* ", rest));
             let mut mark = first;
             for line in wrapped(&inline(rest), WIDTH - first.len()) {
-                text += &format!("{mark}{line}\n");
+                text += &[mark, &line, "\n"].concat();
                 mark = if first.is_empty() { "" } else { "  " };
             }
         }
@@ -119,7 +119,7 @@ fn inline(text: &str) -> String {
     while let Some(words) = pieces.next() {
         shown += &words.replace('*', "");
         if let Some(code) = pieces.next() {
-            shown += &format!("`{code}`");
+            shown += &["`", code, "`"].concat();
         }
     }
     let mut text = shown;

@@ -9,6 +9,7 @@ use super::checks::UNSETTLED;
 use super::driving::Driving;
 use super::error::SimulationError;
 use super::modes::HubReaction;
+use super::play::ArmProgress;
 use super::radau::{Motion, Radau};
 use super::stepper::Record;
 use crate::numeric::{Size, TimeGrid, dot};
@@ -75,17 +76,6 @@ pub(super) struct Problem<'a> {
     pub(super) grid: &'a TimeGrid,
     /// Coordinates and rates.
     pub(super) start: (Vec<f64>, Vec<f64>),
-}
-
-/// How far the play of an arm is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ArmProgress {
-    /// How often it has been refined: more angles, half the step.
-    pub refinement: usize,
-    /// Samples that are played so finely.
-    pub done: usize,
-    /// All samples.
-    pub samples: usize,
 }
 
 /// Plays finer and finer until that changes tip and joints by less than `tolerance` of what they move by, or the finest

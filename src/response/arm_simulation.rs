@@ -4,13 +4,13 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::arm_chain::ArmChain;
-use super::arm_play::{ArmProgress, Drive, PlayedArm, Problem, settled};
+use super::arm_play::{Drive, PlayedArm, Problem, settled};
 use super::arm_rest::{ArmStart, at_rest};
 use super::driving::{Driving, Interpolation, pieces};
 use super::error::{STEP_SHARE, SimulationError};
 use super::history::{APART_RAD, Feedback, Torque};
 use super::modes::{HubReaction, torque_band_rad_s};
-use super::play::continued;
+use super::play::{ArmProgress, continued};
 use super::pose::without_noise;
 use super::shape::{refuse_unknown, viscous};
 use crate::beam::{Mesh, MeshPlan};

@@ -33,7 +33,7 @@ mod state;
 mod stepper;
 
 pub use arm::{MovedJoint, move_arm};
-pub use arm_play::{ArmProgress, PlayedArm};
+pub use arm_play::PlayedArm;
 pub use arm_rest::ArmStart;
 pub use arm_simulation::{ArmPlay, ArmPlayWarning, simulate_arm};
 pub use arm_state::ArmState;
@@ -43,7 +43,7 @@ pub use driving::{CycleError, Interpolation};
 pub use error::{SimulationError, SimulationWarning};
 pub use history::{Feedback, HistoryError, HubReference, Torque};
 pub use modes::ModeSelection;
-pub use play::{Input, Play};
+pub use play::{ArmProgress, Input, Play};
 pub use pose::{ArmPose, ArmResponse, PoseError, TorqueResponse};
 pub use pose_modes::{
     ArmModes, ArmResponses, ArmShapes, PoseMode, SettledModes, arm_modes, arm_responses,

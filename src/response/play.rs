@@ -333,3 +333,14 @@ impl Started {
         }
     }
 }
+
+/// How far the play of an arm is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArmProgress {
+    /// How often it has been refined: more angles, half the step.
+    pub refinement: usize,
+    /// Samples that are played so finely.
+    pub done: usize,
+    /// All samples.
+    pub samples: usize,
+}

@@ -166,7 +166,7 @@ impl Solve {
             let files = self.options.outputs().file_names(solution.link()).len();
             let written = format!("{files} files in {}", output.display());
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-            solve_text(solution, metrics, written) + &checks + &self.page_line(output)
+            solve_text(solution, metrics, &written) + &checks + &self.page_line(output)
         };
         self.print.print(|| summary.to_json(), text)
     }

@@ -1,15 +1,14 @@
 //! Results in words, as the commands print them: lines of at most 80 columns.
 
 mod arm;
-mod arm_played;
 mod compare;
 mod fit;
+mod layout;
 mod played;
 mod runs;
 mod tables;
 
-pub(crate) use arm::{arm_modes_text, arm_text};
-pub(crate) use arm_played::played_arm_text;
+pub(crate) use arm::{arm_modes_text, arm_text, played_arm_text};
 pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
 pub(crate) use fit::fit_text;
 pub(crate) use played::simulate_text;

@@ -13,6 +13,8 @@ use flexlink::numeric::TimeGrid;
 use flexlink::result::{Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, plain, significant, visible};
 
+use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
+
 /// The note about memory before it is taken.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     let gigabytes = gigabytes(bytes);
@@ -25,7 +27,7 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
 }
 
 /// The summary of a solution; `written` says where its files are.
-pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: &str) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
     let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
@@ -321,55 +323,6 @@ fn solution_errors(solution: &Solution) -> String {
     in_columns(tip.into_iter().chain(worst), of)
 }
 
-/// Columns of a line, and of the label that it begins with.
-const COLUMNS: usize = 80;
-const LABEL: usize = 9;
-
-/// Items with commas between them and an end, on as many lines as 80 columns take.
-fn wrapped(items: impl Iterator<Item = String>, end: &str) -> String {
-    let (mut text, mut column) = (String::new(), LABEL);
-    for item in items {
-        let width = item.chars().count();
-        if !text.is_empty() && column + 2 + width + end.len() > COLUMNS {
-            text += ",\n";
-            text += &" ".repeat(LABEL);
-            column = LABEL;
-        } else if !text.is_empty() {
-            text += ", ";
-            column += 2;
-        }
-        text += &item;
-        column += width;
-    }
-    text + end
-}
-
-/// Values below their names, in as many blocks as 80 columns take, and an end behind the last one.
-pub(super) fn in_columns(items: impl Iterator<Item = (String, String)>, end: &str) -> String {
-    let mut blocks: Vec<[String; 2]> = Vec::new();
-    for (name, value) in items {
-        let width = name.chars().count().max(value.chars().count());
-        let fits = |block: &[String; 2]| LABEL + block[0].chars().count() + 2 + width <= COLUMNS;
-        if !blocks.last().is_some_and(fits) {
-            blocks.push([String::new(), String::new()]);
-        }
-        if let Some([names, values]) = blocks.last_mut() {
-            let gap = if names.is_empty() { "" } else { "  " };
-            *names += &format!("{gap}{name:<width$}");
-            *values += &format!("{gap}{value:<width$}");
-        }
-    }
-    let mut lines: Vec<String> =
-        blocks.iter().flatten().map(|line| line.trim_end().to_owned()).collect();
-    match lines.last_mut() {
-        Some(last) if LABEL + last.chars().count() + 2 + end.len() <= COLUMNS => {
-            *last += &format!("  {end}");
-        }
-        _ => lines.push(end.to_owned()),
-    }
-    lines.join(&format!("\n{:LABEL$}", ""))
-}
-
 /// Rows that are written, and the times of the first and the last.
 pub(super) fn rows_text(grid: &TimeGrid) -> String {
     let [start, end] = four([grid.time_s(0), grid.end_s()]);
@@ -398,20 +351,6 @@ mod tests {
             assert_eq!(timing_line(lead_s, lag_s), text);
             assert!(LABEL + text.chars().count() <= COLUMNS, "{text}");
         }
-    }
-
-    #[test]
-    fn values_stand_below_their_names_on_as_many_lines_as_they_need() {
-        let item = |name: &str, value: &str| (name.to_owned(), value.to_owned());
-        let two = [item("tip", "1.0e-6"), item("mesh (hub angle)", "2e-4")];
-        let text = in_columns(two.into_iter(), "of the peak");
-        assert_eq!(text, "tip     mesh (hub angle)\n         1.0e-6  2e-4  of the peak");
-        let many = (0..9).map(|k| item(&format!("quantity {k}"), "1.0e-6"));
-        let text = in_columns(many, "of the peak");
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 4, "{text}");
-        assert!(lines[2].trim_start().starts_with("quantity 6"), "{text}");
-        assert!(lines.iter().all(|line| line.chars().count() <= COLUMNS), "{text}");
     }
 
     #[test]

@@ -122,14 +122,15 @@ fn assert_rigid(motion: [&dyn Fn(f64) -> [f64; 3]; 2], len: usize) {
         [0, 1, 2].map(|part| at.iter().map(|own| own[part]).collect())
     };
     let chords = vec![chord(motion[0]), chord(motion[1])];
-    let arm = ArmPeriod::new(1.0 / len as f64, chords.clone(), Kept::Angles, [0.0; 2]).unwrap();
+    let arm = ArmPeriod::new(1.0 / len as f64, chords, Kept::Angles, [0.0; 2]).expect("a period");
     let found = follow_arm(&models, &arm, SecondOrder::None, 1e-9).expect("a motion");
     let link = |number: usize| models[number].link();
     let [mut worst, mut largest] = [[0.0_f64; 3]; 2];
     for k in 0..len {
+        let now = motion.map(|of| of(k as f64 / len as f64));
         // Of a length along the chord: ℓ θ̈ n − ℓ θ̇² e.
         let turned = |number: usize| {
-            let [angle, rate, turning] = [0, 1, 2].map(|part: usize| chords[number][part][k]);
+            let [angle, rate, turning] = now[number];
             let (sine, cosine) = angle.sin_cos();
             [
                 -turning * sine - rate * rate * cosine,
@@ -147,7 +148,7 @@ fn assert_rigid(motion: [&dyn Fn(f64) -> [f64; 3]; 2], len: usize) {
         let both = |axis: usize| on_second[axis] + link(0).mass_moment_kg_m() * first[axis];
         let across = elbow[0] * second[2] + elbow[1] * second[3];
         let inertia = link(1).rigid_inertia_kg_m2();
-        let torque_n_m = inertia * chords[1][2][k] + link(1).mass_moment_kg_m() * across;
+        let torque_n_m = inertia * now[1][2] + link(1).mass_moment_kg_m() * across;
         let forces = [[both(0), both(1)], on_second];
         for (number, expected) in forces.iter().enumerate() {
             for axis in [0, 1] {
