@@ -218,16 +218,7 @@ impl<'a> Follower<'a> {
                 [0, 1, 2].map(|order: usize| rigid[link][order] - by_m(order))
             };
             let lengths: Vec<Moving> = (0..rigid.len()).map(own).collect();
-            // Gravity is an upward acceleration of the first axis.
-            let mut axis = arm.gravity_m_s2.map(|part| -part);
-            let bars = arm.bars(sample, [&rigid, &lengths])?.into_iter().map(|bar| {
-                let axes = bar.axes();
-                let parts = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
-                let [_, _, further] = bar.vector(axes);
-                axis = [axis[0] + further[0], axis[1] + further[1]];
-                (bar, parts)
-            });
-            Ok(bars.collect())
+            Ok(arm.carried(arm.bars(sample, [&rigid, &lengths])?).collect())
         };
         let samples: Vec<_> = (0..arm.len()).into_par_iter().map(at).collect();
         samples.into_iter().collect()

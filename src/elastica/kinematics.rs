@@ -106,23 +106,37 @@ impl ArmPeriod {
     /// that of its inner end along it and across it, with gravity; the rest of their amplitudes is a negligible share.
     pub(super) fn fewest(&self, negligible: f64) -> usize {
         let bars_of = |sample: usize| {
-            let mut axis = self.gravity_m_s2.map(|part| -part);
-            let parts = (0..self.links()).map(|link| {
-                let bar = Bar { length_m: [1.0, 0.0, 0.0], angle_rad: self.rigid_at(link, sample) };
-                let axes = bar.axes();
-                let [along, across] = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
-                let [_, _, further] = bar.vector(axes);
-                axis = [axis[0] + further[0], axis[1] + further[1]];
+            let bar = |link: usize| Bar {
+                length_m: [1.0, 0.0, 0.0],
+                angle_rad: self.rigid_at(link, sample),
+            };
+            let carried = self.carried((0..self.links()).map(bar)).map(|(bar, [along, across])| {
                 let [_, rate, turning] = bar.angle_rad;
                 [turning, rate * rate, along, across]
             });
-            parts.collect::<Vec<_>>()
+            carried.collect::<Vec<_>>()
         };
         let samples: Vec<_> = (0..self.len()).into_par_iter().map(bars_of).collect();
         let histories = (0..4 * self.links()).map(|column| {
             Cow::Owned(samples.iter().map(|parts| parts[column / 4][column % 4]).collect())
         });
         resolving(self.band(negligible, histories))
+    }
+
+    /// Each bar with the acceleration of its inner end along it and across it. Gravity is an upward acceleration of the first
+    /// axis.
+    pub(super) fn carried(
+        &self,
+        bars: impl IntoIterator<Item = Bar>,
+    ) -> impl Iterator<Item = (Bar, [f64; 2])> {
+        let mut axis = self.gravity_m_s2.map(|part| -part);
+        bars.into_iter().map(move |bar| {
+            let axes = bar.axes();
+            let parts = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
+            let [_, _, further] = bar.vector(axes);
+            axis = [axis[0] + further[0], axis[1] + further[1]];
+            (bar, parts)
+        })
     }
 
     /// The longest stride that leaves so many samples or more, an even number; 1 if none does.
