@@ -26,16 +26,13 @@ const LEVELS: [(f64, f64, usize); 7] = [
 ];
 
 /// The levels for torques that need not be exact.
-const ESTIMATED: [(f64, f64, usize); 2] = [LEVELS[3], LEVELS[6]];
+const ESTIMATED: [(f64, f64, usize); 2] = [LEVELS[5], LEVELS[6]];
 
 /// Share of what the second order changes to which it is estimated.
 const ESTIMATED_TO: f64 = 0.01;
 
 /// Share of what is negligible up to which chords are moved once, to see what that changes.
 const BEYOND: f64 = 1e-4;
-
-/// Iterations after which the error of the next ones follows from their factor.
-const FEWEST_ITERATIONS: usize = 3;
 
 /// When an iteration ends.
 #[derive(Clone, Copy)]
@@ -50,7 +47,6 @@ enum Until {
 struct Iterate {
     answers: Answers,
     torques_n_m: Vec<Vec<f64>>,
-    shortened: Option<Shortened>,
 }
 
 /// Finds the torques with which the chords of an arm move as given, or its tip stays on its path.
@@ -154,18 +150,16 @@ impl Follower<'_> {
         let linear_band = |negligible: f64| self.band(&linear.answers, negligible);
         let moving = times * linear_band(moved);
         let mut band = of_all(&linear.answers, negligible)?;
-        let mut latest = Iterate {
-            answers: linear.answers.clone(),
-            torques_n_m: linear.torques_n_m.clone(),
-            shortened: None,
-        };
+        let mut latest =
+            Iterate { answers: linear.answers.clone(), torques_n_m: linear.torques_n_m.clone() };
         let (mut last_change, mut last_factor) = (f64::INFINITY, 0.0);
         for iterations in 1..=MOST_ITERATIONS {
             let pair = linear.state.chords[0].pair_for(REACH * band);
             let swept = self.swept(linear, &latest, (&pair, band, moving));
             let diverges = |error: ElasticaError, change| match error {
-                // The first iteration has the path's own pose and the linear slopes.
-                error if iterations == 1 || self.needs_more(&error) => error,
+                error if self.needs_more(&error) => error,
+                // The first iteration has the linear slopes; the path's own pose is possible.
+                error if iterations == 1 && !matches!(error, ElasticaError::Elbow { .. }) => error,
                 error => error.diverging(iterations, change),
             };
             let (state, next) = swept.map_err(|error| diverges(error, last_change))?;
@@ -174,15 +168,14 @@ impl Follower<'_> {
             let reach = of_all(&latest.answers, negligible);
             band = band.max(reach.map_err(|error| diverges(error, change))?);
             let second_order = || self.largest_change(&latest.torques_n_m, &linear.torques_n_m);
-            let (tolerance, fewest) = match until {
-                Until::Within(tolerance) => (tolerance, FEWEST_ITERATIONS),
-                Until::Share(share) => (share * second_order(), FEWEST_ITERATIONS - 1),
+            let tolerance = match until {
+                Until::Within(tolerance) => tolerance,
+                Until::Share(share) => share * second_order(),
             };
             let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
-            // Shortened links move the chords from the second iteration on: the second factor is none yet.
             let mut error = further(change, factor.max(last_factor));
-            if iterations > fewest && error <= tolerance {
+            if iterations > 1 && error <= tolerance {
                 if matches!(until, Until::Within(_)) {
                     // The chords moved at more frequencies, once.
                     let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
@@ -197,7 +190,7 @@ impl Follower<'_> {
                     second_order_change: second_order(),
                     exceeds_step: REACH * band > resolved(&self.arm.pair),
                 };
-                let Iterate { answers, torques_n_m, .. } = latest;
+                let Iterate { answers, torques_n_m } = latest;
                 return Ok(Found { state, answers, torques_n_m, iteration });
             }
             (last_change, last_factor) = (change, factor);
@@ -214,27 +207,38 @@ impl Follower<'_> {
         (pair, band, moving): (&FourierPair, usize, usize),
     ) -> Result<(State, Iterate), ElasticaError> {
         let (order, bins) = (self.second_order, resolved(pair));
-        let shortened = last.shortened.clone().filter(|_| order == SecondOrder::Full);
-        let mut state = self.chords(shortened.map(|own| Shortened { bins: moving, ..own }))?;
-        let (mut answers, mut torques_n_m, mut shortened) = (Vec::new(), Vec::new(), Vec::new());
-        for link in (0..self.arm.links()).rev() {
+        let bent: Vec<_> = self.models.iter().map(|model| BentLink::of(&**model, order)).collect();
+        let histories = |link: usize| {
+            let kept = &last.answers[link][..band.min(last.answers[link].len())];
+            let on_chord = self.on_chord(link, &linear.state.chords[link]);
+            on_chord.histories(kept, bent[link].orders(), pair)
+        };
+        let mut histories: Vec<_> = (0..bent.len()).map(histories).collect();
+        let shortened = (order == SecondOrder::Full).then(|| Shortened {
+            by_m: bent.iter().zip(&histories).map(|(link, own)| link.shortening_m(own)).collect(),
+            pair: pair.clone(),
+            bins: moving,
+        });
+        let mut state = self.chords(shortened)?;
+        let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
+        for (link, own) in bent.iter().enumerate().rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let time = on_chord.chord.at(pair);
-            let kept = &last.answers[link][..band.min(last.answers[link].len())];
-            let loads = on_chord.loads(&BentLink::of(on_chord.model, order), kept, pair, &time);
-            let (loads, _) = loads.map_err(|error| error.of_link(link))?;
-            let found = on_chord.with_loads(&linear.answers[link], &loads, pair);
+            let loads = own.loads((histories.pop().unwrap_or_default(), &time));
+            let loads = loads.map_err(|error| error.of_link(link))?;
+            let found = on_chord.with_loads(&linear.answers[link], &loads.nodal, pair);
             let few = &found[..bins.min(found.len())];
             let (torque_n_m, _) = on_chord.hub(few, order, pair, &time);
-            let [along, across, short] = on_chord.ends(few, order, pair, &time);
-            let [torque_n_m, along, across] =
-                [torque_n_m, along, across].map(|few| self.arm.at_all(pair, &few, bins, 0));
-            state.hand_inward(link, (&along, &across), &torque_n_m);
+            let along_n: Vec<f64> = loads.axial_n.iter().map(|axial| -axial).collect();
+            let [torque_n_m, along_n] =
+                [torque_n_m, along_n].map(|few| self.arm.at_all(pair, &few, bins, 0));
+            let mut across_n = on_chord.across_n(&own.straight(), few);
+            let left_n = pair.amplitudes(&loads.left_n);
+            across_n.iter_mut().zip(left_n).for_each(|(across, left)| *across += left);
+            state.hand_inward(link, (&along_n, &self.arm.pair.samples(across_n)), &torque_n_m);
             answers.insert(0, found);
             torques_n_m.insert(0, torque_n_m);
-            shortened.insert(0, short);
         }
-        let shortened = Shortened { by_m: shortened, pair: pair.clone(), bins: moving };
-        Ok((state, Iterate { answers, torques_n_m, shortened: Some(shortened) }))
+        Ok((state, Iterate { answers, torques_n_m }))
     }
 }

@@ -21,10 +21,9 @@ use crate::numeric::{FourierPair, Size, magnitude};
 /// Round-off of the torque of one joint, over the largest amplitude of any.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Shares of accelerations and of torques, all added up, beyond the frequencies that samples must resolve. What the
-/// transfers of the links make of the first is measured by the second.
-const LEFT_OUT: f64 = 1e-10;
-const LEFT_OUT_TORQUE: f64 = 1e-12;
+/// Share of the torques, all added up, beyond the frequencies that samples must resolve: what the transfers of the links
+/// make of the accelerations that the period leaves out.
+const LEFT_OUT: f64 = 1e-12;
 
 /// Amplitudes of the answer of each link.
 pub(super) type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
@@ -119,7 +118,7 @@ impl<'a> Follower<'a> {
         (fewest, negligible): (usize, Option<f64>),
     ) -> Result<(Self, Linear), ElasticaError> {
         assert!(models.len() == whole.links(), "a model for each chord");
-        let mut fewest = fewest.max(whole.fewest(LEFT_OUT));
+        let mut fewest = fewest.max(whole.fewest);
         loop {
             let stride = whole.stride_to(fewest);
             let arm = whole.thinned(stride);
@@ -155,7 +154,7 @@ impl<'a> Follower<'a> {
     /// True if the samples resolve these torques, and loads beyond which a share of them is negligible.
     fn resolves(&self, linear: &Linear, negligible: Option<f64>) -> bool {
         let most = resolved(&self.arm.pair);
-        self.band(&linear.answers, LEFT_OUT_TORQUE) <= most
+        self.band(&linear.answers, LEFT_OUT) <= most
             && negligible.is_none_or(|share| REACH * self.band(&linear.answers, share) <= most)
     }
 

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::chord::{ChordPeriod, resolved};
 use super::error::{ElasticaError, FINEST};
-use super::loads::{BentLink, SecondOrder};
+use super::loads::{BentLink, LoadHistories, SecondOrder};
 use super::on_chord::LinkOnChord;
 use super::reaction::{ElasticaMotion, Iteration, apart, band, size};
 use super::sag::{Sag, TOLERANCE};
@@ -233,8 +233,9 @@ impl LinkOnChord<'_> {
             let time = self.chord.at(&pair);
             let (before, _) = self.hub(&answers, last_level, &pair, &time);
             let kept = &answers[..band.min(answers.len())];
-            let (loads, largest_slope) = self.loads(&link, kept, &pair, &time)?;
-            let next = self.with_loads(linear, &loads, &pair);
+            let states = (self.histories(kept, link.orders(), &pair), &time);
+            let LoadHistories { nodal, largest_slope, .. } = link.loads(states)?;
+            let next = self.with_loads(linear, &nodal, &pair);
             let previous = std::mem::replace(&mut answers, next);
             band = band.max(self.band_of_loads(&answers, negligible)?);
             let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);

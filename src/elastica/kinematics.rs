@@ -19,6 +19,9 @@ pub type AngleHistories = [Vec<f64>; 3];
 /// Sine of the elbow's angle below which the rates of two bars do not follow from that of their end.
 pub(crate) const STRETCHED: f64 = 0.05;
 
+/// Share of the accelerations, all added up, beyond the frequencies that samples must resolve.
+const LEFT_OUT: f64 = 1e-10;
+
 /// What stays as a rigid arm has it while the links bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kept {
@@ -37,6 +40,8 @@ pub struct ArmPeriod {
     /// Those of a rigid arm.
     pub(super) rigid: Vec<AngleHistories>,
     kept: Kept,
+    /// Fewest samples that resolve what moves links of equal length.
+    pub(super) fewest: usize,
 }
 
 impl ArmPeriod {
@@ -58,7 +63,8 @@ impl ArmPeriod {
         let columns: Vec<_> =
             rigid.iter().map(|chord| [0, 1, 2].map(|part| &chord[part][..])).collect();
         let len = check_period(step_s, gravity_m_s2, &columns)?;
-        let arm = Self { pair: FourierPair::new(len), step_s, gravity_m_s2, rigid, kept };
+        let (pair, fewest) = (FourierPair::new(len), len);
+        let arm = Self { pair, step_s, gravity_m_s2, rigid, kept, fewest };
         if kept == Kept::Tip {
             if arm.rigid.len() < 2 {
                 return Err(ElasticaError::OneLink);
@@ -67,7 +73,7 @@ impl ArmPeriod {
                 arm.elbow(sample)?;
             }
         }
-        Ok(arm)
+        Ok(Self { fewest: arm.resolving(), ..arm })
     }
 
     /// Number N of samples.
@@ -104,7 +110,7 @@ impl ArmPeriod {
 
     /// Fewest samples that resolve what moves links of equal length: how each chord turns, its centripetal acceleration, and
     /// that of its inner end along it and across it, with gravity; the rest of their amplitudes is a negligible share.
-    pub(super) fn fewest(&self, negligible: f64) -> usize {
+    fn resolving(&self) -> usize {
         let bars_of = |sample: usize| {
             let bar = |link: usize| Bar {
                 length_m: [1.0, 0.0, 0.0],
@@ -120,7 +126,7 @@ impl ArmPeriod {
         let histories = (0..4 * self.links()).map(|column| {
             Cow::Owned(samples.iter().map(|parts| parts[column / 4][column % 4]).collect())
         });
-        resolving(self.band(negligible, histories))
+        resolving(self.band(LEFT_OUT, histories))
     }
 
     /// Each bar with the acceleration of its inner end along it and across it. Gravity is an upward acceleration of the first

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::chord::{ChordHistories, TipLoad};
-use super::points::{POINTS, Points, dot};
-use crate::beam::Inertia;
+use super::error::{ElasticaError, STEEPEST};
+use super::points::{Body, POINTS, Points, dot};
 use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::Size;
@@ -88,15 +88,6 @@ impl Slope {
     }
 }
 
-/// A body at the end of an arm along the slope of a node.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Body {
-    pub(super) node: usize,
-    pub(super) mass_kg: f64,
-    pub(super) inertia_kg_m2: f64,
-    pub(super) arm_m: f64,
-}
-
 /// A link that bends in its plane: all that its loads depend on but its motion.
 #[derive(Debug, Clone)]
 pub(super) struct BentLink {
@@ -119,38 +110,28 @@ pub(super) struct Scratch {
     pub(super) shortened: Vec<f64>,
 }
 
+/// Histories of what a link's second-order terms do.
+pub(super) struct LoadHistories {
+    /// Force in N and moment in N m on each node in turn.
+    pub(super) nodal: Vec<Vec<f64>>,
+    /// Axial force at the root in N: all that the masses and the tip need along the chord.
+    pub(super) axial_n: Vec<f64>,
+    /// What the masses need across the chord in N besides what those of the linear link do.
+    pub(super) left_n: Vec<f64>,
+    pub(super) largest_slope: f64,
+}
+
 impl BentLink {
     pub(super) fn of(model: &dyn Model, second_order: SecondOrder) -> Self {
-        let (mesh, payload) = (model.mesh(), model.link().payload());
+        let mesh = model.mesh();
         let beta_s = match model.law() {
             DampingLaw::Rayleigh { beta_s, .. } => *beta_s,
             _ => 0.0,
         };
-        let last = mesh.elements().len();
-        let lumped = (0..last).filter_map(|node| {
-            let Inertia { vv, pp, .. } = mesh.lumped_inertia(node)?;
-            Some(Body { node, mass_kg: vv, inertia_kg_m2: pp, arm_m: 0.0 })
-        });
-        // A mass on the tip is no part of the payload's offset.
-        let Inertia { vv, pp, .. } = mesh.tip_inertia();
-        let arm_m = payload.offset_m;
-        let carried = payload.mass_kg * arm_m * arm_m + payload.inertia_kg_m2;
-        let on_tip = Body {
-            node: last,
-            mass_kg: vv - payload.mass_kg,
-            inertia_kg_m2: pp - carried,
-            arm_m: 0.0,
-        };
-        let payload = Body {
-            node: last,
-            mass_kg: payload.mass_kg,
-            inertia_kg_m2: payload.inertia_kg_m2,
-            arm_m,
-        };
         Self {
             points: Points::of(mesh),
             nodes_m: mesh.nodes_m().to_vec(),
-            bodies: lumped.chain([on_tip, payload]).collect(),
+            bodies: Body::all_of(mesh, model.link().payload()),
             beta_s,
             second_order,
         }
@@ -202,14 +183,40 @@ impl BentLink {
         if self.second_order == SecondOrder::Full { 3 } else { 2 }
     }
 
-    /// Writes force and moment on nodes 0 … n; returns the largest slope.
-    pub(super) fn write(&self, now: &Instant<'_>, scratch: &mut Scratch, loads: &mut [f64]) -> f64 {
-        loads.fill(0.0);
+    /// What the second-order terms do, from the histories that [`Self::at_each_instant`] takes.
+    ///
+    /// # Errors
+    /// [`ElasticaError::TooSteep`].
+    pub(super) fn loads(
+        &self,
+        states: (Vec<Vec<f64>>, &ChordHistories),
+    ) -> Result<LoadHistories, ElasticaError> {
+        let write = |now: &Instant<'_>, scratch: &mut _, row: &mut _| self.write(now, scratch, row);
+        let (mut nodal, largest_slope) = self.at_each_instant(self.columns(), states, write);
+        if largest_slope.is_nan() || largest_slope >= STEEPEST {
+            return Err(ElasticaError::TooSteep { slope: largest_slope });
+        }
+        let mut last = || nodal.pop().unwrap_or_default();
+        let (left_n, axial_n) = (last(), last());
+        Ok(LoadHistories { nodal, axial_n, left_n, largest_slope })
+    }
+
+    /// Columns that [`Self::write`] writes.
+    pub(super) fn columns(&self) -> usize {
+        2 * self.nodes_m.len() + 2
+    }
+
+    /// Writes force and moment on nodes 0 … n, then the axial force at the root and the force across the chord that the
+    /// masses need besides that of the linear link; returns the largest slope.
+    pub(super) fn write(&self, now: &Instant<'_>, scratch: &mut Scratch, row: &mut [f64]) -> f64 {
+        row.fill(0.0);
+        let (loads, root_n) = row.split_at_mut(2 * self.nodes_m.len());
         let largest = self.place(now, scratch);
-        let axial_root = self.bend(now, scratch, loads);
+        let [axial_n, left_n] = self.bend(now, scratch, loads);
+        root_n.copy_from_slice(&[axial_n, left_n]);
         // The hub's radius is a rigid piece along the slope of the root.
         let [root, tip] = [0, self.nodes_m.len() - 1].map(|node| self.slope_at(now, node));
-        loads[1] -= self.nodes_m[0] * axial_root * root.sine * root.secant;
+        loads[1] -= self.nodes_m[0] * axial_n * root.sine * root.secant;
         // A torque turns the tip by the angle of its slope.
         loads[2 * self.nodes_m.len() - 1] -= now.tip.torque_n_m * (tip.secant - 1.0);
         largest
@@ -229,54 +236,48 @@ impl BentLink {
         scratch.shortened.clear();
         scratch.shortened.push(u[0]);
         let mut largest = root.sine.abs();
-        scratch.slopes.clear();
-        scratch.places.clear();
+        // Written in place: arrays of them are long.
+        scratch.slopes.resize_with(self.points.elements.len(), <_>::default);
+        scratch.places.resize_with(self.points.elements.len(), <_>::default);
         scratch.body_places.clear();
         let mut bodies = self.bodies.iter().peekable();
         for (element, points) in self.points.elements.iter().enumerate() {
             while let Some(body) = bodies.next_if(|body| body.node == element) {
                 scratch.body_places.push(self.body_place(now, body, u));
             }
-            let dofs = 2 * element..2 * element + 4;
             let four = |values: &[f64]| -> [f64; 4] {
-                [
-                    values[dofs.start],
-                    values[dofs.start + 1],
-                    values[dofs.start + 2],
-                    values[dofs.start + 3],
-                ]
+                let first = 2 * element;
+                [values[first], values[first + 1], values[first + 2], values[first + 3]]
             };
             let (w, rate) = (four(now.w), four(now.rate));
-            let acceleration = if self.second_order == SecondOrder::Full {
-                four(now.acceleration)
-            } else {
-                [0.0; 4]
-            };
-            let slopes = points.map(|point| {
-                let own = [w, rate, acceleration].map(|dofs| dot(&point.slope, &dofs));
-                Slope::of(self.second_order, own)
-            });
-            let mut places = points.map(|point| Place {
-                x: point.s_m,
-                w: dot(&point.shape, &w),
-                w_rate: dot(&point.shape, &rate),
-                ..Place::default()
-            });
-            if self.second_order == SecondOrder::Full {
-                let up_to = [0, 1, 2].map(|order| {
-                    let values = slopes.map(|slope| slope.u[order]);
-                    self.points.integrated(element, &mut u[order], &values)
-                });
-                for (k, place) in places.iter_mut().enumerate() {
-                    place.x += up_to[0][k];
-                    place.shortened = up_to[0][k];
-                    place.x_rate = up_to[1][k];
-                    place.x_acceleration = up_to[2][k];
+            let is_full = self.second_order == SecondOrder::Full;
+            let acceleration = if is_full { four(now.acceleration) } else { [0.0; 4] };
+            let (slopes, places) = (&mut scratch.slopes[element], &mut scratch.places[element]);
+            for ((slope, place), point) in slopes.iter_mut().zip(places.iter_mut()).zip(points) {
+                let turned = |dofs: &[f64; 4]| dot(&point.slope, dofs);
+                let own = [turned(&w), turned(&rate), turned(&acceleration)];
+                *slope = Slope::of(self.second_order, own);
+                *place = Place {
+                    x: point.s_m,
+                    w: dot(&point.shape, &w),
+                    w_rate: dot(&point.shape, &rate),
+                    ..Place::default()
+                };
+                largest = largest.larger(slope.sine.abs());
+            }
+            if is_full {
+                for (order, u) in u.iter_mut().enumerate() {
+                    let values = std::array::from_fn(|k| slopes[k].u[order]);
+                    let up_to = self.points.integrated(element, u, &values);
+                    for (place, up_to) in places.iter_mut().zip(up_to) {
+                        match order {
+                            0 => (place.x, place.shortened) = (place.x + up_to, up_to),
+                            1 => place.x_rate = up_to,
+                            _ => place.x_acceleration = up_to,
+                        }
+                    }
                 }
             }
-            largest = slopes.iter().map(|slope| slope.sine.abs()).fold(largest, Size::larger);
-            scratch.slopes.push(slopes);
-            scratch.places.push(places);
             scratch.shortened.push(u[0]);
         }
         for body in bodies {
@@ -300,29 +301,33 @@ impl BentLink {
         }
     }
 
-    /// Loads of all points and bodies, from the tip inward; returns the axial force at the root.
+    /// Loads of all points and bodies, from the tip inward; returns the axial force at the root, and what all masses need
+    /// across the chord besides what the linear link's do.
     ///
     /// ```text
     /// a_x = a·e − θ̇²(s + u) − θ̈ w − 2 θ̇ ẇ + ü,     N = −∫ m̄ a_x ds outboard
     /// f = −m̄(−θ̇² w + 2 θ̇ u̇ + θ̈ u),   m = −N tan ψ − M w'' w'/cos³ψ,   b = −(M/cos ψ − EI(w'' + β ẇ''))
     /// M = EI(κ + β κ̇),   κ = w''/cos ψ
     /// ```
-    fn bend(&self, now: &Instant<'_>, scratch: &Scratch, loads: &mut [f64]) -> f64 {
-        let mut axial = now.tip.along_n;
+    fn bend(&self, now: &Instant<'_>, scratch: &Scratch, loads: &mut [f64]) -> [f64; 2] {
+        let [mut axial, mut left] = [now.tip.along_n, 0.0];
         let mut bodies = self.bodies.iter().zip(&scratch.body_places).rev().peekable();
         for (element, points) in self.points.elements.iter().enumerate().rev() {
             while let Some((body, place)) = bodies.next_if(|(body, _)| body.node > element) {
-                axial += self.load_body(now, body, place, loads);
+                let [along, across] = self.load_body(now, body, place, loads);
+                [axial, left] = [axial + along, left - across];
             }
             let (slopes, places) = (&scratch.slopes[element], &scratch.places[element]);
-            let forces = [0, 1, 2, 3, 4]
-                .map(|k| -points[k].mass_kg_m * points[k].weight_m * along(now, &places[k]));
+            let forces = std::array::from_fn(|k| {
+                -points[k].mass_kg_m * points[k].weight_m * along(now, &places[k])
+            });
             let outboard = self.points.outboard(element, &mut axial, &forces);
             let dofs = 2 * element..2 * element + 4;
             let own = &mut loads[dofs.clone()];
             for (k, point) in points.iter().enumerate() {
                 let slope = &slopes[k];
                 let force = -point.mass_kg_m * left_across(now, &places[k]);
+                left -= point.weight_m * force;
                 let mut moment = -outboard[k] * slope.sine * slope.secant;
                 let mut bending = 0.0;
                 if self.second_order == SecondOrder::Full {
@@ -347,13 +352,20 @@ impl BentLink {
             }
         }
         for (body, place) in bodies {
-            axial += self.load_body(now, body, place, loads);
+            let [along, across] = self.load_body(now, body, place, loads);
+            [axial, left] = [axial + along, left - across];
         }
-        axial
+        [axial, left]
     }
 
-    /// Loads of a body on its node; returns its axial force.
-    fn load_body(&self, now: &Instant<'_>, body: &Body, place: &Place, loads: &mut [f64]) -> f64 {
+    /// Loads of a body on its node; returns its force along the chord and across it.
+    fn load_body(
+        &self,
+        now: &Instant<'_>,
+        body: &Body,
+        place: &Place,
+        loads: &mut [f64],
+    ) -> [f64; 2] {
         let (slope, at) = (self.slope_at(now, body.node), 2 * body.node);
         let axial = -body.mass_kg * along(now, place);
         let across = -body.mass_kg * left_across(now, place);
@@ -364,7 +376,7 @@ impl BentLink {
             let turned = (chord + slope.turning()) * slope.secant;
             loads[at + 1] -= body.inertia_kg_m2 * (turned - (chord + slope.acceleration));
         }
-        axial
+        [axial, across]
     }
 }
 

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::chord::{ChordHistories, ChordPeriod, resolved};
-use super::error::{ElasticaError, STEEPEST};
+use super::error::ElasticaError;
 use super::loads::{BentLink, SecondOrder};
 use super::reaction::{ElasticaMotion, Straight, band};
 use super::sag::Sag;
@@ -73,24 +73,6 @@ impl LinkOnChord<'_> {
             }
             None => Ok(answers),
         }
-    }
-
-    /// Loads on the nodes, one history for each force and moment, and the largest slope.
-    pub(super) fn loads(
-        &self,
-        link: &BentLink,
-        answers: &[LoadedMotion<Complex64>],
-        pair: &FourierPair,
-        chord: &ChordHistories,
-    ) -> Result<(Vec<Vec<f64>>, f64), ElasticaError> {
-        let states = (self.histories(answers, link.orders(), pair), chord);
-        let columns = 2 * self.model.mesh().nodes_m().len();
-        let (loads, slope) = link
-            .at_each_instant(columns, states, |now, scratch, row| link.write(now, scratch, row));
-        if slope.is_nan() || slope >= STEEPEST {
-            return Err(ElasticaError::TooSteep { slope });
-        }
-        Ok((loads, slope))
     }
 
     /// Histories of (w, w') of each node, then of their derivatives up to `orders`.
@@ -184,45 +166,41 @@ impl LinkOnChord<'_> {
     /// Force on the root along the chord and across it in N, without second order, at the chord's own samples.
     ///
     /// ```text
-    /// F_e = m a·e − S θ̇² − P_e,   F_n = m a·n + S θ̈ + Σ m ẅ − P_n,   S = Σ m s
+    /// F_e = m a·e − S θ̇² − P_e,       S = Σ m s
     /// ```
     ///
     /// P is the force on the tip.
     pub(super) fn linear_ends(&self, answers: &[LoadedMotion<Complex64>]) -> [Vec<f64>; 2] {
-        let Straight { mass_kg, moment_kg_m, across_kg } =
-            BentLink::of(self.model, SecondOrder::None).straight();
-        let (chord, tip) = (&self.chord.histories, self.chord.tip.as_ref());
+        let link = BentLink::of(self.model, SecondOrder::None).straight();
+        let chord = &self.chord.histories;
         let along = (0..self.chord.len()).map(|k| {
             let rate = chord.rate_rad_s[k];
             let on_tip = chord.tip.as_ref().map_or(0.0, |tip| tip.along_n[k]);
-            mass_kg * chord.along_m_s2[k] - moment_kg_m * rate * rate - on_tip
+            link.mass_kg * chord.along_m_s2[k] - link.moment_kg_m * rate * rate - on_tip
         });
-        let across = answers.iter().enumerate().map(|(bin, answer)| {
-            let nodes = answer.deflections.iter().zip(&across_kg);
-            let bent: Complex64 = nodes.map(|(node, kg)| node[0] * kg[0] + node[1] * kg[1]).sum();
-            let omega = self.chord.omega_rad_s(bin);
-            let moved = mass_kg * self.chord.across[bin] + moment_kg_m * self.chord.turning[bin];
-            let on_tip = tip.map_or(Complex64::ZERO, |tip| tip.across_n[bin]);
-            moved - omega * omega * bent - on_tip
-        });
-        let across: Vec<_> = across.collect();
-        [along.collect(), self.chord.pair.samples(across)]
+        [along.collect(), self.chord.pair.samples(self.across_n(&link, answers))]
     }
 
-    /// Force on the root along the chord and across it in N, and how much shorter the chord is than the link in m, at
-    /// the samples of a pair.
-    pub(super) fn ends(
+    /// Force on the root across the chord in N, of the linear link that bends so, at each bin.
+    ///
+    /// ```text
+    /// F_n = m a·n + S θ̈ + Σ m ẅ − P_n
+    /// ```
+    pub(super) fn across_n(
         &self,
+        link: &Straight,
         answers: &[LoadedMotion<Complex64>],
-        second_order: SecondOrder,
-        pair: &FourierPair,
-        chord: &ChordHistories,
-    ) -> [Vec<f64>; 3] {
-        let link = BentLink::of(self.model, second_order);
-        let states = (self.histories(answers, 3, pair), chord);
-        let (ends, _) =
-            link.at_each_instant(3, states, |now, scratch, row| link.ends(now, scratch, row));
-        ends.try_into().unwrap_or_else(|_| unreachable!("three columns are asked for"))
+    ) -> Vec<Complex64> {
+        let tip = self.chord.tip.as_ref();
+        let at = |(bin, answer): (usize, &LoadedMotion<Complex64>)| {
+            let nodes = answer.deflections.iter().zip(&link.across_kg);
+            let bent: Complex64 = nodes.map(|(node, kg)| node[0] * kg[0] + node[1] * kg[1]).sum();
+            let omega = self.chord.omega_rad_s(bin);
+            let (axis, turning) = (self.chord.across[bin], self.chord.turning[bin]);
+            let on_tip = tip.map_or(Complex64::ZERO, |tip| tip.across_n[bin]);
+            link.mass_kg * axis + link.moment_kg_m * turning - omega * omega * bent - on_tip
+        };
+        answers.iter().enumerate().map(at).collect()
     }
 
     /// The histories of these answers at the samples of a pair over the chord's period; with `nodes`, those of others are
@@ -242,8 +220,10 @@ impl LinkOnChord<'_> {
             if is_wanted { self.history(answers, dof, 0, pair) } else { Vec::new() }
         });
         let deflections = deflections.collect();
-        let ([shortenings_m, moments_n_m], largest_slope) =
-            self.shapes(answers, second_order, (pair, is_wanted));
+        let ([shortenings_m, moments_n_m], largest_slope) = match nodes {
+            Some([]) => <_>::default(),
+            _ => self.shapes(answers, second_order, (pair, is_wanted)),
+        };
         ElasticaMotion {
             torque_n_m,
             hub_slope_rad,
@@ -291,6 +271,8 @@ mod tests {
     use super::*;
     use crate::beam::{Mesh, MeshPlan};
     use crate::elastica::chord::TipLoad;
+    use crate::elastica::loads::Place;
+    use crate::elastica::points::dot;
     use crate::link::{Hub, Link, LumpedMass, Payload, Segment};
     use crate::model::{KeptModes, model_of};
 
@@ -322,7 +304,27 @@ mod tests {
             LinkOnChord { model: &*model, chord: &chord, sag, friction_n_m_s_rad, round_off_n_m };
         let answers = on_chord.linear().unwrap();
         let own = on_chord.linear_ends(&answers);
-        let all = on_chord.ends(&answers, SecondOrder::None, &chord.pair, &chord.histories);
+        let bent = BentLink::of(&*model, SecondOrder::None);
+        let states = (on_chord.histories(&answers, 3, &chord.pair), &chord.histories);
+        let (all, _) = bent.at_each_instant(2, states, |now, scratch, row| {
+            bent.place(now, scratch);
+            row.copy_from_slice(&[-now.tip.along_n, -now.tip.across_n]);
+            let mut add = |place: &Place, mass_kg: f64, w_acceleration: f64| {
+                let needed = bent.acceleration(now, place, w_acceleration);
+                row.iter_mut().zip(needed).for_each(|(row, needed)| *row += mass_kg * needed);
+            };
+            for (element, points) in bent.points.elements.iter().enumerate() {
+                let dofs = std::array::from_fn(|k| now.acceleration[2 * element + k]);
+                for (point, place) in points.iter().zip(&scratch.places[element]) {
+                    add(place, point.mass_kg_m * point.weight_m, dot(&point.shape, &dofs));
+                }
+            }
+            for (body, place) in bent.bodies.iter().zip(&scratch.body_places) {
+                let [w, slope] = [0, 1].map(|part| now.acceleration[2 * body.node + part]);
+                add(place, body.mass_kg, w + body.arm_m * slope);
+            }
+            0.0
+        });
         for (own, all) in own.iter().zip(&all) {
             let largest = all.iter().map(|force| force.abs()).fold(0.0, f64::max);
             assert!(largest > 5.0, "{largest}");

@@ -1,6 +1,7 @@
-//! Gauss points along a link's mesh: shapes of the elements, and integrals from the axis outward.
+//! Gauss points and bodies along a link's mesh: shapes of the elements, and integrals from the axis outward.
 
-use crate::beam::Mesh;
+use crate::beam::{Inertia, Mesh};
+use crate::link::Payload;
 
 /// Points of an element.
 pub(super) const POINTS: usize = 5;
@@ -40,6 +41,43 @@ pub(super) struct Point {
     pub(super) slope: [f64; 4],
     /// Their second derivatives.
     pub(super) curvature: [f64; 4],
+}
+
+/// A body at the end of an arm along the slope of a node.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Body {
+    pub(super) node: usize,
+    pub(super) mass_kg: f64,
+    pub(super) inertia_kg_m2: f64,
+    pub(super) arm_m: f64,
+}
+
+impl Body {
+    /// Those of a mesh with this payload, from the axis outward.
+    pub(super) fn all_of(mesh: &Mesh, payload: &Payload) -> Vec<Self> {
+        let last = mesh.elements().len();
+        let lumped = (0..last).filter_map(|node| {
+            let Inertia { vv, pp, .. } = mesh.lumped_inertia(node)?;
+            Some(Self { node, mass_kg: vv, inertia_kg_m2: pp, arm_m: 0.0 })
+        });
+        // A mass on the tip is no part of the payload's offset.
+        let Inertia { vv, pp, .. } = mesh.tip_inertia();
+        let arm_m = payload.offset_m;
+        let carried = payload.mass_kg * arm_m * arm_m + payload.inertia_kg_m2;
+        let on_tip = Self {
+            node: last,
+            mass_kg: vv - payload.mass_kg,
+            inertia_kg_m2: pp - carried,
+            arm_m: 0.0,
+        };
+        let payload = Self {
+            node: last,
+            mass_kg: payload.mass_kg,
+            inertia_kg_m2: payload.inertia_kg_m2,
+            arm_m,
+        };
+        lumped.chain([on_tip, payload]).collect()
+    }
 }
 
 /// The points of a mesh, and how a function given at those of an element is integrated within it.
@@ -89,6 +127,7 @@ impl Points {
 
     /// The integral of a function up to each point of an element, from its integral up to the element's inner end;
     /// moves that to the outer end.
+    #[inline]
     pub(super) fn integrated(
         &self,
         element: usize,
@@ -97,7 +136,7 @@ impl Points {
     ) -> [f64; POINTS] {
         let points = &self.elements[element];
         let length_m: f64 = points.iter().map(|point| point.weight_m).sum();
-        let up_to = self.within.map(|row| *inner + length_m * dot(&row, values));
+        let up_to = std::array::from_fn(|k| *inner + length_m * dot(&self.within[k], values));
         *inner +=
             points.iter().zip(values).map(|(point, value)| point.weight_m * value).sum::<f64>();
         up_to
@@ -106,6 +145,7 @@ impl Points {
     /// The transpose of [`Self::integrated`]: the sum of `forces` at the points that lie outboard of each point, as
     /// the integral weighs them, so that force and displacement do the same work; `outer` is the sum beyond the
     /// element, and becomes that beyond its inner end.
+    #[inline]
     pub(super) fn outboard(
         &self,
         element: usize,
@@ -116,7 +156,7 @@ impl Points {
         let length_m: f64 = points.iter().map(|point| point.weight_m).sum();
         let beyond = *outer;
         *outer += forces.iter().sum::<f64>();
-        [0, 1, 2, 3, 4].map(|k| {
+        std::array::from_fn(|k| {
             let own: f64 = (0..POINTS).map(|j| self.within[j][k] * forces[j]).sum();
             beyond + own * length_m / points[k].weight_m
         })
@@ -139,6 +179,7 @@ fn within() -> [[f64; POINTS]; POINTS] {
 }
 
 /// Sum of products.
+#[inline]
 pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -153,28 +153,24 @@ impl BentLink {
         largest
     }
 
-    /// Writes the force in N on the root that moves the whole link, along the chord and across it, and how much shorter
-    /// the chord is than the link in m; returns the largest slope.
-    pub(super) fn ends(&self, now: &Instant<'_>, scratch: &mut Scratch, ends: &mut [f64]) -> f64 {
-        let largest = self.place(now, scratch);
-        let mut force = [-now.tip.along_n, -now.tip.across_n];
-        let mut add = |place: &Place, mass_kg: f64, w_acceleration: f64| {
-            let [along_m_s2, across_m_s2] = self.acceleration(now, place, w_acceleration);
-            force = [force[0] + mass_kg * along_m_s2, force[1] + mass_kg * across_m_s2];
-        };
+    /// How much shorter than the link its chord is at each sample, in m; the histories are those of (w, w') of each node.
+    ///
+    /// ```text
+    /// Δ = ∫ (1 − cos ψ) ds,       ψ = asin w'
+    /// ```
+    pub(super) fn shortening_m(&self, deflections: &[Vec<f64>]) -> Vec<f64> {
+        let short = |sine: f64| sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
+        let mut by_m: Vec<f64> =
+            deflections[1].iter().map(|sine| self.nodes_m[0] * short(*sine)).collect();
         for (element, points) in self.points.elements.iter().enumerate() {
-            let dofs: [f64; 4] = std::array::from_fn(|k| now.acceleration[2 * element + k]);
-            for (point, place) in points.iter().zip(&scratch.places[element]) {
-                add(place, point.mass_kg_m * point.weight_m, dot(&point.shape, &dofs));
+            let [a, b, c, d] = [0, 1, 2, 3].map(|dof| &deflections[2 * element + dof][..]);
+            for point in points {
+                for (k, by_m) in by_m.iter_mut().enumerate() {
+                    *by_m += point.weight_m * short(dot(&point.slope, &[a[k], b[k], c[k], d[k]]));
+                }
             }
         }
-        for (body, place) in self.bodies.iter().zip(&scratch.body_places) {
-            let at = 2 * body.node;
-            add(place, body.mass_kg, now.acceleration[at] + body.arm_m * now.acceleration[at + 1]);
-        }
-        let shortened = scratch.shortened[scratch.shortened.len() - 1];
-        ends.copy_from_slice(&[force[0], force[1], -shortened]);
-        largest
+        by_m
     }
 
     /// What the force on the root of a straight link is made of.
@@ -201,7 +197,12 @@ impl BentLink {
     }
 
     /// Acceleration of a mass along the chord and across it; without second order that of a straight link along it.
-    fn acceleration(&self, now: &Instant<'_>, place: &Place, w_acceleration: f64) -> [f64; 2] {
+    pub(super) fn acceleration(
+        &self,
+        now: &Instant<'_>,
+        place: &Place,
+        w_acceleration: f64,
+    ) -> [f64; 2] {
         let s = place.x - place.shortened;
         let linear = now.across_m_s2 + now.chord_acceleration_rad_s2 * s + w_acceleration;
         match self.second_order {

@@ -185,10 +185,11 @@ impl RestingArm<'_> {
             across_m_s2: -dot(gravity, across),
             tip,
         };
-        let (mut scratch, mut loads) = (Scratch::default(), vec![0.0; bent.len()]);
+        let mut loads = vec![0.0; shape.columns()];
         if self.second_order != SecondOrder::None {
-            shape.write(&now(bent), &mut scratch, &mut loads);
+            shape.write(&now(bent), &mut Scratch::default(), &mut loads);
         }
+        loads.truncate(bent.len());
         let last = loads.len() - 2;
         loads[last] += tip.across_n;
         loads[last + 1] -= tip.torque_n_m;
@@ -199,15 +200,13 @@ impl RestingArm<'_> {
         };
         let found = model.loaded_motion(0.0, &loads);
         let bent: Vec<f64> = found.deflections.as_flattened().iter().map(|w| w.re).collect();
-        let mut ends = [0.0; 3];
-        shape.ends(&now(&bent), &mut scratch, &mut ends);
-        let [e, n, _] = ends;
         let cosine = match self.second_order {
             SecondOrder::Full => (1.0 - bent[1] * bent[1]).sqrt(),
             _ => 1.0,
         };
-        let force = [0, 1].map(|axis| e * along[axis] + n * across[axis]);
-        Rested { load: (force, found.torque_n_m.re * cosine), bent }
+        let mass_kg = shape.straight().mass_kg;
+        let force_n = [0, 1].map(|axis| force_n[axis] - mass_kg * gravity[axis]);
+        Rested { load: (force_n, found.torque_n_m.re * cosine), bent }
     }
 }
 

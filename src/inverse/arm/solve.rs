@@ -144,18 +144,20 @@ impl Solver<'_> {
             .collect();
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
-        let (links, tip) = answer.links(models, &grid);
-        let way_m = way_m([&tip[0][0], &tip[1][0]]);
-        let tip_error = answer.tip_error_m(path) / way_m;
         let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
         // What the digits leave open is measured as the error of the input.
         let left_out = || leaves_out.then(|| solved.left_out());
-        let unsettled = || if input.is_none() { self.unsettled(&solved) } else { Ok(Vec::new()) };
-        let (left_out, unsettled) =
+        let shown = || {
+            let unsettled = input.is_none().then(|| self.unsettled(&solved)).transpose();
+            (answer.links(models, &grid), answer.joints(arm, &grid), unsettled)
+        };
+        let (left_out, ((links, tip), joints, unsettled)) =
             match problem.refuse_memory(&[&models[..]; 3], &solved.answer.path) {
-                Ok(()) => rayon::join(left_out, unsettled),
-                Err(_) => (left_out(), unsettled()),
+                Ok(()) => rayon::join(left_out, shown),
+                Err(_) => (left_out(), shown()),
             };
+        let way_m = way_m([&tip[0][0], &tip[1][0]]);
+        let tip_error = answer.tip_error_m(path) / way_m;
         let order = problem.second_order;
         let findings = ArmFindings { order, iteration, left_out, fallback: None };
         let cutoff = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
@@ -164,7 +166,7 @@ impl Solver<'_> {
             path: path.clone(),
             analysis: *problem.analysis,
             grid,
-            joints: answer.joints(arm, &grid),
+            joints,
             links,
             tip,
             way_m,
@@ -181,7 +183,7 @@ impl Solver<'_> {
             return Err(InversionError::OutOfRange { peak_n_m: f64::NAN }.into());
         }
         solution.findings.fallback = self.falls_back.then(|| solution.straying());
-        solution.warnings = self.warnings(&solved, &solution, &unsettled?);
+        solution.warnings = self.warnings(&solved, &solution, &unsettled?.unwrap_or_default());
         Ok(solution)
     }
 
