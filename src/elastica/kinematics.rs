@@ -1,6 +1,5 @@
 //! Chords of an arm: bars of given lengths from joint to joint, as a rigid arm has them or with the tip kept on its path.
 
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -81,23 +80,19 @@ impl ArmPeriod {
         self.pair.len()
     }
 
-    /// Bins beyond which the amplitudes of these histories, all added up, are a negligible share of each.
-    fn band<'a>(
-        &self,
-        negligible: f64,
-        histories: impl IntoIterator<Item = Cow<'a, [f64]>>,
-    ) -> usize {
-        let bands = histories.into_iter().map(|history| {
-            let amplitudes = self.pair.amplitudes(&*history);
+    /// Bins beyond which the amplitudes of each of these histories, all added up, are a negligible share.
+    fn band(&self, negligible: f64, histories: impl ParallelIterator<Item = Vec<f64>>) -> usize {
+        let bands = histories.map(|history| {
+            let amplitudes = self.pair.amplitudes(history);
             let sizes: Vec<f64> = amplitudes.iter().map(|value| magnitude(*value)).collect();
             counting(&sizes, negligible * sizes.iter().sum::<f64>())
         });
-        bands.fold(1, usize::max)
+        bands.reduce(|| 1, usize::max)
     }
 
     /// Cosines and sines of the chords' directions.
-    fn directions(&self) -> impl Iterator<Item = Cow<'_, [f64]>> {
-        self.rigid.iter().flat_map(|[angles, ..]| {
+    fn directions(&self) -> impl ParallelIterator<Item = Vec<f64>> {
+        self.rigid.par_iter().flat_map_iter(|[angles, ..]| {
             [libm::cos, libm::sin].map(|of| angles.iter().map(|angle| of(*angle)).collect())
         })
     }
@@ -123,9 +118,9 @@ impl ArmPeriod {
             carried.collect::<Vec<_>>()
         };
         let samples: Vec<_> = (0..self.len()).into_par_iter().map(bars_of).collect();
-        let histories = (0..4 * self.links()).map(|column| {
-            Cow::Owned(samples.iter().map(|parts| parts[column / 4][column % 4]).collect())
-        });
+        let histories = (0..4 * self.links())
+            .into_par_iter()
+            .map(|column| samples.iter().map(|parts| parts[column / 4][column % 4]).collect());
         resolving(self.band(LEFT_OUT, histories))
     }
 

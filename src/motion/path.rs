@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::error::MotionError;
 use super::path_columns::{PathColumn, PathColumns, PathError, refuse_jump};
 use super::period::{TipPeriod, farthest_m};
@@ -205,7 +207,7 @@ impl ArmPath {
             Course::Held(_) => Cutoff::ALL,
             Course::Moving(motion) => motion.cutoff(share / travel_m(motion)),
         };
-        self.courses.iter().map(of).collect()
+        self.courses.par_iter().map(of).collect()
     }
 
     /// The coordinates over a period of `len` samples, of which those from `seam` on are of times before the motion, in
@@ -217,10 +219,14 @@ impl ArmPath {
     ) -> PathPeriod {
         let mut found =
             PathPeriod { courses: Vec::new(), errors_m: Vec::new(), period: None, seam_reach: 0 };
-        for ((course, cutoff), length_m) in self.courses.iter().zip(cutoffs).zip(&self.lengths_m) {
-            let (histories, error_m) = match course {
-                Course::Moving(motion) => {
-                    let period = Arc::new(motion.over_period(len, seam, *cutoff));
+        let all = self.courses.par_iter().zip(cutoffs).map(|(course, cutoff)| match course {
+            Course::Moving(motion) => Ok(Arc::new(motion.over_period(len, seam, *cutoff))),
+            Course::Held(value) => Err(value),
+        });
+        let all: Vec<_> = all.collect();
+        for ((period, cutoff), length_m) in all.into_iter().zip(cutoffs).zip(&self.lengths_m) {
+            let (histories, error_m) = match period {
+                Ok(period) => {
                     let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
                     let own = &period.histories;
                     let histories =
@@ -236,9 +242,7 @@ impl ArmPath {
                     }
                     (histories, error_m)
                 }
-                Course::Held(value) => {
-                    ([vec![value / length_m; len], vec![0.0; len], vec![0.0; len]], 0.0)
-                }
+                Err(value) => ([vec![value / length_m; len], vec![0.0; len], vec![0.0; len]], 0.0),
             };
             found.courses.push(histories);
             found.errors_m.push(error_m);
