@@ -56,7 +56,7 @@ fn tolerances(bytes: &[u8]) -> Option<Tolerances> {
 }
 
 fn check_itself(table: &Table, tolerances: Option<&Tolerances>) {
-    let exact = Tolerances { general: Tolerance { rtol: 0.0, atol: 0.0 }, entries: vec![] };
+    let exact = Tolerances { general: Tolerance { rtol: 0.0, atol: 0.0 }, ..Tolerances::default() };
     for tolerances in [Some(&exact), tolerances].into_iter().flatten() {
         let found = compared(table, table, tolerances);
         assert!(found.is_equal() && found.failing().is_empty(), "{found:?}");
@@ -70,7 +70,8 @@ fn check_pair(expected: &Table, actual: &Table, given: Option<&Tolerances>) {
     for tolerances in [Some(&Tolerances::default()), given].into_iter().flatten() {
         compared(expected, actual, tolerances);
     }
-    let absolute = Tolerances { general: Tolerance { rtol: 0.0, atol: 0.5 }, entries: vec![] };
+    let absolute =
+        Tolerances { general: Tolerance { rtol: 0.0, atol: 0.5 }, ..Tolerances::default() };
     if expected.names().next() == actual.names().next() {
         let there = compared(expected, actual, &absolute);
         let back = compared(actual, expected, &absolute);

@@ -137,6 +137,8 @@ pub struct TableComparison {
     pub matched_by: Option<String>,
     /// Number of rows that both sides have.
     pub rows: usize,
+    /// Number of rows at the ends of either side that do not count.
+    pub rows_aside: usize,
     /// The columns that both sides have, and those of either that are not compared, in the order of
     /// EXPECTED, then of ACTUAL.
     pub columns: Vec<ColumnComparison>,
@@ -169,7 +171,8 @@ impl TableComparison {
 /// Compares two tables that the rules know as `file`.
 ///
 /// Rows are matched by EXPECTED's first column if both sides have it, it is not ignored and increases
-/// on both; otherwise by their number. The order of columns does not matter.
+/// on both; otherwise by their number. The order of columns does not matter. Where common rows alone count, rows that
+/// are matched by their number all do.
 pub fn compare_tables(
     file: &str,
     expected: &Table,
@@ -179,7 +182,9 @@ pub fn compare_tables(
     let rule = |name: &str| tolerances.rule(file, name);
     let compared = |name: &&str| rule(name) != Rule::Ignore;
     let keys = key(expected, actual).filter(|[key, _]| compared(&key.name()));
-    let pairing = Pairing::of(expected, actual, keys);
+    let mut pairing = Pairing::of(expected, actual, keys);
+    let is_common = tolerances.common_rows && keys.is_some();
+    let rows_aside = if is_common { pairing.leave_ends_aside() } else { 0 };
     let [expected_key, actual_key] = [0, 1].map(|side| keys.map(|keys| keys[side]));
     let place = |e, a| (expected.place(e, expected_key), actual.place(a, actual_key));
     let columns = expected.columns.iter().filter_map(|column| match rule(column.name()) {
@@ -206,6 +211,7 @@ pub fn compare_tables(
     TableComparison {
         matched_by: keys.map(|[key, _]| key.name().to_owned()),
         rows: pairing.pairs.len(),
+        rows_aside,
         columns: columns.collect(),
         columns_expected: alone(expected, actual),
         columns_actual: alone(actual, expected),

@@ -157,6 +157,15 @@ impl Pairing {
         }
     }
 
+    /// Takes out rows that only one side has before the first pair or behind the last one, and returns their number.
+    pub(super) fn leave_ends_aside(&mut self) -> usize {
+        let (Some(first), Some(last)) = (self.pairs.first(), self.pairs.last()) else { return 0 };
+        let all = self.expected.len() + self.actual.len();
+        self.expected.retain(|row| (first.0..=last.0).contains(row));
+        self.actual.retain(|row| (first.1..=last.1).contains(row));
+        all - self.expected.len() - self.actual.len()
+    }
+
     /// By keys, both strictly increasing.
     fn by_key(expected: &[f64], actual: &[f64]) -> Self {
         let mut found = Self::default();
@@ -216,6 +225,17 @@ mod tests {
         assert_eq!(found.pairs, [(1, 0), (2, 1), (4, 3)]);
         assert_eq!(found.expected, [0, 3]);
         assert_eq!(found.actual, [2, 4]);
+    }
+
+    #[test]
+    fn rows_at_the_ends_are_left_aside_and_gaps_are_not() {
+        let expected = [-0.2, -0.1, 0.0, 0.1, 0.2, 0.3];
+        let actual = [-0.1, 0.0, 0.2, 0.3, 0.4, 0.5];
+        let mut found = Pairing::by_key(&expected, &actual);
+        assert_eq!(found.leave_ends_aside(), 3);
+        assert_eq!((&found.expected[..], &found.actual[..]), (&[3][..], &[][..]));
+        let mut apart = Pairing::by_key(&[0.0, 1.0], &[5.0, 6.0]);
+        assert_eq!((apart.leave_ends_aside(), apart.expected.len()), (0, 2));
     }
 
     #[test]

@@ -82,6 +82,8 @@ pub struct Tolerances {
     pub general: Tolerance,
     /// Exceptions; of several that name a column the last one counts.
     pub entries: Vec<ColumnRule>,
+    /// True if rows do not count that only one side has before the first row of both or behind the last one.
+    pub common_rows: bool,
 }
 
 impl Tolerances {
@@ -125,6 +127,7 @@ mod tests {
                 entry(Some("t*.csv"), "v1_m", Change::Ignore),
                 entry(Some("a/*.csv"), "v2_m", rtol(0.25)),
             ],
+            common_rows: false,
         };
         assert_eq!(tolerances.rule("x.csv", "v1_m"), within(1e-6, 0.5));
         assert_eq!(tolerances.rule("deep/down/t.csv", "v1_m"), Rule::Ignore);

@@ -12,6 +12,7 @@ use crate::compare::{Change, ColumnRule, Tolerance, Tolerances};
 struct RawTolerances {
     rtol: Option<f64>,
     atol: Option<f64>,
+    common_rows: Option<bool>,
     #[serde(default, deserialize_with = "tables")]
     columns: Vec<RawColumnRule>,
 }
@@ -60,7 +61,8 @@ fn convert(raw: RawTolerances, place_of: impl Fn(&str) -> String) -> Result<Tole
         let path = format!("columns.{number}");
         entry(&path, place_of(&path), raw)
     });
-    Ok(Tolerances { general, entries: entries.collect::<Result<_, _>>()? })
+    let entries = entries.collect::<Result<_, _>>()?;
+    Ok(Tolerances { general, entries, common_rows: raw.common_rows.unwrap_or(false) })
 }
 
 fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fault> {
@@ -103,12 +105,13 @@ mod tests {
 
     #[test]
     fn a_file_says_what_holds_in_general_and_for_which_columns_not() {
-        let text = "atol = 1\n[[columns]]\nfile = 'a.csv'\ncolumn = '*'\nrtol = 1e-3\n\
+        let text = "atol = 1\ncommon_rows = true\n[[columns]]\nfile = 'a.csv'\ncolumn = '*'\nrtol = 1e-3\n\
                     [[columns]]\ncolumn = 'x'\nignore = false\n";
         let read = read_tolerances("t.toml", text).unwrap();
         assert_eq!(read.general, Tolerance { rtol: 1e-9, atol: 1.0 });
         let change = Change::Tolerance { rtol: Some(1e-3), atol: None };
-        let (place, file) = ("t.toml:2".to_owned(), Some("a.csv".to_owned()));
+        assert!(read.common_rows);
+        let (place, file) = ("t.toml:3".to_owned(), Some("a.csv".to_owned()));
         assert_eq!(read.entries[0], ColumnRule { place, file, column: "*".into(), change });
         assert_eq!(read.entries[1].change, Change::Tolerance { rtol: None, atol: None });
         assert_eq!(read_tolerances("t.toml", ""), Ok(Tolerances::default()));

@@ -196,6 +196,7 @@ fn table_values(table: &TableComparison) -> Value {
         "columns": columns,
         "columns_only_in_expected": table.columns_expected,
         "columns_only_in_actual": table.columns_actual,
+        "rows_at_the_ends": table.rows_aside,
         "rows_only_in_expected": table.rows_expected,
         "rows_only_in_actual": table.rows_actual,
     })

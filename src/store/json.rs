@@ -2,7 +2,9 @@
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
+use crate::compare::{Cell, Table, TableColumn};
 use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::fit::{FitOutcome, Replaced};
 use crate::result::{Origin, StoredInput, StoredWarning};
@@ -187,6 +189,44 @@ fn without_controls(text: String) -> String {
         letter => letter.to_string(),
     };
     text.chars().map(escaped).collect()
+}
+
+/// Command and results of a run's summary.json as a table of one row, `results.peak_torque_n_m` and so on; none if it has
+/// none.
+pub fn results_table(summary: &[u8]) -> Option<Table> {
+    let record: Value = serde_json::from_slice(summary).ok()?;
+    record.get("flexlink")?;
+    let mut columns = Vec::new();
+    // The first column is no number: rows are not matched by it.
+    add_columns(&mut columns, "command", record.get("command")?);
+    add_columns(&mut columns, "results", record.get("results")?);
+    let before = summary.windows(9).position(|text| text == b"\"results\"")?;
+    let line = summary[..before].split(|byte| *byte == b'\n').count() as u64;
+    Some(Table { columns, lines: vec![line] })
+}
+
+/// A column for each value within a value.
+fn add_columns(columns: &mut Vec<TableColumn>, name: &str, value: &Value) {
+    match value {
+        Value::Object(parts) => {
+            parts
+                .iter()
+                .for_each(|(key, part)| add_columns(columns, &format!("{name}.{key}"), part));
+        }
+        Value::Array(parts) => {
+            let numbered = (0..).zip(parts);
+            numbered.for_each(|(k, part)| add_columns(columns, &format!("{name}.{k}"), part));
+        }
+        own => {
+            let mut column = TableColumn::new(name.to_owned());
+            match (own.as_f64(), own.as_str()) {
+                (Some(number), _) => column.push(Cell::Number(number)),
+                (_, Some(word)) => column.push(Cell::Word(word)),
+                _ => column.push(Cell::Word(&own.to_string())),
+            }
+            columns.push(column);
+        }
+    }
 }
 
 /// An input file of a run.

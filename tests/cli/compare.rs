@@ -101,6 +101,26 @@ result   1 different
 }
 
 #[test]
+fn rows_at_the_ends_do_not_count_where_common_rows_alone_do() {
+    let moved = "time_s,torque_n_m,angle_rad\n0.1,-4.0,1\n0.2,2.0,0.5\n0.3,0,0\n";
+    let bench = bench(moved);
+    different(&files(&bench, &[]));
+    let told = equal(&files(&bench, &["--common-rows"]));
+    let aside = "3 columns, 2 rows and 2 at the ends that do not count";
+    assert!(told.starts_with(&format!("equal    e.csv: {aside}\n")), "{told}");
+    assert_eq!(json(&bench, &["--common-rows"])["files"][0]["table"]["rows_at_the_ends"], 2);
+    bench.write("tolerances.toml", "common_rows = true\n");
+    equal(&files(&bench, &[]));
+    // What is between common rows counts, and so do their numbers, and tables that share none.
+    bench.write("a.csv", &moved.replace("0.2,2.0,0.5\n", "0.15,2.0,0.5\n0.2,2.0,0.5\n"));
+    assert!(different(&files(&bench, &[])).contains("1 row only in ACTUAL: time_s = 0.15, line 3"));
+    bench.write("a.csv", &moved.replace("-4.0", "-4.1"));
+    different(&files(&bench, &[]));
+    bench.write("a.csv", "time_s,torque_n_m,angle_rad\n5.0,-4.0,1\n5.1,2.0,0.5\n");
+    assert!(different(&files(&bench, &[])).contains("3 rows only in EXPECTED, the first"));
+}
+
+#[test]
 fn a_time_that_is_matched_is_still_compared() {
     let bench = bench(&EXPECTED.replace("0.1,", "0.100000001,"));
     let told = different(&files(&bench, &[]));

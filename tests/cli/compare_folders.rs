@@ -52,7 +52,7 @@ differs  b c/deep.csv: 3 columns, 3 rows
 missing  gone.csv: only in EXPECTED
 new      more.csv: only in ACTUAL
 equal    same.csv: 3 columns, 3 rows
-result   1 equal, 1 different, 1 missing, 1 new; not compared: 2 files, no CSV
+result   1 equal, 1 different, 1 missing, 1 new; not compared: 2 files, neither table nor results
 "
     );
 }
@@ -86,7 +86,7 @@ fn blessing_takes_over_what_differs_and_touches_nothing_else() {
     let bench = folders(&golden, &out);
     let told = equal(&compared(&bench, &["--bless"]));
     assert!(told.contains("differs  a/b.csv"), "{told}");
-    assert!(told.ends_with("blessed  EXPECTED: 2 files written, 1 removed\n"), "{told}");
+    assert!(told.ends_with("blessed  golden: 2 files written, 1 removed\n"), "{told}");
     assert_eq!(bench.names("golden"), ["a", "near.csv", "new", "notes.txt", "tolerances.toml"]);
     assert_eq!(
         (bench.names("golden/a"), bench.names("golden/new")),
@@ -96,7 +96,7 @@ fn blessing_takes_over_what_differs_and_touches_nothing_else() {
     assert_eq!(bench.read("golden/a/b.csv"), changed);
     assert_eq!(bench.read("golden/new/c.csv"), EXPECTED);
     let again = equal(&compared(&bench, &["--bless"]));
-    assert!(again.ends_with("blessed  nothing: EXPECTED is as it was\n"), "{again}");
+    assert!(again.ends_with("blessed  nothing: golden is as it was\n"), "{again}");
 }
 
 #[test]
@@ -108,10 +108,52 @@ fn an_old_summary_does_not_stay_beside_new_tables() {
     let out = [("a.csv", changed.as_str()), ("b/a.csv", &changed), ("b/c/a.csv", EXPECTED)];
     let bench = folders(&[golden, foreign].concat(), &out);
     let told = equal(&compared(&bench, &["--bless"]));
-    assert!(told.ends_with("blessed  EXPECTED: 2 files written, 1 removed\n"), "{told}");
+    assert!(told.ends_with("blessed  golden: 2 files written, 1 removed\n"), "{told}");
     assert_eq!(bench.names("golden"), ["a.csv", "b"]);
     assert_eq!(bench.read("golden/b/summary.json"), "{}", "of another program");
     assert_eq!(bench.read("golden/b/c/summary.json"), run, "its tables are as they were");
+}
+
+#[test]
+fn results_of_runs_are_compared_and_renewed_with_their_tables() {
+    let summary = |title: &str, peak: f64, nodes: &str| {
+        format!(
+            "{{\n\"flexlink\": \"0.1.0\", \"command\": \"solve\", \"title\": \"{title}\",\n\"results\": {{\"peak_n_m\": {peak}, \
+             \"joints\": [{{\"rms\": 2.0}}, {{\"rms\": null}}], \"limit\": \"{nodes}\"}}\n}}\n"
+        )
+    };
+    let [own, same, other] = [
+        summary("old", 4.0, "torque"),
+        summary("new", 4.000_000_001, "torque"),
+        summary("new", 4.1, "rate"),
+    ];
+    let run = |summary: &str| {
+        let golden = [("run/a.csv", EXPECTED), ("run/summary.json", own.as_str())];
+        folders(&golden, &[("run/a.csv", EXPECTED), ("run/summary.json", summary)])
+    };
+    let bench = run(&same);
+    let told = equal(&compared(&bench, &["--bless"]));
+    assert!(told.contains("equal    run/summary.json: 5 columns, 1 row"), "{told}");
+    assert_eq!(bench.read("golden/run/summary.json"), own, "within tolerance it stays");
+
+    let bench = run(&other);
+    let told = different(&compared(&bench, &[]));
+    assert_eq!(
+        told,
+        "\
+equal    run/a.csv: 3 columns, 3 rows
+differs  run/summary.json: 5 columns, 1 row
+  column              worst  of peak  allowed   rows    line
+  results.limit       not \"torque\" but \"rate\"      1       3
+  results.peak_n_m   1.0e-1   2.5e-2   4.0e-9      1       3
+result   1 equal, 1 different
+"
+    );
+    let told = equal(&compared(&bench, &["--bless"]));
+    assert!(told.ends_with("blessed  golden: 1 file written, 0 removed\n"), "{told}");
+    assert_eq!(bench.read("golden/run/summary.json"), other);
+    let one = ["compare", "golden/run/summary.json", "out/run/summary.json"];
+    equal(&bench.run(&one));
 }
 
 #[test]

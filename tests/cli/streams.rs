@@ -53,12 +53,40 @@ fn lines_of_the_summary_have_at_most_eighty_columns() {
             for setting in ["hub.inertia=0.1234", rayleigh, "analysis.lead=12.345"] {
                 let output = bench.run(&["solve", spec, &motion, "--set", setting]);
                 assert!(output.status.success(), "{}", stderr(&output));
-                for line in stdout(&output).lines() {
+                let text = stdout(&output);
+                assert!(text.lines().count() <= 16, "{spec}: {text}");
+                for line in text.lines() {
                     assert!(line.chars().count() <= 80, "{spec}: {line}");
                 }
             }
         }
     }
+}
+
+#[test]
+fn a_link_with_all_that_a_summary_tells_has_sixteen_lines() {
+    let bench = Bench::new();
+    bench.write(
+        "heavy.toml",
+        "title = \"A heavy strip on a geared servo\"
+segments = [{ length = 0.7, EI = 12.0, mass_per_length = 0.5 }]
+hub.inertia = 0.01
+payload.mass = 0.3
+damping = { model = \"rayleigh\", beta = 2e-4 }
+gravity = [0.0, -9.81]
+start_angle = 0.2
+drive = { gear_ratio = 50.0, rotor_inertia = 1e-5, joint_stiffness = 900.0 }
+",
+    );
+    let motion = repository("trajectories/min_jerk_1s.csv");
+    let output = bench.run(&["solve", "heavy.toml", &motion]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    for label in ["damping  rayleigh, beta 2.00e-4 s, ratios ", "gravity ", "order ", "motor "] {
+        assert!(text.lines().any(|line| line.starts_with(label)), "{text}");
+    }
+    assert!(text.lines().count() <= 16, "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
 }
 
 #[test]

@@ -29,6 +29,7 @@ Example:
 tolerances.toml; every key is optional:
   rtol = 1e-9                  # of the column's peak
   atol = 0.0                   # in the column's unit
+  common_rows = true           # as --common-rows
   [[columns]]                  # the last entry that matches a column counts
   file = \"torque.csv\"          # a name, or a path with slashes; * any text, ? one character
   column = \"torque_*\"
@@ -42,7 +43,7 @@ const QUIET: &str = "Print nothing but warnings and errors; the exit code says i
 /// Compare tables column by column, within a tolerance of the column's peak.
 ///
 /// EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in
-/// their subfolders, too. A number may differ by atol + rtol x the largest absolute value that its column
+/// their subfolders, too, and the results in the summary.json of runs. A number may differ by atol + rtol x the largest absolute value that its column
 /// has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by the first
 /// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
 /// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before
@@ -74,8 +75,13 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "FILE")]
     tolerances: Option<PathBuf>,
 
+    /// Rows do not count that only one side has before the first row of both or behind the last one: a
+    /// window that has moved is no difference. Where rows are matched by their number, all count.
+    #[arg(long)]
+    common_rows: bool,
+
     /// Accept ACTUAL: copy its CSV files over those of EXPECTED. Files within tolerance and files that
-    /// are not CSV stay as they are. Where EXPECTED holds the summary.json of a run, all files of the run
+    /// are not compared stay as they are. Where EXPECTED holds the summary.json of a run, all files of the run
     /// are copied.
     #[arg(long)]
     bless: bool,
@@ -98,7 +104,8 @@ impl Compare {
             self.accept(&sides, changes)?;
             warnings += self.warn_of_run(&sides, changes);
         }
-        let blessed = || changes.as_ref().map(blessed_text).unwrap_or_default();
+        let told = |changes| blessed_text(&self.expected, changes);
+        let blessed = || changes.as_ref().map(told).unwrap_or_default();
         self.print.print(
             || comparison_json(&comparison, changes.as_ref()),
             || comparison_text(&comparison) + &blessed(),
@@ -129,6 +136,7 @@ impl Compare {
         let general = &mut tolerances.general;
         general.rtol = self.rtol.unwrap_or(general.rtol);
         general.atol = self.atol.unwrap_or(general.atol);
+        tolerances.common_rows |= self.common_rows;
         Ok(tolerances)
     }
 

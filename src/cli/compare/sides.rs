@@ -7,7 +7,7 @@ use flexlink::compare::{
     Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
 use flexlink::csv::{InputError, InputFile, read_table};
-use flexlink::store::{CsvFolder, GoldenChanges, REPORT, SUMMARY, is_run};
+use flexlink::store::{CsvFolder, GoldenChanges, REPORT, SUMMARY, is_run, results_table};
 
 use crate::terminal::files::is_standard_input;
 use crate::terminal::{Exit, Failure, memory};
@@ -36,7 +36,7 @@ pub(super) struct Sides {
     /// The folder ACTUAL; `None`: it is a file.
     actual: Option<PathBuf>,
     pairs: Vec<Pair>,
-    /// Number of files that are no tables.
+    /// Number of files that are neither tables nor a run's results.
     not_compared: usize,
     /// Files of tolerances in folders of the folder EXPECTED, by their paths from there.
     pub(super) unread_tolerances: Vec<String>,
@@ -108,19 +108,27 @@ impl Sides {
             return Err(Failure::new(Exit::InputRefused, &message, None));
         }
         let names: BTreeSet<&String> = golden.tables.keys().chain(found.tables.keys()).collect();
-        let pairs = names.into_iter().map(|name| Pair {
+        let tables = names.into_iter().map(|name| Pair {
             name: name.clone(),
             expected: golden.tables.get(name).cloned(),
             actual: found.tables.get(name).cloned(),
         });
+        let summaries = golden.others.intersection(&found.others).filter_map(|name| {
+            let paths = [expected, actual].map(|folder| folder.join(name));
+            let [expected, actual] = paths.map(|path| has_results(&path).then_some(path));
+            Some(Pair { name: name.clone(), expected: Some(expected?), actual: Some(actual?) })
+        });
+        let summaries: Vec<Pair> = summaries.collect();
+        let is_compared = |name: &&String| summaries.iter().any(|pair| pair.name == **name);
         let others = golden.others.union(&found.others).filter(|name| *name != TOLERANCES);
+        let others = others.filter(|name| !is_compared(name)).count();
         let inner = format!("/{TOLERANCES}");
         let unread = golden.others.iter().filter(|name| name.ends_with(&inner));
         Ok(Self {
             golden: Some(expected.to_owned()),
             actual: Some(actual.to_owned()),
-            pairs: pairs.collect(),
-            not_compared: others.count(),
+            not_compared: others,
+            pairs: tables.chain(summaries).collect(),
             unread_tolerances: unread.cloned().collect(),
         })
     }
@@ -190,12 +198,21 @@ impl Pair {
 fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), Failure> {
     let (expected, actual) = (InputFile::read(expected)?, InputFile::read(actual)?);
     memory::check_tables(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
-    let parse = |file: InputFile| read_table(&file.shown, &file.bytes);
+    let parse = |file: InputFile| {
+        let results = if file.name == SUMMARY { results_table(&file.bytes) } else { None };
+        results.map_or_else(|| read_table(&file.shown, &file.bytes), Ok)
+    };
     if expected.bytes == actual.bytes {
         return Ok((parse(expected)?, None));
     }
     let (expected, actual) = rayon::join(|| parse(expected), || parse(actual));
     Ok((expected?, Some(actual?)))
+}
+
+/// True for the summary.json of a run, whose results are compared.
+fn has_results(path: &Path) -> bool {
+    let summary = || InputFile::read(path).ok().and_then(|file| results_table(&file.bytes));
+    path.file_name().is_some_and(|name| name == SUMMARY) && summary().is_some()
 }
 
 /// The error of reading a file or folder that does not exist.

@@ -29,12 +29,13 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
 }
 
 /// What became of the golden files.
-pub(crate) fn blessed_text(changes: &GoldenChanges) -> String {
+pub(crate) fn blessed_text(expected: &Path, changes: &GoldenChanges) -> String {
     let (written, removed) = (changes.written.len(), changes.removed.len());
     if written + removed == 0 {
-        return "blessed  nothing: EXPECTED is as it was\n".to_owned();
+        return format!("blessed  nothing: {} is as it was\n", expected.display());
     }
-    format!("blessed  EXPECTED: {} written, {} removed\n", counted(written, "file"), removed)
+    let files = counted(written, "file");
+    format!("blessed  {}: {files} written, {removed} removed\n", expected.display())
 }
 
 fn file_text(file: &FileComparison) -> String {
@@ -55,7 +56,11 @@ fn size(table: &TableComparison) -> String {
     let ignored = table.columns.iter().filter(|column| column.tolerance.is_none()).count();
     let columns = counted(table.columns.len() - ignored, "column");
     let ignored = if ignored > 0 { format!(", {ignored} ignored") } else { String::new() };
-    format!("{columns}, {}{ignored}", counted(table.rows, "row"))
+    let aside = match table.rows_aside {
+        0 => String::new(),
+        rows => format!(" and {rows} at the ends that do not count"),
+    };
+    format!("{columns}, {}{aside}{ignored}", counted(table.rows, "row"))
 }
 
 /// How far a file within tolerance is from the expected one, if it is at all.
@@ -151,7 +156,7 @@ fn result_line(comparison: &Comparison) -> String {
     let counts: Vec<String> = counts.map(|(number, what)| format!("{number} {what}")).collect();
     let not_compared = match comparison.not_compared {
         0 => String::new(),
-        files => format!("; not compared: {}, no CSV", counted(files, "file")),
+        files => format!("; not compared: {}, neither table nor results", counted(files, "file")),
     };
     format!("result   {}{not_compared}\n", counts.join(", "))
 }

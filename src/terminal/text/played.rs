@@ -7,7 +7,7 @@ use flexlink::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipE
 use flexlink::store::PlayFindings;
 use flexlink::text::{plain, significant};
 
-use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, ratios_line};
+use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line};
 
 /// The summary of a torque or a hub motion that was played; `written` says where its files are.
 pub(crate) fn simulate_text(
@@ -25,7 +25,6 @@ pub(crate) fn simulate_text(
             ("link", link_line(link, &simulation.mesh)),
             ("damping", played_damping(link, simulation, play)),
             ("gravity", weight_line(link, simulation)),
-            ("ratios", ratios_line(&simulation.law, &simulation.natural_frequencies_rad_s)),
             ("input", played_hub(play)),
             ("torque", played_torque(play, metrics)),
             ("feedback", feedback_line(play)),
@@ -105,7 +104,8 @@ fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
         Input::HubAngle(_) => "held mode",
     };
     let as_viscous = format!(", played as viscous in every {modes}");
-    damping_line(link, &simulation.law) + if is_hysteretic { &as_viscous } else { "" }
+    damping_line(link, &simulation.law, &simulation.natural_frequencies_rad_s)
+        + if is_hysteretic { &as_viscous } else { "" }
 }
 
 fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {

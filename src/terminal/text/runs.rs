@@ -35,10 +35,9 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: &str) 
         link,
         [
             ("link", link_line(link, solution.mesh())),
-            ("damping", damping_line(link, law)),
+            ("damping", damping_line(link, law, &frequencies)),
             ("gravity", gravity_line(solution)),
             ("order", order_line(solution)),
-            ("ratios", ratios_line(law, &frequencies)),
             ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
             ("motion", motion_line(solution, metrics)),
             ("torque", torque_line(metrics)),
@@ -46,7 +45,6 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: &str) 
             ("hub", hub_line(&hub)),
             ("motor", metrics.motor.as_ref().map(motor_line).unwrap_or_default()),
             ("bending", bending_line(metrics)),
-            ("band", band_line(solution)),
             ("errors", solution_errors(solution)),
             ("written", format!("{}; {written}", rows_text(&solution.grid))),
         ],
@@ -83,27 +81,26 @@ pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
     format!("{length} m, {elements} elements, rigid inertia {inertia} kg m²")
 }
 
-/// The damping law in words.
-pub(super) fn damping_line(link: &Link, law: &DampingLaw) -> String {
-    match (link.damping(), law) {
+/// The damping law in words, and the damping ratios of the modes where they are not all one.
+pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
+    let own = match (link.damping(), law) {
         (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
         (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
             let [alpha, beta] = [*alpha_per_s, *beta_s].map(|number| significant(number, 3));
-            format!("rayleigh, alpha {alpha} 1/s, beta {beta} s")
+            let alpha =
+                if *alpha_per_s == 0.0 { String::new() } else { format!(", alpha {alpha} 1/s") };
+            format!("rayleigh{alpha}, beta {beta} s")
         }
         (Damping::Hysteretic { ratio }, _) => format!("hysteretic, ratio {ratio}"),
         (Damping::Modal { ratios }, _) if ratios.len() == 1 => {
             format!("modal, ratio {}", ratios[0])
         }
         (damping, _) => format!("{}, all modes of the mesh", damping.name()),
-    }
-}
-
-/// Damping ratios of the modes, where they are not all one; empty otherwise.
-pub(super) fn ratios_line(law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
+    };
     let ratios = law.modal_ratios(frequencies_rad_s);
     let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
-    if are_one { String::new() } else { list(&ratios, 2) }
+    let ratios = (!are_one).then(|| format!("ratios {}", list(&ratios, 2)));
+    wrapped(std::iter::once(own).chain(ratios), "")
 }
 
 /// Gravity, and the direction of the link where the tip's displacement is 0.
@@ -128,31 +125,30 @@ fn order_line(solution: &Solution) -> String {
     let change = significant(100.0 * found.torque_change, 2);
     let contraction = found.contraction.map_or("none".into(), |factor| significant(factor, 2));
     let iterations = found.iterations;
-    wrapped(
-        [
-            format!("{name}: {change} % of the torque"),
-            format!("largest slope {slope}"),
-            format!("{iterations} iterations"),
-            format!("contraction {contraction}"),
-        ]
-        .into_iter(),
-        "",
-    )
+    let parts = [
+        format!("{name}: {change} % of torque"),
+        format!("slope {slope}"),
+        format!("{iterations} iterations"),
+        format!("contraction {contraction}"),
+    ];
+    wrapped(parts.into_iter(), "")
 }
 
-/// The first natural frequencies with a free hub, and the zeros of torque → tip.
+/// The first natural frequencies with a free hub, and the zeros of torque → tip: as many as a line takes.
 fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
     let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
-    let hertz = if hertz.is_empty() { "none".into() } else { list(&hertz, 4) + " Hz" };
-    let zeros = zeros_per_s.iter().map(|zero| format!("±{}", significant(*zero, 4)));
-    let zeros: Vec<String> = zeros.collect();
-    let zeros = if zeros.is_empty() { "none".into() } else { zeros.join(" ") + " 1/s" };
-    let without = if link.has_weight() { ", both without gravity" } else { "" };
-    let one = format!("{hertz}; zeros {zeros}{without}");
-    if LABEL + one.chars().count() <= COLUMNS {
-        return one;
-    }
-    format!("{hertz};\n{:LABEL$}zeros {zeros}{without}", "")
+    let zeros: Vec<String> =
+        zeros_per_s.iter().map(|zero| format!("±{}", significant(*zero, 4))).collect();
+    let without = if link.has_weight() { "; without gravity" } else { "" };
+    let first = |most: usize| {
+        let [modes, zeros] =
+            [list(&hertz[..most.min(hertz.len())], 4), zeros[..most.min(zeros.len())].join(" ")];
+        let or_none =
+            |list: String, unit| if list.is_empty() { "none".into() } else { list + unit };
+        format!("{}; zeros {}{without}", or_none(modes, " Hz"), or_none(zeros, " 1/s"))
+    };
+    let fits = |line: &String| LABEL + line.chars().count() <= COLUMNS;
+    (2..=REPORTED_MODES).rev().map(first).find(fits).unwrap_or_else(|| first(1))
 }
 
 /// Several numbers with `digits` significant digits each.
@@ -168,28 +164,28 @@ fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
     let farthest_m = solution.tip_travel_m();
     let [travel, farthest, duration] =
-        four([motion.travel_m(), farthest_m, grid.time_s(until) - grid.time_s(from)]);
+        [motion.travel_m(), farthest_m, grid.time_s(until) - grid.time_s(from)]
+            .map(|number| significant(number, 3));
     if motion.ends() == Ends::Periodic {
-        return cycle_line(solution, farthest_m) + &peaks_text(metrics);
+        return with_peaks(&cycle_line(solution, farthest_m), solution, metrics);
     }
     let is_there_and_back = motion.travel_m().abs() <= 1e-6 * farthest_m;
     let travel =
         if is_there_and_back { format!("{farthest} m and back") } else { format!("{travel} m") };
     let step = significant(grid.step_s, 3);
-    let peaks = peaks_text(metrics);
     if motion.ends() == Ends::Moving {
         let peak_m_s = metrics.peak_tip_velocity_m_s.value;
         let rest =
             |velocity: f64| if velocity.abs() < ROUND_OFF * peak_m_s { 0.0 } else { velocity };
         let [before, after] =
             motion.end_velocities_m_s().map(|velocity| significant(rest(velocity), 3));
+        let ends = with_peaks(&format!("from {before} to {after} m/s"), solution, metrics);
         return format!(
-            "{travel}, {duration} s of it at changing velocity, at {step} s;\n{:LABEL$}from {before} to \
-             {after} m/s{peaks}",
+            "{travel}, {duration} s of it at changing velocity, at {step} s;\n{:LABEL$}{ends}",
             ""
         );
     }
-    format!("{travel} in {duration} s at {step} s{peaks}")
+    with_peaks(&format!("{travel} in {duration} s at {step} s"), solution, metrics)
 }
 
 /// A cycle: how far it leads, or turns, in what time.
@@ -204,12 +200,18 @@ fn cycle_line(solution: &Solution, farthest_m: f64) -> String {
     }
 }
 
-fn peaks_text(metrics: &Metrics) -> String {
+/// A motion, its largest velocity and acceleration, and its cut-off.
+fn with_peaks(motion: &str, solution: &Solution, metrics: &Metrics) -> String {
     let velocity_m_s = metrics.peak_tip_velocity_m_s.value;
     let acceleration_m_s2 = metrics.peak_tip_acceleration_m_s2.value;
     let [velocity, acceleration] =
         [velocity_m_s, acceleration_m_s2].map(|number| significant(number, 3));
-    format!("; peaks {velocity} m/s, {acceleration} m/s²")
+    let cutoff = match solution.band.cutoff_hz {
+        None => "all frequencies".to_owned(),
+        Some(cutoff_hz) => format!("to {} Hz", significant(cutoff_hz, 3)),
+    };
+    let peaks = [format!("{motion}; peaks {velocity} m/s"), format!("{acceleration} m/s²"), cutoff];
+    wrapped(peaks.into_iter(), "")
 }
 
 /// The torque of hub or motor.
@@ -273,17 +275,6 @@ fn bending_line(metrics: &Metrics) -> String {
     deflection(metrics.peak_deflection_m) + &format!(", root moment up to {moment} N m")
 }
 
-fn band_line(solution: &Solution) -> String {
-    let band = &solution.band;
-    let highest =
-        format!("{} frequencies to {} Hz", band.frequencies, significant(band.highest_hz, 3));
-    let of_motion = match band.cutoff_hz {
-        None => "every frequency of the samples".to_owned(),
-        Some(cutoff_hz) => format!("the motion to {} Hz", significant(cutoff_hz, 3)),
-    };
-    format!("{of_motion}; {highest}")
-}
-
 /// One kind of error of a quantity, where it was measured.
 type Kind = fn(QuantityErrors) -> Option<f64>;
 
@@ -310,7 +301,7 @@ fn solution_errors(solution: &Solution) -> String {
         let (quantity, error) = errors.of_kind(|e| kind(e).unwrap_or(0.0)).worst();
         let of = match quantity {
             Quantity::Torque => String::new(),
-            other => format!(" ({})", other.name()),
+            other => format!(" ({})", other.name().replace("acceleration", "accel.")),
         };
         // The input moves derivatives most; of the torque it must be known as well.
         let torque = errors.errors.torque.input;
