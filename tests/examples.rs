@@ -150,13 +150,39 @@ fn a_slurm_job_array_does_one_shard_a_task() {
     assert!(desk.read("sweep.csv") == whole);
 }
 
-/// The script of the step of this name in the workflow for golden files.
-fn golden_step(name: &str) -> String {
-    let workflow = fs::read_to_string(repository("examples/golden_files.yml")).unwrap();
+/// The script of the step of this name in a workflow or an action of examples/.
+fn script_of(file: &str, name: &str) -> String {
+    let workflow = fs::read_to_string(repository(&format!("examples/{file}"))).unwrap();
     let (_, step) = workflow.split_once(&format!("- name: {name}\n")).unwrap();
     let (_, run) = step.split_once("run: ").unwrap();
     let end = run.find("\n      - ").unwrap_or(run.len());
     run[..end].trim_start_matches("|\n").to_owned()
+}
+
+#[test]
+#[ignore = "needs curl and shasum"]
+fn the_action_installs_an_archive_with_the_sum_that_is_given_and_no_other() {
+    let desk = Desk::new();
+    desk.run("mkdir", &["flexlink-0.1.0-here", "temp"]);
+    fs::copy(env!("CARGO_BIN_EXE_flexlink"), desk.path("flexlink-0.1.0-here/flexlink")).unwrap();
+    desk.run("tar", &["-czf", "archive.tar.gz", "flexlink-0.1.0-here"]);
+    let sum = text(&desk.run("shasum", &["--algorithm", "256", "archive.tar.gz"]).stdout);
+    let install = |sum: &str| {
+        let script = script_of("action.yml", "Install");
+        let mut command = desk.command("bash", &["-euo", "pipefail", "-c", &script]);
+        command.env("ARCHIVE", format!("file://{}", desk.path("archive.tar.gz").display()));
+        command.env("SHA256", sum).env("RUNNER_TEMP", desk.path("temp"));
+        command.env("GITHUB_PATH", desk.path("path")).output().unwrap()
+    };
+    let refused = install(&"0".repeat(64));
+    assert!(!refused.status.success() && !desk.path("path").exists());
+    assert!(!desk.path("temp/flexlink/flexlink").exists(), "it is not even unpacked");
+    let installed = install(&sum[..64]);
+    assert!(installed.status.success(), "{}", text(&installed.stderr));
+    assert!(text(&installed.stdout).ends_with("flexlink 0.1.0\n"), "{}", text(&installed.stdout));
+    let folder = desk.read("path");
+    let program = Path::new(folder.trim_end()).join("flexlink");
+    desk.run(program, &["solve", "link.toml", "move.csv", "--quiet"]);
 }
 
 #[test]
@@ -166,7 +192,9 @@ fn the_workflow_for_golden_files_accepts_what_is_right_and_nothing_else() {
     desk.run("mv", &["link.toml", "links/my arm.toml"]);
     desk.run("mv", &["move.csv", "motions"]);
     let step = |name| {
-        desk.command("bash", &["-euo", "pipefail", "-c", &golden_step(name)]).output().unwrap()
+        desk.command("bash", &["-euo", "pipefail", "-c", &script_of("golden_files.yml", name)])
+            .output()
+            .unwrap()
     };
     let solved = step("Solve");
     assert!(solved.status.success(), "{}", text(&solved.stderr));
