@@ -430,5 +430,5 @@ fn a_golden_folder_that_was_blessed_repeats() {
     assert!(bench.contents("golden") == bench.contents("out"));
     repeats(&bench, &["golden"], 7);
     let again = done(&bench, &["compare", "golden", "out", "--bless"]);
-    assert!(stdout(&again).ends_with("blessed  nothing: EXPECTED is as it was\n"));
+    assert!(stdout(&again).ends_with("blessed  nothing: golden is as it was\n"));
 }

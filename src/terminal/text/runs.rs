@@ -207,7 +207,7 @@ fn with_peaks(motion: &str, solution: &Solution, metrics: &Metrics) -> String {
     let [velocity, acceleration] =
         [velocity_m_s, acceleration_m_s2].map(|number| significant(number, 3));
     let cutoff = match solution.band.cutoff_hz {
-        None => "all frequencies".to_owned(),
+        None => "whole band".to_owned(),
         Some(cutoff_hz) => format!("to {} Hz", significant(cutoff_hz, 3)),
     };
     let peaks = [format!("{motion}; peaks {velocity} m/s"), format!("{acceleration} m/s²"), cutoff];
