@@ -10,19 +10,23 @@
 //! | `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
 //! | `arm` | the same of an arm |
 //! | `frequency`, `trajectory` | modes and responses; motions by profile |
-//! | `sweep` | many cases |
+//! | `simulate`, `sweep`, `fit` | what the commands of these names do |
+//! | `stored` | results read back |
 //!
 //! The sources of the command are those of the program: what it prints and writes is the same to the byte.
 
 mod arm;
 mod arrays;
+mod fit;
 mod frequency;
 mod keywords;
 mod link;
 mod messages;
 mod pool;
+mod simulate;
 mod solution;
 mod solve;
+mod stored;
 mod sweep;
 mod trajectory;
 
@@ -48,13 +52,19 @@ mod _flexlink {
     use super::arm::{Arm, ArmSolution};
     use super::cli;
     #[pymodule_export]
+    use super::fit::{Fit, fit};
+    #[pymodule_export]
     use super::frequency::{frf, modes};
     #[pymodule_export]
     use super::link::Link;
     #[pymodule_export]
+    use super::simulate::{PlayedLink, simulate};
+    #[pymodule_export]
     use super::solution::Solution;
     #[pymodule_export]
     use super::solve::solve;
+    #[pymodule_export]
+    use super::stored::{ArmRun, Run, read};
     #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]

@@ -20,8 +20,22 @@ use crate::link::{Link, Source};
 use crate::messages::{objects, of_limit, of_remark, of_solution};
 use crate::options::inputs::remarks;
 use crate::pool;
+use crate::simulate::frame;
 use crate::solve::{Given, read_options};
 use crate::terminal::{Failure, memory};
+
+/// Columns of a data frame.
+const HISTORIES: [&str; 9] = [
+    "torque",
+    "rigid_torque",
+    "hub_angle",
+    "hub_rate",
+    "hub_acceleration",
+    "tip_displacement",
+    "tip_velocity",
+    "tip_acceleration",
+    "tip_deflection",
+];
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
@@ -285,6 +299,11 @@ impl Solution {
     ) -> PyResult<()> {
         let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
+    }
+
+    /// The histories as a `pandas.DataFrame` over the time.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        frame(slf, &HISTORIES)
     }
 
     fn __repr__(&self) -> String {

@@ -4,7 +4,7 @@
 pub(crate) mod arm;
 pub(crate) mod arm_pose;
 mod compare;
-mod fit;
+pub(crate) mod fit;
 pub(crate) mod frf;
 mod help;
 pub(crate) mod modes;
