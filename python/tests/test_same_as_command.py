@@ -38,7 +38,7 @@ def test_a_solution_of_files_writes_the_files_of_the_command(
 
 def test_arrays_give_the_tables_of_the_command(command: Command, tmp_path: Path) -> None:
     command("solve", LINK, MOTION, "-o", "a")
-    motion = np.loadtxt(MOTION, delimiter=",", skiprows=1)
+    motion = np.loadtxt(MOTION, delimiter=",", skiprows=2)
     solution = flexlink.solve(flexlink.Link.read(LINK), motion[:, 0], acceleration=motion[:, 1])
     solution.write(tmp_path / "b")
     ours, theirs = files(tmp_path / "b"), files(tmp_path / "a")
@@ -53,7 +53,7 @@ def test_an_arm_writes_the_files_of_the_command(command: Command, tmp_path: Path
     solution = flexlink.solve(flexlink.Arm.read(ARM), PATH)
     solution.write(tmp_path / "b", every=50)
     assert files(tmp_path / "a") == files(tmp_path / "b")
-    path = np.loadtxt(PATH, delimiter=",", skiprows=1)
+    path = np.loadtxt(PATH, delimiter=",", skiprows=2)
     given = flexlink.solve(flexlink.Arm.read(ARM), path[:, 0], x=path[:, 1], y=path[:, 2])
     assert given.torque.shape == (given.time.size, 2)
     assert given.positions(1).shape[0] == given.time.size
