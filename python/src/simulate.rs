@@ -146,7 +146,7 @@ fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Pla
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
 /// ...     segments=[{"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}],
-/// ...     hub={"inertia": 0.1}, damping={"rayleigh": {"alpha": 0.1, "beta": 0.002}},
+/// ...     hub={"inertia": 0.1}, damping={"model": "rayleigh", "alpha": 0.1, "beta": 0.002},
 /// ... )
 /// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.88, step=0.002)
 /// >>> solution = flexlink.solve(link, **motion)

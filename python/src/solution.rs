@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -253,13 +254,15 @@ impl Solution {
     /// travel, ``errors["torque"]["mesh"]`` what elements of half the length change, over the peak, and so on.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "errors")
+        let text = serde_json::to_string(&self.solution.accuracy);
+        let text = text.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        py.import("json")?.call_method1("loads", (text,))
     }
 
     /// Peaks, lead and lag, as in summary.json.
     #[getter]
     fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.part(py, "results")
+        self.summary_of(py)?.get_item("results")
     }
 
     /// What summary.json of a run holds.
@@ -309,11 +312,5 @@ impl Solution {
     fn __repr__(&self) -> String {
         let peak = self.metrics.peak_torque_n_m.value;
         format!("Solution(samples={}, peak_torque={peak:.6})", self.solution.grid.len)
-    }
-}
-
-impl Solution {
-    fn part<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.summary_of(py)?.get_item(key)
     }
 }
