@@ -60,17 +60,12 @@ pub(crate) fn modes<'py>(
         return Ok(table);
     }
     let specification = &described_by::<Link>(link)?.get().specification;
-    match at.map(|at| directions(Some(&at), 1)).transpose()? {
-        Some(at) => {
-            let (_, found) =
-                py.detach(|| pool::install(|| in_pose(specification, at[0], count)))?;
-            in_directions(py, &found.free.squares_per_s2, &found.held.squares_per_s2)
-        }
-        None => {
-            let (_, found) = py.detach(|| pool::install(|| computed(specification, count)))?;
-            of_link(py, found)
-        }
+    if let Some(at) = at.map(|at| directions(Some(&at), 1)).transpose()? {
+        let (_, found) = py.detach(|| pool::install(|| in_pose(specification, at[0], count)))?;
+        return in_directions(py, &found.free.squares_per_s2, &found.held.squares_per_s2);
     }
+    let (_, found) = py.detach(|| pool::install(|| computed(specification, count)))?;
+    of_link(py, found)
 }
 
 /// One direction, or one for each link.
@@ -161,21 +156,22 @@ pub(crate) fn frf<'py>(
     // The parser wants a file; the link is here already.
     arguments.push("link".to_owned());
     let read = Keywords::try_parse_from(arguments).map_err(|error| keywords::refused(&error))?;
-    let columns = match link.cast::<Arm>() {
-        Ok(arm) => {
-            let at = read.frf.at.as_deref();
-            let pose = ArmInPose::of(arm.get().specification.clone(), at)?;
-            let (_, found) = py.detach(|| pool::install(|| read.frf.compute_arm(&pose)))?;
-            arm_response(&found)
+    let columns = if let Ok(arm) = link.cast::<Arm>() {
+        let at = read.frf.at.as_deref();
+        let pose = ArmInPose::of(arm.get().specification.clone(), at)?;
+        let (_, found) = py.detach(|| pool::install(|| read.frf.compute_arm(&pose)))?;
+        arm_response(&found)
+    } else {
+        let own = described_by::<Link>(link)?.get();
+        if read.frf.at.is_some() {
+            let message = "at is for an arm of several links, and this is one";
+            return Err(usage(&message, None).into());
         }
-        Err(_) => {
-            let own = described_by::<Link>(link)?.get();
-            let compute = || -> Result<ResponseColumns, Failure> {
-                let (rows, errors) = read.frf.compute(&own.specification)?;
-                Ok(link_response(&rows, errors.as_deref()))
-            };
-            py.detach(|| pool::install(compute))?
-        }
+        let compute = || -> Result<ResponseColumns, Failure> {
+            let (rows, errors) = read.frf.compute(&own.specification)?;
+            Ok(link_response(&rows, errors.as_deref()))
+        };
+        py.detach(|| pool::install(compute))?
     };
     let table = PyDict::new(py);
     for (name, values) in columns {

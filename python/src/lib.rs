@@ -14,6 +14,8 @@
 //! | `stored` | results read back |
 //!
 //! The sources of the command are those of the program: what it prints and writes is the same to the byte.
+#![expect(clippy::needless_pass_by_value, reason = "PyO3 hands over what it has converted")]
+#![expect(clippy::doc_link_with_quotes, clippy::doc_markdown, reason = "docs are those of Python")]
 
 mod arm;
 mod arrays;

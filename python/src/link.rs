@@ -1,6 +1,6 @@
 //! A link, and the file or the keywords that it is from.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
@@ -28,7 +28,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    pub(crate) fn read(path: &PathBuf, changes: Vec<String>) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path, changes: Vec<String>) -> Result<Self, Failure> {
         Ok(Self { file: InputFile::read_toml(path)?, is_file: true, changes })
     }
 

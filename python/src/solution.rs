@@ -40,6 +40,7 @@ const HISTORIES: [&str; 9] = [
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
+#[expect(clippy::struct_field_names, reason = "the library's solution")]
 /// What the hub must do so that the tip moves as wanted. Arrays are views that cannot be written to, one value for each of
 /// ``time``; units are SI.
 #[pyclass(frozen, module = "flexlink")]

@@ -43,16 +43,15 @@ fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDic
             Cell::Word("") => Some(f64::NAN),
             Cell::Word(_) => None,
         };
-        match cells.iter().map(number).collect::<Option<Vec<f64>>>() {
-            Some(numbers) => table.set_item(column.name(), PyArray1::from_vec(py, numbers))?,
-            None => {
-                let text = |cell: &Cell| match cell {
-                    Cell::Number(number) => number.to_string(),
-                    Cell::Word(word) => (*word).to_owned(),
-                };
-                table.set_item(column.name(), cells.iter().map(text).collect::<Vec<_>>())?;
-            }
+        if let Some(numbers) = cells.iter().map(number).collect::<Option<Vec<f64>>>() {
+            table.set_item(column.name(), PyArray1::from_vec(py, numbers))?;
+            continue;
         }
+        let text = |cell: &Cell| match cell {
+            Cell::Number(number) => number.to_string(),
+            Cell::Word(word) => (*word).to_owned(),
+        };
+        table.set_item(column.name(), cells.iter().map(text).collect::<Vec<_>>())?;
     }
     Ok(table)
 }

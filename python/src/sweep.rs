@@ -69,14 +69,16 @@ struct Shared {
 
 /// What is solved in each case.
 enum Problem {
-    /// The motion of the link as it is, and its periods, which most cases have.
-    Link {
-        given: Given,
-        length_m: f64,
-        motion: TipMotion,
-        periods: Periods,
-    },
+    Link(Box<OfLink>),
     Arm(Box<PathTable>),
+}
+
+/// A motion as it was given, that of the link as it is, and its periods, which most cases have.
+struct OfLink {
+    given: Given,
+    length_m: f64,
+    motion: TipMotion,
+    periods: Periods,
 }
 
 impl Shared {
@@ -85,7 +87,8 @@ impl Shared {
         let (motion, _) = given.motion(own, &options)?;
         let periods = Periods::of(&motion);
         let kind = if own.drive().is_some() { SweepKind::Driven } else { SweepKind::Solved };
-        let problem = Problem::Link { given, length_m: own.length_m(), motion, periods };
+        let problem =
+            Problem::Link(Box::new(OfLink { given, length_m: own.length_m(), motion, periods }));
         Self::of(&link.source, options, problem, kind)
     }
 
@@ -121,9 +124,10 @@ impl Shared {
     }
 
     fn solve(&self, specification: &Specification, case: &Case) -> Row {
-        let Problem::Link { given, length_m, motion, periods } = &self.problem else {
+        let Problem::Link(of) = &self.problem else {
             return Err(usage(&"one link, but must be an arm as without the changes", None));
         };
+        let OfLink { given, length_m, motion, periods } = &**of;
         let Specification { link, mesh, analysis, limits, .. } = specification;
         // Angles are arcs of the link's length, which may be what is varied, as may its start angle.
         let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
@@ -197,19 +201,14 @@ pub(crate) fn sweep<'py>(
     if threads == Some(0) {
         return Err(PyValueError::new_err("threads = 0, but must be above 0"));
     }
-    let shared = match link.cast::<Arm>() {
-        Ok(arm) => {
-            let arm = arm.get();
-            let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
-            let options = read_options(&keywords::arguments(&keywords)?)?;
-            Shared::of_arm(arm, &given, options)?
-        }
-        Err(_) => {
-            let link = described_by::<Link>(link)?.get();
-            let given = Given::take(time, &keywords)?;
-            let options = read_options(&keywords::arguments(&keywords)?)?;
-            Shared::of_link(link, given, options)?
-        }
+    let shared = if let Ok(arm) = link.cast::<Arm>() {
+        let arm = arm.get();
+        let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
+        Shared::of_arm(arm, &given, read_options(&keywords::arguments(&keywords)?)?)?
+    } else {
+        let link = described_by::<Link>(link)?.get();
+        let given = Given::take(time, &keywords)?;
+        Shared::of_link(link, given, read_options(&keywords::arguments(&keywords)?)?)?
     };
     let rows = py.detach(|| interruptible(|stop| all_rows(&shared, &cases, threads, stop)))?;
     table(py, shared.kind, rows)
@@ -254,7 +253,7 @@ fn interruptible<T: Send>(
             match is_done.recv_timeout(LOOK) {
                 Ok(found) => return pressed.map_or_else(|| Ok(found?), Err),
                 Err(RecvTimeoutError::Timeout) => {
-                    if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    if let Err(error) = Python::attach(check_signals) {
                         stop.store(true, Ordering::Relaxed);
                         pressed = Some(error);
                     }
@@ -267,6 +266,10 @@ fn interruptible<T: Send>(
             }
         }
     })
+}
+
+fn check_signals(py: Python<'_>) -> PyResult<()> {
+    py.check_signals()
 }
 
 fn table(py: Python<'_>, kind: SweepKind, rows: Vec<Row>) -> PyResult<Bound<'_, PyDict>> {

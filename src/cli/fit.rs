@@ -125,6 +125,9 @@ pub(crate) struct Problem {
     pub(crate) inputs: FitInputs,
 }
 
+/// How files were read, each after its name.
+type Readings = Vec<(String, Reading)>;
+
 /// A link or an arm to be fitted, and its file.
 pub(crate) struct Unfitted {
     pub(crate) link: InputFile,
@@ -255,7 +258,7 @@ impl Problem {
         free_texts: &[String],
         measured: &Path,
         arguments: Vec<String>,
-    ) -> Result<(Self, Vec<InputFile>, Vec<(String, Reading)>), Failure> {
+    ) -> Result<(Self, Vec<InputFile>, Readings), Failure> {
         let links = match &own {
             Described::Link(_) => 1,
             Described::Arm(own) => own.arm.links().len(),
