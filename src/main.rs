@@ -4,8 +4,9 @@ mod cli;
 mod options;
 mod terminal;
 
+use std::env;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run()
+    ExitCode::from(cli::run(env::args_os()))
 }

@@ -12,7 +12,7 @@ use crate::options::inputs::{ReadArgs, ResampleArgs, ScaleArgs, tell};
 use crate::terminal::{Exit, Failure, StageBar, memory};
 
 /// An arm and the path that it is to follow.
-pub(super) struct ArmAndPath {
+pub(crate) struct ArmAndPath {
     /// The arm's file as messages call it.
     name: String,
     specification: Box<ArmSpecification>,
@@ -21,18 +21,18 @@ pub(super) struct ArmAndPath {
 }
 
 /// The solution, and what follows from it.
-pub(super) struct SolvedArm {
-    pub(super) solution: ArmSolution,
-    pub(super) metrics: ArmMetrics,
+pub(crate) struct SolvedArm {
+    pub(crate) solution: ArmSolution,
+    pub(crate) metrics: ArmMetrics,
     /// The limits that are exceeded, with the number of the joint.
-    pub(super) exceeded: Vec<(usize, Exceeded)>,
+    pub(crate) exceeded: Vec<(usize, Exceeded)>,
     /// Remarks on the arm and its path.
-    pub(super) remarks: Vec<Remark>,
+    pub(crate) remarks: Vec<Remark>,
 }
 
 impl ArmAndPath {
     /// Reads the path of an arm. Tells what was guessed of the file.
-    pub(super) fn read(
+    pub(crate) fn read(
         (arm_file, specification): (&InputFile, Box<ArmSpecification>),
         file: &InputFile,
         (read, resample, scale): (&ReadArgs, &ResampleArgs, &ScaleArgs),
@@ -43,7 +43,7 @@ impl ArmAndPath {
     }
 
     /// An arm and the path in a table.
-    pub(super) fn of(
+    pub(crate) fn of(
         (arm_file, specification): (&InputFile, Box<ArmSpecification>),
         table: PathTable,
     ) -> Result<Self, Failure> {
@@ -52,7 +52,7 @@ impl ArmAndPath {
     }
 
     /// Computes the solution, for which so many bytes of memory are free.
-    pub(super) fn solve(&self, memory_bytes: Option<usize>) -> Result<SolvedArm, Failure> {
+    pub(crate) fn solve(&self, memory_bytes: Option<usize>) -> Result<SolvedArm, Failure> {
         let ArmSpecification { arm, meshes, analysis, limits, .. } = &*self.specification;
         let resources = Resources { memory_bytes, ..Resources::default() };
         let solution = invert_arm(arm, meshes, &self.path, analysis, &resources);
@@ -90,7 +90,7 @@ impl ArmAndPath {
     }
 
     /// Checks a solution whose torques are written with so many digits.
-    pub(super) fn verified(
+    pub(crate) fn verified(
         &self,
         solution: &ArmSolution,
         digits: Digits,
@@ -112,7 +112,7 @@ impl ArmAndPath {
 
 impl SolvedArm {
     /// The record of the run.
-    pub(super) fn summary(
+    pub(crate) fn summary(
         &self,
         inputs: RunInputs,
         verification: Option<&Verification>,

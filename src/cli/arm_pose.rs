@@ -9,17 +9,17 @@ use crate::options::common::directions;
 use crate::terminal::{Failure, console};
 
 /// Relative error above which the user is warned.
-pub(super) const COARSE: f64 = 1e-2;
+pub(crate) const COARSE: f64 = 1e-2;
 
 /// An arm, and the directions in which its links point.
-pub(super) struct ArmInPose {
-    pub(super) specification: Box<ArmSpecification>,
+pub(crate) struct ArmInPose {
+    pub(crate) specification: Box<ArmSpecification>,
     directions_rad: Vec<f64>,
 }
 
 impl ArmInPose {
     /// The arm in the directions of `--at`, in rad.
-    pub(super) fn of(
+    pub(crate) fn of(
         specification: Box<ArmSpecification>,
         at: Option<&[f64]>,
     ) -> Result<Self, Failure> {
@@ -32,18 +32,18 @@ impl ArmInPose {
     }
 
     /// The swings and `count` modes more.
-    pub(super) fn modes(&self, count: usize) -> Result<ArmModes, Failure> {
+    pub(crate) fn modes(&self, count: usize) -> Result<ArmModes, Failure> {
         let arm = &self.specification.arm;
         Ok(arm_modes(arm, &self.directions_rad, count, self.tolerance())?)
     }
 
-    pub(super) fn responses(&self, frequencies_hz: &[f64]) -> Result<ArmResponses, Failure> {
+    pub(crate) fn responses(&self, frequencies_hz: &[f64]) -> Result<ArmResponses, Failure> {
         let arm = &self.specification.arm;
         Ok(arm_responses(arm, &self.directions_rad, frequencies_hz, self.tolerance())?)
     }
 
     /// Prints the largest error and whether the arm falls; returns the number of warnings.
-    pub(super) fn tell_responses(&self, modes: &ArmModes, found: &ArmResponses) -> usize {
+    pub(crate) fn tell_responses(&self, modes: &ArmModes, found: &ArmResponses) -> usize {
         console::remarks(&self.specification.remarks);
         let errors = found.rows.iter().map(|row| row.frequency_hz).zip(&found.errors);
         let worst = errors.max_by(|a, b| a.1.total_cmp(b.1));

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 
-use flexlink::csv::InputFile;
+use flexlink::csv::{InputFile, Reading};
 use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, fit};
 use flexlink::link::Damping;
-use flexlink::measured::read_measured;
+use flexlink::measured::{MeasuredSet, read_measured};
 use flexlink::report::{FitReport, fit_page};
 use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, rewrite};
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
@@ -114,7 +114,7 @@ pub(crate) struct Fit {
 const RECORD: &str = "fit.json";
 
 /// What is fitted, and to what.
-struct Problem {
+pub(crate) struct Problem {
     link: InputFile,
     /// The file's own link or arm, the changes of the command line made.
     own: Described,
@@ -122,7 +122,17 @@ struct Problem {
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
     measured: Measurements,
-    inputs: FitInputs,
+    pub(crate) inputs: FitInputs,
+}
+
+/// How files were read, each after its name.
+type Readings = Vec<(String, Reading)>;
+
+/// A link or an arm to be fitted, and its file.
+pub(crate) struct Unfitted {
+    pub(crate) link: InputFile,
+    pub(crate) own: Described,
+    pub(crate) changes: Vec<Override>,
 }
 
 impl Fit {
@@ -133,7 +143,9 @@ impl Fit {
         self.page().map_or(Ok(()), |page| keep_page_apart(&page, &self.results()))?;
         self.keep(&inputs)?;
         let problem = self.load()?;
-        let outcome = problem.fit()?;
+        let bar = StageBar::new();
+        let outcome = problem.fit(&|tried| bar.tried(tried))?;
+        drop(bar);
         if problem.plays_as_viscous() {
             console::note(
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
@@ -191,34 +203,15 @@ impl Fit {
     fn load(&self) -> Result<Problem, Failure> {
         let (link, own) = self.link.load()?;
         let changes = self.link.changes.overrides()?;
-        let links = match &own {
-            Described::Link(_) => 1,
-            Described::Arm(own) => own.arm.links().len(),
-        };
-        let document = LinkDocument::read(&link.shown, link.text()?)?;
-        let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
-        let mut free = Vec::new();
-        for text in &self.free {
-            let value: FreeValue = text.parse().map_err(usage)?;
-            let bounds = document.free(&value, &changes).map_err(usage)?;
-            if free.iter().any(|(_, earlier): &(_, Free)| earlier.path == bounds.path) {
-                let message = format!("--free {} is given twice", bounds.path);
-                return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
-            }
-            free.push((value, bounds));
-        }
-        let measured = read_measured(&self.measured, links)?;
-        let named: Vec<&Path> = measured.named.iter().map(|file| Path::new(&file.shown)).collect();
+        let unfitted = Unfitted { link, own, changes };
+        let (problem, named, readings) =
+            Problem::read(unfitted, &self.free, &self.measured, self.arguments())?;
+        let named: Vec<&Path> = named.iter().map(|file| Path::new(&file.shown)).collect();
         self.keep(&named)?;
-        for (shown, reading) in &measured.readings {
+        for (shown, reading) in &readings {
             tell_reading(shown, reading);
         }
-        let [of_link, of_measured] = [&link, &measured.file].map(Fingerprint::of);
-        let named = measured.named.iter().map(Fingerprint::of).collect();
-        let arguments = self.arguments();
-        let inputs = FitInputs { link: of_link, measured: of_measured, named, arguments };
-        let measured = measured.measurements;
-        Ok(Problem { link, own, document, changes, free, measured, inputs })
+        Ok(problem)
     }
 
     /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
@@ -258,11 +251,44 @@ fn record_beside(output: &Path) -> PathBuf {
 }
 
 impl Problem {
-    fn fit(&self) -> Result<FitOutcome, Failure> {
+    /// Reads the measured values, and which values are free. Returns the files that were named besides, too, and how
+    /// they were read.
+    pub(crate) fn read(
+        Unfitted { link, own, changes }: Unfitted,
+        free_texts: &[String],
+        measured: &Path,
+        arguments: Vec<String>,
+    ) -> Result<(Self, Vec<InputFile>, Readings), Failure> {
+        let links = match &own {
+            Described::Link(_) => 1,
+            Described::Arm(own) => own.arm.links().len(),
+        };
+        let document = LinkDocument::read(&link.shown, link.text()?)?;
+        let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
+        let mut free = Vec::new();
+        for text in free_texts {
+            let value: FreeValue = text.parse().map_err(usage)?;
+            let bounds = document.free(&value, &changes).map_err(usage)?;
+            if free.iter().any(|(_, earlier): &(_, Free)| earlier.path == bounds.path) {
+                let message = format!("--free {} is given twice", bounds.path);
+                return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
+            }
+            free.push((value, bounds));
+        }
+        let MeasuredSet { measurements, file, named, readings } = read_measured(measured, links)?;
+        let [of_link, of_measured] = [&link, &file].map(Fingerprint::of);
+        let of_named = named.iter().map(Fingerprint::of).collect();
+        let inputs = FitInputs { link: of_link, measured: of_measured, named: of_named, arguments };
+        let problem = Self { link, own, document, changes, free, measured: measurements, inputs };
+        Ok((problem, named, readings))
+    }
+
+    /// Fits the free values; `tried` gets the number of links that were tried before.
+    pub(crate) fn fit(&self, tried: &(dyn Fn(usize) + Sync)) -> Result<FitOutcome, Failure> {
         let free: Vec<Free> = self.free.iter().map(|(_, free)| free.clone()).collect();
-        let (bar, tried) = (StageBar::new(), AtomicUsize::new(0));
+        let count = AtomicUsize::new(0);
         let specimen_at = |factors: &[f64]| {
-            bar.tried(tried.fetch_add(1, Ordering::Relaxed));
+            tried(count.fetch_add(1, Ordering::Relaxed));
             let changes = self.changed(factors)?;
             Ok(match self.document.described(&self.link.shown, &changes)? {
                 Described::Link(own) => Specimen::from((own.link, own.mesh)),
@@ -321,7 +347,7 @@ impl Problem {
     }
 
     /// The link file with the fitted values, and what was replaced.
-    fn fitted(&self, outcome: &FitOutcome) -> Result<(String, Vec<Replaced>), Failure> {
+    pub(crate) fn fitted(&self, outcome: &FitOutcome) -> Result<(String, Vec<Replaced>), Failure> {
         let factors: Vec<f64> = outcome.values.iter().map(|value| value.factor).collect();
         let changes = self.changed(&factors)?;
         Ok(rewrite(&self.link.shown, self.link.text()?, &changes)?)

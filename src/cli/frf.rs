@@ -10,6 +10,7 @@ use flexlink::beam::Mesh;
 use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
+use flexlink::response::{ArmModes, ArmResponses};
 use flexlink::result::BandMeshError;
 use flexlink::spec::{Described, Specification};
 use flexlink::store::{
@@ -61,7 +62,7 @@ pub(crate) struct Frf {
     /// their unit, as in '30 deg,75 deg'.
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',')]
-    at: Option<Vec<f64>>,
+    pub(crate) at: Option<Vec<f64>>,
 
     /// Lowest frequency [default: a tenth of the first natural frequency].
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
@@ -133,6 +134,16 @@ impl Frf {
 
     /// Writes the response of an arm; returns the number of warnings.
     fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
+        let (modes, found) = self.compute_arm(pose)?;
+        self.deliver(arm_response(&found))?;
+        Ok(pose.tell_responses(&modes, &found))
+    }
+
+    /// The modes of an arm, and its response.
+    pub(crate) fn compute_arm(
+        &self,
+        pose: &ArmInPose,
+    ) -> Result<(ArmModes, ArmResponses), Failure> {
         let modes = pose.modes(DEFAULT_MODES)?;
         let squares = modes.free.modes.iter().map(|mode| mode.square_per_s2);
         let rising: Vec<f64> = squares.filter(|own| *own > 0.0).map(f64::sqrt).collect();
@@ -142,13 +153,12 @@ impl Frf {
         let bytes = self.points.saturating_mul(bytes).saturating_add(OWN_BYTES);
         memory::check("the frequency response", bytes, None, "use fewer --points")?;
         let found = pose.responses(&self.frequencies_hz(from_hz, to_hz))?;
-        self.deliver(arm_response(&found))?;
-        Ok(pose.tell_responses(&modes, &found))
+        Ok((modes, found))
     }
 
     /// The response at each frequency, and its mesh error by halved elements; `None` where damping
     /// allows no halved elements.
-    fn compute(
+    pub(crate) fn compute(
         &self,
         specification: &Specification,
     ) -> Result<(Vec<FrequencyResponse>, Option<Vec<f64>>), Failure> {

@@ -1,22 +1,22 @@
 //! The command line: arguments in, exit code out. `run` of each command reads as load, compute, write, tell.
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
-mod arm;
-mod arm_pose;
+pub(crate) mod arm;
+pub(crate) mod arm_pose;
 mod compare;
-mod fit;
-mod frf;
+pub(crate) mod fit;
+pub(crate) mod frf;
 mod help;
-mod modes;
+pub(crate) mod modes;
 mod report;
 mod setup;
 mod simulate;
-mod solve;
+pub(crate) mod solve;
 mod sweep;
-mod trajectory;
+pub(crate) mod trajectory;
 mod verify;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
@@ -28,6 +28,7 @@ use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 /// rest. The torque starts before the tip moves and outlasts its motion, because bending waves travel at
 /// finite speed (E. Bayo, J. Robotic Systems 4(1), 1987).
 #[derive(Debug, Parser)]
+#[command(name = "flexlink")] // in Python's extension, too, whose package has another name
 #[command(version, about, after_help = EXIT_CODES, max_term_width = 100)]
 #[command(disable_help_subcommand = true)] // ours prints pages, too
 #[command(bin_name = "flexlink")] // on Windows too, where the file is flexlink.exe
@@ -61,15 +62,16 @@ enum Command {
     Help(help::Help),
 }
 
-/// Reads the command line and runs its command: the one place that prints an error and its hint.
-pub(crate) fn run() -> ExitCode {
-    let ended = match Cli::try_parse() {
-        Ok(cli) => cli.command.run().map(ExitCode::from),
+/// Runs the command of a command line, the program's name first, and returns the exit code: the one place that prints an
+/// error and its hint.
+pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let ended = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli.command.run().map(|ending| ending as u8),
         Err(error) => console::parser_text(&error),
     };
     ended.unwrap_or_else(|Failure { exit, message, hint, .. }| {
         console::error(&message, hint.as_deref());
-        exit.into()
+        exit as u8
     })
 }
 

@@ -199,7 +199,7 @@ impl Modes {
 }
 
 /// The mesh, and the modes on it where the link points in a direction.
-fn in_pose(
+pub(crate) fn in_pose(
     specification: &Specification,
     angle_rad: f64,
     count: usize,
@@ -254,7 +254,10 @@ fn in_pose(
 }
 
 /// The mesh, and its modes and zeros with their mesh errors.
-fn computed(specification: &Specification, count: usize) -> Result<(Mesh, ModesResult), Failure> {
+pub(crate) fn computed(
+    specification: &Specification,
+    count: usize,
+) -> Result<(Mesh, ModesResult), Failure> {
     let link = &specification.link;
     let (mesh, omega_rad_s) = resolved(link, &specification.mesh, count)?;
     let law = DampingLaw::of(link, &mesh)?;

@@ -4,6 +4,7 @@ mod cells;
 mod columns;
 mod dialect;
 mod format;
+mod given;
 mod heading;
 mod hub;
 mod input;

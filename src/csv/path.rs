@@ -33,10 +33,10 @@ const BY_OPTION: &str = "--columns time=1,x=2,y=3 says which column is what";
 /// A path read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathTable {
-    columns: PathColumns,
-    name: String,
-    lines: Vec<u64>,
-    reading: Reading,
+    pub(super) columns: PathColumns,
+    pub(super) name: String,
+    pub(super) lines: Vec<u64>,
+    pub(super) reading: Reading,
 }
 
 impl PathTable {

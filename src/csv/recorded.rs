@@ -225,13 +225,13 @@ impl<'a> Uniform<'a> {
         self.times_s.iter().enumerate().map(|time| spline.value(at(time))).collect()
     }
 
-    /// Of each time, the line of the last known one that is not later.
+    /// Of each time, the line of the last known one that is not later; none where samples have no lines.
     pub(super) fn lines(&self, lines: &[u64]) -> Vec<u64> {
         let line = |time_s: &f64| {
             let is_not_later = |known_s: &f64| *known_s <= time_s + SAME_TIME * self.step_s;
-            lines[self.known_s.partition_point(is_not_later).saturating_sub(1)]
+            lines.get(self.known_s.partition_point(is_not_later).saturating_sub(1)).copied()
         };
-        self.times_s.iter().map(line).collect()
+        self.times_s.iter().filter_map(line).collect()
     }
 }
 

@@ -199,7 +199,8 @@ pub(super) fn refuse_samples(
     why: &impl ToString,
     hint: Option<&str>,
 ) -> TableError {
-    let place = Place { file, line: sample.map(|sample| lines[sample]) };
+    // Samples of no file have no lines.
+    let place = Place { file, line: sample.and_then(|sample| lines.get(sample).copied()) };
     place.refuse_whole(why.to_string()).with_hint(hint.map(str::to_owned))
 }
 

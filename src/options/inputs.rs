@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::csv::{
-    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, PathTable, Reading, TableFormat,
-    UnitName, read_motion_table_as, read_path_table,
+    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, MotionTable, PathTable, Reading,
+    TableFormat, UnitName, read_motion_table_as, read_path_table,
 };
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
@@ -177,8 +177,13 @@ impl ResampleArgs {
         let length_m = link.length_m();
         let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &read.format())?;
         let reading = table.reading().clone();
+        Ok((self.motion_in(table, link)?, reading))
+    }
+
+    /// The motion of a link's tip in a table.
+    pub(crate) fn motion_in(&self, table: MotionTable, link: &Link) -> Result<TipMotion, Failure> {
         let table = match link.gravity() {
-            Some(gravity) => table.with_gravity(gravity, length_m)?,
+            Some(gravity) => table.with_gravity(gravity, link.length_m())?,
             None => table,
         };
         let table = table.with_ends(self.ends());
@@ -194,12 +199,16 @@ impl ResampleArgs {
             Some(hertz) => table.with_lowpass(hertz),
             None => table,
         };
-        Ok((table.into_motion()?, reading))
+        Ok(table.into_motion()?)
     }
 
     /// Reads the path of an arm.
     pub(crate) fn path_of(&self, file: &InputFile, read: &ReadArgs) -> Result<PathTable, Failure> {
-        let table = read_path_table(&file.shown, &file.bytes, &read.format())?;
+        self.path_in(read_path_table(&file.shown, &file.bytes, &read.format())?)
+    }
+
+    /// The path of an arm in a table.
+    pub(crate) fn path_in(&self, table: PathTable) -> Result<PathTable, Failure> {
         Ok(match self.resample {
             Some(step_s) => table.resampled(step_s)?,
             None => table,

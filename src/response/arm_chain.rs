@@ -1,11 +1,11 @@
 //! An arm as one chain of elasticas, each turned by its joint against the tip of the one before: Lagrange's equations
 //! at any pose and deflection.
 
-use super::arm_state::ArmState;
 use super::balance::{Balance, Energies, Met, Place};
 use super::chain::Chain;
 use super::error::SimulationError;
 use super::shape::{Station, direction};
+use super::state::ArmState;
 use crate::link::{Arm, Link};
 use crate::numeric::dot;
 

@@ -3,7 +3,6 @@
 use std::num::NonZeroUsize;
 
 use super::arm_chain::ArmChain;
-use super::arm_state::ArmState;
 use super::balance::{Balance, Place};
 use super::checks::UNSETTLED;
 use super::driving::Driving;
@@ -11,6 +10,7 @@ use super::error::SimulationError;
 use super::modes::HubReaction;
 use super::play::ArmProgress;
 use super::radau::{Motion, Radau};
+use super::state::ArmState;
 use super::stepper::Record;
 use crate::numeric::{Size, TimeGrid, dot};
 

@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 
 use super::arm_chain::ArmChain;
-use super::arm_state::ArmState;
 use super::balance::{Balance, Place};
 use super::shape::{direction, in_parts, settled};
+use super::state::ArmState;
 use crate::elastica::reaching;
 use crate::link::{Arm, Elbow};
 

@@ -1,4 +1,4 @@
-//! Where a link is and how it moves at one instant, from which another play goes on.
+//! Where a link or an arm is and how it moves at one instant, from which another play goes on.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use super::modes::Equations;
 use super::radau::Motion;
 use super::stepper::Stepper;
 use crate::beam::Mesh;
-use crate::link::{Link, POSITION_TOLERANCE};
+use crate::link::{Arm, Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
 use crate::numeric::{TimeGrid, largest, largest_difference};
 
@@ -258,4 +258,42 @@ fn between(x_m: &[f64], values: &[f64], slopes: &[f64], origin: f64, at_m: f64) 
     let cubic = [values[inner], from, 3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise];
     let value = cubic.iter().rev().fold(0.0, |sum, term| sum * t + term);
     [value, (cubic[1] + t * (2.0 * cubic[2] + 3.0 * t * cubic[3])) / l]
+}
+
+/// The motion of an arm at one instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArmState {
+    /// The state of each link, the inner one first: slopes against x along it.
+    pub links: Vec<State>,
+}
+
+impl ArmState {
+    /// Refuses a state that is not one of such an arm.
+    ///
+    /// # Errors
+    /// [`SimulationError::State`].
+    pub(super) fn check(&self, arm: &Arm) -> Result<(), SimulationError> {
+        let (found, links) = (self.links.len(), arm.links().len());
+        if found != links {
+            let must = format!("be one of {links} links");
+            return Err(SimulationError::State { found: format!("that of {found} links"), must });
+        }
+        let time_s = self.links[0].time_s;
+        if let Some(other) = self.links.iter().find(|own| own.time_s.total_cmp(&time_s).is_ne()) {
+            let found = format!("at {} s and at {time_s} s", other.time_s);
+            let must = "be that of one instant".to_owned();
+            return Err(SimulationError::State { found, must });
+        }
+        for (number, (state, own)) in self.links.iter().zip(arm.links()).enumerate() {
+            state.check(&own.link, true).map_err(|error| match error {
+                SimulationError::State { found, must } => {
+                    let found = format!("{found} on {}", arm.name_of(number));
+                    SimulationError::State { found, must }
+                }
+                other => other,
+            })?;
+        }
+        Ok(())
+    }
 }

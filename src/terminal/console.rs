@@ -6,7 +6,6 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
-use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Style};
 use clap::error::ContextValue;
@@ -95,8 +94,8 @@ fn visible(letter: char) -> char {
     if is_hidden(letter) { char::REPLACEMENT_CHARACTER } else { letter }
 }
 
-/// Prints the text of the command line's parser, help or a wrong usage.
-pub(crate) fn parser_text(error: &clap::Error) -> Result<ExitCode, Failure> {
+/// Prints the text of the command line's parser, help or a wrong usage; returns the exit code.
+pub(crate) fn parser_text(error: &clap::Error) -> Result<u8, Failure> {
     // Its colours are control characters, too.
     let shown = |c: char| if c.is_control() { c } else { visible(c) };
     let text: String =
@@ -107,7 +106,7 @@ pub(crate) fn parser_text(error: &clap::Error) -> Result<ExitCode, Failure> {
         let mut out = anstream::stdout().lock();
         delivered(out.write_all(text.as_bytes()).and_then(|()| out.flush()))?;
     }
-    Ok(ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8)))
+    Ok(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
 }
 
 /// The text of a parser's error, with no more of an argument than other messages quote.

@@ -1,7 +1,5 @@
 //! How the program ends: exit codes, and errors of the library with theirs.
 
-use std::process::ExitCode;
-
 use clap::Args;
 
 use flexlink::csv::{InputError, TableError};
@@ -24,12 +22,6 @@ pub(crate) enum Ending {
     Different = 1,
 }
 
-impl From<Ending> for ExitCode {
-    fn from(ending: Ending) -> Self {
-        Self::from(ending as u8)
-    }
-}
-
 /// The exit code of a program that has failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
@@ -43,12 +35,6 @@ pub(crate) enum Exit {
     CannotWrite = 5,
     /// Stopped in order by Ctrl-C or by the system: the number that shells give Ctrl-C.
     Interrupted = 130,
-}
-
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        Self::from(exit as u8)
-    }
 }
 
 /// Why the program ends without having done its work.

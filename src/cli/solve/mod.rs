@@ -4,6 +4,6 @@ mod arm;
 mod command;
 mod problem;
 mod repeat;
-mod run;
+pub(crate) mod run;
 
 pub(crate) use command::Solve;

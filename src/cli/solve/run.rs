@@ -25,18 +25,18 @@ use crate::terminal::{Failure, StageBar, console, memory};
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
-pub(super) struct SolveOptions {
+pub(crate) struct SolveOptions {
     #[command(flatten)]
-    changes: ChangeArgs,
+    pub(crate) changes: ChangeArgs,
 
     #[command(flatten)]
-    pub(super) resample: ResampleArgs,
+    pub(crate) resample: ResampleArgs,
 
     #[command(flatten)]
-    pub(super) scale: ScaleArgs,
+    pub(crate) scale: ScaleArgs,
 
     #[command(flatten)]
-    pub(super) nodes: NodeArgs,
+    pub(crate) nodes: NodeArgs,
 
     #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
     deflections: bool,
@@ -55,7 +55,7 @@ pub(super) struct SolveOptions {
     pub(super) verify: bool,
 
     #[command(flatten)]
-    pub(super) read: ReadArgs,
+    pub(crate) read: ReadArgs,
 }
 
 /// The arguments of a record, read as those of the command line are.
@@ -68,7 +68,7 @@ pub(super) struct Recorded {
 
 impl SolveOptions {
     /// Refuses what is known for one link alone.
-    pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
+    pub(crate) fn refuse_for_arms(&self) -> Result<(), Failure> {
         refuse_for_arms([self.resample.of_one_link(), self.scale.of_one_link()].concat())
     }
 
@@ -78,30 +78,30 @@ impl SolveOptions {
     }
 
     /// The motion of a link's tip in a file, scaled. Tells what was guessed of the file.
-    fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
+    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
         let (motion, reading) = self.resample.motion_of(file, link, &self.read)?;
         tell(&file.shown, &reading);
         self.scale.scaled(motion)
     }
 
     /// The analysis of a link file, for all tables.
-    fn analysis(&self, analysis: &Analysis) -> Analysis {
+    pub(crate) fn analysis(&self, analysis: &Analysis) -> Analysis {
         if self.moments { analysis.with_moments() } else { *analysis }
     }
 
     /// The tables to write.
-    pub(super) fn outputs(&self) -> RunOutputs {
+    pub(crate) fn outputs(&self) -> RunOutputs {
         let (deflections, moments) = (self.deflections, self.moments);
         RunOutputs { deflections, moments, ..self.nodes.outputs(self.digits) }
     }
 
     /// Parses the arguments of a record.
-    pub(super) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
+    pub(crate) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
         Recorded::try_parse_from(arguments).map(|recorded| recorded.options)
     }
 
     /// The arguments, for the record.
-    pub(super) fn arguments(&self) -> Vec<String> {
+    pub(crate) fn arguments(&self) -> Vec<String> {
         let flag = |on: bool, name: &str| on.then(|| name.to_owned());
         [
             self.changes.arguments(),

@@ -14,7 +14,7 @@ use crate::options::inputs::{described, specification};
 use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_path, write_trajectory};
-use flexlink::motion::{Curve, PathColumns, Profile};
+use flexlink::motion::{Curve, MotionColumns, PathColumns, Profile};
 use flexlink::result::{
     ArmFitProblem, ArmMetrics, Fit, FitProblem, LimitedValue, Metrics, OpenMotion,
     shortest_arm_fit, shortest_fit,
@@ -85,7 +85,7 @@ pub(crate) struct Trajectory {
 
     /// Link file (TOML) for --fit-limit. With --path, that of an arm: a path that it does not reach is refused.
     #[arg(long, value_name = "LINK", requires = "use of the file")]
-    link: Option<PathBuf>,
+    pub(crate) link: Option<PathBuf>,
 
     /// Step in s.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -109,7 +109,7 @@ pub(crate) struct Trajectory {
     digits: Digits,
 
     #[command(flatten)]
-    path: PathArgs,
+    pub(crate) path: PathArgs,
 
     #[command(flatten)]
     warnings: WarningArgs,
@@ -117,7 +117,7 @@ pub(crate) struct Trajectory {
 
 /// The duration of a motion.
 #[derive(Default)]
-struct Duration {
+pub(crate) struct Duration {
     steps: usize,
     /// Comment for the first line of the file.
     comment: String,
@@ -147,12 +147,30 @@ impl Trajectory {
         }
     }
 
+    /// The motion of a link's tip, and how its duration was found.
+    pub(crate) fn motion(&self) -> Result<(MotionColumns, Duration), Failure> {
+        let distance_m = self.distance_m()?;
+        let duration = self.duration(distance_m)?;
+        let rest = self.rests(duration.steps, BYTES_PER_SAMPLE)?;
+        Ok((self.profile.sampled(distance_m, self.step, duration.steps, rest), duration))
+    }
+
+    /// The path of an arm's tip along a curve, and how its duration was found.
+    pub(crate) fn path_along(
+        &self,
+        curve: &Curve,
+        arm: Option<&ArmSpecification>,
+    ) -> Result<(PathColumns, Duration), Failure> {
+        let duration = self.duration_along(curve, arm)?;
+        let rest = self.rests(duration.steps, BYTES_PER_PLACE)?;
+        let places = curve.sampled(self.profile, duration.steps, rest);
+        let places = places.map_err(|error| refused(&error, error.hint()))?;
+        Ok((PathColumns::of_tip(self.step, &places, self.path.outer_rad()), duration))
+    }
+
     /// Writes the motion of a link's tip.
     fn write_motion(&self) -> Result<(), Failure> {
-        let distance_m = self.distance_m()?;
-        let Duration { steps, comment, warnings } = self.duration(distance_m)?;
-        let rest = self.rests(steps, BYTES_PER_SAMPLE)?;
-        let columns = self.profile.sampled(distance_m, self.step, steps, rest);
+        let (columns, Duration { comment, warnings, .. }) = self.motion()?;
         console::deliver_by(self.output.as_deref(), |mut out| {
             out.write_all(comment.as_bytes())?;
             write_trajectory(&mut out, &columns, self.digits)
@@ -163,11 +181,8 @@ impl Trajectory {
     /// Writes the path of an arm's tip along a curve, unless the arm does not reach it.
     fn write_path(&self, curve: &Curve) -> Result<(), Failure> {
         let arm = self.link.as_deref().map(|link| self.arm(link)).transpose()?;
-        let Duration { steps, comment, warnings } = self.duration_along(curve, arm.as_deref())?;
-        let rest = self.rests(steps, BYTES_PER_PLACE)?;
-        let places = curve.sampled(self.profile, steps, rest);
-        let places = places.map_err(|error| refused(&error, error.hint()))?;
-        let columns = PathColumns::of_tip(self.step, &places, self.path.outer_rad());
+        let (columns, Duration { comment, warnings, .. }) =
+            self.path_along(curve, arm.as_deref())?;
         let mut text = comment.into_bytes();
         write_path(&mut text, &columns, self.digits)
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
@@ -190,7 +205,7 @@ impl Trajectory {
     }
 
     /// Returns an error if the step is out of range.
-    fn check_step(&self) -> Result<(), Failure> {
+    pub(crate) fn check_step(&self) -> Result<(), Failure> {
         let step_s = self.step;
         if STEPS_S.contains(&step_s) {
             return Ok(());
@@ -211,7 +226,7 @@ impl Trajectory {
     }
 
     /// The arm of a file, with the limits of the command line.
-    fn arm(&self, link: &Path) -> Result<Box<ArmSpecification>, Failure> {
+    pub(crate) fn arm(&self, link: &Path) -> Result<Box<ArmSpecification>, Failure> {
         let file = InputFile::read_toml(link)?;
         match described(&file, &self.limits(Limited::Arm)?)? {
             Described::Arm(arm) => Ok(arm),

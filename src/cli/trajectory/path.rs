@@ -17,7 +17,7 @@ const PATHS: &str = "Paths of arms";
 
 /// Where the tip of an arm goes.
 #[derive(Debug, Args)]
-pub(super) struct PathArgs {
+pub(crate) struct PathArgs {
     /// Make the path of an arm's tip in its plane instead, a CSV of time, x and y: along a line or an arc.
     #[arg(long, help_heading = PATHS, value_name = "CURVE", value_enum, requires = "from")]
     #[arg(conflicts_with = "distance")]
@@ -84,7 +84,7 @@ fn length(text: &str) -> Result<f64, String> {
 
 impl PathArgs {
     /// The curve that the options describe; none without --path.
-    pub(super) fn curve(&self) -> Result<Option<Curve>, Failure> {
+    pub(crate) fn curve(&self) -> Result<Option<Curve>, Failure> {
         // The parser has seen to it that what a curve needs is there.
         let (Some(kind), Some(from_m)) = (self.path, self.from) else { return Ok(None) };
         let given = |option: &'static str, is_given: bool| is_given.then_some(option);

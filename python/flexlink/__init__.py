@@ -1,0 +1,62 @@
+"""Torques that make the tip of a flexible link or arm follow a motion exactly.
+
+>>> import flexlink
+>>> link = flexlink.Link(
+...     segments=[{"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}],
+...     hub={"inertia": 0.1},
+...     damping={"ratio": 0.02},
+... )
+>>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.88, step=0.004)
+>>> solution = flexlink.solve(link, **motion)
+>>> bool(abs(solution.torque).max() < abs(solution.rigid_torque).max())
+True
+
+Numbers are SI: m, kg, s, rad, N m. The functions do what the commands of the same names do, with the same results;
+``flexlink help`` and the book describe these.
+"""
+
+from ._flexlink import (
+    Arm,
+    ArmRun,
+    ArmSolution,
+    Fit,
+    Link,
+    Run,
+    Simulation,
+    Solution,
+    __version__,
+    fit,
+    frf,
+    modes,
+    read,
+    simulate,
+    solve,
+    sweep,
+    trajectory,
+)
+from ._messages import FlexlinkError, FlexlinkWarning, InputError, NotSolvableError, WriteError
+
+__all__ = [
+    "Arm",
+    "ArmRun",
+    "ArmSolution",
+    "Fit",
+    "FlexlinkError",
+    "FlexlinkWarning",
+    "InputError",
+    "Link",
+    "NotSolvableError",
+    "Run",
+    "Simulation",
+    "Solution",
+    "WriteError",
+    "fit",
+    "frf",
+    "modes",
+    "read",
+    "simulate",
+    "solve",
+    "sweep",
+    "trajectory",
+    "__version__",
+]

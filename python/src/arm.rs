@@ -1,0 +1,314 @@
+//! An arm of several links, its path and its solution.
+
+use std::path::{Path, PathBuf};
+
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use flexlink::csv::{InputFile, PathTable};
+use flexlink::inverse::ArmJoint;
+use flexlink::motion::{PathColumn, PathColumns};
+use flexlink::result::StoredWarning;
+use flexlink::spec::{ArmSpecification, Described};
+use flexlink::store::{OutputFolder, RunInputs};
+
+use crate::arrays::{column, rows};
+use crate::cli::arm::{ArmAndPath, SolvedArm};
+use crate::cli::solve::run::SolveOptions;
+use crate::keywords;
+use crate::link::{Source, python_text};
+use crate::messages::{objects, of_arm, of_limit, of_remark, usage};
+use crate::pool;
+use crate::solve::{MOTION, path_of, read_options};
+use crate::terminal::{Exit, Failure, memory};
+
+/// An arm of several flexible links, as an arm file describes it, or keywords that are the keys of one.
+#[pyclass(frozen, module = "flexlink")]
+pub(crate) struct Arm {
+    pub(crate) source: Source,
+    pub(crate) specification: Box<ArmSpecification>,
+}
+
+impl Arm {
+    fn of(source: Source) -> Result<Self, Failure> {
+        match source.described()? {
+            Described::Arm(specification) => Ok(Self { source, specification }),
+            Described::Link(_) => {
+                let message =
+                    format!("{}: one link, but must be an arm of several", source.file.shown);
+                let hint = Some("flexlink.Link.read reads links");
+                Err(Failure::new(Exit::InputRefused, &message, hint))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Arm {
+    #[new]
+    #[pyo3(signature = (**keys))]
+    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let keys = keys.unwrap_or_else(|| PyDict::new(py));
+        Ok(Self::of(Source::of_keywords(&keys)?)?)
+    }
+
+    /// Reads an arm file, with changes as those of ``--set``: ``{"links.fore.payload.mass": 0.2}``.
+    #[staticmethod]
+    #[pyo3(signature = (path, changes=None))]
+    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        Ok(Self::of(Source::read(&path, keywords::changes(changes)?)?)?)
+    }
+
+    /// The same arm with further changes.
+    fn changed(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
+        Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        self.specification.arm.title()
+    }
+
+    /// Lengths of the links in m, the inner one first.
+    #[getter]
+    fn lengths(&self) -> Vec<f64> {
+        self.specification.arm.lengths_m()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Arm({}, lengths={:?})", python_text(self.title()), self.lengths())
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let unpickle = slf.get_type().getattr("_unpickled")?;
+        Ok((unpickle, slf.get().source.pickled().into_pyobject(slf.py())?))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (*source))]
+    fn _unpickled(source: &Bound<'_, PyTuple>) -> PyResult<Self> {
+        Ok(Self::of(Source::unpickled(source.extract()?))?)
+    }
+}
+
+/// A path as a call gives it.
+pub(crate) enum GivenPath {
+    File(InputFile),
+    Samples(Box<PathColumns>),
+}
+
+impl GivenPath {
+    /// Takes `x`, `y` and `angle1`, `angle2`, … out of the keywords; `time` may be the path of a file instead.
+    pub(crate) fn take(
+        time: &Bound<'_, PyAny>,
+        keywords: &Bound<'_, PyDict>,
+        links: usize,
+    ) -> PyResult<Self> {
+        let take = |name: &str| -> PyResult<Option<PathColumn>> {
+            let Some(given) = keywords.get_item(name)? else { return Ok(None) };
+            keywords.del_item(name)?;
+            let values = column(name, &given)?;
+            Ok(Some(PathColumn { name: name.to_owned(), values, rounded: None }))
+        };
+        let (x, y) = (take("x")?, take("y")?);
+        let angles = (1..=links).map(|link| take(&format!("angle{link}")));
+        let angles = angles.collect::<PyResult<Vec<_>>>()?;
+        if let Some(path) = path_of(time)? {
+            if x.is_some() || y.is_some() || angles.iter().any(Option::is_some) {
+                let hint = Some("leave one of them out");
+                return Err(usage(&"samples are given beside a file", hint).into());
+            }
+            return Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?));
+        }
+        let tip = match (x, y) {
+            (Some(x), Some(y)) => Some([x, y]),
+            (None, None) => None,
+            _ => return Err(usage(&"one of x and y, but must be both or none", None).into()),
+        };
+        let columns = PathColumns { time_s: column("time", time)?, tip, angles };
+        Ok(Self::Samples(Box::new(columns)))
+    }
+
+    pub(crate) fn table(&self, options: &SolveOptions) -> Result<PathTable, Failure> {
+        let table = match self {
+            Self::File(file) => options.resample.path_of(file, &options.read)?,
+            Self::Samples(columns) => {
+                let table = PathTable::of_columns(MOTION, (**columns).clone())?;
+                options.resample.path_in(table)?
+            }
+        };
+        options.scale.scaled_path(&table)
+    }
+}
+
+/// The torques of all joints that make the tip of an arm follow its path. Arrays have a row for each of ``time`` and a
+/// column for each joint, the inner one first; units are SI.
+#[pyclass(frozen, module = "flexlink")]
+pub(crate) struct ArmSolution {
+    source: Source,
+    given: GivenPath,
+    keywords: Vec<String>,
+    solved: SolvedArm,
+    pub(crate) warnings: Vec<StoredWarning>,
+}
+
+/// Solves an arm.
+pub(crate) fn solved_arm(
+    arm: &Arm,
+    given: GivenPath,
+    keywords: Vec<String>,
+) -> Result<ArmSolution, Failure> {
+    let options = read_options(&keywords)?;
+    options.refuse_for_arms()?;
+    let problem = (&arm.source.file, arm.specification.clone());
+    let solved = ArmAndPath::of(problem, given.table(&options)?)?.solve(memory::available())?;
+    let limits = solved.exceeded.iter().map(|(joint, exceeded)| {
+        let own = of_limit(exceeded);
+        StoredWarning { message: format!("joint {}: {}", joint + 1, own.message), ..own }
+    });
+    let warnings = solved.solution.warnings.iter().map(of_arm).chain(limits).collect();
+    Ok(ArmSolution { source: arm.source.clone(), given, keywords, solved, warnings })
+}
+
+impl ArmSolution {
+    fn of_joints<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&ArmJoint) -> &[f64],
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let solution = &self.solved.solution;
+        let histories: Vec<&[f64]> = solution.joints.iter().map(of).collect();
+        rows(py, &histories, solution.grid.len)
+    }
+
+    fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
+        let changes = self.source.changes.iter();
+        let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);
+        read_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
+    }
+
+    /// What a run of the command would record, none where arm or path are of no file.
+    fn inputs(&self, options: &SolveOptions) -> RunInputs {
+        match &self.given {
+            GivenPath::File(path) if self.source.is_file => {
+                RunInputs::of_solve(&self.source.file, path, options.arguments())
+            }
+            _ => RunInputs::default(),
+        }
+    }
+
+    fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
+        let options = self.options(more)?;
+        let (solution, outputs) = (&self.solved.solution, options.outputs());
+        options.nodes.check_arm(solution)?;
+        let summary = self.solved.summary(self.inputs(&options), None, &outputs);
+        let folder = OutputFolder::stage(folder, &|_| {})?;
+        Ok(outputs.write_arm(folder, solution, (&summary, None))?)
+    }
+}
+
+#[pymethods]
+impl ArmSolution {
+    /// Times in s; those of the path, and before and after it.
+    #[getter]
+    fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let grid = &self.solved.solution.grid;
+        PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
+    }
+
+    /// Torque in N m of each joint: it turns its link, and the link before the other way.
+    #[getter]
+    fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.of_joints(py, |joint| &joint.torque_n_m)
+    }
+
+    /// Torque in N m of each joint of the rigid arm.
+    #[getter]
+    fn rigid_torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.of_joints(py, |joint| &joint.rigid_torque_n_m)
+    }
+
+    /// Angle in rad of each joint: of its link's root against the tip of the link before, of the first joint against x.
+    #[getter]
+    fn joint_angle<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.of_joints(py, |joint| &joint.angle[0])
+    }
+
+    /// Rate in rad/s of each joint.
+    #[getter]
+    fn joint_rate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.of_joints(py, |joint| &joint.angle[1])
+    }
+
+    /// x and y of the tip in m.
+    #[getter]
+    fn tip<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let solution = &self.solved.solution;
+        let [x, y] = &solution.tip;
+        rows(py, &[&x[0], &y[0]], solution.grid.len)
+    }
+
+    /// x and y in m of the nodes of a link, numbered from 0: an array over time, node and axis.
+    fn positions<'py>(&self, py: Python<'py>, link: usize) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let solution = &self.solved.solution;
+        let Some(shape) = solution.links.get(link) else {
+            let links = solution.links.len();
+            let message = format!("link = {link}, but must be below {links}, the number of links");
+            return Err(usage(&message, None).into());
+        };
+        let histories: Vec<&[f64]> =
+            shape.positions_m.iter().flatten().map(Vec::as_slice).collect();
+        rows(py, &histories, solution.grid.len)?.reshape([
+            solution.grid.len,
+            shape.positions_m.len(),
+            2,
+        ])
+    }
+
+    /// What summary.json of a run holds.
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let options = self.options(Vec::new())?;
+        let summary = self.solved.summary(self.inputs(&options), None, &options.outputs());
+        py.import("json")?.call_method1("loads", (summary.to_json(),))
+    }
+
+    /// How exact the answer is, as in summary.json.
+    #[getter]
+    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.summary(py)?.get_item("errors")
+    }
+
+    /// What the user must know: warnings that were given to Python's filters, too.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        objects(py, &self.warnings)
+    }
+
+    /// What is possible but rare, often a slip of units.
+    #[getter]
+    fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        objects(py, &self.solved.remarks.iter().map(of_remark).collect::<Vec<_>>())
+    }
+
+    /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
+    /// path are files. Keywords are its options ``nodes``, ``every``, ``moments``, ``digits``.
+    #[pyo3(signature = (folder, **keywords))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        keywords: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
+        Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
+    }
+
+    fn __repr__(&self) -> String {
+        let solution = &self.solved.solution;
+        format!("ArmSolution(samples={}, joints={})", solution.grid.len, solution.joints.len())
+    }
+}

@@ -1,0 +1,62 @@
+//! Columns of numbers in, samples out.
+
+use numpy::ndarray::ArrayView1;
+use numpy::{
+    PyArray1, PyArray2, PyArrayDescrMethods as _, PyArrayMethods as _, PyUntypedArray,
+    PyUntypedArrayMethods as _,
+};
+use pyo3::PyClass;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::pyclass::boolean_struct::True;
+
+use crate::messages::usage;
+
+/// The numbers of a column: an array of one dimension, or what NumPy makes one of. Whole numbers and those of other
+/// widths are converted, complex ones, texts and objects are refused.
+pub(crate) fn column(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = given.py().import("numpy")?.call_method1("asarray", (given,))?;
+    let array = array.cast_into::<PyUntypedArray>()?;
+    let kind = array.dtype().kind();
+    if !matches!(kind, b'f' | b'i' | b'u') {
+        let found = array.dtype();
+        let must = "must be real numbers";
+        return Err(PyTypeError::new_err(format!("{name}: dtype = {found}, but {must}")));
+    }
+    if array.ndim() != 1 {
+        let found = array.getattr("shape")?;
+        let message = format!("{name}: shape = {found}, but must have one dimension");
+        return Err(usage(&message, None).into());
+    }
+    let array = array.call_method1("astype", ("float64",))?.cast_into::<PyArray1<f64>>()?;
+    Ok(array.readonly().as_array().to_vec())
+}
+
+/// Samples that belong to an object, as an array that shows them without a copy. It keeps the object alive and cannot be
+/// written to.
+pub(crate) fn view<'py, T>(
+    owner: &Bound<'py, T>,
+    of: impl for<'a> FnOnce(&'a T) -> &'a [f64],
+) -> Bound<'py, PyArray1<f64>>
+where
+    T: PyClass<Frozen = True> + Sync,
+{
+    let samples = ArrayView1::from(of(owner.get()));
+    // SAFETY: the samples are part of a frozen object, which the array holds, so they stay where they are as long as the
+    // array; nothing writes to them, as the array is made read-only before anybody has it.
+    #[expect(unsafe_code, reason = "NumPy cannot borrow otherwise")]
+    let array = unsafe { PyArray1::borrow_from_array(&samples, owner.clone().into_any()) };
+    array.readwrite().make_nonwriteable();
+    array
+}
+
+/// Histories of equal length as an array of a row for each sample and a column for each history.
+pub(crate) fn rows<'py>(
+    py: Python<'py>,
+    histories: &[impl AsRef<[f64]>],
+    samples: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let numbers = (0..samples).flat_map(|k| histories.iter().map(move |own| own.as_ref()[k]));
+    let numbers: Vec<f64> = numbers.collect();
+    PyArray1::from_vec(py, numbers).reshape([samples, histories.len()])
+}

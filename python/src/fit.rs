@@ -1,0 +1,115 @@
+//! `fit`: the link or the arm that was measured.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+
+use flexlink::fit::{FitOutcome, Replaced};
+use flexlink::store::{Durability, fit_json, write_file};
+
+use crate::arm::Arm;
+use crate::cli::fit::{Problem, Unfitted};
+use crate::link::{Link, Source, described_by};
+use crate::messages::usage;
+use crate::options::common::option;
+use crate::pool;
+use crate::terminal::Failure;
+
+/// Name of the record beside a fitted link file.
+const RECORD: &str = "fit.json";
+
+/// A link or an arm fitted to measurements.
+#[pyclass(frozen, module = "flexlink")]
+pub(crate) struct Fit {
+    source: Source,
+    outcome: FitOutcome,
+    /// The link file with the fitted values.
+    text: String,
+    /// fit.json.
+    record: String,
+}
+
+/// Fits free values of a link or an arm to the measured ones in a file, as ``flexlink fit``: ``free`` are paths as for
+/// changes, ``"hub.inertia"`` or with bounds ``"hub.inertia=0.01:1"``.
+#[pyfunction]
+#[pyo3(signature = (link, measured, free))]
+pub(crate) fn fit(
+    py: Python<'_>,
+    link: &Bound<'_, PyAny>,
+    measured: PathBuf,
+    free: Vec<String>,
+) -> PyResult<Fit> {
+    let source = match link.cast::<Arm>() {
+        Ok(arm) => &arm.get().source,
+        Err(_) => &described_by::<Link>(link)?.get().source,
+    };
+    Ok(py.detach(|| pool::install(|| fitted(source, &measured, &free)))?)
+}
+
+fn fitted(source: &Source, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
+    let (link, own) = (source.file.clone(), source.described()?);
+    let unfitted = Unfitted { link, own, changes: source.overrides(&[])? };
+    let sets = source.changes.iter().flat_map(|change| option("--set", change));
+    let arguments = sets.chain(free.iter().flat_map(|path| option("--free", path))).collect();
+    let (problem, ..) = Problem::read(unfitted, free, measured, arguments)?;
+    let outcome = problem.fit(&|_| {})?;
+    let (text, replaced): (String, Vec<Replaced>) = problem.fitted(&outcome)?;
+    let record = fit_json(&problem.inputs, &replaced, &outcome);
+    Ok(Fit { source: source.clone(), outcome, text, record })
+}
+
+#[pymethods]
+impl Fit {
+    /// The fitted values by path: the factor on the file's value.
+    #[getter]
+    fn factors(&self) -> Vec<(String, f64)> {
+        self.outcome.values.iter().map(|value| (value.path.clone(), value.factor)).collect()
+    }
+
+    /// What fit.json holds: values with their standard errors and intervals, residuals, what the data do not determine.
+    #[getter]
+    fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (&self.record,))
+    }
+
+    /// True if the data fit the link and determine all free values.
+    #[getter]
+    fn is_believed(&self) -> bool {
+        self.outcome.misfit.is_none()
+    }
+
+    /// The text of the link file with the fitted values, comments and all else kept.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Writes the fitted link file, and fit.json beside it. Refused where the fit is not to be believed.
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        Ok(self.write_to(&path)?)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Fit(rms_misfit={:.3e}, is_believed={})", self.outcome.rms_misfit, {
+            if self.is_believed() { "True" } else { "False" }
+        })
+    }
+}
+
+impl Fit {
+    fn write_to(&self, path: &Path) -> Result<(), Failure> {
+        if let Some(misfit) = &self.outcome.misfit {
+            return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));
+        }
+        let files = [(path.to_owned(), &self.text), (path.with_file_name(RECORD), &self.record)];
+        for (file, text) in files {
+            write_file(
+                &file,
+                Durability::default(),
+                |out| out.write_all(text.as_bytes()),
+                &|_| {},
+            )?;
+        }
+        Ok(())
+    }
+}

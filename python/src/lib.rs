@@ -1,0 +1,90 @@
+//! flexlink for Python: the library's links, motions and solutions as classes over NumPy arrays, and the command.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `arrays` | columns of numbers in, views of samples out |
+//! | `keywords` | keywords as the command's options, dictionaries as TOML |
+//! | `messages` | errors and warnings as Python's |
+//! | `pool` | threads that survive a fork |
+//! | `link` | a link and its file |
+//! | `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
+//! | `arm` | the same of an arm |
+//! | `frequency`, `trajectory` | modes and responses; motions by profile |
+//! | `simulate`, `sweep`, `fit` | what the commands of these names do |
+//! | `stored` | results read back |
+//!
+//! The sources of the command are those of the program: what it prints and writes is the same to the byte.
+#![expect(clippy::needless_pass_by_value, reason = "PyO3 hands over what it has converted")]
+#![expect(clippy::doc_link_with_quotes, clippy::doc_markdown, reason = "docs are those of Python")]
+
+mod arm;
+mod arrays;
+mod fit;
+mod frequency;
+mod keywords;
+mod link;
+mod messages;
+mod pool;
+mod simulate;
+mod solution;
+mod solve;
+mod stored;
+mod sweep;
+mod trajectory;
+
+// Modules of the program, whose library has no command line.
+#[path = "../../src/cli/mod.rs"]
+mod cli;
+#[path = "../../src/options/mod.rs"]
+mod options;
+#[path = "../../src/terminal/mod.rs"]
+mod terminal;
+
+use pyo3::prelude::*;
+
+/// Torques that make the tip of a flexible link follow a motion exactly.
+#[pymodule]
+mod _flexlink {
+    use std::ffi::OsString;
+    use std::io::{self, Write as _};
+
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::arm::{Arm, ArmSolution};
+    use super::cli;
+    #[pymodule_export]
+    use super::fit::{Fit, fit};
+    #[pymodule_export]
+    use super::frequency::{frf, modes};
+    #[pymodule_export]
+    use super::link::Link;
+    #[pymodule_export]
+    use super::simulate::{PlayedLink, simulate};
+    #[pymodule_export]
+    use super::solution::Solution;
+    #[pymodule_export]
+    use super::solve::solve;
+    #[pymodule_export]
+    use super::stored::{ArmRun, Run, read};
+    #[pymodule_export]
+    use super::sweep::sweep;
+    #[pymodule_export]
+    use super::trajectory::trajectory;
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals, reason = "Python's name of it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Runs the command with `sys.argv`; returns its exit code.
+    #[pyfunction]
+    fn main(py: Python<'_>) -> PyResult<u8> {
+        let arguments: Vec<OsString> = py.import("sys")?.getattr("argv")?.extract()?;
+        Ok(py.detach(|| {
+            let code = cli::run(arguments);
+            // Nothing of Rust runs when Python ends.
+            let _ = io::stdout().flush();
+            code
+        }))
+    }
+}

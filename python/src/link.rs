@@ -1,0 +1,190 @@
+//! A link, and the file or the keywords that it is from.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::PyTypeInfo;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use flexlink::csv::InputFile;
+use flexlink::spec::{Described, LinkDocument, Override, Specification};
+
+use crate::keywords;
+use crate::messages::usage;
+use crate::options::inputs::described;
+use crate::terminal::{Exit, Failure};
+
+/// What errors call keywords.
+const KEYWORDS: &str = "keywords";
+
+/// The text that describes a link or an arm, and its changes.
+#[derive(Debug, Clone)]
+pub(crate) struct Source {
+    pub(crate) file: InputFile,
+    /// True of a file, false of keywords, of which a run keeps no record.
+    pub(crate) is_file: bool,
+    /// As `--set` reads them.
+    pub(crate) changes: Vec<String>,
+}
+
+impl Source {
+    pub(crate) fn read(path: &Path, changes: Vec<String>) -> Result<Self, Failure> {
+        Ok(Self { file: InputFile::read_toml(path)?, is_file: true, changes })
+    }
+
+    pub(crate) fn of_keywords(keys: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let (shown, name) = (KEYWORDS.to_owned(), KEYWORDS.to_owned());
+        let bytes = keywords::document(keys)?.into_bytes();
+        let file = InputFile { shown, name, bytes };
+        Ok(Self { file, is_file: false, changes: Vec::new() })
+    }
+
+    /// The same with further changes.
+    pub(crate) fn changed(&self, more: Vec<String>) -> Self {
+        let changes = self.changes.iter().cloned().chain(more).collect();
+        Self { changes, ..self.clone() }
+    }
+
+    /// The changes, those of a case after its own.
+    pub(crate) fn overrides(&self, more: &[String]) -> Result<Vec<Override>, Failure> {
+        let read = |change: &String| {
+            change.parse().map_err(|error: flexlink::spec::SpecError| usage(&error, error.hint()))
+        };
+        self.changes.iter().chain(more).map(read).collect()
+    }
+
+    pub(crate) fn document(&self) -> Result<LinkDocument, Failure> {
+        Ok(LinkDocument::read(&self.file.shown, self.file.text()?)?)
+    }
+
+    pub(crate) fn described(&self) -> Result<Described, Failure> {
+        let found = described(&self.file, &self.overrides(&[])?);
+        found.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
+    }
+
+    /// The arguments with which `unpickled` makes it again.
+    pub(crate) fn pickled(&self) -> (String, String, Vec<u8>, bool, Vec<String>) {
+        let InputFile { shown, name, bytes } = self.file.clone();
+        (shown, name, bytes, self.is_file, self.changes.clone())
+    }
+
+    pub(crate) fn unpickled(
+        (shown, name, bytes, is_file, changes): (String, String, Vec<u8>, bool, Vec<String>),
+    ) -> Self {
+        Self { file: InputFile { shown, name, bytes }, is_file, changes }
+    }
+}
+
+/// A message on keywords without the line that they were written to.
+fn without_line(failure: Failure) -> Failure {
+    let message = failure.message.strip_prefix(KEYWORDS).and_then(|rest| {
+        let (line, message) = rest.strip_prefix(':')?.split_once(": ")?;
+        line.parse::<u64>().ok().map(|_| message.to_owned())
+    });
+    Failure { message: message.unwrap_or(failure.message), ..failure }
+}
+
+/// A flexible link with its hub, payload and damping, as a link file describes it (`flexlink help files`).
+///
+/// From a file by :meth:`Link.read`, or from keywords that are the keys of such a file. Numbers are SI, texts have units.
+///
+/// >>> import flexlink
+/// >>> link = flexlink.Link(
+/// ...     title="strip",
+/// ...     segments=[{"length": "1.5 m", "EI": 5.0, "mass_per_length": 0.8}],
+/// ...     hub={"inertia": 0.1},
+/// ...     damping={"ratio": 0.02},
+/// ... )
+/// >>> link
+/// Link('strip', length=1.5)
+/// >>> stiff = link.changed({"segments.*.EI*": 4, "payload.mass": "50 g"})
+/// >>> round(stiff.rigid_inertia - link.rigid_inertia, 9)  # 0.05 kg at 1.5 m
+/// 0.1125
+#[pyclass(frozen, module = "flexlink")]
+pub(crate) struct Link {
+    pub(crate) source: Source,
+    pub(crate) specification: Specification,
+}
+
+impl Link {
+    fn of(source: Source) -> Result<Self, Failure> {
+        match source.described()? {
+            Described::Link(specification) => Ok(Self { source, specification: *specification }),
+            Described::Arm(_) => {
+                let message =
+                    format!("{}: an arm of several links, but must be one link", source.file.shown);
+                let hint = Some("flexlink.Arm.read reads arms");
+                Err(Failure::new(Exit::InputRefused, &message, hint))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Link {
+    #[new]
+    #[pyo3(signature = (**keys))]
+    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let keys = keys.unwrap_or_else(|| PyDict::new(py));
+        Ok(Self::of(Source::of_keywords(&keys)?)?)
+    }
+
+    /// Reads a link file, with changes as those of ``--set``: ``{"payload.mass": 0.2, "segments.*.EI*": 4}``; a key that
+    /// ends in ``*`` multiplies the value of the file.
+    #[staticmethod]
+    #[pyo3(signature = (path, changes=None))]
+    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        Ok(Self::of(Source::read(&path, keywords::changes(changes)?)?)?)
+    }
+
+    /// The same link with further changes.
+    fn changed(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
+        Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        self.specification.link.title()
+    }
+
+    /// Distance of the tip from the axis in m.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.specification.link.length_m()
+    }
+
+    /// Inertia about the axis in kg m² of the link that does not bend.
+    #[getter]
+    fn rigid_inertia(&self) -> f64 {
+        self.specification.link.rigid_inertia_kg_m2()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Link({}, length={:?})", python_text(self.title()), self.length())
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let unpickle = slf.get_type().getattr("_unpickled")?;
+        Ok((unpickle, slf.get().source.pickled().into_pyobject(slf.py())?))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (*source))]
+    fn _unpickled(source: &Bound<'_, PyTuple>) -> PyResult<Self> {
+        Ok(Self::of(Source::unpickled(source.extract()?))?)
+    }
+}
+
+/// An object of a class, or the error that names what it is instead.
+pub(crate) fn described_by<'a, 'py, T: PyTypeInfo>(
+    given: &'a Bound<'py, PyAny>,
+) -> PyResult<&'a Bound<'py, T>> {
+    Ok(given.cast::<T>()?)
+}
+
+/// A text in quotes, as Python shows one.
+pub(crate) fn python_text(text: &str) -> String {
+    format!("'{}'", text.replace('\\', "\\\\").replace('\'', "\\'"))
+}

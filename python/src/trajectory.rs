@@ -1,0 +1,85 @@
+//! `trajectory`: motions of a tip and paths of an arm's tip, made by the command's options.
+
+use clap::Parser;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use flexlink::motion::{MotionColumns, PathColumns};
+
+use crate::cli::trajectory::Trajectory;
+use crate::keywords;
+use crate::pool;
+use crate::terminal::Failure;
+
+/// Keywords of `trajectory`.
+#[derive(Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Keywords {
+    #[command(flatten)]
+    trajectory: Trajectory,
+}
+
+/// Columns by name.
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// The motion of a tip over a distance, or the path of an arm's tip, as a dictionary of the arrays that `solve` takes:
+/// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``.
+///
+/// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
+/// ``rest_after``, ``link`` and ``fit_limit``; ``path``, ``to``, ``via``, ``corner``, ``center``, ``angle``, ``angles``,
+/// and ``start`` for ``--from``.
+///
+/// >>> import flexlink
+/// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.8, step=0.01)
+/// >>> sorted(motion), motion["time"].size
+/// (['acceleration', 'time'], 81)
+#[pyfunction]
+#[pyo3(signature = (profile, **keywords))]
+pub(crate) fn trajectory<'py>(
+    py: Python<'py>,
+    profile: &str,
+    keywords: Option<Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+    if let Some(value) = keywords.get_item("start")? {
+        keywords.del_item("start")?;
+        keywords.set_item("from", value)?;
+    }
+    let mut arguments = keywords::arguments(&keywords)?;
+    arguments.push(profile.to_owned());
+    let read = Keywords::try_parse_from(arguments).map_err(|error| keywords::refused(&error))?;
+    let columns = py.detach(|| pool::install(|| columns(&read.trajectory)))?;
+    let table = PyDict::new(py);
+    for (name, values) in columns {
+        table.set_item(name, PyArray1::from_vec(py, values))?;
+    }
+    Ok(table)
+}
+
+fn columns(trajectory: &Trajectory) -> Result<Columns, Failure> {
+    trajectory.check_step()?;
+    match trajectory.path.curve()? {
+        None => Ok(of_motion(trajectory.motion()?.0)),
+        Some(curve) => {
+            let arm = trajectory.link.as_deref().map(|link| trajectory.arm(link)).transpose()?;
+            Ok(of_path(trajectory.path_along(&curve, arm.as_deref())?.0))
+        }
+    }
+}
+
+fn of_motion(motion: MotionColumns) -> Columns {
+    let given = [
+        ("time", Some(motion.time_s)),
+        ("acceleration", motion.acceleration_m_s2),
+        ("velocity", motion.velocity_m_s),
+        ("displacement", motion.displacement_m),
+    ];
+    given.into_iter().filter_map(|(name, own)| Some((name.to_owned(), own?))).collect()
+}
+
+fn of_path(path: PathColumns) -> Columns {
+    let time = ("time".to_owned(), path.time_s);
+    let columns = path.tip.into_iter().flatten().chain(path.angles.into_iter().flatten());
+    [time].into_iter().chain(columns.map(|column| (column.name, column.values))).collect()
+}

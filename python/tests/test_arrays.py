@@ -1,0 +1,139 @@
+"""Arrays in and out."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import pickle
+import signal
+import subprocess
+import sys
+import time as clock
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexlink
+
+from conftest import LINK, MOTION
+
+
+def strip(**keys: Any) -> flexlink.Link:
+    segments = [{"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}]
+    given = {"segments": segments, "hub": {"inertia": 0.1}, "damping": {"ratio": 0.02}} | keys
+    return flexlink.Link(**given)
+
+
+TIME = np.linspace(0, 1, 201)
+ACCELERATION = np.round(4000 * np.sin(2 * np.pi * TIME)) / 1000
+
+
+def torque(time: Any, acceleration: Any) -> Any:
+    return flexlink.solve(strip(), time, acceleration=acceleration).torque
+
+
+def test_arrays_of_any_layout_give_the_same() -> None:
+    plain = torque(TIME, ACCELERATION)
+    pairs = np.column_stack([TIME, ACCELERATION])
+    assert not pairs[:, 1].flags.c_contiguous
+    assert (torque(pairs[:, 0], pairs[:, 1]) == plain).all()
+    frozen = ACCELERATION.copy()
+    frozen.flags.writeable = False
+    assert (torque(TIME, frozen) == plain).all()
+    assert (torque(TIME.tolist(), ACCELERATION.tolist()) == plain).all()
+    assert (torque(TIME, ACCELERATION[::-1][::-1]) == plain).all()
+    big = ACCELERATION.astype(">f8")
+    assert (torque(TIME, big) == plain).all()
+
+
+def test_whole_numbers_and_short_floats_are_converted() -> None:
+    whole = np.round(ACCELERATION).astype(np.int32)
+    assert (torque(TIME, whole) == torque(TIME, whole.astype(float))).all()
+    short = ACCELERATION.astype(np.float32)
+    assert (torque(TIME, short) == torque(TIME, short.astype(float))).all()
+
+
+def refused(time: Any, **samples: Any) -> str:
+    with pytest.raises((flexlink.FlexlinkError, TypeError)) as caught:
+        flexlink.solve(strip(), time, **samples)
+    return str(caught.value)
+
+
+def test_what_is_no_motion_is_refused_by_name_and_index() -> None:
+    broken = ACCELERATION.copy()
+    broken[7] = np.nan
+    must = "but must be a finite number"
+    assert refused(TIME, acceleration=broken) == f"motion: acceleration[7] = NaN, {must}"
+    broken[7] = -np.inf
+    assert refused(TIME, acceleration=broken) == f"motion: acceleration[7] = -inf, {must}"
+    short = "motion: samples of acceleration = 200, but must be 201, as many as times"
+    assert refused(TIME, acceleration=ACCELERATION[1:]) == short
+    table = np.column_stack([ACCELERATION, ACCELERATION])
+    flat = "acceleration: shape = (201, 2), but must have one dimension"
+    assert refused(TIME, acceleration=table) == flat
+    kind = "acceleration: dtype = complex128, but must be real numbers"
+    assert refused(TIME, acceleration=ACCELERATION + 0j) == kind
+    assert refused(TIME, acceleration=["a"] * 201).startswith("acceleration: dtype = <U1")
+    assert refused(TIME[::-1], acceleration=ACCELERATION).startswith("motion: time[1] = 0.995 s")
+    assert refused(TIME).startswith("motion: samples = nothing, but must be given")
+    assert refused(TIME[:3], acceleration=ACCELERATION[:3]).startswith("motion: samples = 3, but")
+    assert refused(TIME, acceleration=ACCELERATION, angle=TIME).startswith("angle is given beside")
+    assert "'--nonsense'" in refused(TIME, acceleration=ACCELERATION, nonsense=1)
+    assert "'--noise" in refused(TIME, displacement=ACCELERATION, noise=-1)
+
+
+def test_views_share_memory_live_on_and_cannot_be_written() -> None:
+    solution = flexlink.solve(strip(), TIME, acceleration=ACCELERATION)
+    first, second = solution.torque, solution.torque
+    assert np.shares_memory(first, second)
+    with pytest.raises(ValueError, match="read-only"):
+        first[0] = 1.0
+    kept = first.copy()
+    del solution, second
+    gc.collect()
+    # Allocates over what would be free if the view did not hold it.
+    others = [np.full(kept.size, 7.0) for _ in range(100)]
+    assert (first == kept).all() and len(others) == 100
+
+
+def test_a_link_is_pickled_with_its_changes() -> None:
+    link = strip().changed({"payload.mass": 0.2})
+    again = pickle.loads(pickle.dumps(link))
+    assert again.rigid_inertia == link.rigid_inertia
+    read = pickle.loads(pickle.dumps(flexlink.Link.read(LINK)))
+    assert read.title == flexlink.Link.read(LINK).title
+    error = pickle.loads(pickle.dumps(flexlink.InputError("a", "b")))
+    assert (error.message, error.hint, str(error)) == ("a", "b", "a\nhint: b")
+
+
+def peak(factor: float) -> float:
+    link = strip().changed({"segments.*.EI*": factor})
+    return float(abs(flexlink.solve(link, TIME, acceleration=ACCELERATION).torque).max())
+
+
+def test_a_forked_child_solves_after_its_parent() -> None:
+    here = [peak(factor) for factor in (1.0, 2.0)]
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map_async(peak, [1.0, 2.0]).get(timeout=60) == here
+
+
+def test_ctrl_c_ends_a_sweep() -> None:
+    program = (
+        "import flexlink, sys\n"
+        f"link = flexlink.Link.read({str(LINK)!r})\n"
+        "cases = [{'segments.*.EI*': 1 + k / 1e6} for k in range(1_000_000)]\n"
+        "print('begun', flush=True)\n"
+        "try:\n"
+        f"    flexlink.sweep(link, cases, {str(MOTION)!r})\n"
+        "except KeyboardInterrupt:\n"
+        "    sys.exit(7)\n"
+    )
+    words = [sys.executable, "-c", program]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begun\n"
+        clock.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        # A million cases would take half an hour.
+        assert process.wait(timeout=60) == 7

@@ -1,0 +1,144 @@
+//! Motions and paths whose samples a program has as numbers: no file, no lines, the same checks and remedies.
+
+use super::format::Reading;
+use super::motion::MotionTable;
+use super::path::PathTable;
+use super::place::Place;
+use super::rows::TableError;
+use super::samples::MIN_SAMPLES;
+use crate::motion::{Ends, MotionColumns, PathColumns, Recording};
+
+impl MotionTable {
+    /// The table of samples that a program has, with which it can do what it does with a file: make times uniform, say
+    /// what noise the samples carry. Errors call it `name`.
+    ///
+    /// ```
+    /// use flexlink::csv::MotionTable;
+    /// use flexlink::motion::MotionColumns;
+    /// let time_s = vec![0.0, 0.1, 0.3, 0.6, 0.7];
+    /// let displacement_m = Some(vec![0.0, 0.1, 0.5, 0.9, 1.0]);
+    /// let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+    /// let motion = MotionTable::of_columns("motion", columns)?.resampled(0.1)?.into_motion()?;
+    /// assert_eq!(motion.grid().len, 8);
+    /// # Ok::<(), flexlink::csv::TableError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`TableError`] for fewer than four samples, times that do not increase, a column of another length, and a number
+    /// that is not finite.
+    pub fn of_columns(name: &str, columns: MotionColumns) -> Result<Self, TableError> {
+        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } = &columns;
+        let given = [
+            ("acceleration", acceleration_m_s2),
+            ("velocity", velocity_m_s),
+            ("displacement", displacement_m),
+        ];
+        let given = given.into_iter().filter_map(|(own, values)| Some((own, values.as_deref()?)));
+        check(name, time_s, given.collect())?;
+        Ok(Self {
+            columns,
+            name: name.to_owned(),
+            lines: Vec::new(),
+            reading: Reading::default(),
+            recording: Recording::default(),
+            first_angle_rad: None,
+            ends: Ends::default(),
+        })
+    }
+
+    /// The same of the angle of the tip, whose arc is the displacement.
+    ///
+    /// # Errors
+    /// As [`MotionTable::of_columns`].
+    pub fn of_angle(
+        name: &str,
+        time_s: Vec<f64>,
+        angle_rad: &[f64],
+        link_length_m: f64,
+    ) -> Result<Self, TableError> {
+        check(name, &time_s, vec![("angle", angle_rad)])?;
+        let displacement_m = Some(angle_rad.iter().map(|angle| angle * link_length_m).collect());
+        let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+        let first_angle_rad = angle_rad.first().copied();
+        Ok(Self { first_angle_rad, ..Self::of_columns(name, columns)? })
+    }
+}
+
+impl PathTable {
+    /// The table of samples that a program has. Errors call it `name`.
+    ///
+    /// # Errors
+    /// As [`MotionTable::of_columns`].
+    pub fn of_columns(name: &str, columns: PathColumns) -> Result<Self, TableError> {
+        let given = columns.tip.iter().flatten().chain(columns.angles.iter().flatten());
+        let given = given.map(|column| (column.name.as_str(), &column.values[..]));
+        check(name, &columns.time_s, given.collect())?;
+        let reading = Reading::default();
+        Ok(Self { columns, name: name.to_owned(), lines: Vec::new(), reading })
+    }
+}
+
+/// Refuses samples of which a reader of files would have refused the row.
+fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), TableError> {
+    let place = Place { file: name, line: None };
+    let refuse = |subject: String, found: String, must| Err(place.refuse(subject, found, must));
+    let samples = time_s.len();
+    if given.is_empty() {
+        let must = "must be given beside the time".to_owned();
+        return refuse("samples".to_owned(), "nothing".to_owned(), must);
+    }
+    if samples < MIN_SAMPLES {
+        let must = format!("must be {MIN_SAMPLES} or more");
+        return refuse("samples".to_owned(), samples.to_string(), must);
+    }
+    for (column, values) in [("time", time_s)].into_iter().chain(given) {
+        if values.len() != samples {
+            let must = format!("must be {samples}, as many as times");
+            return refuse(format!("samples of {column}"), values.len().to_string(), must);
+        }
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            let must = "must be a finite number".to_owned();
+            return refuse(format!("{column}[{at}]"), values[at].to_string(), must);
+        }
+    }
+    if let Some(at) = time_s.windows(2).position(|two| two[1] <= two[0]) {
+        let must = format!("must be above time[{at}], {} s", time_s[at]);
+        return refuse(format!("time[{}]", at + 1), format!("{} s", time_s[at + 1]), must);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(time_s: &[f64], displacement_m: &[f64]) -> String {
+        let displacement_m = Some(displacement_m.to_vec());
+        let columns =
+            MotionColumns { time_s: time_s.to_vec(), displacement_m, ..MotionColumns::default() };
+        MotionTable::of_columns("motion", columns).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_no_file_may_hold_is_refused_with_its_index() {
+        let times = [0.0, 0.1, 0.2, 0.3];
+        assert_eq!(refused(&times[..3], &[0.0; 3]), "motion: samples = 3, but must be 4 or more");
+        let short = refused(&times, &[0.0; 3]);
+        assert_eq!(short, "motion: samples of displacement = 3, but must be 4, as many as times");
+        let not_a_number = refused(&times, &[0.0, f64::NAN, 0.0, 0.0]);
+        assert_eq!(not_a_number, "motion: displacement[1] = NaN, but must be a finite number");
+        let turned = refused(&[0.0, 0.2, 0.1, 0.3], &[0.0; 4]);
+        assert_eq!(turned, "motion: time[2] = 0.1 s, but must be above time[1], 0.2 s");
+    }
+
+    #[test]
+    fn a_time_off_the_grid_is_refused_without_a_line() {
+        let columns = MotionColumns {
+            time_s: vec![0.0, 0.1, 0.3, 0.4, 0.5],
+            acceleration_m_s2: Some(vec![0.0, 1.0, 0.0, -1.0, 0.0]),
+            ..MotionColumns::default()
+        };
+        let error = MotionTable::of_columns("motion", columns).unwrap().into_motion().unwrap_err();
+        assert!(error.to_string().starts_with("motion: time = 0.3 s, but must be"), "{error}");
+    }
+}
