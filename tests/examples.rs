@@ -174,12 +174,16 @@ fn the_action_installs_an_archive_with_the_sum_that_is_given_and_no_other() {
         command.env("SHA256", sum).env("RUNNER_TEMP", desk.path("temp"));
         command.env("GITHUB_PATH", desk.path("path")).output().unwrap()
     };
-    let refused = install(&"0".repeat(64));
-    assert!(!refused.status.success() && !desk.path("path").exists());
+    let short = text(&desk.run("shasum", &["--algorithm", "1", "archive.tar.gz"]).stdout);
+    for wrong in [&"0".repeat(64), &short[..40], ""] {
+        let refused = install(wrong);
+        assert!(!refused.status.success() && !desk.path("path").exists(), "{wrong}");
+    }
     assert!(!desk.path("temp/flexlink/flexlink").exists(), "it is not even unpacked");
     let installed = install(&sum[..64]);
+    let version = concat!("flexlink ", env!("CARGO_PKG_VERSION"), "\n");
     assert!(installed.status.success(), "{}", text(&installed.stderr));
-    assert!(text(&installed.stdout).ends_with("flexlink 0.1.0\n"), "{}", text(&installed.stdout));
+    assert!(text(&installed.stdout).ends_with(version), "{}", text(&installed.stdout));
     let folder = desk.read("path");
     let program = Path::new(folder.trim_end()).join("flexlink");
     desk.run(program, &["solve", "link.toml", "move.csv", "--quiet"]);

@@ -174,8 +174,11 @@ impl Follower<'_> {
             };
             let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
+            // Of two changes the first has what stays as it is, a weight's sag, so that their factor is small: an estimate
+            // takes a third one; otherwise the wider sweep below adds a change of its own.
+            let fewest = if matches!(until, Until::Within(_)) { 2 } else { 3 };
             let mut error = further(change, factor.max(last_factor));
-            if iterations > 1 && error <= tolerance {
+            if iterations >= fewest && error <= tolerance {
                 if matches!(until, Until::Within(_)) {
                     // The chords moved at more frequencies, once.
                     let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
@@ -214,11 +217,15 @@ impl Follower<'_> {
             on_chord.histories(kept, bent[link].orders(), pair)
         };
         let mut histories: Vec<_> = (0..bent.len()).map(histories).collect();
-        let shortened = (order == SecondOrder::Full).then(|| Shortened {
-            by_m: bent.iter().zip(&histories).map(|(link, own)| link.shortening_m(own)).collect(),
-            pair: pair.clone(),
-            bins: moving,
-        });
+        let shortening = |(link, own): (usize, &Vec<Vec<f64>>)| {
+            bent[link].shortening_m(own).map_err(|error| error.of_link(link))
+        };
+        let shortened = if order == SecondOrder::Full {
+            let by_m = histories.iter().enumerate().map(shortening).collect::<Result<_, _>>()?;
+            Some(Shortened { by_m, pair: pair.clone(), bins: moving })
+        } else {
+            None
+        };
         let mut state = self.chords(shortened)?;
         let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
         for (link, own) in bent.iter().enumerate().rev() {

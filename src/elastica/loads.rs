@@ -70,10 +70,9 @@ impl Slope {
         if second_order == SecondOrder::Full {
             slope.cosine = (1.0 - sine * sine).sqrt();
             slope.secant = slope.cosine.recip();
-            let (c, sec, turn) = (slope.cosine, slope.secant, sine * rate);
-            // cos ψ − 1 without cancellation.
+            let (sec, turn) = (slope.secant, sine * rate);
             slope.u = [
-                -sine * sine / (1.0 + c),
+                -shortening(sine),
                 -turn * sec,
                 -(rate * rate + sine * acceleration) * sec - turn * turn * (sec * sec * sec),
             ];
@@ -378,6 +377,12 @@ impl BentLink {
         }
         [axial, across]
     }
+}
+
+/// 1 − cos ψ of a slope sin ψ, without cancellation.
+#[inline]
+pub(super) fn shortening(sine: f64) -> f64 {
+    sine * sine / (1.0 + (1.0 - sine * sine).sqrt())
 }
 
 /// Acceleration of a place along the chord.

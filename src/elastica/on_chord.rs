@@ -204,7 +204,7 @@ impl LinkOnChord<'_> {
     }
 
     /// The histories of these answers at the samples of a pair over the chord's period; with `nodes`, those of others are
-    /// empty, but for the tip's slope.
+    /// empty, but for the tip's slope. Without a node there are no shapes, and no largest slope is looked for.
     pub(super) fn motion(
         &self,
         answers: &[LoadedMotion<Complex64>],
@@ -303,33 +303,50 @@ mod tests {
         let on_chord =
             LinkOnChord { model: &*model, chord: &chord, sag, friction_n_m_s_rad, round_off_n_m };
         let answers = on_chord.linear().unwrap();
-        let own = on_chord.linear_ends(&answers);
-        let bent = BentLink::of(&*model, SecondOrder::None);
-        let states = (on_chord.histories(&answers, 3, &chord.pair), &chord.histories);
-        let (all, _) = bent.at_each_instant(2, states, |now, scratch, row| {
-            bent.place(now, scratch);
-            row.copy_from_slice(&[-now.tip.along_n, -now.tip.across_n]);
-            let mut add = |place: &Place, mass_kg: f64, w_acceleration: f64| {
-                let needed = bent.acceleration(now, place, w_acceleration);
-                row.iter_mut().zip(needed).for_each(|(row, needed)| *row += mass_kg * needed);
-            };
-            for (element, points) in bent.points.elements.iter().enumerate() {
-                let dofs = std::array::from_fn(|k| now.acceleration[2 * element + k]);
-                for (point, place) in points.iter().zip(&scratch.places[element]) {
-                    add(place, point.mass_kg_m * point.weight_m, dot(&point.shape, &dofs));
+        let all_of = |bent: &BentLink| {
+            let states = (on_chord.histories(&answers, 3, &chord.pair), &chord.histories);
+            let all = bent.at_each_instant(2, states, |now, scratch, row| {
+                bent.place(now, scratch);
+                row.copy_from_slice(&[-now.tip.along_n, -now.tip.across_n]);
+                let mut add = |place: &Place, mass_kg: f64, w_acceleration: f64| {
+                    let needed = bent.acceleration(now, place, w_acceleration);
+                    row.iter_mut().zip(needed).for_each(|(row, needed)| *row += mass_kg * needed);
+                };
+                for (element, points) in bent.points.elements.iter().enumerate() {
+                    let dofs = std::array::from_fn(|k| now.acceleration[2 * element + k]);
+                    for (point, place) in points.iter().zip(&scratch.places[element]) {
+                        add(place, point.mass_kg_m * point.weight_m, dot(&point.shape, &dofs));
+                    }
                 }
-            }
-            for (body, place) in bent.bodies.iter().zip(&scratch.body_places) {
-                let [w, slope] = [0, 1].map(|part| now.acceleration[2 * body.node + part]);
-                add(place, body.mass_kg, w + body.arm_m * slope);
-            }
-            0.0
-        });
-        for (own, all) in own.iter().zip(&all) {
-            let largest = all.iter().map(|force| force.abs()).fold(0.0, f64::max);
-            assert!(largest > 5.0, "{largest}");
-            for (own, all) in own.iter().zip(all) {
-                assert!((own - all).abs() < 1e-11 * largest, "{own} {all}");
+                for (body, place) in bent.bodies.iter().zip(&scratch.body_places) {
+                    let [w, slope] = [0, 1].map(|part| now.acceleration[2 * body.node + part]);
+                    add(place, body.mass_kg, w + body.arm_m * slope);
+                }
+                0.0
+            });
+            all.0
+        };
+        for order in [SecondOrder::None, SecondOrder::First, SecondOrder::Full] {
+            let bent = BentLink::of(&*model, order);
+            let own = if order == SecondOrder::None {
+                on_chord.linear_ends(&answers)
+            } else {
+                let states =
+                    (on_chord.histories(&answers, bent.orders(), &chord.pair), &chord.histories);
+                let found = bent.loads(states).unwrap();
+                let along = found.axial_n.iter().map(|axial| -axial).collect();
+                let across = chord.pair.samples(on_chord.across_n(&bent.straight(), &answers));
+                [
+                    along,
+                    across.iter().zip(&found.left_n).map(|(linear, left)| linear + left).collect(),
+                ]
+            };
+            for (own, all) in own.iter().zip(&all_of(&bent)) {
+                let largest = all.iter().map(|force| force.abs()).fold(0.0, f64::max);
+                assert!(largest > 5.0, "{largest}");
+                for (own, all) in own.iter().zip(all) {
+                    assert!((own - all).abs() < 1e-11 * largest, "{order:?}: {own} {all}");
+                }
             }
         }
     }

@@ -2,8 +2,11 @@
 //! bending moments by equilibrium.
 
 use super::chord::{TipLoad, counting};
+use super::error::{ElasticaError, STEEPEST};
 use super::kinematics::ArmPeriod;
-use super::loads::{BentLink, Instant, Place, Scratch, SecondOrder, along, left_across};
+use super::loads::{
+    BentLink, Instant, Place, Scratch, SecondOrder, along, left_across, shortening,
+};
 use super::points::dot;
 use num_complex::Complex64;
 
@@ -158,19 +161,24 @@ impl BentLink {
     /// ```text
     /// Δ = ∫ (1 − cos ψ) ds,       ψ = asin w'
     /// ```
-    pub(super) fn shortening_m(&self, deflections: &[Vec<f64>]) -> Vec<f64> {
-        let short = |sine: f64| sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
-        let mut by_m: Vec<f64> =
-            deflections[1].iter().map(|sine| self.nodes_m[0] * short(*sine)).collect();
+    ///
+    /// # Errors
+    /// [`ElasticaError::TooSteep`].
+    pub(super) fn shortening_m(&self, deflections: &[Vec<f64>]) -> Result<Vec<f64>, ElasticaError> {
+        let root = deflections[1].iter();
+        let mut by_m: Vec<f64> = root.map(|sine| self.nodes_m[0] * shortening(*sine)).collect();
+        let mut slope: f64 = 0.0;
         for (element, points) in self.points.elements.iter().enumerate() {
             let [a, b, c, d] = [0, 1, 2, 3].map(|dof| &deflections[2 * element + dof][..]);
             for point in points {
                 for (k, by_m) in by_m.iter_mut().enumerate() {
-                    *by_m += point.weight_m * short(dot(&point.slope, &[a[k], b[k], c[k], d[k]]));
+                    let sine = dot(&point.slope, &[a[k], b[k], c[k], d[k]]);
+                    *by_m += point.weight_m * shortening(sine);
+                    slope = slope.larger(sine.abs());
                 }
             }
         }
-        by_m
+        if slope < STEEPEST { Ok(by_m) } else { Err(ElasticaError::TooSteep { slope }) }
     }
 
     /// What the force on the root of a straight link is made of.

@@ -103,7 +103,8 @@ impl Sag {
     ) -> Result<Vec<Self>, ElasticaError> {
         let links: Vec<_> =
             models.iter().map(|model| (&**model, BentLink::of(&**model, second_order))).collect();
-        let resting = RestingArm { links, arm, second_order };
+        let masses_kg = links.iter().map(|(_, shape)| shape.straight().mass_kg).collect();
+        let resting = RestingArm { links, masses_kg, arm, second_order };
         let stride = arm.stride(UNSEEN);
         let pair = FourierPair::new(arm.len() / stride);
         let chunks: Vec<usize> = (0..pair.len()).step_by(CHUNK).collect();
@@ -134,6 +135,7 @@ impl Sag {
 /// An arm under its weight, at rest at one sample of its period.
 struct RestingArm<'a> {
     links: Vec<(&'a dyn Model, BentLink)>,
+    masses_kg: Vec<f64>,
     arm: &'a ArmPeriod,
     second_order: SecondOrder,
 }
@@ -204,8 +206,7 @@ impl RestingArm<'_> {
             SecondOrder::Full => (1.0 - bent[1] * bent[1]).sqrt(),
             _ => 1.0,
         };
-        let mass_kg = shape.straight().mass_kg;
-        let force_n = [0, 1].map(|axis| force_n[axis] - mass_kg * gravity[axis]);
+        let force_n = [0, 1].map(|axis| force_n[axis] - self.masses_kg[link] * gravity[axis]);
         Rested { load: (force_n, found.torque_n_m.re * cosine), bent }
     }
 }

@@ -154,6 +154,16 @@ result   1 equal, 1 different
     assert_eq!(bench.read("golden/run/summary.json"), other);
     let one = ["compare", "golden/run/summary.json", "out/run/summary.json"];
     equal(&bench.run(&one));
+
+    let bench = run("garbage");
+    let message = "error: out/run/summary.json: results = none, but must be those of a run\n";
+    refused(&compared(&bench, &[]), 3, message);
+    let golden = [("run/a.csv", EXPECTED), ("run/summary.json", own.as_str())];
+    let bench = folders(&golden, &[("run/a.csv", EXPECTED)]);
+    let told = different(&compared(&bench, &[]));
+    assert!(told.contains("missing  run/summary.json: only in EXPECTED\n"), "{told}");
+    let told = equal(&compared(&bench, &["--bless"]));
+    assert!(told.ends_with("blessed  golden: 0 files written, 1 removed\n"), "{told}");
 }
 
 #[test]

@@ -76,7 +76,8 @@ pub(crate) struct Compare {
     tolerances: Option<PathBuf>,
 
     /// Rows do not count that only one side has before the first row of both or behind the last one: a
-    /// window that has moved is no difference. Where rows are matched by their number, all count.
+    /// window that has moved is no difference. All count where rows are matched by their number, or where less
+    /// than half of EXPECTED's are common.
     #[arg(long)]
     common_rows: bool,
 

@@ -113,10 +113,10 @@ impl Sides {
             expected: golden.tables.get(name).cloned(),
             actual: found.tables.get(name).cloned(),
         });
-        let summaries = golden.others.intersection(&found.others).filter_map(|name| {
-            let paths = [expected, actual].map(|folder| folder.join(name));
-            let [expected, actual] = paths.map(|path| has_results(&path).then_some(path));
-            Some(Pair { name: name.clone(), expected: Some(expected?), actual: Some(actual?) })
+        let summaries = golden.others.iter().filter_map(|name| {
+            let own = expected.join(name);
+            let actual = found.others.contains(name).then(|| actual.join(name));
+            has_results(&own).then_some(Pair { name: name.clone(), expected: Some(own), actual })
         });
         let summaries: Vec<Pair> = summaries.collect();
         let is_compared = |name: &&String| summaries.iter().any(|pair| pair.name == **name);
@@ -183,7 +183,7 @@ impl Pair {
         };
         let file = InputFile::read(path)?;
         memory::check_tables(file.bytes.len(), TABLE_TIMES)?;
-        let table = read_table(&file.shown, &file.bytes)?;
+        let table = table_of(&file)?;
         let names: Vec<String> = table.names().map(str::to_owned).collect();
         // A file of one side is no difference if all its columns are ignored.
         let is_ignored = |column: &String| tolerances.rule(&self.name, column) == Rule::Ignore;
@@ -198,15 +198,22 @@ impl Pair {
 fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), Failure> {
     let (expected, actual) = (InputFile::read(expected)?, InputFile::read(actual)?);
     memory::check_tables(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
-    let parse = |file: InputFile| {
-        let results = if file.name == SUMMARY { results_table(&file.bytes) } else { None };
-        results.map_or_else(|| read_table(&file.shown, &file.bytes), Ok)
-    };
     if expected.bytes == actual.bytes {
-        return Ok((parse(expected)?, None));
+        return Ok((table_of(&expected)?, None));
     }
-    let (expected, actual) = rayon::join(|| parse(expected), || parse(actual));
+    let (expected, actual) = rayon::join(|| table_of(&expected), || table_of(&actual));
     Ok((expected?, Some(actual?)))
+}
+
+/// The table in a file; of a summary.json its results.
+fn table_of(file: &InputFile) -> Result<Table, Failure> {
+    if file.name != SUMMARY {
+        return Ok(read_table(&file.shown, &file.bytes)?);
+    }
+    results_table(&file.bytes).ok_or_else(|| {
+        let message = format!("{}: results = none, but must be those of a run", file.shown);
+        Failure::new(Exit::InputRefused, &message, None)
+    })
 }
 
 /// True for the summary.json of a run, whose results are compared.
@@ -271,6 +278,7 @@ fn take_whole_runs(
             match (expected.join(&name).exists(), source.is_file()) {
                 (false, _) => {}
                 (true, true) => drop(changes.written.insert(name, source)),
+                (true, false) if changes.removed.contains(&name) => {}
                 (true, false) => changes.removed.push(name),
             }
         }
