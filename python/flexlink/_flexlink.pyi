@@ -57,7 +57,6 @@ class _Outputs(TypedDict, total=False):
     nodes: Sequence[int]
     every: int
     deflections: bool
-    moments: bool
     digits: int | Literal["full"]
 
 class _PlayOptions(TypedDict, total=False):

@@ -295,7 +295,8 @@ impl ArmSolution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
-    /// path are files. Keywords are its options ``nodes``, ``every``, ``moments``, ``digits``.
+    /// path are files. Keywords are its options ``nodes``, ``every``,
+    /// ``digits``.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
