@@ -15,11 +15,11 @@ impl MotionTable {
     /// ```
     /// use flexlink::csv::MotionTable;
     /// use flexlink::motion::MotionColumns;
-    /// let time_s = vec![0.0, 0.1, 0.3, 0.6, 0.7];
-    /// let displacement_m = Some(vec![0.0, 0.1, 0.5, 0.9, 1.0]);
-    /// let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
-    /// let motion = MotionTable::of_columns("motion", columns)?.resampled(0.1)?.into_motion()?;
-    /// assert_eq!(motion.grid().len, 8);
+    /// let time_s = vec![0.0, 0.1, 0.2, 0.3, 0.4];
+    /// let acceleration_m_s2 = Some(vec![0.0, 1.0, 0.0, -1.0, 0.0]);
+    /// let columns = MotionColumns { time_s, acceleration_m_s2, ..MotionColumns::default() };
+    /// let motion = MotionTable::of_columns("motion", columns)?.into_motion()?;
+    /// assert_eq!(motion.grid().len, 5);
     /// # Ok::<(), flexlink::csv::TableError>(())
     /// ```
     ///
