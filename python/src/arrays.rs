@@ -9,6 +9,7 @@ use pyo3::PyClass;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
+use pyo3::types::PyDict;
 
 use crate::messages::usage;
 
@@ -59,4 +60,16 @@ pub(crate) fn rows<'py>(
     let numbers = (0..samples).flat_map(|k| histories.iter().map(move |own| own.as_ref()[k]));
     let numbers: Vec<f64> = numbers.collect();
     PyArray1::from_vec(py, numbers).reshape([samples, histories.len()])
+}
+
+/// Columns as a dictionary of arrays.
+pub(crate) fn dictionary(
+    py: Python<'_>,
+    columns: impl IntoIterator<Item = (impl AsRef<str>, Vec<f64>)>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let table = PyDict::new(py);
+    for (name, values) in columns {
+        table.set_item(name.as_ref(), PyArray1::from_vec(py, values))?;
+    }
+    Ok(table)
 }

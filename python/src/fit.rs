@@ -8,15 +8,12 @@ use flexlink::fit::{FitOutcome, Replaced};
 use flexlink::store::{Durability, fit_json, write_file};
 
 use crate::arm::Arm;
-use crate::cli::fit::{Problem, Unfitted};
+use crate::cli::fit::{Problem, RECORD, Unfitted};
 use crate::link::{Link, Source, described_by};
 use crate::messages::usage;
 use crate::options::common::option;
 use crate::pool;
 use crate::terminal::Failure;
-
-/// Name of the record beside a fitted link file.
-const RECORD: &str = "fit.json";
 
 /// A link or an arm fitted to measurements.
 #[pyclass(frozen, module = "flexlink")]

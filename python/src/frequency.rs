@@ -11,7 +11,7 @@ use flexlink::result::ModesResult;
 use flexlink::store::{ResponseColumns, arm_response, link_response};
 
 use crate::arm::Arm;
-use crate::arrays::rows;
+use crate::arrays::{dictionary, rows};
 use crate::cli::arm_pose::ArmInPose;
 use crate::cli::frf::Frf;
 use crate::cli::modes::{computed, in_pose};
@@ -85,7 +85,6 @@ impl Directions {
 }
 
 fn of_link(py: Python<'_>, found: ModesResult) -> PyResult<Bound<'_, PyDict>> {
-    let table = PyDict::new(py);
     let hertz = found.omega_rad_s.iter().map(|omega| omega / TAU).collect();
     let nodes = found.nodes_m.len();
     let columns = [
@@ -97,9 +96,7 @@ fn of_link(py: Python<'_>, found: ModesResult) -> PyResult<Bound<'_, PyDict>> {
         ("blocked_hz", found.zeros.blocked_hz),
         ("nodes", found.nodes_m),
     ];
-    for (name, values) in columns {
-        table.set_item(name, PyArray1::from_vec(py, values))?;
-    }
+    let table = dictionary(py, columns)?;
     if let Some(held) = found.held {
         let hertz = held.omega_rad_s.iter().map(|omega| omega / TAU).collect();
         table.set_item("held_hz", PyArray1::from_vec(py, hertz))?;
@@ -173,9 +170,5 @@ pub(crate) fn frf<'py>(
         };
         py.detach(|| pool::install(compute))?
     };
-    let table = PyDict::new(py);
-    for (name, values) in columns {
-        table.set_item(name, PyArray1::from_vec(py, values))?;
-    }
-    Ok(table)
+    dictionary(py, columns)
 }

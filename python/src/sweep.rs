@@ -5,7 +5,6 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -18,6 +17,7 @@ use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
 use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind, in_order};
 
 use crate::arm::{Arm, GivenPath};
+use crate::arrays::dictionary;
 use crate::cli::arm::ArmAndPath;
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords;
@@ -287,10 +287,7 @@ fn table(py: Python<'_>, kind: SweepKind, rows: Vec<Row>) -> PyResult<Bound<'_, 
         warnings.push(kinds);
         errors.push(error);
     }
-    let table = PyDict::new(py);
-    for (name, column) in names.into_iter().zip(columns) {
-        table.set_item(name, PyArray1::from_vec(py, column))?;
-    }
+    let table = dictionary(py, names.into_iter().zip(columns))?;
     table.set_item("warnings", warnings)?;
     table.set_item("error", errors)?;
     Ok(table)

@@ -1,12 +1,12 @@
 //! `trajectory`: motions of a tip and paths of an arm's tip, made by the command's options.
 
 use clap::Parser;
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use flexlink::motion::{MotionColumns, PathColumns};
 
+use crate::arrays::dictionary;
 use crate::cli::trajectory::Trajectory;
 use crate::keywords;
 use crate::pool;
@@ -50,11 +50,7 @@ pub(crate) fn trajectory<'py>(
     arguments.push(profile.to_owned());
     let read = Keywords::try_parse_from(arguments).map_err(|error| keywords::refused(&error))?;
     let columns = py.detach(|| pool::install(|| columns(&read.trajectory)))?;
-    let table = PyDict::new(py);
-    for (name, values) in columns {
-        table.set_item(name, PyArray1::from_vec(py, values))?;
-    }
-    Ok(table)
+    dictionary(py, columns)
 }
 
 fn columns(trajectory: &Trajectory) -> Result<Columns, Failure> {

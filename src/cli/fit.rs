@@ -111,7 +111,7 @@ pub(crate) struct Fit {
 }
 
 /// Name of the record.
-const RECORD: &str = "fit.json";
+pub(crate) const RECORD: &str = "fit.json";
 
 /// What is fitted, and to what.
 pub(crate) struct Problem {
