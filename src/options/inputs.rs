@@ -64,6 +64,10 @@ pub(crate) struct ChangeArgs {
 }
 
 impl ChangeArgs {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
     /// The arguments, for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         self.changes.iter().flat_map(|change| option("--set", change)).collect()

@@ -193,3 +193,63 @@ fn a_limit_of_the_motor_is_fitted_to_with_a_drive() {
     assert_eq!(fitted.status.code(), Some(0), "{}", stderr(&fitted));
     assert!(stderr(&fitted).contains("limits.motor_torque binds: "), "{}", stderr(&fitted));
 }
+
+#[test]
+fn lengths_times_and_angles_have_units() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let made = |arguments: &[&str]| {
+        let output = bench.run(&[&["trajectory", "septic"], arguments].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        stdout(&output)
+    };
+    let plain =
+        ["--distance", "0.5", "--duration", "0.8", "--step", "0.001", "--rest-after", "0.1"];
+    let units = ["--distance", "50 cm", "--duration", "800 ms", "--step", "1 ms"];
+    assert!(made(&[&units[..], &["--rest-after", "100 ms"]].concat()) == made(&plain));
+    // The tip of the paper's link lies 1.5 m from its axis, that of the longer one 3 m.
+    let times = ["--duration", "0.8", "--step", "0.01"];
+    let turn = [&["--distance", "-0.5 rad", "--link", &link], &times[..]].concat();
+    assert!(made(&turn) == made(&[&["--distance", "-0.75"], &times[..]].concat()));
+    let longer = [&turn[..], &["--set", "segments.0.length*=2"]].concat();
+    let longer = made(&longer);
+    assert!(longer != made(&turn));
+    bench.write("longer.csv", &longer);
+    let output =
+        bench.run(&["solve", &link, "longer.csv", "--set", "segments.0.length*=2", "--json"]);
+    let summary: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let length_m = summary["link"]["length_m"].as_f64().unwrap();
+    let travel_m = summary["motion"]["travel_m"].as_f64().unwrap();
+    assert!((travel_m + 0.5 * length_m).abs() < 1e-9, "{travel_m} {length_m}");
+}
+
+#[test]
+fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    for (arguments, message) in [
+        (
+            vec!["--distance", "0.5", "--link", &link],
+            "error: --link is given, but has an effect only with --fit-limit, --path, or an angle as --distance\n",
+        ),
+        (
+            vec!["--distance", "0.5", "--set", "payload.mass=0"],
+            "error: --set is given, but has an effect only with --link, the file that it changes\n",
+        ),
+        (
+            vec!["--distance", "90 deg"],
+            "error: --distance = 1.5707963267948966 rad, but must be a length unless --link is given\n\
+             hint: --link LINK gives the length of the link that turns\n",
+        ),
+        (vec!["--distance", "0.5 kg"], "error: invalid value '0.5 kg' for '--distance <TRAVEL>': "),
+        (
+            vec!["--distance", "0.5", "--rest-after", "1 m"],
+            "error: invalid value '1 m' for '--rest-after <TIME>': ",
+        ),
+    ] {
+        let times = ["--duration", "0.8", "--step", "0.01"];
+        let output = bench.run(&[&["trajectory", "septic"], &arguments[..], &times[..]].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+    }
+}

@@ -6,11 +6,11 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
-use clap::{ArgGroup, Args, builder::TypedValueParser};
+use clap::{Args, builder::TypedValueParser};
 
-use self::path::{PathArgs, reached, refused};
+use self::path::{PathArgs, Travel, reached, refused, seconds, travel};
 use super::verify::warn;
-use crate::options::inputs::{described, specification};
+use crate::options::inputs::{ChangeArgs, described, specification};
 use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_path, write_trajectory};
@@ -41,6 +41,8 @@ Example:
       --duration 1 --step 0.001 | flexlink solve link.toml -
   flexlink trajectory septic --distance 0.5 --step 0.001 \\
       --link link.toml --fit-limit torque=2
+  flexlink trajectory septic --distance '90 deg' \\
+      --link link.toml --duration '800 ms' --step '1 ms'
   flexlink trajectory septic --path line --from 0.9,-0.5 \\
       --to 0.5,0.8 --duration 1.5 --step 0.001 \\
       --link arm.toml -o path.csv
@@ -60,19 +62,19 @@ Example:
 /// bang-bang, gaussian (bell of velocity).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-#[command(group = ArgGroup::new("use of the file").args(["fit_limit", "path"]).multiple(true))]
 pub(crate) struct Trajectory {
     /// Shape of the motion.
     #[arg(value_name = "PROFILE", value_parser = profiles())]
     profile: Profile,
 
-    /// Travel of the tip along its arc, in m.
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    /// Travel of the tip along its arc, in m or with its unit, '65.8 cm'; or the angle by which the link of --link
+    /// turns, '90 deg'.
+    #[arg(long, value_name = "TRAVEL", value_parser = travel, allow_hyphen_values = true)]
     #[arg(required_unless_present = "path")]
-    distance: Option<f64>,
+    distance: Option<Travel>,
 
-    /// Duration of the motion in s, a whole number of steps.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps.
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     #[arg(required_unless_present = "fit_limit")]
     duration: Option<f64>,
 
@@ -83,20 +85,24 @@ pub(crate) struct Trajectory {
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 
-    /// Link file (TOML) for --fit-limit. With --path, that of an arm: a path that it does not reach is refused.
-    #[arg(long, value_name = "LINK", requires = "use of the file")]
+    /// Link file (TOML) for --fit-limit, and for the length of a link that turns by an angle. With --path, that of an
+    /// arm: a path that it does not reach is refused.
+    #[arg(long, value_name = "LINK")]
     pub(crate) link: Option<PathBuf>,
 
-    /// Step in s.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+
+    /// Step in s or with its unit.
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     step: f64,
 
-    /// Rest before the motion in s, a whole number of steps.
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    /// Rest before the motion in s or with its unit, a whole number of steps.
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     rest_before: f64,
 
-    /// Rest after the motion in s, a whole number of steps.
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    /// Rest after the motion in s or with its unit, a whole number of steps.
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     rest_after: f64,
 
     /// File to write [default: standard output].
@@ -141,6 +147,7 @@ fn profiles() -> impl TypedValueParser<Value = Profile> {
 impl Trajectory {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.check_step()?;
+        self.check_file()?;
         match self.path.curve()? {
             Some(curve) => self.write_path(&curve),
             None => self.write_motion(),
@@ -214,9 +221,39 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
+    /// Returns an error if a file or changes to it are given that nothing is made of.
+    fn check_file(&self) -> Result<(), Failure> {
+        let turns = matches!(self.distance, Some(Travel::Angle(_)));
+        let is_used = !self.fit_limit.is_empty() || self.path.is_given() || turns;
+        let (option, needs) = match (&self.link, self.changes.is_empty()) {
+            (Some(_), _) if !is_used => {
+                ("--link", "--fit-limit, --path, or an angle as --distance")
+            }
+            (None, false) => ("--set", "--link, the file that it changes"),
+            _ => return Ok(()),
+        };
+        let message = format!("{option} is given, but has an effect only with {needs}");
+        Err(Failure::new(Exit::Usage, &message, None))
+    }
+
     /// The distance, if it is in range; the parser has seen to it that it is given.
     fn distance_m(&self) -> Result<f64, Failure> {
-        let distance_m = self.distance.unwrap_or_default();
+        let distance_m = match (self.distance, &self.link) {
+            (None, _) => 0.0,
+            (Some(Travel::Length(length_m)), _) => length_m,
+            (Some(Travel::Angle(angle_rad)), Some(link)) => {
+                let file = InputFile::read_toml(link)?;
+                angle_rad * specification(&file, &self.limits(Limited::Link)?)?.link.length_m()
+            }
+            (Some(Travel::Angle(angle_rad)), None) => {
+                let angle = plain(angle_rad);
+                let message = format!(
+                    "--distance = {angle} rad, but must be a length unless --link is given"
+                );
+                let hint = "--link LINK gives the length of the link that turns";
+                return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+            }
+        };
         if DISTANCES_M.contains(&distance_m.abs()) {
             return Ok(distance_m);
         }
@@ -313,7 +350,7 @@ impl Trajectory {
         Duration { steps: fit.steps, comment, warnings: 0 }
     }
 
-    /// The limits of the command line, as changes to the file of a link or of an arm.
+    /// The changes and the limits of the command line, as changes to the file of a link or of an arm.
     fn limits(&self, of: Limited) -> Result<Vec<Override>, Failure> {
         let refused = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
         let limit = |text: &String| {
@@ -330,7 +367,8 @@ impl Trajectory {
             };
             Override::placed(&place, &change).map_err(refused)
         };
-        self.fit_limit.iter().map(limit).collect()
+        let limits = self.fit_limit.iter().map(limit).collect::<Result<Vec<_>, _>>()?;
+        Ok([self.changes.overrides()?, limits].concat())
     }
 
     /// A time in whole steps.

@@ -1,4 +1,4 @@
-//! The path of an arm's tip that `trajectory` makes.
+//! How far the tip goes, and along which path that of an arm.
 
 use std::fmt::Display;
 
@@ -14,6 +14,24 @@ use flexlink::spec::ArmSpecification;
 use flexlink::text::plain;
 
 const PATHS: &str = "Paths of arms";
+
+/// How far the tip goes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Travel {
+    /// Along its arc, in m.
+    Length(f64),
+    /// With the link that turns by so many rad.
+    Angle(f64),
+}
+
+pub(super) fn travel(text: &str) -> Result<Travel, String> {
+    let length = quantity(text, Dimension::LENGTH).map(Travel::Length);
+    length.or_else(|error| angle_rad(text).map(Travel::Angle).map_err(|_| error))
+}
+
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::TIME)
+}
 
 /// Where the tip of an arm goes.
 #[derive(Debug, Args)]
@@ -83,6 +101,10 @@ fn length(text: &str) -> Result<f64, String> {
 }
 
 impl PathArgs {
+    pub(super) fn is_given(&self) -> bool {
+        self.path.is_some()
+    }
+
     /// The curve that the options describe; none without --path.
     pub(crate) fn curve(&self) -> Result<Option<Curve>, Failure> {
         // The parser has seen to it that what a curve needs is there.
