@@ -27,7 +27,7 @@ type Columns = Vec<(String, Vec<f64>)>;
 /// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``.
 ///
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
-/// ``rest_after``, ``link`` and ``fit_limit``; ``path``, ``to``, ``via``, ``corner``, ``center``, ``angle``, ``angles``,
+/// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``,
 /// and ``start`` for ``--from``.
 ///
 /// >>> import flexlink
@@ -54,8 +54,7 @@ pub(crate) fn trajectory<'py>(
 }
 
 fn columns(trajectory: &Trajectory) -> Result<Columns, Failure> {
-    trajectory.check_step()?;
-    match trajectory.path.curve()? {
+    match trajectory.curve()? {
         None => Ok(of_motion(trajectory.motion()?.0)),
         Some(curve) => {
             let arm = trajectory.link.as_deref().map(|link| trajectory.arm(link)).transpose()?;

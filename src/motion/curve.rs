@@ -3,11 +3,9 @@
 
 use std::f64::consts::PI;
 
-use thiserror::Error;
-
+use super::error::{CurveError, FEWEST_STEPS};
 use super::profile::Profile;
 use crate::numeric::GaussRule;
-use crate::text::{plain, significant};
 
 /// Largest coordinates, radii and lengths in m, and the least of lengths.
 const LARGEST_M: f64 = 1e100;
@@ -18,9 +16,6 @@ const LARGEST_TURN: f64 = 175.0 / 180.0 * PI;
 
 /// Share of a length that is round-off.
 const ROUND_OFF: f64 = 1e-12;
-
-/// Fewest steps of a leg from rest to rest.
-const FEWEST_STEPS: usize = 4;
 
 /// Gauss points along half a rounded corner: its integrals are exact to round-off.
 const POINTS: usize = 32;
@@ -36,6 +31,8 @@ pub struct Curve {
     length_m: f64,
     /// Arc lengths in m at which the tip stops, the end included.
     stops_m: Vec<f64>,
+    /// Steps of rest at each stop on the way.
+    dwell: usize,
 }
 
 #[derive(Debug, Clone)]
@@ -43,86 +40,6 @@ enum Piece {
     Line { from_m: Vector, to_m: Vector },
     Arc { center_m: Vector, from_m: Vector, angle_rad: f64 },
     Corner(Corner),
-}
-
-/// Why points make no curve, or a curve no path.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum CurveError {
-    /// A coordinate or an angle that is no number or too large.
-    #[error("{name} = {found:?}, but must be a number of at most 1e100 in size")]
-    Range {
-        /// What it is.
-        name: &'static str,
-        /// Its value, in m or rad.
-        found: f64,
-    },
-    /// Two points in a row, or the start and the centre of an arc, that are the same.
-    #[error("the points {number} and {} of the path = the same place, but must differ", number + 1)]
-    Same {
-        /// Number of the first one, from 1.
-        number: usize,
-    },
-    /// A corner that is not rounded.
-    #[error("the corner = {:?} m long, but must be from 1e-100 to 1e100 m", reach_m)]
-    Corner {
-        /// Length of each leg that it takes in m.
-        reach_m: f64,
-    },
-    /// An arc without an angle or a radius.
-    #[error("the arc = {} m long, but must have a radius and an angle", plain(*.length_m))]
-    NoArc {
-        /// Its length in m.
-        length_m: f64,
-    },
-    /// A corner that is too sharp to be rounded.
-    #[error("the path turns by {} deg at point {number}, but must turn by at most 175 deg to be rounded", significant(turn_rad.to_degrees(), 4))]
-    TurnsBack {
-        /// Number of the point, from 1.
-        number: usize,
-        /// By how much the path turns there, in rad.
-        turn_rad: f64,
-    },
-    /// Roundings that reach farther than a leg.
-    #[error(
-        "the rounded corners take {} m of the {} m from point {number} to point {}, but must not overlap",
-        plain(*.taken_m),
-        significant(*length_m, 5),
-        number + 1
-    )]
-    Overlap {
-        /// Number of the point before the leg, from 1.
-        number: usize,
-        /// What they take of the leg, in m.
-        taken_m: f64,
-        /// Length of the leg in m.
-        length_m: f64,
-    },
-    /// A leg that has too few of the steps.
-    #[error(
-        "leg {number} of the path has {steps} of the {all} steps, but must have at least {FEWEST_STEPS} from rest to rest"
-    )]
-    FewSteps {
-        /// Number of the leg, from 1.
-        number: usize,
-        /// Its steps.
-        steps: usize,
-        /// All steps.
-        all: usize,
-    },
-}
-
-impl CurveError {
-    /// What the user can do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::Range { .. } | Self::Same { .. } | Self::NoArc { .. } | Self::Corner { .. } => {
-                None
-            }
-            Self::TurnsBack { .. } => Some("without rounded corners the tip stops at each point"),
-            Self::Overlap { .. } => Some("a smaller --corner"),
-            Self::FewSteps { .. } => Some("a longer duration, a shorter step or rounded corners"),
-        }
-    }
 }
 
 impl Curve {
@@ -205,7 +122,13 @@ impl Curve {
             (start_m, piece)
         });
         let pieces = placed.collect();
-        Self { pieces, length_m, stops_m: vec![length_m] }
+        Self { pieces, length_m, stops_m: vec![length_m], dwell: 0 }
+    }
+
+    /// The same curve with so many steps of rest at each stop on the way.
+    #[must_use]
+    pub fn with_dwell(self, steps: usize) -> Self {
+        Self { dwell: steps, ..self }
     }
 
     /// Its length in m.
@@ -250,6 +173,9 @@ impl Curve {
                 let near_m = (stop_m - from_m) * profile.share(k.min(own - k) as f64 / own as f64);
                 self.at(if 2 * k <= own { from_m + near_m } else { stop_m - near_m })
             };
+            if leg > 0 {
+                places.extend(std::iter::repeat_n(self.at(from_m), self.dwell));
+            }
             places.extend((1..=own).map(place));
             (from_m, first) = (*stop_m, last);
         }

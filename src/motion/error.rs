@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::numeric::NotUniform;
+use crate::text::{plain, significant};
 
 /// Why sampled columns are no tip motion that can be inverted.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -203,6 +204,105 @@ impl MotionError {
             }
             Self::TooSmall { .. } => Some("check the units of the motion, and their powers of ten"),
             _ => None,
+        }
+    }
+}
+
+/// Fewest steps of a move from rest to rest.
+pub(super) const FEWEST_STEPS: usize = 4;
+
+/// Why points make no curve, or a curve no path.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CurveError {
+    /// A coordinate or an angle that is no number or too large.
+    #[error("{name} = {found:?}, but must be a number of at most 1e100 in size")]
+    Range {
+        /// What it is.
+        name: &'static str,
+        /// Its value, in m or rad.
+        found: f64,
+    },
+    /// Two points in a row, or the start and the centre of an arc, that are the same.
+    #[error("the points {number} and {} of the path = the same place, but must differ", number + 1)]
+    Same {
+        /// Number of the first one, from 1.
+        number: usize,
+    },
+    /// A corner that is not rounded.
+    #[error("the corner = {:?} m long, but must be from 1e-100 to 1e100 m", reach_m)]
+    Corner {
+        /// Length of each leg that it takes in m.
+        reach_m: f64,
+    },
+    /// An arc without an angle or a radius.
+    #[error("the arc = {} m long, but must have a radius and an angle", plain(*.length_m))]
+    NoArc {
+        /// Its length in m.
+        length_m: f64,
+    },
+    /// A corner that is too sharp to be rounded.
+    #[error("the path turns by {} deg at point {number}, but must turn by at most 175 deg to be rounded", significant(turn_rad.to_degrees(), 4))]
+    TurnsBack {
+        /// Number of the point, from 1.
+        number: usize,
+        /// By how much the path turns there, in rad.
+        turn_rad: f64,
+    },
+    /// Roundings that reach farther than a leg.
+    #[error(
+        "the rounded corners take {} m of the {} m from point {number} to point {}, but must not overlap",
+        plain(*.taken_m),
+        significant(*length_m, 5),
+        number + 1
+    )]
+    Overlap {
+        /// Number of the point before the leg, from 1.
+        number: usize,
+        /// What they take of the leg, in m.
+        taken_m: f64,
+        /// Length of the leg in m.
+        length_m: f64,
+    },
+    /// A leg that has too few of the steps.
+    #[error(
+        "leg {number} of the way has {steps} of the {all} steps, but must have at least {} from rest to rest",
+        FEWEST_STEPS
+    )]
+    FewSteps {
+        /// Number of the leg, from 1.
+        number: usize,
+        /// Its steps.
+        steps: usize,
+        /// All steps.
+        all: usize,
+    },
+    /// A stop at which a link's tip turns back without a rest, where the acceleration jumps.
+    #[error(
+        "the tip turns back at stop {stop} at once, where the acceleration of {profile} jumps, but must rest there for a step at least"
+    )]
+    TurnsAtOnce {
+        /// Number of the stop, from 1.
+        stop: usize,
+        /// Name of the profile.
+        profile: &'static str,
+    },
+}
+
+impl CurveError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Range { .. } | Self::Same { .. } | Self::NoArc { .. } | Self::Corner { .. } => {
+                None
+            }
+            Self::TurnsBack { .. } => Some("without rounded corners the tip stops at each point"),
+            Self::Overlap { .. } => Some("a smaller --corner"),
+            Self::FewSteps { .. } => Some(
+                "a longer duration, a shorter step or, on the path of an arm, --corner: no stops",
+            ),
+            Self::TurnsAtOnce { .. } => {
+                Some("--dwell TIME lets it rest; sine, min-jerk and septic have no jump")
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The wanted tip motion: sampled columns, their checks, spectrum and cut-off.
 
+mod course;
 mod curve;
 mod cutoff;
 mod ends;
@@ -16,9 +17,10 @@ mod scale;
 mod spectrum;
 mod tip_motion;
 
-pub use curve::{Curve, CurveError};
+pub use course::Course;
+pub use curve::Curve;
 pub(crate) use ends::{is_repeated, wrapped};
-pub use error::MotionError;
+pub use error::{CurveError, MotionError};
 pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};
 pub(crate) use path::CourseHistories;
 pub use path::{ArmPath, Prescribed};

@@ -77,6 +77,11 @@ impl Profile {
         }
     }
 
+    /// True if the acceleration does not begin and end at zero.
+    pub(super) fn jumps_at_its_ends(self) -> bool {
+        matches!(self, Self::Versine | Self::Trapezoid | Self::BangBang)
+    }
+
     /// Share of the distance that is covered at the share u of the duration, both in [0, 1]: the integral of the
     /// velocity in closed form.
     ///

@@ -6,7 +6,7 @@ use super::limits::{Limits, Reached};
 use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, ArmError, InversionError, Resources, Solution, invert_with};
 use crate::link::Link;
-use crate::motion::{CurveError, MotionError, PathError, Profile, TipMotion};
+use crate::motion::{Course, CurveError, MotionError, PathError, Profile, TipMotion};
 use crate::text::{plain, significant};
 
 /// Fewest steps of a motion.
@@ -29,11 +29,11 @@ const TELLING: f64 = 0.25;
 
 /// A motion with all given but its duration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OpenMotion {
+pub struct OpenMotion<'a> {
     /// Its profile.
     pub profile: Profile,
-    /// Distance from its start to its end in m.
-    pub distance_m: f64,
+    /// Where the tip goes.
+    pub course: &'a Course,
     /// Its step in s.
     pub step_s: f64,
 }
@@ -71,7 +71,7 @@ pub enum FitError {
     TooHeavy {
         /// The limit in N m.
         limit_n_m: f64,
-        /// What holds the rigid link at one of its ends, in N m.
+        /// What holds the rigid link at its start or one of its stops, in N m.
         held_n_m: f64,
     },
     /// The motion has no torque.
@@ -169,7 +169,7 @@ pub struct FitProblem<'a> {
     /// Largest values that link and motor may reach.
     pub limits: &'a Limits,
     /// The motion.
-    pub motion: OpenMotion,
+    pub motion: OpenMotion<'a>,
 }
 
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
@@ -286,8 +286,9 @@ impl Trials for FitProblem<'_> {
     }
 
     fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
-        let OpenMotion { profile, distance_m, step_s } = self.motion;
-        let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0]))?;
+        let OpenMotion { profile, course, step_s } = self.motion;
+        let columns = course.sampled(profile, step_s, steps, [0, 0])?;
+        let motion = TipMotion::with_ends(columns, course.ends())?;
         if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
             return Ok(None);
         }
@@ -305,10 +306,12 @@ impl FitProblem<'_> {
         let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(self.limits.torque_n_m) else {
             return Ok(());
         };
-        let turn_rad = self.motion.distance_m / self.link.length_m();
-        let held = [start_rad, start_rad + turn_rad]
-            .map(|angle_rad| (gravity.across_m_s2(angle_rad) * self.link.mass_moment_kg_m()).abs());
-        let held_n_m = held[0].max(held[1]);
+        let held_n_m = |stop_m: &f64| {
+            let angle_rad = start_rad + stop_m / self.link.length_m();
+            (gravity.across_m_s2(angle_rad) * self.link.mass_moment_kg_m()).abs()
+        };
+        let stops_m = [0.0].iter().chain(self.motion.course.stops_m());
+        let held_n_m = stops_m.map(held_n_m).fold(0.0, f64::max);
         if held_n_m > HEAVY * limit_n_m {
             return Err(FitError::TooHeavy { limit_n_m, held_n_m });
         }

@@ -1,6 +1,6 @@
 //! `trajectory`: motions that `solve` takes as they are.
 
-use super::{Bench, LINK, repository, stderr, stdout};
+use super::{Bench, LINK, column, repository, stderr, stdout};
 
 const PROFILES: [&str; 8] =
     ["sine", "versine", "min-jerk", "septic", "trapezoid", "s-curve", "bang-bang", "gaussian"];
@@ -230,7 +230,7 @@ fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
     for (arguments, message) in [
         (
             vec!["--distance", "0.5", "--link", &link],
-            "error: --link is given, but has an effect only with --fit-limit, --path, or an angle as --distance\n",
+            "error: --link is given, but has an effect only with --fit-limit, --path, --cycle, or an angle as --distance\n",
         ),
         (
             vec!["--distance", "0.5", "--set", "payload.mass=0"],
@@ -252,4 +252,132 @@ fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
     }
+}
+
+#[test]
+fn the_best_profile_is_the_shortest_and_each_is_told() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let fixed = ["--distance", "0.5", "--step", "0.02", "--link", &link, "--fit-limit", "torque=2"];
+    let best = bench.run(&[&["trajectory", "best"], &fixed[..], &["-o", "best.csv"]].concat());
+    assert_eq!(best.status.code(), Some(0), "{}", stderr(&best));
+    let told = stderr(&best);
+    let notes: Vec<&str> =
+        told.lines().filter_map(|line| line.strip_prefix("note: ")).take(8).collect();
+    let mut own_notes = Vec::new();
+    for profile in PROFILES {
+        let own = bench.run(&[&["trajectory", profile], &fixed[..], &["-o", "own.csv"]].concat());
+        let own = stderr(&own);
+        let (duration, rest) = own.strip_prefix("note: ").unwrap().split_once(" s, ").unwrap();
+        let (_, binding) = rest.split_once("; ").unwrap();
+        let warned = if own.contains("\nwarning: ") { ", with a warning" } else { "" };
+        let note =
+            format!("{profile:<9}  {duration} s{warned}; {}", binding.lines().next().unwrap());
+        let duration_s: f64 = duration.parse().unwrap();
+        own_notes.push(((!warned.is_empty(), duration_s), note));
+    }
+    own_notes.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap());
+    let own_notes: Vec<&str> = own_notes.iter().map(|(_, note)| &note[..]).collect();
+    assert_eq!(notes, own_notes);
+    // The versine is shorter, at a step that is too long for its jumps.
+    assert!(
+        told.contains("note: septic is the best: 0.7 s, the shortest duration within"),
+        "{told}"
+    );
+    assert!(own_notes.iter().any(|note| note.starts_with("versine    0.58 s, with a warning")));
+    assert!(bench.read("best.csv").starts_with("# septic: 0.7 s, "));
+    // Limits that no profile keeps.
+    let none = [&fixed[..7], &["torque=1e-9"]].concat();
+    let none = bench.run(&[&["trajectory", "best"], &none[..]].concat());
+    assert_eq!(none.status.code(), Some(4), "{}", stderr(&none));
+    assert!(stderr(&none).starts_with("error: the durations within the limits = none of the 17"));
+    assert_eq!(stderr(&none).lines().count(), 2, "the error and its hint: {}", stderr(&none));
+}
+
+#[test]
+fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let cycle = ["trajectory", "min-jerk", "--distance", "0.5", "--step", "10 ms", "--link", &link];
+    let cycle = [&cycle[..], &["--cycle", "--dwell", "300 ms", "-o", "cycle.csv"]].concat();
+    let made = bench.run(&[&cycle[..], &["--duration", "0.8"]].concat());
+    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    assert_eq!(column(&bench, "cycle.csv", "time").len(), 220);
+    let told = stderr(&made);
+    let torque = told.strip_prefix("note: a cycle of 2.2 s takes a torque of ").unwrap();
+    let (rms, rest) = torque.split_once(" N m rms, ").unwrap();
+    let (peak, rest) = rest.split_once(" N m at its peak\n").unwrap();
+    assert_eq!(rest, "");
+    bench.run(&["solve", &link, "cycle.csv", "--periodic", "-o", "out"]);
+    let torque = column(&bench, "out/torque.csv", "torque_n_m");
+    let mean = torque.iter().map(|own| own * own).sum::<f64>() / torque.len() as f64;
+    let [rms, peak] = [rms, peak].map(|number| number.parse::<f64>().unwrap());
+    assert!((mean.sqrt() - rms).abs() < 1e-3 * rms, "{} {rms}", mean.sqrt());
+    let largest = torque.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    assert!((largest - peak).abs() < 1e-2 * peak, "{largest} {peak}");
+    // Within a limit of the torque in the mean: the cycle's, not that of the way there.
+    let fit = bench.run(&[&cycle[..], &["--fit-limit", "rms_torque=0.5"]].concat());
+    let told = stderr(&fit);
+    assert!(told.contains("within rms_torque=0.5 N m; limits.rms_torque binds: 0.49"), "{told}");
+    assert!(told.contains(" s takes a torque of 0.49"), "{told}");
+}
+
+#[test]
+fn a_tip_stops_on_its_way() {
+    let bench = Bench::new();
+    let way = ["trajectory", "sine", "--distance", "0.6", "--duration", "1.2", "--step", "0.002"];
+    let stops = ["--via", "20 cm", "--via=-0.1", "--dwell", "0.2", "-o", "stops.csv"];
+    let made = bench.run(&[&way[..], &stops].concat());
+    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    let solved = bench.run(&["solve", &repository(LINK), "stops.csv", "-o", "out"]);
+    assert!(solved.status.success(), "{}", stderr(&solved));
+    // Moves of 0.2, 0.3 and 0.7 m take 0.2, 0.3 and 0.7 s, with 0.2 s of rest between them.
+    let [times_s, tip_m] =
+        ["time_s", "tip_displacement_m"].map(|name| column(&bench, "out/tip.csv", name));
+    for (time_s, at_m) in [(0.0, 0.0), (0.3, 0.2), (0.8, -0.1), (1.6, 0.6)] {
+        let row = times_s.iter().position(|own| (own - time_s).abs() < 1e-9).unwrap();
+        assert!((tip_m[row] - at_m).abs() < 2e-6, "{} at {time_s}", tip_m[row]);
+    }
+}
+
+#[test]
+fn stops_and_cycles_that_mean_nothing_are_refused() {
+    let bench = Bench::new();
+    let moved = ["--distance", "0.5"];
+    let line = ["--path", "line", "--from", "0.9,-0.5", "--to", "0.5,0.8"];
+    for (arguments, message) in [
+        (
+            [&moved[..], &["--dwell", "0.1"]].concat(),
+            "error: --dwell is given, but has an effect only with --cycle, or with --via where the tip stops\n",
+        ),
+        (
+            [&moved[..], &["--via", "0.4,0.2"]].concat(),
+            "error: --via = x and y, but must be the travel of the tip unless --path is given\n",
+        ),
+        (
+            [&line[..], &["--via", "0.4"]].concat(),
+            "error: --via = a travel, but must be a place, x and y, where --path is given\n\
+             hint: it reads like --via 0.5,0.2\n",
+        ),
+        (
+            [&moved[..], &["--via", "0.5"]].concat(),
+            "error: the points 2 and 3 of the path = the same place, but must differ\n",
+        ),
+        (
+            [&moved[..], &["--via", "0.6"]].concat(),
+            "error: the tip turns back at stop 1 at once, where the acceleration of versine jumps, but must rest \
+             there for a step at least\n",
+        ),
+        ([&line[..], &["--cycle"]].concat(), "error: the argument '--path <CURVE>' cannot be used"),
+    ] {
+        let times = ["--duration", "0.8", "--step", "0.01"];
+        let output = bench.run(&[&["trajectory", "versine"], &arguments[..], &times[..]].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+    }
+    let best = ["trajectory", "best", "--distance", "0.5", "--duration", "1", "--step", "0.1"];
+    let best = bench.run(&best);
+    assert_eq!(best.status.code(), Some(2));
+    let message = "error: PROFILE = best, but must be one profile where --duration is given\n";
+    assert!(stderr(&best).starts_with(message), "{}", stderr(&best));
 }

@@ -1,26 +1,21 @@
 //! `trajectory`: a tip motion, or the path of an arm's tip, made from a profile.
 
+mod found;
 mod path;
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use clap::builder::PossibleValuesParser;
-use clap::{Args, builder::TypedValueParser};
+use clap::Args;
 
+use self::found::{Choice, Found, Limited, Search, limits, not_made, profiles};
 use self::path::{PathArgs, Travel, reached, refused, seconds, travel};
-use super::verify::warn;
 use crate::options::inputs::{ChangeArgs, described, specification};
-use crate::terminal::text::{binding_text, found_text};
-use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
+use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_path, write_trajectory};
-use flexlink::motion::{Curve, MotionColumns, PathColumns, Profile};
-use flexlink::result::{
-    ArmFitProblem, ArmMetrics, Fit, FitProblem, LimitedValue, Metrics, OpenMotion,
-    shortest_arm_fit, shortest_fit,
-};
-use flexlink::spec::{ArmSpecification, Described, Override, SpecError, Specification};
-use flexlink::text::{excerpt, plain, visible};
+use flexlink::motion::{Course, Curve, MotionColumns, PathColumns};
+use flexlink::spec::{ArmSpecification, Described, Specification};
+use flexlink::text::plain;
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -59,13 +54,14 @@ Example:
 /// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
 /// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
 /// trapezoid (a third of the time accelerating, a third at speed), s-curve (the same with limited jerk),
-/// bang-bang, gaussian (bell of velocity).
+/// bang-bang, gaussian (bell of velocity); best (with --fit-limit: that of the shortest motion without a warning; the
+/// durations that all of them need are printed).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Trajectory {
     /// Shape of the motion.
     #[arg(value_name = "PROFILE", value_parser = profiles())]
-    profile: Profile,
+    profile: Choice,
 
     /// Travel of the tip along its arc, in m or with its unit, '65.8 cm'; or the angle by which the link of --link
     /// turns, '90 deg'.
@@ -105,6 +101,15 @@ pub(crate) struct Trajectory {
     #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     rest_after: f64,
 
+    /// Rest at each --via, in s or with its unit, a whole number of steps; with --cycle also at both ends.
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
+    dwell: f64,
+
+    /// Make one cycle of a motion that repeats, for `solve --periodic`: there, --dwell, back the same way, --dwell.
+    /// --duration is that of the way there. With --link, the torque that it takes over the cycle is printed.
+    #[arg(long, conflicts_with_all = ["path", "rest_before", "rest_after"])]
+    cycle: bool,
+
     /// File to write [default: standard output].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -121,45 +126,22 @@ pub(crate) struct Trajectory {
     warnings: WarningArgs,
 }
 
-/// The duration of a motion.
-#[derive(Default)]
-pub(crate) struct Duration {
-    steps: usize,
-    /// Comment for the first line of the file.
-    comment: String,
-    /// Number of warnings that were printed.
-    warnings: usize,
-}
-
-/// What limits are of.
-#[derive(Debug, Clone, Copy)]
-enum Limited {
-    Link,
-    Arm,
-}
-
-fn profiles() -> impl TypedValueParser<Value = Profile> {
-    let names = Profile::ALL.map(Profile::name);
-    let named = |name: String| Profile::ALL.into_iter().find(|profile| profile.name() == name);
-    PossibleValuesParser::new(names).map(move |name| named(name).unwrap_or(Profile::Sine))
-}
-
 impl Trajectory {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        self.check_step()?;
-        self.check_file()?;
-        match self.path.curve()? {
+        match self.curve()? {
             Some(curve) => self.write_path(&curve),
             None => self.write_motion(),
         }
     }
 
     /// The motion of a link's tip, and how its duration was found.
-    pub(crate) fn motion(&self) -> Result<(MotionColumns, Duration), Failure> {
-        let distance_m = self.distance_m()?;
-        let duration = self.duration(distance_m)?;
-        let rest = self.rests(duration.steps, BYTES_PER_SAMPLE)?;
-        Ok((self.profile.sampled(distance_m, self.step, duration.steps, rest), duration))
+    pub(crate) fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
+        let specification = self.specification()?;
+        let course = self.course(specification.as_ref())?;
+        let found = self.search()?.found(&course, specification.as_ref())?;
+        let rest = self.rests(found.steps, BYTES_PER_SAMPLE)?;
+        let columns = course.sampled(found.profile, self.step, found.steps, rest);
+        Ok((columns.map_err(|error| not_made(&error))?, found))
     }
 
     /// The path of an arm's tip along a curve, and how its duration was found.
@@ -167,17 +149,33 @@ impl Trajectory {
         &self,
         curve: &Curve,
         arm: Option<&ArmSpecification>,
-    ) -> Result<(PathColumns, Duration), Failure> {
-        let duration = self.duration_along(curve, arm)?;
-        let rest = self.rests(duration.steps, BYTES_PER_PLACE)?;
-        let places = curve.sampled(self.profile, duration.steps, rest);
+    ) -> Result<(PathColumns, Found), Failure> {
+        let found = self.search()?.found_along(curve, arm)?;
+        let rest = self.rests(found.steps, BYTES_PER_PLACE)?;
+        let places = curve.sampled(found.profile, found.steps, rest);
         let places = places.map_err(|error| refused(&error, error.hint()))?;
-        Ok((PathColumns::of_tip(self.step, &places, self.path.outer_rad()), duration))
+        Ok((PathColumns::of_tip(self.step, &places, self.path.outer_rad()), found))
+    }
+
+    /// What is open of the motion, and what is given.
+    fn search(&self) -> Result<Search<'_>, Failure> {
+        let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
+        let (steps, step_s) = (steps.transpose()?, self.step);
+        Ok(Search { profile: self.profile, steps, step_s, outer_rad: self.path.outer_rad() })
+    }
+
+    /// The curve of --path; none without it. Checks the options that every motion has.
+    pub(crate) fn curve(&self) -> Result<Option<Curve>, Failure> {
+        self.check_step()?;
+        self.check_use()?;
+        let curve = self.path.curve()?;
+        let dwell = self.steps("--dwell", self.dwell, 0.0)?;
+        Ok(curve.map(|curve| curve.with_dwell(dwell)))
     }
 
     /// Writes the motion of a link's tip.
     fn write_motion(&self) -> Result<(), Failure> {
-        let (columns, Duration { comment, warnings, .. }) = self.motion()?;
+        let (columns, Found { comment, warnings, .. }) = self.motion()?;
         console::deliver_by(self.output.as_deref(), |mut out| {
             out.write_all(comment.as_bytes())?;
             write_trajectory(&mut out, &columns, self.digits)
@@ -188,8 +186,7 @@ impl Trajectory {
     /// Writes the path of an arm's tip along a curve, unless the arm does not reach it.
     fn write_path(&self, curve: &Curve) -> Result<(), Failure> {
         let arm = self.link.as_deref().map(|link| self.arm(link)).transpose()?;
-        let (columns, Duration { comment, warnings, .. }) =
-            self.path_along(curve, arm.as_deref())?;
+        let (columns, Found { comment, warnings, .. }) = self.path_along(curve, arm.as_deref())?;
         let mut text = comment.into_bytes();
         write_path(&mut text, &columns, self.digits)
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
@@ -206,13 +203,16 @@ impl Trajectory {
     fn rests(&self, steps: usize, bytes_per_sample: usize) -> Result<[usize; 2], Failure> {
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
-        let bytes = (steps + before + after) * bytes_per_sample;
+        let stops = self.path.via_count() + usize::from(self.cycle);
+        let way = steps + stops * self.steps("--dwell", self.dwell, 0.0)?;
+        let ways = if self.cycle { 2 } else { 1 };
+        let bytes = (ways * way + before + after) * bytes_per_sample;
         memory::check("the trajectory", bytes, None, "use a longer step")?;
         Ok([before, after])
     }
 
     /// Returns an error if the step is out of range.
-    pub(crate) fn check_step(&self) -> Result<(), Failure> {
+    fn check_step(&self) -> Result<(), Failure> {
         let step_s = self.step;
         if STEPS_S.contains(&step_s) {
             return Ok(());
@@ -221,51 +221,50 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// Returns an error if a file or changes to it are given that nothing is made of.
-    fn check_file(&self) -> Result<(), Failure> {
-        let turns = matches!(self.distance, Some(Travel::Angle(_)));
-        let is_used = !self.fit_limit.is_empty() || self.path.is_given() || turns;
-        let (option, needs) = match (&self.link, self.changes.is_empty()) {
-            (Some(_), _) if !is_used => {
-                ("--link", "--fit-limit, --path, or an angle as --distance")
-            }
-            (None, false) => ("--set", "--link, the file that it changes"),
-            _ => return Ok(()),
+    /// Returns an error for an option that has no effect without another one.
+    fn check_use(&self) -> Result<(), Failure> {
+        let turns = self.travels().any(|(_, travel)| matches!(travel, Travel::Angle(_)));
+        let uses_link = !self.fit_limit.is_empty() || self.path.is_given() || turns || self.cycle;
+        let stops = self.cycle || self.path.stops();
+        let (option, needs) = if self.link.is_some() && !uses_link {
+            ("--link", "--fit-limit, --path, --cycle, or an angle as --distance")
+        } else if self.link.is_none() && !self.changes.is_empty() {
+            ("--set", "--link, the file that it changes")
+        } else if self.dwell != 0.0 && !stops {
+            ("--dwell", "--cycle, or with --via where the tip stops")
+        } else {
+            return Ok(());
         };
         let message = format!("{option} is given, but has an effect only with {needs}");
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// The distance, if it is in range; the parser has seen to it that it is given.
-    fn distance_m(&self) -> Result<f64, Failure> {
-        let distance_m = match (self.distance, &self.link) {
-            (None, _) => 0.0,
-            (Some(Travel::Length(length_m)), _) => length_m,
-            (Some(Travel::Angle(angle_rad)), Some(link)) => {
-                let file = InputFile::read_toml(link)?;
-                angle_rad * specification(&file, &self.limits(Limited::Link)?)?.link.length_m()
-            }
-            (Some(Travel::Angle(angle_rad)), None) => {
-                let angle = plain(angle_rad);
-                let message = format!(
-                    "--distance = {angle} rad, but must be a length unless --link is given"
-                );
-                let hint = "--link LINK gives the length of the link that turns";
-                return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-            }
-        };
-        if DISTANCES_M.contains(&distance_m.abs()) {
-            return Ok(distance_m);
-        }
-        let must = "must lie from 1e-100 to 1e100 m, in either direction";
-        let message = format!("--distance = {distance_m:?} m, but {must}");
-        Err(Failure::new(Exit::Usage, &message, None))
+    /// The link of --link, with the limits of the command line; none without it.
+    fn specification(&self) -> Result<Option<Specification>, Failure> {
+        let Some(link) = &self.link else { return Ok(None) };
+        let file = InputFile::read_toml(link)?;
+        specification(&file, &limits(&self.changes, &self.fit_limit, Limited::Link)?).map(Some)
+    }
+
+    /// What --via and --distance give, with their options.
+    fn travels(&self) -> impl Iterator<Item = (&'static str, Travel)> {
+        let stops = self.path.travels().map(|travel| ("--via", travel));
+        stops.chain(self.distance.map(|travel| ("--distance", travel)))
+    }
+
+    /// Where the tip of a link goes.
+    fn course(&self, specification: Option<&Specification>) -> Result<Course, Failure> {
+        let stop_m = |(option, travel)| displacement_m(option, travel, specification);
+        let stops_m = self.travels().map(stop_m).collect::<Result<Vec<_>, _>>()?;
+        let dwell = self.steps("--dwell", self.dwell, 0.0)?;
+        let course = Course::through(stops_m, dwell).map_err(|error| not_made(&error))?;
+        Ok(if self.cycle { course.there_and_back() } else { course })
     }
 
     /// The arm of a file, with the limits of the command line.
     pub(crate) fn arm(&self, link: &Path) -> Result<Box<ArmSpecification>, Failure> {
         let file = InputFile::read_toml(link)?;
-        match described(&file, &self.limits(Limited::Arm)?)? {
+        match described(&file, &limits(&self.changes, &self.fit_limit, Limited::Arm)?)? {
             Described::Arm(arm) => Ok(arm),
             Described::Link(_) => {
                 let message = format!(
@@ -276,99 +275,6 @@ impl Trajectory {
                 Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
             }
         }
-    }
-
-    /// The duration of the command line, or the shortest one within the limits.
-    fn duration(&self, distance_m: f64) -> Result<Duration, Failure> {
-        if let Some(duration_s) = self.duration {
-            let steps = self.steps("--duration", duration_s, 4.0)?;
-            return Ok(Duration { steps, ..Duration::default() });
-        }
-        let changes = self.limits(Limited::Link)?;
-        let file = InputFile::read_toml(self.link.as_deref().unwrap_or(Path::new("-")))?;
-        let Specification { link, mesh, analysis, limits, .. } = specification(&file, &changes)?;
-        let stages = StageBar::new();
-        stages.at("trying durations");
-        let fit = shortest_fit(&FitProblem {
-            link: &link,
-            plan: &mesh,
-            analysis: &analysis,
-            memory_bytes: memory::available(),
-            limits: &limits,
-            motion: OpenMotion { profile: self.profile, distance_m, step_s: self.step },
-        })?;
-        drop(stages);
-        let values = limits.limited_values(&Metrics::of(&fit.solution)).into_iter();
-        let found = self.told(&fit, values.map(|value| (None, value)));
-        warn(&fit.solution);
-        Ok(Duration { warnings: fit.solution.warnings.len(), ..found })
-    }
-
-    /// The duration of the command line, or the shortest one of a path within the limits of an arm's joints.
-    fn duration_along(
-        &self,
-        curve: &Curve,
-        arm: Option<&ArmSpecification>,
-    ) -> Result<Duration, Failure> {
-        let (Some(arm), None) = (arm, self.duration) else {
-            let steps = self.steps("--duration", self.duration.unwrap_or_default(), 4.0)?;
-            return Ok(Duration { steps, ..Duration::default() });
-        };
-        let stages = StageBar::new();
-        stages.at("trying durations");
-        let fit = shortest_arm_fit(&ArmFitProblem {
-            arm: &arm.arm,
-            plans: &arm.meshes,
-            analysis: &arm.analysis,
-            memory_bytes: memory::available(),
-            limits: &arm.limits,
-            curve,
-            profile: self.profile,
-            step_s: self.step,
-            outer_rad: self.path.outer_rad(),
-        })?;
-        drop(stages);
-        let values = ArmMetrics::of(&fit.solution).limited(&arm.limits).into_iter();
-        let found = self.told(&fit, values.map(|(joint, value)| (Some(joint), value)));
-        let warnings = &fit.solution.warnings;
-        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
-        Ok(Duration { warnings: warnings.len(), ..found })
-    }
-
-    /// Tells the duration that was found, and which of the limits binds.
-    fn told<S>(
-        &self,
-        fit: &Fit<S>,
-        values: impl IntoIterator<Item = (Option<usize>, LimitedValue)>,
-    ) -> Duration {
-        let product = fit.steps as f64 * self.step;
-        // Without the last digits of the product.
-        let duration_s: f64 = format!("{product:.14e}").parse().unwrap_or(product);
-        let found = format!("{} s, {}", plain(duration_s), found_text(fit, values));
-        console::note(&format!("{found}{}", binding_text(fit)));
-        let comment = format!("# {}: {found}\n", self.profile);
-        Duration { steps: fit.steps, comment, warnings: 0 }
-    }
-
-    /// The changes and the limits of the command line, as changes to the file of a link or of an arm.
-    fn limits(&self, of: Limited) -> Result<Vec<Override>, Failure> {
-        let refused = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
-        let limit = |text: &String| {
-            let place = format!("--fit-limit '{}'", visible(&excerpt(text)));
-            let Some((key, value)) = text.split_once('=') else {
-                let message = format!("{place}: has no `=`, but must read KEY=VALUE");
-                let hint = "it reads like torque=5 or 'power=\"20 W\"'";
-                return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-            };
-            let change = match (of, key.rsplit_once('.')) {
-                (Limited::Link, _) => format!("limits.{text}"),
-                (Limited::Arm, None) => format!("links.*.limits.{text}"),
-                (Limited::Arm, Some((link, key))) => format!("links.{link}.limits.{key}={value}"),
-            };
-            Override::placed(&place, &change).map_err(refused)
-        };
-        let limits = self.fit_limit.iter().map(limit).collect::<Result<Vec<_>, _>>()?;
-        Ok([self.changes.overrides()?, limits].concat())
     }
 
     /// A time in whole steps.
@@ -389,4 +295,36 @@ impl Trajectory {
         let message = format!("{option} = {time} s, but must be {must}");
         Err(Failure::new(Exit::Usage, &message, None))
     }
+}
+
+/// The displacement of a stop in m, if it is in range.
+fn displacement_m(
+    option: &str,
+    travel: Travel,
+    specification: Option<&Specification>,
+) -> Result<f64, Failure> {
+    let distance_m = match (travel, specification) {
+        (Travel::Length(length_m), _) => length_m,
+        (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link.length_m(),
+        (Travel::Angle(angle_rad), None) => {
+            let angle = plain(angle_rad);
+            let message =
+                format!("{option} = {angle} rad, but must be a length unless --link is given");
+            let hint = "--link LINK gives the length of the link that turns";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+        (Travel::Place(_), _) => {
+            let message = format!(
+                "{option} = x and y, but must be the travel of the tip unless --path is given"
+            );
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
+    };
+    // A stop may be the start.
+    if DISTANCES_M.contains(&distance_m.abs()) || (distance_m == 0.0 && option == "--via") {
+        return Ok(distance_m);
+    }
+    let must = "must lie from 1e-100 to 1e100 m, in either direction";
+    let message = format!("{option} = {distance_m:?} m, but {must}");
+    Err(Failure::new(Exit::Usage, &message, None))
 }

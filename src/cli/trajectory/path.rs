@@ -22,6 +22,13 @@ pub(crate) enum Travel {
     Length(f64),
     /// With the link that turns by so many rad.
     Angle(f64),
+    /// To a place in the plane, x and y in m.
+    Place(Place),
+}
+
+/// A travel, or a place.
+fn stop(text: &str) -> Result<Travel, String> {
+    if text.contains(',') { place(text).map(Travel::Place) } else { travel(text) }
 }
 
 pub(super) fn travel(text: &str) -> Result<Travel, String> {
@@ -31,6 +38,16 @@ pub(super) fn travel(text: &str) -> Result<Travel, String> {
 
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::TIME)
+}
+
+impl Travel {
+    fn place(&self) -> Result<Place, Failure> {
+        if let Self::Place(place) = self {
+            return Ok(*place);
+        }
+        let message = "--via = a travel, but must be a place, x and y, where --path is given";
+        Err(Failure::new(Exit::Usage, &message, Some("it reads like --via 0.5,0.2")))
+    }
 }
 
 /// Where the tip of an arm goes.
@@ -51,10 +68,10 @@ pub(crate) struct PathArgs {
     #[arg(requires = "path", required_if_eq("path", "line"))]
     to: Option<Place>,
 
-    /// A place that a line goes through, repeatable, in order. The tip stops there, unless --corner is given.
-    #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
-    #[arg(requires = "path")]
-    via: Vec<Place>,
+    /// A stop on the way, repeatable, in order: the travel of a link's tip from its start to there, as --distance; a
+    /// place that a line of --path goes through, '0.5,0.2', where the tip stops unless --corner is given.
+    #[arg(long, value_name = "STOP", value_parser = stop, allow_hyphen_values = true)]
+    via: Vec<Travel>,
 
     /// Round the corners at --via, from this length before each to as much after it, in m or with its unit:
     /// with continuous curvature, and without a stop.
@@ -105,6 +122,21 @@ impl PathArgs {
         self.path.is_some()
     }
 
+    /// True if the tip stops on the way.
+    pub(super) fn stops(&self) -> bool {
+        !self.via.is_empty() && self.corner.is_none()
+    }
+
+    /// Stops of a link's tip.
+    pub(super) fn travels(&self) -> impl Iterator<Item = Travel> {
+        self.via.iter().copied()
+    }
+
+    /// Number of stops on the way.
+    pub(super) fn via_count(&self) -> usize {
+        self.via.len()
+    }
+
     /// The curve that the options describe; none without --path.
     pub(crate) fn curve(&self) -> Result<Option<Curve>, Failure> {
         // The parser has seen to it that what a curve needs is there.
@@ -136,8 +168,9 @@ impl PathArgs {
                 Curve::arc(from_m, self.center.unwrap_or(from_m), self.angle.unwrap_or_default())
             }
             Kind::Line => {
+                let via = self.via.iter().map(Travel::place).collect::<Result<Vec<_>, _>>()?;
                 let points: Vec<Place> =
-                    [from_m].iter().chain(&self.via).chain(&self.to).copied().collect();
+                    [from_m].iter().chain(&via).chain(&self.to).copied().collect();
                 match self.corner {
                     Some(reach_m) => Curve::rounded(&points, reach_m),
                     None => Curve::through(&points),

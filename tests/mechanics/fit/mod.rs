@@ -7,7 +7,7 @@ mod resolved;
 use std::ops::Range;
 
 use flexlink::inverse::{QuantityErrors, Solution, invert};
-use flexlink::motion::{Profile, TipMotion};
+use flexlink::motion::{Course, Ends, Profile, TipMotion};
 use flexlink::result::{Fit, FitError, FitProblem, Limits, Metrics, OpenMotion, shortest_fit};
 use flexlink::spec::{Override, Specification, read_specification};
 
@@ -27,12 +27,30 @@ fn link(settings: &[&str]) -> Specification {
     read_specification("link.toml", UNIFORM, &overrides).unwrap()
 }
 
-fn open(profile: Profile, distance_m: f64, step_s: f64) -> OpenMotion {
-    OpenMotion { profile, distance_m, step_s }
+/// A move of open duration.
+#[derive(Clone, Copy)]
+struct Open {
+    profile: Profile,
+    distance_m: f64,
+    step_s: f64,
 }
 
-fn fitted(link: &Specification, limits: Limits, motion: OpenMotion) -> Result<Fit, FitError> {
+fn open(profile: Profile, distance_m: f64, step_s: f64) -> Open {
+    Open { profile, distance_m, step_s }
+}
+
+fn fitted(link: &Specification, limits: Limits, motion: Open) -> Result<Fit, FitError> {
+    fitted_along(link, limits, motion, &Course::to(motion.distance_m))
+}
+
+fn fitted_along(
+    link: &Specification,
+    limits: Limits,
+    Open { profile, step_s, .. }: Open,
+    course: &Course,
+) -> Result<Fit, FitError> {
     let Specification { link, mesh, analysis, .. } = link;
+    let motion = OpenMotion { profile, course, step_s };
     let (plan, limits, memory_bytes) = (mesh, &limits, None);
     shortest_fit(&FitProblem { link, plan, analysis, memory_bytes, limits, motion })
 }
@@ -45,9 +63,9 @@ fn motor_torque(limit_n_m: f64) -> Limits {
     Limits { motor_torque_n_m: Some(limit_n_m), ..Limits::default() }
 }
 
-fn solved(link: &Specification, motion: OpenMotion, steps: usize) -> Option<Solution> {
+fn solved(link: &Specification, motion: Open, steps: usize) -> Option<Solution> {
     let Specification { link, mesh, analysis, .. } = link;
-    let OpenMotion { profile, distance_m, step_s } = motion;
+    let Open { profile, distance_m, step_s } = motion;
     let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0])).ok()?;
     invert(link, mesh, &motion, analysis).ok()
 }
@@ -70,7 +88,7 @@ fn motor_peak(solution: &Solution) -> f64 {
 /// A peak of every number of steps from 4 on; none where it cannot be solved.
 fn scan(
     link: &Specification,
-    motion: OpenMotion,
+    motion: Open,
     steps: Range<usize>,
     peak: fn(&Solution) -> f64,
 ) -> Vec<Option<f64>> {
@@ -237,4 +255,32 @@ fn limits_that_no_duration_keeps_are_refused_with_what_was_tried() {
         "the durations within the limits = none of the 17 tried from 0.04 to 2621.44 s, but must \
          be one"
     );
+}
+
+#[test]
+fn the_shortest_cycle_within_a_torque_in_the_mean_is_found() {
+    let link = link(&[]);
+    let motion = open(Profile::MinJerk, 0.4, 0.02);
+    let course = Course::to(0.4).there_and_back();
+    let rest = Course::through(vec![0.4], 12).unwrap().there_and_back();
+    let rms = |course: &Course, steps: usize| {
+        let columns = course.sampled(motion.profile, motion.step_s, steps, [0, 0]).unwrap();
+        let motion = TipMotion::with_ends(columns, Ends::Periodic).unwrap();
+        let Specification { link, mesh, analysis, .. } = &link;
+        let solution = invert(link, mesh, &motion, analysis).unwrap();
+        let torque = &solution.torque_n_m;
+        let mean = torque.iter().map(|own| own * own).sum::<f64>() / torque.len() as f64;
+        with_errors(mean.sqrt(), solution.accuracy.errors.torque)
+    };
+    let limit = 1.001 * rms(&course, 40);
+    let limits = Limits { rms_torque_n_m: Some(limit), ..Limits::default() };
+    let mut found = Vec::new();
+    for course in [&course, &rest] {
+        let fit = fitted_along(&link, limits, motion, course).unwrap();
+        assert!(fit.is_shortest() && rms(course, fit.steps) <= limit);
+        assert!((4..fit.steps).all(|steps| rms(course, steps) > limit), "{}", fit.steps);
+        found.push(fit.steps);
+    }
+    // With rests between, the moves may be faster.
+    assert!(found[1] < found[0] && found[0] <= 40, "{found:?}");
 }

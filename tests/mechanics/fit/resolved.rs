@@ -2,10 +2,10 @@
 
 use flexlink::inverse::{Solution, invert};
 use flexlink::motion::{Profile, TipMotion};
-use flexlink::result::{Fit, Limits, OpenMotion, Reached};
+use flexlink::result::{Fit, Limits, Reached};
 use flexlink::spec::Specification;
 
-use super::{fitted, link, motor_torque, open, solved, torque};
+use super::{Open, fitted, link, motor_torque, open, solved, torque};
 
 /// A measured error tells about as much as the true one.
 const TELLS: f64 = 1.5;
@@ -48,10 +48,10 @@ fn closest(limits: &Limits, solution: &Solution) -> Reached {
 }
 
 /// What the samples of a motion say, at an eighth of the step and on elements a quarter as long.
-fn finer(settings: &[&str], motion: OpenMotion, steps: usize) -> Solution {
+fn finer(settings: &[&str], motion: Open, steps: usize) -> Solution {
     let settings = [settings, &["mesh.elements=40"]].concat();
     let Specification { link, mesh, analysis, .. } = link(&settings);
-    let OpenMotion { profile, distance_m, step_s } = motion;
+    let Open { profile, distance_m, step_s } = motion;
     let mut motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0])).unwrap();
     for _ in 0..3 {
         motion = motion.twice_as_often().unwrap();

@@ -1,0 +1,277 @@
+//! The duration of a motion: that of the command line, or the shortest within limits, of one profile or of the best.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use crate::cli::verify::warn;
+use crate::options::inputs::ChangeArgs;
+use crate::terminal::text::{binding_text, found_text};
+use crate::terminal::{Exit, Failure, StageBar, console, memory};
+use flexlink::inverse::{ArmSolution, Resources, Solution, invert_with};
+use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
+use flexlink::result::{
+    ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Metrics, OpenMotion,
+    shortest_arm_fit, shortest_fit,
+};
+use flexlink::spec::{ArmSpecification, Override, SpecError, Specification};
+use flexlink::text::{excerpt, plain, significant, visible};
+
+/// What stands for the profile that is the shortest.
+const BEST: &str = "best";
+
+/// The profile of the command line.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Choice {
+    Profile(Profile),
+    /// The one with the shortest duration.
+    Best,
+}
+
+/// Names of the profiles, and `best`.
+pub(super) fn profiles() -> impl TypedValueParser<Value = Choice> {
+    let names = Profile::ALL.iter().map(|profile| profile.name()).chain([BEST]);
+    let named = |name: String| {
+        let profile = Profile::ALL.into_iter().find(|profile| profile.name() == name);
+        profile.map_or(Choice::Best, Choice::Profile)
+    };
+    PossibleValuesParser::new(names).map(named)
+}
+
+/// Profile and duration of a motion.
+pub(crate) struct Found {
+    pub(super) profile: Profile,
+    pub(super) steps: usize,
+    /// Comment for the first line of the file.
+    pub(super) comment: String,
+    /// Number of warnings that were printed.
+    pub(super) warnings: usize,
+}
+
+/// What limits are of.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Limited {
+    Link,
+    Arm,
+}
+
+/// A motion whose profile or duration may be open.
+pub(super) struct Search<'a> {
+    pub(super) profile: Choice,
+    /// Steps of the duration; none where limits decide.
+    pub(super) steps: Option<usize>,
+    pub(super) step_s: f64,
+    /// Constant directions in rad of an arm's links from the third on.
+    pub(super) outer_rad: &'a [f64],
+}
+
+impl Search<'_> {
+    /// Profile and duration of a link's motion. Tells what was found, and what torque a cycle takes.
+    pub(super) fn found(
+        &self,
+        course: &Course,
+        specification: Option<&Specification>,
+    ) -> Result<Found, Failure> {
+        let is_cycle = course.ends() == Ends::Periodic;
+        let (found, solution) = match (specification, self.steps) {
+            (Some(own), None) => self.shortest(own, course)?,
+            (Some(own), Some(_)) if is_cycle => {
+                let given = self.given()?;
+                let solution = self.solved(own, course, &given)?;
+                (given, solution)
+            }
+            _ => return self.given(),
+        };
+        if is_cycle {
+            console::note(&cycle_text(&solution));
+        }
+        warn(&solution);
+        Ok(Found { warnings: solution.warnings.len(), ..found })
+    }
+
+    /// Profile and duration of an arm's path.
+    pub(super) fn found_along(
+        &self,
+        curve: &Curve,
+        arm: Option<&ArmSpecification>,
+    ) -> Result<Found, Failure> {
+        let (Some(arm), None) = (arm, self.steps) else { return self.given() };
+        let (profile, fit) = self.searched(
+            |arm: &ArmSolution| arm.warnings.len(),
+            |profile| {
+                shortest_arm_fit(&ArmFitProblem {
+                    arm: &arm.arm,
+                    plans: &arm.meshes,
+                    analysis: &arm.analysis,
+                    memory_bytes: memory::available(),
+                    limits: &arm.limits,
+                    curve,
+                    profile,
+                    step_s: self.step_s,
+                    outer_rad: self.outer_rad,
+                })
+            },
+        )?;
+        let values = ArmMetrics::of(&fit.solution).limited(&arm.limits).into_iter();
+        let found = self.told(profile, &fit, values.map(|(joint, value)| (Some(joint), value)));
+        let warnings = &fit.solution.warnings;
+        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+        Ok(Found { warnings: warnings.len(), ..found })
+    }
+
+    /// Profile and duration of the command line.
+    fn given(&self) -> Result<Found, Failure> {
+        let Choice::Profile(profile) = self.profile else {
+            let message = "PROFILE = best, but must be one profile where --duration is given";
+            let hint = "best is the one whose motion is the shortest within --fit-limit";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        };
+        // The parser has seen to it that a duration or a limit is given.
+        let steps = self.steps.unwrap_or_default();
+        Ok(Found { profile, steps, comment: String::new(), warnings: 0 })
+    }
+
+    /// The motion of the command line, solved.
+    fn solved(
+        &self,
+        specification: &Specification,
+        course: &Course,
+        given: &Found,
+    ) -> Result<Solution, Failure> {
+        let Specification { link, mesh, analysis, .. } = specification;
+        let columns = course.sampled(given.profile, self.step_s, given.steps, [0, 0]);
+        let columns = columns.map_err(|error| not_made(&error))?;
+        let motion = TipMotion::with_ends(columns, course.ends())
+            .map_err(|error| Failure::new(Exit::Usage, &error, None))?;
+        let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
+        Ok(invert_with(link, mesh, &motion, analysis, &resources)?)
+    }
+
+    /// The shortest motion of a link within its limits.
+    fn shortest(
+        &self,
+        specification: &Specification,
+        course: &Course,
+    ) -> Result<(Found, Solution), Failure> {
+        let Specification { link, mesh, analysis, limits, .. } = specification;
+        let (profile, fit) = self.searched(
+            |link: &Solution| link.warnings.len(),
+            |profile| {
+                shortest_fit(&FitProblem {
+                    link,
+                    plan: mesh,
+                    analysis,
+                    memory_bytes: memory::available(),
+                    limits,
+                    motion: OpenMotion { profile, course, step_s: self.step_s },
+                })
+            },
+        )?;
+        let values = limits.limited_values(&Metrics::of(&fit.solution)).into_iter();
+        let found = self.told(profile, &fit, values.map(|value| (None, value)));
+        Ok((found, fit.solution))
+    }
+
+    /// The fit of the profile; of the best one, after a note for each of what it needs. The best is the shortest of those
+    /// whose solution has no warning.
+    fn searched<S>(
+        &self,
+        warnings: impl Fn(&S) -> usize,
+        fit: impl Fn(Profile) -> Result<Fit<S>, FitError>,
+    ) -> Result<(Profile, Fit<S>), Failure> {
+        let stages = StageBar::new();
+        stages.at("trying durations");
+        if let Choice::Profile(profile) = self.profile {
+            return Ok((profile, fit(profile)?));
+        }
+        let (mut found, mut refused) = (Vec::new(), Vec::new());
+        for profile in Profile::ALL {
+            match fit(profile) {
+                Ok(fit) => found.push((profile, fit)),
+                Err(error) => refused.push((profile, error)),
+            }
+        }
+        drop(stages);
+        if found.is_empty()
+            && let Some((_, error)) = refused.pop()
+        {
+            return Err(error.into());
+        }
+        found.sort_by_key(|(_, fit)| (warnings(&fit.solution) > 0, fit.steps));
+        for (profile, fit) in &found {
+            let duration_s = plain(self.time_s(fit.steps));
+            let warned = if warnings(&fit.solution) > 0 { ", with a warning" } else { "" };
+            let binding = binding_text(fit);
+            console::note(&format!("{:<9}  {duration_s} s{warned}{binding}", profile.name()));
+        }
+        for (profile, error) in &refused {
+            console::note(&format!("{:<9}  none: {error}", profile.name()));
+        }
+        Ok(found.swap_remove(0))
+    }
+
+    /// Tells the duration that was found, and which of the limits binds.
+    fn told<S>(
+        &self,
+        profile: Profile,
+        fit: &Fit<S>,
+        values: impl IntoIterator<Item = (Option<usize>, LimitedValue)>,
+    ) -> Found {
+        let duration_s = plain(self.time_s(fit.steps));
+        let found = format!("{duration_s} s, {}", found_text(fit, values));
+        match self.profile {
+            Choice::Best => console::note(&format!("{profile} is the best: {found}")),
+            Choice::Profile(_) => console::note(&format!("{found}{}", binding_text(fit))),
+        }
+        let comment = format!("# {profile}: {found}\n");
+        Found { profile, steps: fit.steps, comment, warnings: 0 }
+    }
+
+    /// The time in s of so many steps, without the last digits of the product.
+    fn time_s(&self, steps: usize) -> f64 {
+        let product = steps as f64 * self.step_s;
+        format!("{product:.14e}").parse().unwrap_or(product)
+    }
+}
+
+/// The changes and the limits of the command line, as changes to the file of a link or of an arm.
+pub(super) fn limits(
+    changes: &ChangeArgs,
+    fit_limit: &[String],
+    of: Limited,
+) -> Result<Vec<Override>, Failure> {
+    let refused = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
+    let limit = |text: &String| {
+        let place = format!("--fit-limit '{}'", visible(&excerpt(text)));
+        let Some((key, value)) = text.split_once('=') else {
+            let message = format!("{place}: has no `=`, but must read KEY=VALUE");
+            let hint = "it reads like torque=5 or 'power=\"20 W\"'";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        };
+        let change = match (of, key.rsplit_once('.')) {
+            (Limited::Link, _) => format!("limits.{text}"),
+            (Limited::Arm, None) => format!("links.*.limits.{text}"),
+            (Limited::Arm, Some((link, key))) => format!("links.{link}.limits.{key}={value}"),
+        };
+        Override::placed(&place, &change).map_err(refused)
+    };
+    let limits = fit_limit.iter().map(limit).collect::<Result<Vec<_>, _>>()?;
+    Ok([changes.overrides()?, limits].concat())
+}
+
+/// What a cycle takes.
+fn cycle_text(solution: &Solution) -> String {
+    let metrics = Metrics::of(solution);
+    let cycle_s = plain(solution.grid.len as f64 * solution.grid.step_s);
+    let [rms, peak] = [metrics.rms_torque_n_m, metrics.peak_torque_n_m.value];
+    let [rms, peak] = [rms, peak].map(|torque| significant(torque, 4));
+    let motor = metrics.motor.map_or(String::new(), |motor| {
+        let [rms, peak] = [motor.rms_torque_n_m, motor.peak_torque_n_m.value];
+        let [rms, peak] = [rms, peak].map(|torque| significant(torque, 4));
+        format!("; of the motor {rms} N m rms, {peak} N m at its peak")
+    });
+    format!("a cycle of {cycle_s} s takes a torque of {rms} N m rms, {peak} N m at its peak{motor}")
+}
+
+/// Refuses a motion that the profile does not make.
+pub(super) fn not_made(error: &CurveError) -> Failure {
+    Failure::new(Exit::Usage, error, error.hint())
+}

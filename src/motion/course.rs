@@ -1,0 +1,231 @@
+//! Where a link's tip goes: from stop to stop, once or there and back in a cycle.
+
+use super::error::{CurveError, FEWEST_STEPS};
+use super::profile::Profile;
+use super::samples::{Ends, MotionColumns};
+
+/// Where a link's tip goes along its arc: through stops, at each of which it rests.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Displacement of each stop from the start in m; the last is the end.
+    stops_m: Vec<f64>,
+    /// Steps of rest at each stop on the way, and at both ends of a cycle.
+    dwell: usize,
+    ends: Ends,
+}
+
+impl Course {
+    /// Straight to an end, given by its displacement from the start in m.
+    pub fn to(distance_m: f64) -> Self {
+        Self { stops_m: vec![distance_m], dwell: 0, ends: Ends::AtRest }
+    }
+
+    /// Through stops, given by their displacement from the start in m, with so many steps of rest at each on the way.
+    ///
+    /// # Errors
+    /// [`CurveError::Same`] for two stops in a row that are the same.
+    pub fn through(stops_m: Vec<f64>, dwell: usize) -> Result<Self, CurveError> {
+        let before = [0.0].into_iter().chain(stops_m.iter().copied());
+        match before
+            .zip(&stops_m)
+            .position(|(from_m, to_m)| (from_m - to_m).abs() < f64::MIN_POSITIVE)
+        {
+            None => Ok(Self { stops_m, dwell, ends: Ends::AtRest }),
+            Some(leg) => Err(CurveError::Same { number: leg + 1 }),
+        }
+    }
+
+    /// The cycle there and back: the way back is the way there in reversed time, after the rest at the far end; the rest
+    /// at the start follows.
+    #[must_use]
+    pub fn there_and_back(self) -> Self {
+        Self { ends: Ends::Periodic, ..self }
+    }
+
+    /// Displacement of each stop from the start in m.
+    pub fn stops_m(&self) -> &[f64] {
+        &self.stops_m
+    }
+
+    /// What the tip does before the first sample and after the last.
+    pub fn ends(&self) -> Ends {
+        self.ends
+    }
+
+    /// The samples of a profile that has `steps` steps for the moves on the way there, without the rests between them. At
+    /// rest for `rest[0]` steps before and `rest[1]` after, which a cycle has not.
+    ///
+    /// Moves share the steps by their lengths, so that the tip is as fast in each, as nearly as whole steps allow. The
+    /// first sample of a cycle follows its last one, a step later.
+    ///
+    /// # Errors
+    /// [`CurveError::FewSteps`] for a move, [`CurveError::TurnsAtOnce`] for a stop without rest at which the
+    /// acceleration of the profile jumps from one sign to the other.
+    pub fn sampled(
+        &self,
+        profile: Profile,
+        step_s: f64,
+        steps: usize,
+        rest: [usize; 2],
+    ) -> Result<MotionColumns, CurveError> {
+        if let ([distance_m], Ends::AtRest) = (&self.stops_m[..], self.ends) {
+            return Ok(profile.sampled(*distance_m, step_s, steps, rest));
+        }
+        let there = self.there(profile, step_s, steps)?;
+        let all = if self.ends == Ends::Periodic {
+            self.check_turn(profile, self.stops_m.len())?;
+            let mut cycle = there.clone();
+            append(&mut cycle, there.into_iter().rev(), self.dwell);
+            // The first sample of the next cycle follows after the rest.
+            append(&mut cycle, [0.0], self.dwell);
+            cycle.pop();
+            cycle
+        } else {
+            let rests = rest.map(|steps| vec![0.0; steps]);
+            [rests[0].clone(), there, rests[1].clone()].concat()
+        };
+        Ok(MotionColumns {
+            time_s: (0..all.len()).map(|k| k as f64 * step_s).collect(),
+            acceleration_m_s2: Some(all),
+            ..MotionColumns::default()
+        })
+    }
+
+    /// Accelerations in m/s² from the start to the last stop.
+    fn there(&self, profile: Profile, step_s: f64, steps: usize) -> Result<Vec<f64>, CurveError> {
+        let before = [0.0].into_iter().chain(self.stops_m.iter().copied());
+        let moves_m: Vec<f64> =
+            before.zip(&self.stops_m).map(|(from_m, to_m)| to_m - from_m).collect();
+        let whole_m: f64 = moves_m.iter().map(|move_m| move_m.abs()).sum();
+        let mut samples = vec![0.0];
+        let (mut gone_m, mut first) = (0.0, 0);
+        for (number, move_m) in (1..).zip(&moves_m) {
+            gone_m += move_m.abs();
+            let last = rounded(steps as f64 * gone_m / whole_m);
+            let own = last - first;
+            if own < FEWEST_STEPS {
+                return Err(CurveError::FewSteps { number, steps: own, all: steps });
+            }
+            if number > 1 && moves_m[number - 2] * move_m < 0.0 {
+                self.check_turn(profile, number - 1)?;
+            }
+            let columns = profile.sampled(*move_m, step_s, own, [0, 0]);
+            let dwell = if number > 1 { self.dwell } else { 0 };
+            append(&mut samples, columns.acceleration_m_s2.unwrap_or_default(), dwell);
+            first = last;
+        }
+        Ok(samples)
+    }
+
+    /// Refuses to turn at a stop, numbered from 1, where no rest parts two jumps of the acceleration of one sign.
+    fn check_turn(&self, profile: Profile, stop: usize) -> Result<(), CurveError> {
+        let jumps = profile.jumps_at_its_ends();
+        if jumps && self.dwell == 0 {
+            return Err(CurveError::TurnsAtOnce { stop, profile: profile.name() });
+        }
+        Ok(())
+    }
+}
+
+/// Appends the samples of a move that begins so many steps after the last sample; without a step between them, the last
+/// sample and the first are one, in which both accelerations act.
+fn append(samples: &mut Vec<f64>, own: impl IntoIterator<Item = f64>, dwell: usize) {
+    let mut own = own.into_iter();
+    if dwell == 0 {
+        let first = own.next().unwrap_or_default();
+        if let Some(last) = samples.last_mut() {
+            *last += first;
+        }
+    } else {
+        samples.extend(std::iter::repeat_n(0.0, dwell - 1));
+    }
+    samples.extend(own);
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a number of steps"
+)]
+fn rounded(steps: f64) -> usize {
+    steps.round() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::TipMotion;
+
+    const STEP_S: f64 = 0.01;
+
+    /// The displacement at each sample, by the integration of [`TipMotion`] written out.
+    fn displacements_m(columns: &MotionColumns) -> Vec<f64> {
+        let (mut velocity, mut displacement) = (0.0, 0.0);
+        let accelerations = columns.acceleration_m_s2.as_ref().unwrap();
+        accelerations
+            .iter()
+            .map(|own| {
+                let here = displacement;
+                velocity += STEP_S * own;
+                displacement += STEP_S * velocity;
+                here
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_tip_rests_at_each_stop() {
+        for profile in Profile::ALL {
+            let course = Course::through(vec![0.2, -0.1, 0.5], 7).unwrap();
+            let columns = course.sampled(profile, STEP_S, 110, [3, 2]).unwrap();
+            assert_eq!(columns.time_s.len(), 110 + 2 * 7 + 3 + 2 + 1, "{profile}");
+            let displacement = displacements_m(&columns);
+            // Moves of 0.2, 0.3 and 0.6 m take 20, 30 and 60 steps.
+            for (samples, at_m) in [(0..=3, 0.0), (24..=30, 0.2), (61..=67, -0.1), (128..=129, 0.5)]
+            {
+                for k in samples {
+                    let off_m = displacement[k] - at_m;
+                    assert!(off_m.abs() < 1e-13, "{profile} at {k}: {off_m:e}");
+                }
+            }
+            assert_eq!(TipMotion::new(columns).unwrap().corrected(), None);
+        }
+    }
+
+    #[test]
+    fn a_cycle_goes_back_as_it_came_and_begins_again() {
+        for (profile, dwell) in
+            Profile::ALL.map(|profile| (profile, 9)).into_iter().chain([(Profile::Septic, 0)])
+        {
+            let course = Course::through(vec![0.1, 0.4], dwell).unwrap().there_and_back();
+            let columns = course.sampled(profile, STEP_S, 40, [0, 0]).unwrap();
+            // Two moves there and two back, with a rest after each.
+            assert_eq!(columns.time_s.len(), 2 * 40 + 4 * dwell, "{profile}");
+            let own = columns.acceleration_m_s2.clone().unwrap();
+            let there = 40 + dwell;
+            for k in 1..there {
+                let back = own[there + dwell + (there - k)];
+                assert!((own[k] - back).abs() < 1e-12, "{profile} at {k}");
+            }
+            let displacement = displacements_m(&columns);
+            let far_m = displacement[there + usize::from(dwell > 0)];
+            assert!((far_m - 0.4).abs() < 1e-13, "{profile}: {far_m}");
+            let motion = TipMotion::with_ends(columns, course.ends()).unwrap();
+            assert!(motion.travel_m().abs() < 1e-13 && motion.ends() == Ends::Periodic);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_sampled_is_refused() {
+        let same = Course::through(vec![0.2, 0.2], 0).unwrap_err();
+        assert_eq!(same, CurveError::Same { number: 2 });
+        let back = Course::through(vec![0.2, 0.1], 0).unwrap();
+        let at_once = CurveError::TurnsAtOnce { stop: 1, profile: "bang-bang" };
+        assert_eq!(back.sampled(Profile::BangBang, STEP_S, 40, [0, 0]).unwrap_err(), at_once);
+        assert!(back.sampled(Profile::MinJerk, STEP_S, 40, [0, 0]).is_ok());
+        let few = CurveError::FewSteps { number: 2, steps: 3, all: 9 };
+        assert_eq!(back.sampled(Profile::MinJerk, STEP_S, 9, [0, 0]).unwrap_err(), few);
+        let cycle = Course::to(0.5).there_and_back();
+        assert!(cycle.sampled(Profile::Versine, STEP_S, 40, [0, 0]).is_err());
+    }
+}
