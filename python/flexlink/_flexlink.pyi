@@ -79,18 +79,21 @@ class _FrfOptions(TypedDict, total=False):
     at: Sequence[float]
 
 class _TrajectoryOptions(TypedDict, total=False):
-    distance: float
-    duration: float
-    step: float
-    rest_before: float
-    rest_after: float
+    distance: float | str
+    duration: float | str
+    step: float | str
+    rest_before: float | str
+    rest_after: float | str
+    dwell: float | str
+    cycle: bool
     link: _Path
+    set: str
     fit_limit: str
     path: Literal["line", "arc"]
     start: tuple[float, float]
     to: tuple[float, float]
-    via: tuple[float, float]
-    corner: float
+    via: float | str | tuple[float, float]
+    corner: float | str
     center: tuple[float, float]
     angle: float
     angles: Sequence[float]
@@ -191,6 +194,7 @@ class ArmSolution:
     @property
     def remarks(self) -> list[FlexlinkWarning]: ...
     def write(self, folder: _Path, **options: Unpack[_Outputs]) -> None: ...
+    def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
 class Simulation:
@@ -268,6 +272,7 @@ class ArmRun:
     def results(self) -> dict[str, float]: ...
     @property
     def warnings(self) -> list[FlexlinkWarning]: ...
+    def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
 class Fit:
@@ -277,6 +282,8 @@ class Fit:
     def record(self) -> dict[str, Any]: ...
     @property
     def is_believed(self) -> bool: ...
+    @property
+    def warnings(self) -> list[FlexlinkWarning]: ...
     @property
     def text(self) -> str: ...
     def write(self, path: _Path) -> None: ...

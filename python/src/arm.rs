@@ -13,7 +13,7 @@ use flexlink::result::StoredWarning;
 use flexlink::spec::{ArmSpecification, Described};
 use flexlink::store::{OutputFolder, RunInputs};
 
-use crate::arrays::{column, rows};
+use crate::arrays::{column, frame, rows};
 use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords;
@@ -306,6 +306,11 @@ impl ArmSolution {
     ) -> PyResult<()> {
         let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
+    }
+
+    /// The histories as a `pandas.DataFrame` over the time, a column for each joint: ``torque1``, ``torque2``.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        frame(slf, &["torque", "rigid_torque", "joint_angle", "joint_rate", "tip"])
     }
 
     fn __repr__(&self) -> String {

@@ -73,3 +73,29 @@ pub(crate) fn dictionary(
     }
     Ok(table)
 }
+
+/// Attributes of an object as a `pandas.DataFrame` over its time: `torque` of several joints as `torque1`, `torque2`, …, the
+/// place of a tip as `tip_x`, `tip_y`.
+pub(crate) fn frame<'py>(
+    of: &Bound<'py, impl PyClass>,
+    names: &[&str],
+) -> PyResult<Bound<'py, PyAny>> {
+    let (py, of) = (of.py(), of.as_any());
+    let index = PyDict::new(py);
+    let time = py.import("pandas")?.call_method1("Index", (of.getattr("time")?,))?;
+    index.set_item("index", time.call_method1("rename", ("time",))?)?;
+    let columns = PyDict::new(py);
+    for name in names {
+        let array = of.getattr(*name)?;
+        let Ok(array) = array.cast::<PyArray2<f64>>() else {
+            columns.set_item(name, array)?;
+            continue;
+        };
+        for (k, column) in array.call_method0("transpose")?.try_iter()?.enumerate() {
+            let number = (k + 1).to_string();
+            let suffix = if *name == "tip" { ["_x", "_y"][k] } else { &number };
+            columns.set_item(format!("{name}{suffix}"), column?)?;
+        }
+    }
+    py.import("pandas")?.call_method("DataFrame", (columns,), Some(&index))
+}

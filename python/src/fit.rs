@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 
 use flexlink::fit::{FitOutcome, Replaced};
+use flexlink::result::StoredWarning;
 use flexlink::store::{Durability, fit_json, write_file};
 
 use crate::arm::Arm;
 use crate::cli::fit::{Problem, RECORD, Unfitted};
 use crate::link::{Link, Source, described_by};
-use crate::messages::usage;
+use crate::messages::{notice, objects, usage, warn};
 use crate::options::common::option;
 use crate::pool;
 use crate::terminal::Failure;
@@ -40,7 +41,9 @@ pub(crate) fn fit(
         Ok(arm) => &arm.get().source,
         Err(_) => &described_by::<Link>(link)?.get().source,
     };
-    Ok(py.detach(|| pool::install(|| fitted(source, &measured, &free)))?)
+    let fit = py.detach(|| pool::install(|| fitted(source, &measured, &free)))?;
+    warn(py, &fit.warnings())?;
+    Ok(fit)
 }
 
 fn fitted(source: &Source, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
@@ -75,6 +78,12 @@ impl Fit {
         self.outcome.misfit.is_none()
     }
 
+    /// What the user must know: warnings that were given to Python's filters, too.
+    #[getter(warnings)]
+    fn warning_objects<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        objects(py, &self.warnings())
+    }
+
     /// The text of the link file with the fitted values, comments and all else kept.
     #[getter]
     fn text(&self) -> &str {
@@ -94,6 +103,11 @@ impl Fit {
 }
 
 impl Fit {
+    fn warnings(&self) -> Vec<StoredWarning> {
+        let warnings = self.outcome.warnings().into_iter();
+        warnings.map(|own| notice(own.kind(), &own, own.hint())).collect()
+    }
+
     fn write_to(&self, path: &Path) -> Result<(), Failure> {
         if let Some(misfit) = &self.outcome.misfit {
             return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));

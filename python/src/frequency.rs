@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::result::ModesResult;
+use flexlink::result::{BandMeshError, CoarseMesh, ModesResult};
 use flexlink::store::{ResponseColumns, arm_response, link_response};
 
 use crate::arm::Arm;
@@ -17,7 +17,7 @@ use crate::cli::frf::Frf;
 use crate::cli::modes::{computed, in_pose};
 use crate::keywords;
 use crate::link::{Link, described_by};
-use crate::messages::usage;
+use crate::messages::{of_mesh, usage, warn};
 use crate::options::common::directions;
 use crate::pool;
 use crate::terminal::Failure;
@@ -50,6 +50,9 @@ pub(crate) fn modes<'py>(
     if let Ok(arm) = link.cast::<Arm>() {
         let pose = ArmInPose::of(arm.get().specification.clone(), at.as_deref())?;
         let found = py.detach(|| pool::install(|| pose.modes(count)))?;
+        let lists = [("mode, joints free,", &found.free), ("mode, rotors held,", &found.held)];
+        let coarse = lists.map(|(what, own)| CoarseMesh::of(what, &own.errors));
+        warn_of(py, coarse.into_iter().flatten())?;
         let squares = |modes: &[flexlink::response::PoseMode]| -> Vec<f64> {
             modes.iter().map(|mode| mode.square_per_s2).collect()
         };
@@ -62,10 +65,19 @@ pub(crate) fn modes<'py>(
     let specification = &described_by::<Link>(link)?.get().specification;
     if let Some(at) = at.map(|at| directions(Some(&at), 1)).transpose()? {
         let (_, found) = py.detach(|| pool::install(|| in_pose(specification, at[0], count)))?;
+        let lists = [("mode", &found.free), ("mode with the hub held", &found.held)];
+        let coarse = lists.map(|(what, own)| CoarseMesh::of(what, &own.mesh_errors));
+        warn_of(py, coarse.into_iter().flatten())?;
         return in_directions(py, &found.free.squares_per_s2, &found.held.squares_per_s2);
     }
     let (_, found) = py.detach(|| pool::install(|| computed(specification, count)))?;
+    warn_of(py, found.warnings())?;
     of_link(py, found)
+}
+
+/// Gives warnings of a coarse mesh to Python's filters.
+fn warn_of(py: Python<'_>, coarse: impl IntoIterator<Item = CoarseMesh>) -> PyResult<()> {
+    warn(py, &coarse.into_iter().map(|own| of_mesh(&own)).collect::<Vec<_>>())
 }
 
 /// One direction, or one for each link.
@@ -164,11 +176,16 @@ pub(crate) fn frf<'py>(
             let message = "at is for an arm of several links, and this is one";
             return Err(usage(&message, None).into());
         }
-        let compute = || -> Result<ResponseColumns, Failure> {
+        let compute = || -> Result<(ResponseColumns, Option<CoarseMesh>), Failure> {
             let (rows, errors) = read.frf.compute(&own.specification)?;
-            Ok(link_response(&rows, errors.as_deref()))
+            let known =
+                rows.iter().map(|row| row.frequency_hz).zip(errors.iter().flatten().copied());
+            let coarse = BandMeshError::of_errors(known).and_then(|error| error.warning);
+            Ok((link_response(&rows, errors.as_deref()), coarse))
         };
-        py.detach(|| pool::install(compute))?
+        let (columns, coarse) = py.detach(|| pool::install(compute))?;
+        warn_of(py, coarse)?;
+        columns
     };
     dictionary(py, columns)
 }

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 
 use flexlink::csv::Reading;
 use flexlink::inverse::{ArmWarning, Warning};
-use flexlink::result::{Exceeded, Remark, StoredWarning};
+use flexlink::result::{CoarseMesh, Exceeded, Remark, StoredWarning};
 
 use crate::terminal::{Exit, Failure};
 
@@ -41,6 +41,10 @@ pub(crate) fn of_arm(warning: &ArmWarning) -> StoredWarning {
 
 pub(crate) fn of_limit(exceeded: &Exceeded) -> StoredWarning {
     notice(Exceeded::KIND, exceeded, exceeded.hint())
+}
+
+pub(crate) fn of_mesh(warning: &CoarseMesh) -> StoredWarning {
+    notice(warning.kind(), warning, warning.hint())
 }
 
 /// What was found in a file beyond the standard form.

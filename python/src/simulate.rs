@@ -4,7 +4,6 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use numpy::{PyArray1, PyArray2};
-use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -18,7 +17,7 @@ use flexlink::result::{PlayedMetrics, StoredWarning};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary};
 
-use crate::arrays::{column, rows, view};
+use crate::arrays::{column, frame, rows, view};
 use crate::keywords;
 use crate::link::Link;
 use crate::messages::{notice, objects, usage, warn};
@@ -331,19 +330,3 @@ const HISTORIES: [&str; 7] = [
     "tip_velocity",
     "tip_acceleration",
 ];
-
-/// Attributes of an object as a `pandas.DataFrame` over its time.
-pub(crate) fn frame<'py>(
-    of: &Bound<'py, impl PyClass>,
-    names: &[&str],
-) -> PyResult<Bound<'py, PyAny>> {
-    let (py, of) = (of.py(), of.as_any());
-    let index = PyDict::new(py);
-    let time = py.import("pandas")?.call_method1("Index", (of.getattr("time")?,))?;
-    index.set_item("index", time.call_method1("rename", ("time",))?)?;
-    let columns = PyDict::new(py);
-    for name in names {
-        columns.set_item(name, of.getattr(*name)?)?;
-    }
-    py.import("pandas")?.call_method("DataFrame", (columns,), Some(&index))
-}

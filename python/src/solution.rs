@@ -14,14 +14,13 @@ use flexlink::link::ParameterError;
 use flexlink::result::{Exceeded, Metrics, StoredWarning};
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 
-use crate::arrays::{rows, view};
+use crate::arrays::{frame, rows, view};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords;
 use crate::link::{Link, Source};
 use crate::messages::{objects, of_limit, of_remark, of_solution};
 use crate::options::inputs::remarks;
 use crate::pool;
-use crate::simulate::frame;
 use crate::solve::{Given, read_options};
 use crate::terminal::{Failure, memory};
 

@@ -11,10 +11,9 @@ use flexlink::compare::Cell;
 use flexlink::result::{StoredArm, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
-use crate::arrays::{rows, view};
+use crate::arrays::{frame, rows, view};
 use crate::messages::objects;
 use crate::pool;
-use crate::simulate::frame;
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
@@ -207,6 +206,11 @@ impl ArmRun {
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.0.warnings)
+    }
+
+    /// The histories as a `pandas.DataFrame` over the time, a column for each joint: ``torque1``, ``torque2``.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        frame(slf, &["torque", "joint_angle", "tip"])
     }
 
     fn __repr__(&self) -> String {

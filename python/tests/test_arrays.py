@@ -9,6 +9,8 @@ import signal
 import subprocess
 import sys
 import time as clock
+import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,7 @@ import pytest
 
 import flexlink
 
-from conftest import LINK, MOTION
+from conftest import LINK, MOTION, ROOT
 
 
 def strip(**keys: Any) -> flexlink.Link:
@@ -107,6 +109,46 @@ def test_a_link_is_pickled_with_its_changes() -> None:
     assert (error.message, error.hint, str(error)) == ("a", "b", "a\nhint: b")
 
 
+def test_an_arms_histories_are_a_column_for_each_joint(tmp_path: Path) -> None:
+    arm = flexlink.Arm.read(ROOT / "specs/arms/two_links.toml")
+    solution = flexlink.solve(arm, ROOT / "trajectories/arms/line_1.5s.csv")
+    frame = solution.to_pandas()
+    assert (frame["torque2"].to_numpy() == solution.torque[:, 1]).all()
+    assert (frame["tip_y"].to_numpy() == solution.tip[:, 1]).all()
+    assert (frame.index.to_numpy() == solution.time).all()
+    solution.write(tmp_path)
+    read = flexlink.read(tmp_path).to_pandas()
+    assert list(read) == ["torque1", "torque2", "joint_angle1", "joint_angle2", "tip_x", "tip_y"]
+    assert abs(read["torque1"] - frame["torque1"]).max() < 1e-9 * abs(frame["torque1"]).max()
+
+
+def test_a_coarse_mesh_is_told_as_by_the_command() -> None:
+    link = flexlink.Link.read(LINK, {"mesh.elements": 2})
+    with pytest.warns(flexlink.FlexlinkWarning, match="from mode 2 on the mesh is wrong") as told:
+        flexlink.modes(link, count=3)
+    assert isinstance(told[0].message, flexlink.FlexlinkWarning)
+    assert told[0].message.kind == "coarse_mesh"
+    with pytest.warns(flexlink.FlexlinkWarning, match="Hz the mesh is wrong by more than 1 %"):
+        flexlink.frf(link, start=0.1, stop=50, points=20)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        flexlink.modes(flexlink.Link.read(LINK), count=3)
+
+
+def test_a_motion_has_units_and_stops() -> None:
+    motion = flexlink.trajectory(
+        "septic",
+        distance="90 deg",
+        duration="800 ms",
+        step="1 ms",
+        link=LINK,
+        via="30 deg",
+        dwell="100 ms",
+    )
+    assert motion["time"].size == 901
+    assert motion["acceleration"][300] == 0.0
+
+
 def peak(factor: float) -> float:
     link = strip().changed({"segments.*.EI*": factor})
     return float(abs(flexlink.solve(link, TIME, acceleration=ACCELERATION).torque).max())
@@ -120,7 +162,9 @@ def test_a_forked_child_solves_after_its_parent() -> None:
 
 def test_ctrl_c_ends_a_sweep() -> None:
     program = (
-        "import flexlink, sys\n"
+        "import flexlink, signal, sys\n"
+        # A process that was started in the background ignores it.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"link = flexlink.Link.read({str(LINK)!r})\n"
         "cases = [{'segments.*.EI*': 1 + k / 1e6} for k in range(1_000_000)]\n"
         "print('begun', flush=True)\n"

@@ -120,6 +120,14 @@ fn all_limits_that_hold_are_named_and_the_one_that_binds() {
     let within = " s, the shortest duration within torque=5 N m, hub_rate=2 rad/s";
     assert!(told.contains(&format!("{within}; limits.hub_rate binds: ")), "{told}");
     assert!(bench.read("fit.csv").lines().next().unwrap().ends_with(within));
+    // Those of the file are enough.
+    let (code, told) = fitted(&bench, "limited.toml", "0.01", &[]);
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains(" s, the shortest duration within hub_rate=2 rad/s; "), "{told}");
+    let (code, told) = fitted(&bench, &repository(LINK), "0.01", &[]);
+    assert_eq!(code, Some(2), "{told}");
+    let message = "error: --duration = nothing, but must be given where no limit is\n";
+    assert!(told.starts_with(message), "{told}");
 }
 
 #[test]
@@ -230,7 +238,8 @@ fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
     for (arguments, message) in [
         (
             vec!["--distance", "0.5", "--link", &link],
-            "error: --link is given, but has an effect only with --fit-limit, --path, --cycle, or an angle as --distance\n",
+            "error: --link is given, but has an effect only with --path, --cycle, an angle as --distance, or without \
+             --duration\n",
         ),
         (
             vec!["--distance", "0.5", "--set", "payload.mass=0"],

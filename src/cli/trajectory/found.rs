@@ -9,8 +9,8 @@ use crate::terminal::{Exit, Failure, StageBar, console, memory};
 use flexlink::inverse::{ArmSolution, Resources, Solution, invert_with};
 use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
 use flexlink::result::{
-    ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Metrics, OpenMotion,
-    shortest_arm_fit, shortest_fit,
+    ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics,
+    OpenMotion, shortest_arm_fit, shortest_fit,
 };
 use flexlink::spec::{ArmSpecification, Override, SpecError, Specification};
 use flexlink::text::{excerpt, plain, significant, visible};
@@ -94,6 +94,7 @@ impl Search<'_> {
         arm: Option<&ArmSpecification>,
     ) -> Result<Found, Failure> {
         let (Some(arm), None) = (arm, self.steps) else { return self.given() };
+        refuse_no_limit(&arm.limits)?;
         let (profile, fit) = self.searched(
             |arm: &ArmSolution| arm.warnings.len(),
             |profile| {
@@ -124,7 +125,7 @@ impl Search<'_> {
             let hint = "best is the one whose motion is the shortest within --fit-limit";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         };
-        // The parser has seen to it that a duration or a limit is given.
+        // The parser has seen to it that a duration or a link is given.
         let steps = self.steps.unwrap_or_default();
         Ok(Found { profile, steps, comment: String::new(), warnings: 0 })
     }
@@ -152,6 +153,7 @@ impl Search<'_> {
         course: &Course,
     ) -> Result<(Found, Solution), Failure> {
         let Specification { link, mesh, analysis, limits, .. } = specification;
+        refuse_no_limit(std::slice::from_ref(limits))?;
         let (profile, fit) = self.searched(
             |link: &Solution| link.warnings.len(),
             |profile| {
@@ -255,6 +257,16 @@ pub(super) fn limits(
     };
     let limits = fit_limit.iter().map(limit).collect::<Result<Vec<_>, _>>()?;
     Ok([changes.overrides()?, limits].concat())
+}
+
+/// Refuses to search a duration that nothing limits.
+fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
+    if limits.iter().any(|own| *own != Limits::default()) {
+        return Ok(());
+    }
+    let message = "--duration = nothing, but must be given where no limit is";
+    let hint = "or --fit-limit torque=5, or [limits] in the link file: then the shortest is found";
+    Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
 /// What a cycle takes.

@@ -69,15 +69,15 @@ pub(crate) struct Trajectory {
     #[arg(required_unless_present = "path")]
     distance: Option<Travel>,
 
-    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps.
+    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps [default: the shortest within the
+    /// limits of --fit-limit and of the link file].
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
-    #[arg(required_unless_present = "fit_limit")]
+    #[arg(required_unless_present_any = ["fit_limit", "link"])]
     duration: Option<f64>,
 
-    /// Find the shortest duration that keeps this limit, torque=5 or 'power="20 W"', and those of the
-    /// link file; repeatable. Keys as in [limits]; with --path of all joints, or of one, fore.torque=5. Every
-    /// shorter duration is tried; if there are very many, about a thousand of them, and the message says how
-    /// many.
+    /// A limit beside those of the link file, torque=5 or 'power="20 W"', repeatable; the shortest duration that keeps
+    /// them all is found. Keys as in [limits]; with --path of all joints, or of one, fore.torque=5. Every shorter
+    /// duration is tried; if there are very many, about a thousand of them, and the message says how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 
@@ -224,10 +224,10 @@ impl Trajectory {
     /// Returns an error for an option that has no effect without another one.
     fn check_use(&self) -> Result<(), Failure> {
         let turns = self.travels().any(|(_, travel)| matches!(travel, Travel::Angle(_)));
-        let uses_link = !self.fit_limit.is_empty() || self.path.is_given() || turns || self.cycle;
+        let uses_link = self.duration.is_none() || self.path.is_given() || turns || self.cycle;
         let stops = self.cycle || self.path.stops();
         let (option, needs) = if self.link.is_some() && !uses_link {
-            ("--link", "--fit-limit, --path, --cycle, or an angle as --distance")
+            ("--link", "--path, --cycle, an angle as --distance, or without --duration")
         } else if self.link.is_none() && !self.changes.is_empty() {
             ("--set", "--link, the file that it changes")
         } else if self.dwell != 0.0 && !stops {
