@@ -4,7 +4,6 @@
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
 use std::borrow::Cow;
-use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -13,7 +12,7 @@ use rayon::prelude::*;
 
 use super::solution::Solution;
 use crate::motion::{TAIL_TERMS, TailTerms};
-use crate::numeric::{PANEL, Sampling, largest};
+use crate::numeric::{PANEL, Sampling, ThinnedGrid, largest};
 
 /// Bytes of a cache line of the processor, and of the widest vectors.
 const LINE: usize = 64;
@@ -62,8 +61,8 @@ pub(super) struct RowPlan<'a> {
     pub(super) solution: &'a Solution,
     /// Numbers of the nodes, one a column.
     pub(super) nodes: Vec<usize>,
-    /// Every how many samples there is a row.
-    pub(super) every: NonZeroUsize,
+    /// Times of the rows.
+    pub(super) times: ThinnedGrid,
     pub(super) sampling: Sampling,
     /// Distances x in m from the axis where the rigid rotation xθ is added.
     pub(super) arms_m: Option<Vec<f64>>,
@@ -135,14 +134,14 @@ impl NodalBlock<'_> {
     /// All rows in parts. A row is a weighted sum of samples, less the images, and the rigid rotation
     /// times an arm.
     pub(super) fn parts(&self) -> Vec<Part> {
-        let RowPlan { turned_rad, sampling, every, arms_m, .. } = self.plan;
+        let RowPlan { turned_rad, sampling, times, arms_m, .. } = self.plan;
         let farthest_m = arms_m.as_deref().map(largest);
         let images = self.plan.largest_images();
         let bound = |rows: &Range<usize>| {
             let bending = sampling.gain() * self.largest_sample(rows) + images;
             let rotation = farthest_m.map_or(0.0, |arm_m| {
-                let angles = &turned_rad[rows.start * every.get()..];
-                let samples = (rows.len() - 1) * every.get() + 1;
+                let angles = &turned_rad[times.index(rows.start)..];
+                let samples = (rows.len() - 1) * times.every() + 1;
                 arm_m * largest(&angles[..samples])
             });
             (bending + rotation) * ROUNDING
@@ -190,7 +189,7 @@ impl NodalBlock<'_> {
         for row in rows.start..rows.end {
             let mut sum = plan.sampling.row(&self.rows, samples, row);
             if let Some(images) = images {
-                let sample = plan.solution.grid.in_period(row * plan.every.get(), images.len());
+                let sample = plan.solution.grid.in_period(plan.times.index(row), images.len());
                 for (tail, image) in tails.iter().zip(&images[sample]) {
                     for channel in 0..PANEL {
                         sum[channel] -= tail[channel] * image;
@@ -198,7 +197,7 @@ impl NodalBlock<'_> {
                 }
             }
             if plan.arms_m.is_some() {
-                let angle_rad = plan.turned_rad[row * plan.every.get()];
+                let angle_rad = plan.turned_rad[plan.times.index(row)];
                 for channel in 0..PANEL {
                     sum[channel] += arms_m[channel] * angle_rad;
                 }
@@ -235,6 +234,8 @@ impl WithSimd for WriteRows<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::num::NonZeroUsize;
+
     use super::*;
     use crate::inverse::Unwatched;
     use crate::inverse::tests::solution;

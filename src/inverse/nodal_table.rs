@@ -50,8 +50,17 @@ impl Solution {
         nodes: &[usize],
         every: NonZeroUsize,
     ) -> Result<NodalTable<'_>, ParameterError> {
+        self.deflections_at(nodes, self.grid.thinned(every))
+    }
+
+    /// [`Self::deflections`] at these times of the grid.
+    pub(crate) fn deflections_at(
+        &self,
+        nodes: &[usize],
+        times: ThinnedGrid,
+    ) -> Result<NodalTable<'_>, ParameterError> {
         self.mesh().check_nodes(nodes)?;
-        Ok(NodalTable::new(self, nodes, every, NodalQuantity::Deflection))
+        Ok(NodalTable::new(self, nodes, times, NodalQuantity::Deflection))
     }
 
     /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) at `nodes`, every `every`-th sample.
@@ -78,7 +87,7 @@ impl Solution {
         every: NonZeroUsize,
     ) -> Result<NodalTable<'_>, ParameterError> {
         self.mesh().check_nodes(nodes)?;
-        Ok(NodalTable::new(self, nodes, every, NodalQuantity::Moment))
+        Ok(NodalTable::new(self, nodes, self.grid.thinned(every), NodalQuantity::Moment))
     }
 }
 
@@ -86,12 +95,12 @@ impl<'a> NodalTable<'a> {
     fn new(
         solution: &'a Solution,
         nodes: &[usize],
-        every: NonZeroUsize,
+        times: ThinnedGrid,
         quantity: NodalQuantity,
     ) -> Self {
         let pair = &solution.period.spectrum.pair;
-        let first = solution.grid.first.rem_euclid(pair.len() as i64) as usize;
-        let sampling = Sampling::new(pair, solution.band.frequencies, first, every.get());
+        let first = solution.grid.in_period(times.index(0), pair.len());
+        let sampling = Sampling::new(pair, solution.band.frequencies, first, times.every());
         let tails = match quantity {
             NodalQuantity::Deflection if solution.bent.is_none() => {
                 SlowTails::of(&*solution.model, solution.first_zero_per_s)
@@ -102,7 +111,7 @@ impl<'a> NodalTable<'a> {
         let tails = tails.map(|tails| tails.nodal_tails(&*solution.model, nodes));
         let nodes = nodes.to_vec();
         let turned_rad = solution.turned_rad();
-        let plan = RowPlan { solution, nodes, every, sampling, arms_m: None, turned_rad, tails };
+        let plan = RowPlan { solution, nodes, times, sampling, arms_m: None, turned_rad, tails };
         let mut table = Self { plan, quantity, block: 1, whole: OnceLock::new() };
         let fewest = table.len().div_ceil(MOST_ROW_BLOCKS).max(1);
         table.block = table.len().max(1);
@@ -124,8 +133,8 @@ impl<'a> NodalTable<'a> {
 
     /// The bending moments at the same nodes and times.
     pub(crate) fn moments(&self) -> Self {
-        let RowPlan { solution, nodes, every, .. } = &self.plan;
-        Self::new(solution, nodes, *every, NodalQuantity::Moment)
+        let RowPlan { solution, nodes, times, .. } = &self.plan;
+        Self::new(solution, nodes, *times, NodalQuantity::Moment)
     }
 
     /// The same table in blocks of so many rows.
@@ -141,7 +150,7 @@ impl<'a> NodalTable<'a> {
 
     /// Times of the rows.
     pub fn grid(&self) -> ThinnedGrid {
-        self.plan.solution.grid.thinned(self.plan.every)
+        self.plan.times
     }
 
     /// Number of rows.

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 
 use thiserror::Error;
@@ -58,31 +59,65 @@ impl TimeGrid {
     /// Every `every`-th sample, beginning with the first.
     #[must_use]
     pub fn thinned(&self, every: NonZeroUsize) -> ThinnedGrid {
-        ThinnedGrid { grid: *self, every }
+        ThinnedGrid { grid: *self, start: 0, every }
+    }
+
+    /// The samples whose number, counted from the origin, is a multiple of `every`: grids of one origin share them.
+    ///
+    /// ```
+    /// use flexlink::numeric::TimeGrid;
+    /// let grid = TimeGrid { origin_s: 0.0, step_s: 0.5, first: -3, len: 7 };
+    /// let rows = grid.multiples(2.try_into().unwrap());
+    /// assert_eq!((rows.len(), rows.time_s(0), rows.time_s(2)), (3, -1.0, 1.0));
+    /// ```
+    #[must_use]
+    pub fn multiples(&self, every: NonZeroUsize) -> ThinnedGrid {
+        let step = every.get() as i64;
+        ThinnedGrid { grid: *self, start: (-self.first).rem_euclid(step) as usize, every }
     }
 }
 
-/// Every n-th sample of a [`TimeGrid`], beginning with its first.
+/// Every n-th sample of a [`TimeGrid`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThinnedGrid {
     grid: TimeGrid,
+    /// Index of the first sample.
+    start: usize,
     every: NonZeroUsize,
 }
 
 impl ThinnedGrid {
     /// Number of samples.
     pub fn len(&self) -> usize {
-        self.grid.len.div_ceil(self.every.get())
+        self.grid.len.saturating_sub(self.start).div_ceil(self.every.get())
     }
 
     /// True if there is no sample.
     pub fn is_empty(&self) -> bool {
-        self.grid.len == 0
+        self.len() == 0
     }
 
     /// Time of sample `k` in s.
     pub fn time_s(&self, k: usize) -> f64 {
-        self.grid.time_s(k * self.every.get())
+        self.grid.time_s(self.index(k))
+    }
+
+    /// Index of sample `k` in the whole grid.
+    pub(crate) fn index(&self, k: usize) -> usize {
+        self.start + k * self.every.get()
+    }
+
+    /// Samples between two of these.
+    pub(crate) fn every(&self) -> usize {
+        self.every.get()
+    }
+
+    /// The values at these samples, of those of the whole grid.
+    pub(crate) fn taken<'a>(&self, values: &'a [f64]) -> Cow<'a, [f64]> {
+        if self.every.get() == 1 {
+            return Cow::Borrowed(&values[self.start..]);
+        }
+        values.iter().skip(self.start).step_by(self.every.get()).copied().collect()
     }
 }
 

@@ -5,14 +5,13 @@ use serde_json::{Value, json};
 use super::folder::{FolderError, OutputFolder};
 use super::run_tables::{
     ARM_NODES, CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS,
-    REACTIONS, REPORT, RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES,
+    REACTIONS, REPORT, RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES, write_rows,
 };
 use super::summary::{LinkRecord, RunInputs, Summary, checks};
-use crate::csv::{Column, ColumnGroup, Digits, write_csv};
+use crate::csv::{Column, ColumnGroup, Digits};
 use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
 use crate::link::Arm;
 use crate::motion::Prescribed;
-use crate::numeric::ThinnedGrid;
 use crate::result::{ArmMetrics, Exceeded, Remark, StoredWarning};
 use crate::verify::Verification;
 
@@ -34,8 +33,8 @@ pub struct ArmRun<'a> {
 /// A table over time: columns in groups of one unit.
 pub(super) type Table<'a> = Vec<ColumnGroup<'a>>;
 
-/// A table at nodes: names and samples of its columns.
-type NodalTable = Vec<(String, Vec<f64>)>;
+/// A table at nodes.
+type NodalTable<'a> = Vec<Column<'a>>;
 
 /// Names of the columns that are read back, of a joint by its number from 1, of a node of a link.
 pub(super) fn torque(joint: usize) -> String {
@@ -91,6 +90,7 @@ fn file_names(outputs: &RunOutputs, solution: &ArmSolution) -> Vec<&'static str>
     [TORQUES, RIGID_TORQUES, JOINT_ANGLES, CHORD_ANGLES, TIP.0, REACTIONS, NODES.0, POSITIONS]
         .into_iter()
         .chain(on_demand.into_iter().filter_map(|(name, is_there)| is_there.then_some(name)))
+        .filter(|name| outputs.has(name))
         .chain([SUMMARY])
         .collect()
 }
@@ -111,18 +111,16 @@ impl RunOutputs {
         solution: &ArmSolution,
         (summary, page): (&Summary, Option<&str>),
     ) -> Result<(), FolderError> {
-        let all = solution.grid.thinned(std::num::NonZeroUsize::MIN);
-        let write = |name: &str, time: &ThinnedGrid, table: &Table<'_>| {
-            folder.file(name, |out| write_csv(out, time, table, self.digits))
-        };
+        let times = self.rows(&solution.grid);
         for (name, table) in Self::histories(solution) {
-            write(name, &all, &table)?;
+            if self.has(name) {
+                folder.file(name, |out| write_rows(out, &times, &table, self.digits))?;
+            }
         }
-        let thinned = solution.grid.thinned(self.every);
+        let times = self.nodal_rows(&solution.grid);
         for (name, columns) in self.nodal(solution) {
-            let columns =
-                columns.iter().map(|(name, values)| Column { name: name.clone(), values });
-            write(name, &thinned, &vec![ColumnGroup { columns: columns.collect() }])?;
+            let table = [ColumnGroup { columns }];
+            folder.file(name, |out| write_rows(out, &times, &table, self.digits))?;
         }
         folder.file(NODES.0, |out| {
             write_nodes(out, &solution.arm, solution.links.iter().map(|link| &link.nodes_m))
@@ -179,9 +177,8 @@ impl RunOutputs {
         tables
     }
 
-    /// The tables at the nodes: names and samples of their columns.
-    fn nodal(&self, solution: &ArmSolution) -> Vec<(&'static str, NodalTable)> {
-        let few = |values: &Vec<f64>| values.iter().step_by(self.every.get()).copied().collect();
+    /// The tables at the nodes, over the whole window.
+    fn nodal<'a>(&self, solution: &'a ArmSolution) -> Vec<(&'static str, NodalTable<'a>)> {
         let mut tables = vec![(POSITIONS, Vec::new())];
         if self.deflections {
             tables.push((DEFLECTIONS.file, Vec::new()));
@@ -191,18 +188,22 @@ impl RunOutputs {
         }
         for (name, columns) in &mut tables {
             for (number, link) in (1..).zip(&solution.links) {
-                let kept = self.nodes_up_to(link.nodes_m.len());
-                for node in kept {
+                // A link that has fewer nodes than another has not all of a list.
+                let is_there = |node: &usize| *node < link.nodes_m.len();
+                for node in self.nodes_of(&link.nodes_m).into_iter().filter(is_there) {
                     match *name {
                         POSITIONS => {
                             for (axis, values) in ["x", "y"].iter().zip(&link.positions_m[node]) {
-                                columns.push((position(axis, number, node), few(values)));
+                                columns.push(Column { name: position(axis, number, node), values });
                             }
                         }
-                        name if name == DEFLECTIONS.file => columns
-                            .push((format!("w{number}_{node}_m"), few(&link.deflections_m[node]))),
+                        name if name == DEFLECTIONS.file => {
+                            let name = format!("w{number}_{node}_m");
+                            columns.push(Column { name, values: &link.deflections_m[node] });
+                        }
                         _ => {
-                            columns.push((moment(number, node), few(&link.moments_n_m[node])));
+                            let values = &link.moments_n_m[node];
+                            columns.push(Column { name: moment(number, node), values });
                         }
                     }
                 }

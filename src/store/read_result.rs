@@ -130,6 +130,10 @@ fn read_run(folder: RunFolder) -> Result<StoredResult, TableError> {
     let place = Place { file: &file.shown, line: None };
     let read = || {
         folder.check_named(&summary.files)?;
+        if summary.origin().arguments.iter().any(|argument| argument == "--golden") {
+            let must = "must be a run without it: a golden folder has not all tables";
+            return Err(place.refuse("inputs.arguments", "--golden", must));
+        }
         if summary.is_of_arm() {
             return Ok(StoredResult::Arms(vec![read_arm(folder, &summary, place)?]));
         }

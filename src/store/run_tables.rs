@@ -13,6 +13,7 @@ use crate::beam::Mesh;
 use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
 use crate::inverse::{NodalTable, Solution, Watch};
 use crate::link::{Link, ParameterError};
+use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::Simulation;
 
 /// Written last: where it exists, the run is whole.
@@ -110,15 +111,30 @@ pub struct RunOutputs {
     pub deflections: bool,
     /// Whether a solution has `bending_moments.csv`.
     pub moments: bool,
+    /// Whether to write a small folder to compare with later: torque, hub or joint angles, tip and displacements alone,
+    /// of three nodes, and every fifth row of all tables, counted from the motion's first sample.
+    pub golden: bool,
     /// Digits of all numbers.
     pub digits: Digits,
 }
 
+/// Rows of a golden folder.
+const GOLDEN_EVERY: NonZeroUsize = NonZeroUsize::new(5).unwrap();
+
+/// Files of a solution that a golden folder has not.
+const NOT_GOLDEN: [&str; 5] = [RIGID_TORQUE.0, MOTOR.0, RIGID_TORQUES, CHORD_ANGLES, REACTIONS];
+
 impl Default for RunOutputs {
     /// Every node, every sample, no table on demand.
     fn default() -> Self {
-        let digits = Digits::default();
-        Self { nodes: None, every: NonZeroUsize::MIN, deflections: false, moments: false, digits }
+        Self {
+            nodes: None,
+            every: NonZeroUsize::MIN,
+            deflections: false,
+            moments: false,
+            golden: false,
+            digits: Digits::default(),
+        }
     }
 }
 
@@ -133,7 +149,23 @@ impl RunOutputs {
             name if name == MOMENTS.file => self.moments,
             _ => true,
         };
-        RESULT_FILES.into_iter().filter(is_written).chain([SUMMARY]).collect()
+        let files = RESULT_FILES.into_iter().filter(is_written);
+        files.filter(|name| self.has(name)).chain([SUMMARY]).collect()
+    }
+
+    /// True unless the folder is a golden one, which has not this file.
+    pub(super) fn has(&self, name: &str) -> bool {
+        !(self.golden && NOT_GOLDEN.contains(&name))
+    }
+
+    /// The rows of tables over time.
+    pub fn rows(&self, grid: &TimeGrid) -> ThinnedGrid {
+        if self.golden { grid.multiples(GOLDEN_EVERY) } else { grid.thinned(NonZeroUsize::MIN) }
+    }
+
+    /// The rows of tables at nodes.
+    pub(super) fn nodal_rows(&self, grid: &TimeGrid) -> ThinnedGrid {
+        if self.golden { self.rows(grid) } else { grid.thinned(self.every) }
     }
 
     /// Writes the files of a solution, and the `page` of the run if there is one, into `folder`: all or
@@ -169,7 +201,8 @@ impl RunOutputs {
         &self,
         solution: &'a Solution,
     ) -> Result<NodalTable<'a>, ParameterError> {
-        solution.deflections(&self.nodes_of(solution.mesh()), self.every)
+        let nodes = self.nodes_of(solution.mesh().nodes_m());
+        solution.deflections_at(&nodes, self.nodal_rows(&solution.grid))
     }
 
     /// Tables over the whole grid, several at a time.
@@ -178,7 +211,7 @@ impl RunOutputs {
         folder: &OutputFolder,
         solution: &Solution,
     ) -> Result<(), FolderError> {
-        let time = solution.grid.thinned(NonZeroUsize::MIN);
+        let time = self.rows(&solution.grid);
         let Solution { tip, hub_angle_rad, hub_rate_rad_s, rigid_hub_angle_rad, .. } = solution;
         let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
         let hub = [hub_angle_rad, hub_rate_rad_s, &hub_acceleration_rad_s2, rigid_hub_angle_rad];
@@ -195,8 +228,9 @@ impl RunOutputs {
         ];
         tables.extend(motor.map(|motor| (MOTOR.0, groups(MOTOR.1, motor))));
         let write = |(name, groups): &(_, Vec<_>)| {
-            folder.file(name, |out| write_csv(out, &time, groups, self.digits))
+            folder.file(name, |out| write_rows(out, &time, groups, self.digits))
         };
+        tables.retain(|(name, _)| self.has(name));
         // Collected first, so that of two errors always the same one is returned.
         let written: Vec<_> = tables.par_iter().map(write).collect();
         written.into_iter().collect()
@@ -228,7 +262,7 @@ impl RunOutputs {
     /// Memory in bytes of the nodal table of a simulation.
     pub fn simulation_bytes(&self, simulation: &Simulation) -> usize {
         size_of::<f64>()
-            * self.nodes_of(&simulation.mesh).len()
+            * self.nodes_of(simulation.mesh.nodes_m()).len()
             * simulation.grid.len.div_ceil(self.every.get())
     }
 
@@ -247,7 +281,8 @@ impl RunOutputs {
         let Simulation { tip, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
         let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
         let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
-        let nodal = simulation.displacements_m(&self.nodes_of(&simulation.mesh), self.every);
+        let nodes = self.nodes_of(simulation.mesh.nodes_m());
+        let nodal = simulation.displacements_m(&nodes, self.every);
         let nodal = nodal.map_err(|error| folder.refused(DISPLACEMENTS.file, error))?;
         let named = nodal.nodes.iter().map(|node| DISPLACEMENTS.column(*node)).zip(&nodal.samples);
         let columns = named.map(|(name, values)| Column { name, values });
@@ -264,17 +299,45 @@ impl RunOutputs {
         finish(folder, (link, &simulation.mesh), summary)
     }
 
-    /// The nodes to write, or all nodes.
-    fn nodes_of(&self, mesh: &Mesh) -> Vec<usize> {
-        self.nodes.clone().unwrap_or_else(|| (0..mesh.nodes_m().len()).collect())
+    /// The nodes to write of those at these distances: the list, three of a golden folder, or all.
+    pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
+        match &self.nodes {
+            Some(list) => list.clone(),
+            None if self.golden => nodes_at_thirds(nodes_m),
+            None => (0..nodes_m.len()).collect(),
+        }
     }
+}
 
-    /// The nodes to write of a link of an arm that has so many: those of the list that it has, or all.
-    pub(super) fn nodes_up_to(&self, count: usize) -> Vec<usize> {
-        let mut nodes = self.nodes.clone().unwrap_or_else(|| (0..count).collect());
-        nodes.retain(|node| *node < count);
-        nodes
-    }
+/// The nodes nearest to a third and two thirds of the length from the root, and the tip.
+fn nodes_at_thirds(nodes_m: &[f64]) -> Vec<usize> {
+    let last = nodes_m.len() - 1;
+    let nearest = |thirds: f64| {
+        let at_m = nodes_m[0] + thirds / 3.0 * (nodes_m[last] - nodes_m[0]);
+        let distance = |node: &usize| (nodes_m[*node] - at_m).abs();
+        (0..last).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(last)
+    };
+    let mut nodes = vec![nearest(1.0), nearest(2.0), last];
+    nodes.dedup();
+    nodes
+}
+
+/// Writes those rows of columns over the whole grid that are at these times.
+pub(super) fn write_rows(
+    out: &mut (dyn Write + Send),
+    times: &ThinnedGrid,
+    groups: &[ColumnGroup],
+    digits: Digits,
+) -> io::Result<()> {
+    let taken = groups.iter().flat_map(|group| &group.columns).map(|own| times.taken(own.values));
+    let taken: Vec<_> = taken.collect();
+    let mut values = taken.iter();
+    let groups = groups.iter().map(|group| {
+        let columns = group.columns.iter().zip(values.by_ref());
+        let columns = columns.map(|(own, values)| Column { name: own.name.clone(), values });
+        ColumnGroup { columns: columns.collect() }
+    });
+    write_csv(out, times, &groups.collect::<Vec<_>>(), digits)
 }
 
 /// Writes the files that every run has, and gives all files their names.

@@ -4,6 +4,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use flexlink::csv::InputFile;
+use flexlink::numeric::TimeGrid;
 use flexlink::store::{REPORT, Summary};
 
 use super::arm::{ArmProblem, SolvedRun};
@@ -14,7 +15,7 @@ use crate::cli::verify::{refuse_failed, warn};
 use crate::options::common::SyncArgs;
 use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::files::keep;
-use crate::terminal::text::{arm_text, solve_text, verify_text};
+use crate::terminal::text::{arm_text, rows_text, solve_text, verify_text};
 use crate::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 
 const EXAMPLE: &str = "\
@@ -56,14 +57,15 @@ pub(crate) struct Solve {
     /// folder, in DIR and in the folders above it. The new results are kept only with -o.
     #[arg(long, value_name = "DIR")]
     #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs", "ReadArgs"])]
-    #[arg(conflicts_with_all = ["deflections", "moments", "digits", "verify"])]
+    #[arg(conflicts_with_all = ["deflections", "moments", "golden", "digits", "verify"])]
     #[arg(conflicts_with_all = ["report", "strict", "json"])]
     repeat: Option<PathBuf>,
 
     #[command(flatten)]
     options: SolveOptions,
 
-    #[arg(long, help = "Also write report.html, the page that `flexlink report` makes")]
+    /// Also write report.html, the page that `flexlink report` makes.
+    #[arg(long, conflicts_with = "golden")]
     report: bool,
 
     /// Fail with exit code 4 if a limit of the link file is exceeded; the results are written.
@@ -112,6 +114,12 @@ impl Solve {
         if self.report { Page::Written } else { Page::Left }
     }
 
+    /// How many rows and files are written, and where.
+    fn written(&self, grid: &TimeGrid, files: usize, output: &Path) -> String {
+        let rows = self.options.outputs().rows(grid);
+        format!("{}; {files} files in {}", rows_text(&rows), output.display())
+    }
+
     /// The line that says where the page is; empty without one.
     fn page_line(&self, output: &Path) -> String {
         let line = || format!("written  {}\n", output.join(REPORT).display());
@@ -128,9 +136,11 @@ impl Solve {
         let SolvedRun { solved, verification } = &solved;
         ArmProblem::warn(solved, self.strict);
         let SolvedArm { solution, metrics, exceeded, .. } = solved;
-        let written = format!("{} files in {}", problem.files(solved), output.display());
         let checks = || verification.as_ref().map(verify_text).unwrap_or_default();
-        let text = || arm_text(solution, metrics, &written) + &checks() + &self.page_line(output);
+        let text = || {
+            let written = self.written(&solution.grid, problem.files(solved), output);
+            arm_text(solution, metrics, written) + &checks() + &self.page_line(output)
+        };
         self.print.print(|| summary.to_json(), text)?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
@@ -164,9 +174,9 @@ impl Solve {
         console::warnings(limits.map(|limit| (limit, limit.hint())));
         let text = || {
             let files = self.options.outputs().file_names(solution.link()).len();
-            let written = format!("{files} files in {}", output.display());
+            let written = self.written(&solution.grid, files, output);
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-            solve_text(solution, metrics, &written) + &checks + &self.page_line(output)
+            solve_text(solution, metrics, written) + &checks + &self.page_line(output)
         };
         self.print.print(|| summary.to_json(), text)
     }

@@ -44,6 +44,11 @@ pub(crate) struct SolveOptions {
     #[arg(long, help = "Also write bending_moments.csv")]
     moments: bool,
 
+    /// Write a small folder to compare with later runs (docs/golden.md): torque, hub or joint angles, tip
+    /// and three nodes, every fifth row.
+    #[arg(long, conflicts_with_all = ["list", "every", "deflections", "moments"])]
+    pub(super) golden: bool,
+
     /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
     /// reads back to the same number.
     #[arg(long, value_name = "N", default_value = "10")]
@@ -91,8 +96,8 @@ impl SolveOptions {
 
     /// The tables to write.
     pub(crate) fn outputs(&self) -> RunOutputs {
-        let (deflections, moments) = (self.deflections, self.moments);
-        RunOutputs { deflections, moments, ..self.nodes.outputs(self.digits) }
+        let Self { deflections, moments, golden, .. } = *self;
+        RunOutputs { deflections, moments, golden, ..self.nodes.outputs(self.digits) }
     }
 
     /// Parses the arguments of a record.
@@ -110,6 +115,7 @@ impl SolveOptions {
             self.nodes.arguments(),
             Vec::from_iter(flag(self.deflections, "--deflections")),
             Vec::from_iter(flag(self.moments, "--moments")),
+            Vec::from_iter(flag(self.golden, "--golden")),
             digits_arguments(self.digits),
             Vec::from_iter(flag(self.verify, "--verify")),
             self.read.arguments(),

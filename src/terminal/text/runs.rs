@@ -9,7 +9,7 @@ use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::Ends;
-use flexlink::numeric::TimeGrid;
+use flexlink::numeric::ThinnedGrid;
 use flexlink::result::{Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, plain, significant, visible};
 
@@ -26,8 +26,8 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// The summary of a solution; `written` says where its files are.
-pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: &str) -> String {
+/// The summary of a solution; `written` says what was written where.
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
     let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
@@ -46,7 +46,7 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: &str) 
             ("motor", metrics.motor.as_ref().map(motor_line).unwrap_or_default()),
             ("bending", bending_line(metrics)),
             ("errors", solution_errors(solution)),
-            ("written", format!("{}; {written}", rows_text(&solution.grid))),
+            ("written", written),
         ],
     )
 }
@@ -315,9 +315,9 @@ fn solution_errors(solution: &Solution) -> String {
 }
 
 /// Rows that are written, and the times of the first and the last.
-pub(super) fn rows_text(grid: &TimeGrid) -> String {
-    let [start, end] = four([grid.time_s(0), grid.end_s()]);
-    format!("{} rows, {start} … {end} s", grid.len)
+pub(crate) fn rows_text(rows: &ThinnedGrid) -> String {
+    let [start, end] = four([0, rows.len().saturating_sub(1)].map(|row| rows.time_s(row)));
+    format!("{} rows, {start} … {end} s", rows.len())
 }
 
 #[cfg(test)]
