@@ -37,6 +37,17 @@ pub fn plain(value: f64) -> String {
     if is_near { value.to_string() } else { format!("{value:e}") }
 }
 
+/// A number that was given, for people: with all its digits, or six where they are many, as of one in another unit.
+///
+/// ```
+/// use flexlink::text::given;
+/// assert_eq!([2.0, 0.25, 314.159_265_358_979_3].map(given), ["2", "0.25", "314.159"]);
+/// ```
+pub fn given(value: f64) -> String {
+    let plain = plain(value);
+    if plain.len() <= 8 { plain } else { significant(value, 6) }
+}
+
 /// Memory in GB, for people; in MB where it is less than a tenth of that.
 ///
 /// ```

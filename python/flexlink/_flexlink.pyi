@@ -54,6 +54,7 @@ class _ArmOptions(_Reading, total=False):
     moments: bool
 
 class _Outputs(TypedDict, total=False):
+    golden: bool
     nodes: Sequence[int]
     every: int
     deflections: bool
@@ -87,15 +88,15 @@ class _TrajectoryOptions(TypedDict, total=False):
     dwell: float | str
     cycle: bool
     link: _Path
-    set: str
-    fit_limit: str
+    set: str | list[str]
+    fit_limit: str | list[str]
     path: Literal["line", "arc"]
     start: tuple[float, float]
     to: tuple[float, float]
-    via: float | str | tuple[float, float]
+    via: float | str | tuple[float, float] | list[float] | list[str] | list[tuple[float, float]]
     corner: float | str
     center: tuple[float, float]
-    angle: float
+    angle: float | str
     angles: Sequence[float]
 
 @final

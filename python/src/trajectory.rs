@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 
 use flexlink::motion::{MotionColumns, PathColumns};
 
@@ -20,6 +20,9 @@ struct Keywords {
     trajectory: Trajectory,
 }
 
+/// Options that are given once for each element of a list.
+const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
+
 /// Columns by name.
 type Columns = Vec<(String, Vec<f64>)>;
 
@@ -28,7 +31,7 @@ type Columns = Vec<(String, Vec<f64>)>;
 ///
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
 /// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``,
-/// and ``start`` for ``--from``.
+/// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` gives the option several times.
 ///
 /// >>> import flexlink
 /// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.8, step=0.01)
@@ -46,7 +49,20 @@ pub(crate) fn trajectory<'py>(
         keywords.del_item("start")?;
         keywords.set_item("from", value)?;
     }
+    let mut repeated = Vec::new();
+    for name in REPEATED {
+        let Some(values) = keywords.get_item(name)? else { continue };
+        if let Ok(values) = values.cast_into::<PyList>() {
+            keywords.del_item(name)?;
+            for value in values {
+                let one = PyDict::new(py);
+                one.set_item(name, value)?;
+                repeated.extend(keywords::arguments(&one)?);
+            }
+        }
+    }
     let mut arguments = keywords::arguments(&keywords)?;
+    arguments.extend(repeated);
     arguments.push(profile.to_owned());
     let read = Keywords::try_parse_from(arguments).map_err(|error| keywords::refused(&error))?;
     let columns = py.detach(|| pool::install(|| columns(&read.trajectory)))?;

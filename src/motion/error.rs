@@ -278,7 +278,8 @@ pub enum CurveError {
     },
     /// A stop at which a link's tip turns back without a rest, where the acceleration jumps.
     #[error(
-        "the tip turns back at stop {stop} at once, where the acceleration of {profile} jumps, but must rest there for a step at least"
+        "the rest at stop {stop} = 0 steps, but must be at least 1: the tip turns back there, and the acceleration of \
+         {profile} jumps"
     )]
     TurnsAtOnce {
         /// Number of the stop, from 1.
@@ -300,9 +301,7 @@ impl CurveError {
             Self::FewSteps { .. } => Some(
                 "a longer duration, a shorter step or, on the path of an arm, --corner: no stops",
             ),
-            Self::TurnsAtOnce { .. } => {
-                Some("--dwell TIME lets it rest; sine, min-jerk and septic have no jump")
-            }
+            Self::TurnsAtOnce { .. } => Some("--dwell TIME; sine, min-jerk and septic do not jump"),
         }
     }
 }

@@ -72,8 +72,9 @@ impl TimeGrid {
     /// ```
     #[must_use]
     pub fn multiples(&self, every: NonZeroUsize) -> ThinnedGrid {
-        let step = every.get() as i64;
-        ThinnedGrid { grid: *self, start: (-self.first).rem_euclid(step) as usize, every }
+        // Samples up to the next multiple of `every`.
+        let back = every.get() - self.in_period(0, every.get());
+        ThinnedGrid { grid: *self, start: back % every.get(), every }
     }
 }
 

@@ -8,7 +8,7 @@ use super::metrics::{Metrics, MotorMetrics};
 use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
-use crate::text::{plain, significant};
+use crate::text::{given, significant};
 
 /// How the keys of the motor's limits begin.
 const MOTOR: &str = "motor_";
@@ -72,7 +72,7 @@ pub struct LimitedValue {
 #[error(
     "limits.{} = {} {unit} is exceeded{}: {} {unit}",
     .0.key,
-    plain(.0.limit),
+    given(.0.limit),
     // The other keys say where the value acts.
     if .0.key == "torque" { " at the hub" } else { "" },
     significant(.0.found, 5),

@@ -8,6 +8,7 @@ use flexlink::link::ParameterError;
 use flexlink::measured::MeasuredError;
 use flexlink::modal::DampingError;
 use flexlink::model::ModelError;
+use flexlink::motion::CurveError;
 use flexlink::response::{PoseError, SimulationError};
 use flexlink::result::{FitError, TargetError};
 use flexlink::spec::SpecError;
@@ -153,7 +154,11 @@ impl From<FitError> for Failure {
             FitError::Path(error) => error.hint(),
             FitError::Arm(error) => error.hint(),
         };
-        Self::new(Exit::NotSolvable, &error, hint)
+        let exit = match &error {
+            FitError::Curve(CurveError::TurnsAtOnce { .. }) => Exit::Usage,
+            _ => Exit::NotSolvable,
+        };
+        Self::new(exit, &error, hint)
     }
 }
 

@@ -84,13 +84,10 @@ fn a_window_that_begins_elsewhere_has_the_same_rows() {
         let summary = bench.json(&format!("{folder}/summary.json"));
         (1e3 * summary["analysis"]["window_start_s"].as_f64().unwrap()).round()
     };
-    assert_ne!(
-        (start("golden") - start("moved")) % 5.0,
-        0.0,
-        "the windows are a multiple of 5 apart"
-    );
+    let apart = (start("golden") - start("moved")) % 5.0;
+    assert!(apart.abs() > 0.5, "the windows are a multiple of 5 apart");
     let compare =
-        ["compare", "golden", "moved", "--common-rows", "--rtol", "0.01", "--atol", "0.01"];
+        ["compare", "golden", "moved", "--common-rows", "--rtol", "0.01", "--atol", "1e-3"];
     let output = bench.run(&compare);
     assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
     assert!(stdout(&output).contains("equal    torque.csv: 2 columns, 164"), "{}", stdout(&output));

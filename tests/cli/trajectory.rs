@@ -126,7 +126,8 @@ fn all_limits_that_hold_are_named_and_the_one_that_binds() {
     assert!(told.contains(" s, the shortest duration within hub_rate=2 rad/s; "), "{told}");
     let (code, told) = fitted(&bench, &repository(LINK), "0.01", &[]);
     assert_eq!(code, Some(2), "{told}");
-    let message = "error: --duration = nothing, but must be given where no limit is\n";
+    let message =
+        "error: --duration is missing, but must be given where nothing limits the motion\n";
     assert!(told.starts_with(message), "{told}");
 }
 
@@ -238,8 +239,8 @@ fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
     for (arguments, message) in [
         (
             vec!["--distance", "0.5", "--link", &link],
-            "error: --link is given, but has an effect only with --path, --cycle, an angle as --distance, or without \
-             --duration\n",
+            "error: --link is given, but has an effect only with --path, --cycle, an angle as --distance or \
+             --via, or without --duration\n",
         ),
         (
             vec!["--distance", "0.5", "--set", "payload.mass=0"],
@@ -279,7 +280,7 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
         let own = stderr(&own);
         let (duration, rest) = own.strip_prefix("note: ").unwrap().split_once(" s, ").unwrap();
         let (_, binding) = rest.split_once("; ").unwrap();
-        let warned = if own.contains("\nwarning: ") { ", with a warning" } else { "" };
+        let warned = if own.contains("\nwarning: ") { " (tip_missed)" } else { "" };
         let note =
             format!("{profile:<9}  {duration} s{warned}; {}", binding.lines().next().unwrap());
         let duration_s: f64 = duration.parse().unwrap();
@@ -290,17 +291,21 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     assert_eq!(notes, own_notes);
     // The versine is shorter, at a step that is too long for its jumps.
     assert!(
-        told.contains("note: septic is the best: 0.7 s, the shortest duration within"),
+        told.contains(
+            "note: the best without a warning is septic: 0.7 s, the shortest duration within"
+        ),
         "{told}"
     );
-    assert!(own_notes.iter().any(|note| note.starts_with("versine    0.58 s, with a warning")));
+    assert!(own_notes.iter().any(|note| note.starts_with("versine    0.58 s (")));
     assert!(bench.read("best.csv").starts_with("# septic: 0.7 s, "));
     // Limits that no profile keeps.
     let none = [&fixed[..7], &["torque=1e-9"]].concat();
     let none = bench.run(&[&["trajectory", "best"], &none[..]].concat());
     assert_eq!(none.status.code(), Some(4), "{}", stderr(&none));
-    assert!(stderr(&none).starts_with("error: the durations within the limits = none of the 17"));
-    assert_eq!(stderr(&none).lines().count(), 2, "the error and its hint: {}", stderr(&none));
+    let none = stderr(&none);
+    let message = "the durations within the limits = none of the 17 tried";
+    assert!(none.starts_with(&format!("note: sine       none: {message}")), "{none}");
+    assert!(none.contains(&format!("\nerror: {message}")), "{none}");
 }
 
 #[test]
@@ -328,22 +333,30 @@ fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
     let fit = bench.run(&[&cycle[..], &["--fit-limit", "rms_torque=0.5"]].concat());
     let told = stderr(&fit);
     assert!(told.contains("within rms_torque=0.5 N m; limits.rms_torque binds: 0.49"), "{told}");
+    assert!(told.contains(" s each way, the shortest duration "), "{told}");
     assert!(told.contains(" s takes a torque of 0.49"), "{told}");
+    // A limit of the file that a given duration exceeds.
+    let set = ["--duration", "0.62", "--set", "limits.torque=1", "--deny-warnings"];
+    let made = bench.run(&[&cycle[..], &set].concat());
+    assert_eq!(made.status.code(), Some(4), "{}", stderr(&made));
+    assert!(stderr(&made).starts_with("note: a cycle of 1.84 s takes a torque of "));
+    let exceeded = "\nwarning: limits.torque = 1 N m is exceeded at the hub: ";
+    assert!(stderr(&made).contains(exceeded), "{}", stderr(&made));
 }
 
 #[test]
 fn a_tip_stops_on_its_way() {
     let bench = Bench::new();
     let way = ["trajectory", "sine", "--distance", "0.6", "--duration", "1.2", "--step", "0.002"];
-    let stops = ["--via", "20 cm", "--via=-0.1", "--dwell", "0.2", "-o", "stops.csv"];
+    let stops = ["--via", "10 cm", "--via=-0.3", "--dwell", "0.2", "-o", "stops.csv"];
     let made = bench.run(&[&way[..], &stops].concat());
     assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
     let solved = bench.run(&["solve", &repository(LINK), "stops.csv", "-o", "out"]);
     assert!(solved.status.success(), "{}", stderr(&solved));
-    // Moves of 0.2, 0.3 and 0.7 m take 0.2, 0.3 and 0.7 s, with 0.2 s of rest between them.
+    // Moves of 0.1, 0.4 and 0.9 m take 0.2, 0.4 and 0.6 s, with 0.2 s of rest between them.
     let [times_s, tip_m] =
         ["time_s", "tip_displacement_m"].map(|name| column(&bench, "out/tip.csv", name));
-    for (time_s, at_m) in [(0.0, 0.0), (0.3, 0.2), (0.8, -0.1), (1.6, 0.6)] {
+    for (time_s, at_m) in [(0.0, 0.0), (0.3, 0.1), (0.9, -0.3), (1.6, 0.6)] {
         let row = times_s.iter().position(|own| (own - time_s).abs() < 1e-9).unwrap();
         assert!((tip_m[row] - at_m).abs() < 2e-6, "{} at {time_s}", tip_m[row]);
     }
@@ -370,12 +383,16 @@ fn stops_and_cycles_that_mean_nothing_are_refused() {
         ),
         (
             [&moved[..], &["--via", "0.5"]].concat(),
-            "error: the points 2 and 3 of the path = the same place, but must differ\n",
+            "error: --distance = 0.5 m, but must differ from 0.5 m, where the tip is before\n",
         ),
         (
             [&moved[..], &["--via", "0.6"]].concat(),
-            "error: the tip turns back at stop 1 at once, where the acceleration of versine jumps, but must rest \
-             there for a step at least\n",
+            "error: the rest at stop 1 = 0 steps, but must be at least 1: the tip turns back there, and the \
+             acceleration of versine jumps\n",
+        ),
+        (
+            [&moved[..], &["--via", "0.2", "--corner", "0.1"]].concat(),
+            "error: --corner is given, but has an effect only with --path\n",
         ),
         ([&line[..], &["--cycle"]].concat(), "error: the argument '--path <CURVE>' cannot be used"),
     ] {
@@ -389,4 +406,7 @@ fn stops_and_cycles_that_mean_nothing_are_refused() {
     assert_eq!(best.status.code(), Some(2));
     let message = "error: PROFILE = best, but must be one profile where --duration is given\n";
     assert!(stderr(&best).starts_with(message), "{}", stderr(&best));
+    let best = ["trajectory", "best", "--distance", "0.5", "--step", "0.1"];
+    let message = "error: --link is missing, but must be given with best\n";
+    assert!(stderr(&bench.run(&best)).starts_with(message));
 }

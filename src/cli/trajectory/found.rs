@@ -6,7 +6,7 @@ use crate::cli::verify::warn;
 use crate::options::inputs::ChangeArgs;
 use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, console, memory};
-use flexlink::inverse::{ArmSolution, Resources, Solution, invert_with};
+use flexlink::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, invert_with};
 use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
 use flexlink::result::{
     ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics,
@@ -80,11 +80,15 @@ impl Search<'_> {
             }
             _ => return self.given(),
         };
+        let metrics = Metrics::of(&solution);
         if is_cycle {
-            console::note(&cycle_text(&solution));
+            let cycle_s = plain(self.time_s(solution.grid.len));
+            console::note(&cycle_text(&cycle_s, &metrics));
         }
         warn(&solution);
-        Ok(Found { warnings: solution.warnings.len(), ..found })
+        let exceeded = specification.map(|own| own.limits.exceeded(&metrics)).unwrap_or_default();
+        console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
+        Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
     }
 
     /// Profile and duration of an arm's path.
@@ -96,7 +100,7 @@ impl Search<'_> {
         let (Some(arm), None) = (arm, self.steps) else { return self.given() };
         refuse_no_limit(&arm.limits)?;
         let (profile, fit) = self.searched(
-            |arm: &ArmSolution| arm.warnings.len(),
+            |arm: &ArmSolution| arm.warnings.iter().map(ArmWarning::kind).collect(),
             |profile| {
                 shortest_arm_fit(&ArmFitProblem {
                     arm: &arm.arm,
@@ -112,8 +116,9 @@ impl Search<'_> {
             },
         )?;
         let values = ArmMetrics::of(&fit.solution).limited(&arm.limits).into_iter();
-        let found = self.told(profile, &fit, values.map(|(joint, value)| (Some(joint), value)));
         let warnings = &fit.solution.warnings;
+        let values = values.map(|(joint, value)| (Some(joint), value));
+        let found = self.told(profile, (&fit, warnings.len(), ""), values);
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
         Ok(Found { warnings: warnings.len(), ..found })
     }
@@ -122,10 +127,10 @@ impl Search<'_> {
     fn given(&self) -> Result<Found, Failure> {
         let Choice::Profile(profile) = self.profile else {
             let message = "PROFILE = best, but must be one profile where --duration is given";
-            let hint = "best is the one whose motion is the shortest within --fit-limit";
+            let hint = "best is the one whose motion is the shortest within limits";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         };
-        // The parser has seen to it that a duration or a link is given.
+        // The options were checked: without a link there is a duration.
         let steps = self.steps.unwrap_or_default();
         Ok(Found { profile, steps, comment: String::new(), warnings: 0 })
     }
@@ -155,7 +160,7 @@ impl Search<'_> {
         let Specification { link, mesh, analysis, limits, .. } = specification;
         refuse_no_limit(std::slice::from_ref(limits))?;
         let (profile, fit) = self.searched(
-            |link: &Solution| link.warnings.len(),
+            |link: &Solution| link.warnings.iter().map(Warning::kind).collect(),
             |profile| {
                 shortest_fit(&FitProblem {
                     link,
@@ -168,15 +173,21 @@ impl Search<'_> {
             },
         )?;
         let values = limits.limited_values(&Metrics::of(&fit.solution)).into_iter();
-        let found = self.told(profile, &fit, values.map(|value| (None, value)));
+        let of = match course.ends() {
+            Ends::Periodic => " each way",
+            _ if course.stops_m().len() > 1 => " of moves",
+            _ => "",
+        };
+        let warnings = fit.solution.warnings.len();
+        let found = self.told(profile, (&fit, warnings, of), values.map(|value| (None, value)));
         Ok((found, fit.solution))
     }
 
     /// The fit of the profile; of the best one, after a note for each of what it needs. The best is the shortest of those
-    /// whose solution has no warning.
+    /// whose solution has no warning, and of those that are as short the one farthest from its limit.
     fn searched<S>(
         &self,
-        warnings: impl Fn(&S) -> usize,
+        warnings: impl Fn(&S) -> Vec<&'static str>,
         fit: impl Fn(Profile) -> Result<Fit<S>, FitError>,
     ) -> Result<(Profile, Fit<S>), Failure> {
         let stages = StageBar::new();
@@ -184,43 +195,61 @@ impl Search<'_> {
         if let Choice::Profile(profile) = self.profile {
             return Ok((profile, fit(profile)?));
         }
-        let (mut found, mut refused) = (Vec::new(), Vec::new());
+        let share = |fit: &Fit<S>| fit.binding.map_or(0.0, |binding| binding.share());
+        let mut best: Option<(Profile, Fit<S>)> = None;
+        let (mut notes, mut refused, mut last) = (Vec::new(), Vec::new(), None);
         for profile in Profile::ALL {
-            match fit(profile) {
-                Ok(fit) => found.push((profile, fit)),
-                Err(error) => refused.push((profile, error)),
+            let own = match fit(profile) {
+                Ok(own) => own,
+                Err(error) => {
+                    refused.push(format!("{:<9}  none: {error}", profile.name()));
+                    last = Some(error);
+                    continue;
+                }
+            };
+            let kinds = warnings(&own.solution);
+            let rank = (!kinds.is_empty(), own.steps);
+            let duration_s = plain(self.time_s(own.steps));
+            let kinds = if rank.0 { format!(" ({})", kinds.join(", ")) } else { String::new() };
+            let note =
+                format!("{:<9}  {duration_s} s{kinds}{}", profile.name(), binding_text(&own));
+            notes.push((rank, note));
+            let is_better = best.as_ref().is_none_or(|(_, known)| {
+                let of_known = (!warnings(&known.solution).is_empty(), known.steps);
+                rank < of_known || rank == of_known && share(&own) < share(known)
+            });
+            if is_better {
+                best = Some((profile, own));
             }
         }
         drop(stages);
-        if found.is_empty()
-            && let Some((_, error)) = refused.pop()
-        {
-            return Err(error.into());
+        notes.sort_by_key(|(rank, _)| *rank);
+        notes.iter().map(|(_, note)| note).chain(&refused).for_each(|note| console::note(note));
+        match (best, last) {
+            (Some(best), _) => Ok(best),
+            (None, Some(error)) => Err(error.into()),
+            (None, None) => Err(Failure::new(Exit::Usage, &"there is no profile", None)),
         }
-        found.sort_by_key(|(_, fit)| (warnings(&fit.solution) > 0, fit.steps));
-        for (profile, fit) in &found {
-            let duration_s = plain(self.time_s(fit.steps));
-            let warned = if warnings(&fit.solution) > 0 { ", with a warning" } else { "" };
-            let binding = binding_text(fit);
-            console::note(&format!("{:<9}  {duration_s} s{warned}{binding}", profile.name()));
-        }
-        for (profile, error) in &refused {
-            console::note(&format!("{:<9}  none: {error}", profile.name()));
-        }
-        Ok(found.swap_remove(0))
     }
 
     /// Tells the duration that was found, and which of the limits binds.
     fn told<S>(
         &self,
         profile: Profile,
-        fit: &Fit<S>,
+        (fit, warnings, of): (&Fit<S>, usize, &str),
         values: impl IntoIterator<Item = (Option<usize>, LimitedValue)>,
     ) -> Found {
         let duration_s = plain(self.time_s(fit.steps));
-        let found = format!("{duration_s} s, {}", found_text(fit, values));
+        let found = format!("{duration_s} s{of}, {}", found_text(fit, values));
         match self.profile {
-            Choice::Best => console::note(&format!("{profile} is the best: {found}")),
+            Choice::Best if warnings == 0 => {
+                console::note(&format!("the best without a warning is {profile}: {found}"));
+            }
+            Choice::Best => {
+                console::note(&format!(
+                    "none is without a warning, the shortest is {profile}: {found}"
+                ));
+            }
             Choice::Profile(_) => console::note(&format!("{found}{}", binding_text(fit))),
         }
         let comment = format!("# {profile}: {found}\n");
@@ -264,15 +293,13 @@ fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
     if limits.iter().any(|own| *own != Limits::default()) {
         return Ok(());
     }
-    let message = "--duration = nothing, but must be given where no limit is";
+    let message = "--duration is missing, but must be given where nothing limits the motion";
     let hint = "or --fit-limit torque=5, or [limits] in the link file: then the shortest is found";
     Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
 /// What a cycle takes.
-fn cycle_text(solution: &Solution) -> String {
-    let metrics = Metrics::of(solution);
-    let cycle_s = plain(solution.grid.len as f64 * solution.grid.step_s);
+fn cycle_text(cycle_s: &str, metrics: &Metrics) -> String {
     let [rms, peak] = [metrics.rms_torque_n_m, metrics.peak_torque_n_m.value];
     let [rms, peak] = [rms, peak].map(|torque| significant(torque, 4));
     let motor = metrics.motor.map_or(String::new(), |motor| {

@@ -54,7 +54,7 @@ Example:
 /// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
 /// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
 /// trapezoid (a third of the time accelerating, a third at speed), s-curve (the same with limited jerk),
-/// bang-bang, gaussian (bell of velocity); best (with --fit-limit: that of the shortest motion without a warning; the
+/// bang-bang, gaussian (bell of velocity); best (with --link: that of the shortest motion without a warning; the
 /// durations that all of them need are printed).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
@@ -69,14 +69,13 @@ pub(crate) struct Trajectory {
     #[arg(required_unless_present = "path")]
     distance: Option<Travel>,
 
-    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps [default: the shortest within the
-    /// limits of --fit-limit and of the link file].
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
-    #[arg(required_unless_present_any = ["fit_limit", "link"])]
+    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps; of all moves on the way, without
+    /// the rests between them [default: the shortest within the limits of --link].
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<f64>,
 
-    /// A limit beside those of the link file, torque=5 or 'power="20 W"', repeatable; the shortest duration that keeps
-    /// them all is found. Keys as in [limits]; with --path of all joints, or of one, fore.torque=5. Every shorter
+    /// A limit beside those of the link file, torque=5 or 'power="20 W"', or in place of the one with the same key;
+    /// repeatable. The shortest duration that keeps them all is found. Keys as in [limits]; with --path of all joints, or of one, fore.torque=5. Every shorter
     /// duration is tried; if there are very many, about a thousand of them, and the message says how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
@@ -90,23 +89,26 @@ pub(crate) struct Trajectory {
     pub(crate) changes: ChangeArgs,
 
     /// Step in s or with its unit.
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_negative_numbers = true)]
     step: f64,
 
     /// Rest before the motion in s or with its unit, a whole number of steps.
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
     rest_before: f64,
 
     /// Rest after the motion in s or with its unit, a whole number of steps.
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
     rest_after: f64,
 
+    #[command(flatten)]
+    pub(crate) path: PathArgs,
+
     /// Rest at each --via, in s or with its unit, a whole number of steps; with --cycle also at both ends.
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
     dwell: f64,
 
     /// Make one cycle of a motion that repeats, for `solve --periodic`: there, --dwell, back the same way, --dwell.
-    /// --duration is that of the way there. With --link, the torque that it takes over the cycle is printed.
+    /// --duration is that of the way there. With --link, the cycle is solved, and the torque that it takes printed.
     #[arg(long, conflicts_with_all = ["path", "rest_before", "rest_after"])]
     cycle: bool,
 
@@ -118,9 +120,6 @@ pub(crate) struct Trajectory {
     /// to the same number.
     #[arg(long, value_name = "N", default_value = "full")]
     digits: Digits,
-
-    #[command(flatten)]
-    pub(crate) path: PathArgs,
 
     #[command(flatten)]
     warnings: WarningArgs,
@@ -192,7 +191,7 @@ impl Trajectory {
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
         // The warnings of a solved path have this one among them.
         let warned = match &arm {
-            Some(arm) if self.fit_limit.is_empty() => reached(&text, arm)?,
+            Some(arm) if self.duration.is_some() => reached(&text, arm)?,
             _ => warnings,
         };
         console::deliver(self.output.as_deref(), &text)?;
@@ -221,13 +220,17 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// Returns an error for an option that has no effect without another one.
+    /// Returns an error for an option that is missing, or has no effect without another one.
     fn check_use(&self) -> Result<(), Failure> {
+        self.check_duration()?;
         let turns = self.travels().any(|(_, travel)| matches!(travel, Travel::Angle(_)));
-        let uses_link = self.duration.is_none() || self.path.is_given() || turns || self.cycle;
+        let is_searched = self.duration.is_none() || matches!(self.profile, Choice::Best);
+        let uses_link = is_searched || self.path.is_given() || turns || self.cycle;
         let stops = self.cycle || self.path.stops();
-        let (option, needs) = if self.link.is_some() && !uses_link {
-            ("--link", "--path, --cycle, an angle as --distance, or without --duration")
+        let (option, needs) = if let Some(option) = self.path.without_path() {
+            (option, "--path")
+        } else if self.link.is_some() && !uses_link {
+            ("--link", "--path, --cycle, an angle as --distance or --via, or without --duration")
         } else if self.link.is_none() && !self.changes.is_empty() {
             ("--set", "--link, the file that it changes")
         } else if self.dwell != 0.0 && !stops {
@@ -239,10 +242,23 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
+    /// Returns an error if neither a duration is given nor a link, whose limits decide.
+    fn check_duration(&self) -> Result<(), Failure> {
+        let message = match (&self.duration, &self.link, self.profile) {
+            (None, None, Choice::Best) => "--link is missing, but must be given with best",
+            (None, None, _) => "--duration is missing, but must be given without --link",
+            _ => return Ok(()),
+        };
+        let hint = "--link LINK finds the shortest motion within the limits of the link file and of --fit-limit";
+        Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    }
+
     /// The link of --link, with the limits of the command line; none without it.
     fn specification(&self) -> Result<Option<Specification>, Failure> {
         let Some(link) = &self.link else { return Ok(None) };
         let file = InputFile::read_toml(link)?;
+        // First without the limits, whose keys an arm has elsewhere.
+        specification(&file, &self.changes.overrides()?)?;
         specification(&file, &limits(&self.changes, &self.fit_limit, Limited::Link)?).map(Some)
     }
 
@@ -256,6 +272,14 @@ impl Trajectory {
     fn course(&self, specification: Option<&Specification>) -> Result<Course, Failure> {
         let stop_m = |(option, travel)| displacement_m(option, travel, specification);
         let stops_m = self.travels().map(stop_m).collect::<Result<Vec<_>, _>>()?;
+        let before = [0.0].iter().chain(&stops_m);
+        for ((option, _), (from_m, to_m)) in self.travels().zip(before.zip(&stops_m)) {
+            if (to_m - from_m).abs() < *DISTANCES_M.start() {
+                let (from, to) = (plain(*from_m), plain(*to_m));
+                let must = format!("but must differ from {from} m, where the tip is before");
+                return Err(Failure::new(Exit::Usage, &format!("{option} = {to} m, {must}"), None));
+            }
+        }
         let dwell = self.steps("--dwell", self.dwell, 0.0)?;
         let course = Course::through(stops_m, dwell).map_err(|error| not_made(&error))?;
         Ok(if self.cycle { course.there_and_back() } else { course })
@@ -320,8 +344,8 @@ fn displacement_m(
             return Err(Failure::new(Exit::Usage, &message, None));
         }
     };
-    // A stop may be the start.
-    if DISTANCES_M.contains(&distance_m.abs()) || (distance_m == 0.0 && option == "--via") {
+    // The start may be a stop, and the end of a motion with stops.
+    if DISTANCES_M.contains(&distance_m.abs()) || distance_m == 0.0 {
         return Ok(distance_m);
     }
     let must = "must lie from 1e-100 to 1e100 m, in either direction";

@@ -33,7 +33,8 @@ fn stop(text: &str) -> Result<Travel, String> {
 
 pub(super) fn travel(text: &str) -> Result<Travel, String> {
     let length = quantity(text, Dimension::LENGTH).map(Travel::Length);
-    length.or_else(|error| angle_rad(text).map(Travel::Angle).map_err(|_| error))
+    let travel = length.or_else(|_| angle_rad(text).map(Travel::Angle));
+    travel.map_err(|_| "must be a length, 0.5 or '65.8 cm', or an angle, '90 deg'".to_owned())
 }
 
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
@@ -124,7 +125,21 @@ impl PathArgs {
 
     /// True if the tip stops on the way.
     pub(super) fn stops(&self) -> bool {
-        !self.via.is_empty() && self.corner.is_none()
+        !self.via.is_empty() && (self.corner.is_none() || self.path.is_none())
+    }
+
+    /// The first option that has an effect only with --path, where that is not given.
+    pub(super) fn without_path(&self) -> Option<&'static str> {
+        let given = [
+            (self.from.is_some(), "--from"),
+            (self.to.is_some(), "--to"),
+            (self.corner.is_some(), "--corner"),
+            (self.center.is_some(), "--center"),
+            (self.angle.is_some(), "--angle"),
+            (!self.angles.is_empty(), "--angles"),
+        ];
+        let first = given.into_iter().find(|(is_given, _)| *is_given);
+        first.filter(|_| self.path.is_none()).map(|(_, option)| option)
     }
 
     /// Stops of a link's tip.

@@ -7,7 +7,7 @@ use flexlink::link::Link;
 use flexlink::result::{
     Fit, LimitedValue, LinkZeros, ModesResult, PoseModes, PoseSquares, Reached,
 };
-use flexlink::text::{plain, significant};
+use flexlink::text::{given, significant};
 use flexlink::verify::{Check, Outcome, Verification};
 
 use super::runs::{link_line, title};
@@ -165,7 +165,7 @@ pub(crate) fn found_text<S>(
 ) -> String {
     let each = values.into_iter().map(|(joint, value)| {
         let LimitedValue { key, limit, unit, .. } = value;
-        format!("{}{key}={} {unit}", of_joint(joint), plain(limit))
+        format!("{}{key}={} {unit}", of_joint(joint), given(limit))
     });
     let within = each.collect::<Vec<_>>().join(", ");
     if fit.is_shortest() {
@@ -192,7 +192,7 @@ pub(crate) fn binding_text<S>(fit: &Fit<S>) -> String {
     let below = if below < 0.01 { "less than 0.01".to_owned() } else { format!("{below:.2}") };
     let Reached { value, error } = binding;
     let (key, unit) = (value.key, value.unit);
-    let (found, limit) = (significant(value.found, 5), plain(value.limit));
+    let (found, limit) = (significant(value.found, 5), given(value.limit));
     let error = format!("{below} % below it with its error of {error:.1e} added");
     let of = of_joint(fit.joint);
     format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
