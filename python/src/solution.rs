@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use flexlink::beam::NodalHistories;
 use flexlink::inverse::{Solution as LibrarySolution, Unwatched};
 use flexlink::link::ParameterError;
-use flexlink::result::{Exceeded, Metrics, StoredWarning};
+use flexlink::result::{Exceeded, Limits, Metrics, StoredWarning};
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 
 use crate::arrays::{frame, rows, view};
@@ -53,6 +53,7 @@ pub(crate) struct Solution {
     keywords: Vec<String>,
     solution: LibrarySolution,
     metrics: Metrics,
+    limits: Limits,
     exceeded: Vec<Exceeded>,
     pub(crate) warnings: Vec<StoredWarning>,
 }
@@ -66,10 +67,22 @@ impl Solution {
     ) -> Self {
         let metrics = Metrics::of(&solution);
         let exceeded = link.specification.limits.exceeded(&metrics);
-        let limits = exceeded.iter().map(of_limit);
-        let warnings = solution.warnings.iter().map(of_solution).chain(limits).collect();
+        let of_limits = exceeded.iter().map(of_limit);
+        let warnings = solution.warnings.iter().map(of_solution).chain(of_limits).collect();
+        let limits = link.specification.limits;
         let (source, of_file) = (link.source.clone(), link.specification.remarks.clone());
-        Self { source, of_file, given, reading, keywords, solution, metrics, exceeded, warnings }
+        Self {
+            source,
+            of_file,
+            given,
+            reading,
+            keywords,
+            solution,
+            metrics,
+            limits,
+            exceeded,
+            warnings,
+        }
     }
 
     /// What a run of the command would record, none where link or motion are of no file.
@@ -91,7 +104,12 @@ impl Solution {
 
     fn summary(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
         let remarks = remarks(&self.of_file, &self.solution);
-        let findings = Findings { exceeded: &self.exceeded, verification: None, remarks: &remarks };
+        let findings = Findings {
+            limits: self.limits,
+            exceeded: &self.exceeded,
+            verification: None,
+            remarks: &remarks,
+        };
         let inputs = self.inputs(options);
         Summary::of_solution(inputs, &self.solution, &self.metrics, &findings, outputs)
     }

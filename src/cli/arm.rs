@@ -3,7 +3,7 @@
 use flexlink::csv::{Digits, InputFile, PathTable};
 use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert_arm};
 use flexlink::motion::ArmPath;
-use flexlink::result::{ArmMetrics, Exceeded, Remark};
+use flexlink::result::{ArmMetrics, Exceeded, Limits, Remark};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
 use flexlink::verify::{ArmAnswer, Verification, verify_arm};
@@ -24,7 +24,9 @@ pub(crate) struct ArmAndPath {
 pub(crate) struct SolvedArm {
     pub(crate) solution: ArmSolution,
     pub(crate) metrics: ArmMetrics,
-    /// The limits that are exceeded, with the number of the joint.
+    /// The limits of each joint.
+    limits: Vec<Limits>,
+    /// Those that are exceeded, with the number of the joint.
     pub(crate) exceeded: Vec<(usize, Exceeded)>,
     /// Remarks on the arm and its path.
     pub(crate) remarks: Vec<Remark>,
@@ -67,7 +69,7 @@ impl ArmAndPath {
         let tolerance = solution.analysis.tip_tolerance();
         let of_path = Remark::on_path(&self.path, solution.way_m, tolerance);
         let remarks = self.specification.remarks.iter().cloned().chain(of_path).collect();
-        Ok(SolvedArm { solution, metrics, exceeded, remarks })
+        Ok(SolvedArm { solution, metrics, limits: limits.clone(), exceeded, remarks })
     }
 
     /// Why there is no solution: with its row of the path, or the link of the arm, where one is to blame.
@@ -118,8 +120,8 @@ impl SolvedArm {
         verification: Option<&Verification>,
         outputs: &RunOutputs,
     ) -> Summary {
-        let Self { solution, metrics, exceeded, remarks } = self;
-        let run = ArmRun { solution, metrics, exceeded, verification, remarks };
+        let Self { solution, metrics, limits, exceeded, remarks } = self;
+        let run = ArmRun { solution, metrics, limits, exceeded, verification, remarks };
         Summary::of_arm(inputs, &run, outputs)
     }
 }

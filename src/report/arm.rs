@@ -27,10 +27,10 @@ pub(super) fn arm_figures(arms: &[StoredArm]) -> Figures {
     let joints = 0..shown.first.joints.len();
     let mut figures = Figures::default();
     joints.clone().for_each(|joint| figures.add(Ok(shown.torque(joint))));
-    joints.clone().for_each(|joint| figures.add(Ok(shown.angle(joint))));
-    figures.add(shown.bent_angles());
     figures.add(Ok(shown.tip()));
     shown.strays().into_iter().for_each(|figure| figures.add(Ok(figure)));
+    joints.clone().for_each(|joint| figures.add(Ok(shown.angle(joint))));
+    figures.add(shown.bent_angles());
     joints.for_each(|link| figures.add(shown.waves(link)));
     figures.add(shown.root_moments());
     figures
@@ -164,6 +164,9 @@ impl<'a> Shown<'a> {
             let motor = peak(motor);
             let _ = write!(caption, " On its side of the drive the motor gives up to {motor} N m.");
         }
+        for (limit, colour) in [(own.limits.torque_n_m, 1), (own.limits.motor_torque_n_m, 4)] {
+            caption.push_str(&Curve::add_limit(&mut curves, limit, "N m", colour));
+        }
         let title = format!("Torque of joint {}{}", joint + 1, self.name_of(joint));
         let id = format!("torque-{}", joint + 1);
         let figure = self.figure(id, &title, caption, ("torque", "N m"), curves);
@@ -261,13 +264,13 @@ impl<'a> Shown<'a> {
         let rest = if has_weight(arm) { ", less what it is at rest at first," } else { "" };
         let caption = format!(
             "The {what}{rest} over time (to the right) and along the link (up, from its joint), below the tip's \
-             distance from where it begins. At each place it is over the largest there, and colours go by the square \
-             root, so that weak waves are seen too; it reaches {peak} {unit}."
+             distance from where it begins; it reaches {peak} {unit}. Colours go by the square root, so that weak waves \
+             are seen too."
         );
         let tip =
             self.curve("tip from its start", Stroke::Solid(6), &arm.times_s, &from_start_m(arm));
         let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
-        let (map, x) = map(self.span_s, &nodes, &own.nodes_m, name);
+        let (map, x) = map(self.span_s, &nodes, &own.nodes_m, (name, unit));
         let title = format!("Waves along {words}");
         let figure =
             Figure::new(format!("waves-{}", link + 1), &title, caption, self.time_axis(), x);

@@ -6,10 +6,9 @@ use super::arm::{Shown, has_weight};
 use super::arm_motion::Motion;
 use super::figure::Figures;
 use super::link::given;
-use super::page::{
-    FILES, Section, advice, animation, checks, document, figures_section, inputs, link_readings,
-    made_by, readings, results, table, words_and_unit,
-};
+use super::page::{FILES, Section, advice, animation, document, inputs, made_by, parted_figures};
+use super::tables::{checks, link_readings, readings, results, table, words_and_unit};
+use super::words::{Kind, glossary};
 use crate::result::{StoredArm, StoredWarning};
 use crate::text::significant;
 
@@ -26,32 +25,35 @@ pub(super) fn arm_page(arms: &[StoredArm], figures: &Figures) -> Markup {
     if !warnings.is_empty() {
         sections.push(Section::warnings(advice(&warnings, true)));
     }
-    let remarks = told(arms, |arm| &arm.remarks);
-    if !remarks.is_empty() {
-        sections.push(Section::new("remarks", "Remarks", advice(&remarks, false)));
-    }
     let motion = Motion::of(&shown);
-    let content = arm_section(arms, &shown, motion.as_ref());
-    sections.push(Section::new("arm", "Arm and results", content));
-    if first.joints.iter().any(|joint| !joint.errors.is_empty()) {
-        sections.push(Section::new("errors", "Errors", errors(first)));
-    }
-    if !first.checks.is_empty() {
-        sections.push(Section::new("checks", "Verification", checks(&first.checks)));
-    }
-    let data = motion.map(|motion| motion.json(&shown));
-    if data.is_some() {
-        let (heading, class) = ("The arm in motion", Some("needs-script"));
-        let section = Section::new("animation", "Motion", animation("The arm while it moves"));
-        sections.push(Section { heading, class, ..section });
-    }
+    let data = motion.as_ref().map(|motion| motion.json(&shown));
     let (times, (from, until)) = (&first.times_s, shown.span_s);
     let [from, until, start, end] =
         [from, until, times[0], times[times.len() - 1]].map(|t| given(t, ""));
     let note = format!(
         "Over time the figures show {from} … {until} s of the {start} … {end} s that were computed."
     );
-    sections.push(figures_section(figures, &note));
+    let [leading, more] = parted_figures("Torques, tip and joints", Kind::Arm, figures, &note);
+    sections.extend(leading);
+    if let Some(motion) = &motion {
+        let (heading, class) = ("The arm in motion", Some("needs-script"));
+        let section = Section::new("animation", "Motion", animation("The arm while it moves"));
+        sections.push(Section { heading, class, ..section });
+        sections.push(Section::new("arm", "Poses", motion.drawing(&shown)));
+    }
+    sections.extend(more);
+    let remarks = told(arms, |arm| &arm.remarks);
+    if !remarks.is_empty() {
+        sections.push(Section::new("remarks", "Remarks", advice(&remarks, false)));
+    }
+    sections.push(glossary());
+    sections.push(Section::new("results", "Results", tables(arms, &shown)));
+    if first.joints.iter().any(|joint| !joint.errors.is_empty()) {
+        sections.push(Section::new("errors", "Errors", errors(first)));
+    }
+    if !first.checks.is_empty() {
+        sections.push(Section::new("checks", "Verification", checks(&first.checks)));
+    }
     sections.extend(arms.iter().take(1).map(|arm| inputs(&arm.origin)));
     let origin = html! {
         @for (k, arm) in arms.iter().enumerate() {
@@ -75,7 +77,7 @@ fn told(arms: &[StoredArm], of: fn(&StoredArm) -> &Vec<StoredWarning>) -> Vec<St
     arms.iter().flat_map(|arm| of(arm).iter().map(move |warning| named(arm, warning))).collect()
 }
 
-fn arm_section(arms: &[StoredArm], shown: &Shown, motion: Option<&Motion>) -> Markup {
+fn tables(arms: &[StoredArm], shown: &Shown) -> Markup {
     let first = shown.first;
     let last = first.links.len() - 1;
     let link = |k: usize| {
@@ -85,7 +87,6 @@ fn arm_section(arms: &[StoredArm], shown: &Shown, motion: Option<&Motion>) -> Ma
         readings(&format!("Link {}{}", k + 1, shown.name_of(k)), &rows)
     };
     html! {
-        @if let Some(motion) = motion { (motion.drawing(shown)) }
         div class="columns" { @for arm in arms { div {
             @if arms.len() > 1 { h3 { (arm.name) } }
             (joints(arm))
@@ -151,7 +152,7 @@ fn errors(arm: &StoredArm) -> Markup {
     };
     let of = if has_weight(arm) { "range" } else { "peak" };
     html! {
-        p { "What each quantity may be off by, over its " (of) "." }
+        p { "What each quantity may be off by, as a share of its own " (of) "." }
         (table(&head, &rows))
     }
 }

@@ -1,4 +1,4 @@
-//! An axis of a figure: its range and its ticks.
+//! An axis of a figure: its range and its ticks, and which points are drawn along it.
 
 use std::ops::Range;
 
@@ -36,6 +36,9 @@ pub(super) struct Axis {
     /// Values of the ticks; empty for round ones.
     pub(super) places: Vec<f64>,
 }
+
+/// Parts of x, one per pixel, of which each keeps the lowest and the highest point of each line.
+const PARTS: usize = 680;
 
 /// Approximate number of ticks of a linear axis.
 const TICKS: f64 = 6.0;
@@ -159,6 +162,26 @@ pub(super) fn in_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} in {unit}") }
 }
 
+/// Numbers of the points, of `len`, that are drawn of lines over the same x: all if they are few, else of each part of x
+/// the lowest and the highest of every line, so that no peak is lost.
+pub(super) fn drawn_points(
+    lines: &[&[(f64, f64)]],
+    len: usize,
+) -> impl Iterator<Item = usize> + use<> {
+    let part = if len <= 2 * PARTS { 1 } else { len.div_ceil(PARTS) };
+    let mut kept: Vec<usize> = if part == 1 { (0..len).collect() } else { vec![0, len - 1] };
+    for start in (0..len).step_by(part).filter(|_| part > 1) {
+        let inside = || start..(start + part).min(len);
+        for line in lines {
+            let by_height = |a: &usize, b: &usize| line[*a].1.total_cmp(&line[*b].1);
+            kept.extend(inside().min_by(by_height).into_iter().chain(inside().max_by(by_height)));
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter()
+}
+
 /// Decimal if that is short, else with an exponent.
 fn short_label(value: f64) -> String {
     let value = rounded(value, 4);
@@ -229,5 +252,20 @@ mod tests {
         assert!(Axis::logarithmic("f", "Hz", 1e-200..1e200).is_extreme());
         assert!(Axis::logarithmic("f", "Hz", f64::INFINITY..0.0).is_extreme());
         assert!(!Axis::logarithmic("f", "Hz", 1e-9..1e9).is_extreme());
+    }
+
+    #[test]
+    fn of_many_points_the_ends_and_the_peaks_of_every_line_are_drawn() {
+        let wave = |k: u32, slow: f64| (f64::from(k), libm::sin(f64::from(k) * slow));
+        let mut line: Vec<(f64, f64)> = (0..100_000).map(|k| wave(k, 1e-4)).collect();
+        let other: Vec<(f64, f64)> = (0..100_000).map(|k| wave(k, 3e-4)).collect();
+        line[54_321].1 = 7.0;
+        line[54_322].1 = -9.0;
+        let kept: Vec<usize> = drawn_points(&[&line, &other], line.len()).collect();
+        assert!(kept.len() <= 4 * PARTS + 2, "{}", kept.len());
+        assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
+        assert_eq!((kept[0], kept[kept.len() - 1]), (0, 99_999));
+        assert!(kept.contains(&54_321) && kept.contains(&54_322));
+        assert_eq!(drawn_points(&[&line[..100]], 100).count(), 100);
     }
 }

@@ -166,13 +166,13 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     };
     let caption = format!(
         "The {what} over time (to the right) and along the link (up, from the root), below the tip's \
-         displacement. At each place it is over the largest there, {} {unit} in all, and colours go by \
-         the square root, so that weak waves are seen too.{story}",
-        significant(nodes.peak(), 2)
+         displacement; it reaches {} {unit}. Colours go by the square root, so that weak waves are seen \
+         too.{story}",
+        significant(nodes.peak(), 3)
     );
     let tip = view.curve("tip displacement", Stroke::Solid(6), &view.run.tip.displacement_m);
     let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
-    let (map, x) = map(view.span_s(), &nodes, view.run.mesh.nodes_m(), name);
+    let (map, x) = map(view.span_s(), &nodes, view.run.mesh.nodes_m(), (name, unit));
     let figure = Figure::new("waves", "Waves along the link", caption, view.time_axis(), x);
     let marks = view.start_and_stop();
     Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure })
@@ -184,7 +184,7 @@ pub(super) fn map(
     (from_s, until_s): (f64, f64),
     nodes: &StoredNodes,
     nodes_m: &[f64],
-    name: &str,
+    (name, unit): (&str, &str),
 ) -> (ColourMap, Axis) {
     let column = |k: usize| from_s + (until_s - from_s) * (k as f64 + 0.5) / COLUMNS as f64;
     let moments: Vec<Interpolation> =
@@ -198,13 +198,14 @@ pub(super) fn map(
             let history = |node: usize| moment.mix(|k| nodes.histories[node][k]);
             place.mix(history)
         };
-        over_largest(moments.iter().map(at).collect())
+        moments.iter().map(at).collect()
     };
     let map = ColourMap {
         name: name.to_owned(),
-        unit: "(√ of share)".to_owned(),
+        unit: unit.to_owned(),
         colours: Colours::Diverging,
         rows: (0..ROWS).map(row).collect(),
+        fields: None,
     };
     (map, Axis::linear("x", "m", first_m..last_m))
 }
@@ -226,15 +227,4 @@ impl Interpolation {
         let (a, b) = (of(self.before), of(self.before + 1));
         a + self.share * (b - a)
     }
-}
-
-/// Signed square root of each value relative to the largest.
-fn over_largest(mut values: Vec<f64>) -> Vec<f64> {
-    let peak = largest(&values);
-    if peak > 0.0 {
-        for value in &mut values {
-            *value = value.signum() * (value.abs() / peak).sqrt();
-        }
-    }
-    values
 }

@@ -4,6 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::numeric::largest;
+use crate::text::significant;
 
 /// Numbers over a rectangle, shown by colours.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,26 +17,74 @@ pub(super) struct ColourMap {
     pub(super) colours: Colours,
     /// Rows of numbers, the lowest row first; all of one length.
     pub(super) rows: Vec<Vec<f64>>,
+    /// The single numbers, where the map is made of fields.
+    pub(super) fields: Option<Fields>,
+}
+
+/// Fields of a map: a number at each x and y, NaN where there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fields {
+    /// x and y of the columns and rows, ascending.
+    pub(super) places: [Vec<f64>; 2],
+    /// Rows of numbers, the lowest row first.
+    pub(super) values: Vec<Vec<f64>>,
 }
 
 /// Which colours stand for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Colours {
-    /// Blue below zero, red above, white at zero.
+    /// Blue below zero, red above, nothing at zero; their strength goes by the square root of the number, so that
+    /// small ones are seen too.
     Diverging,
     /// Dark blue for the smallest number to yellow for the largest.
     Sequential,
 }
 
+/// Colours of a map, numbered from 1; 0 is none.
+const COLOURS: u8 = 255;
+
+/// The strongest blue and red.
+const ENDS: [[u8; 3]; 2] = [[36, 113, 199], [214, 56, 47]];
+
+/// Least span of the colours, relative to the largest number: what differs by less looks much the same.
+const LEAST_SPAN: f64 = 0.1;
+
 impl ColourMap {
+    /// Smallest and largest of its numbers.
+    fn range(&self) -> (f64, f64) {
+        let finite = || self.rows.iter().flatten().copied().filter(|value| value.is_finite());
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
+    }
+
     /// Smallest and largest number that a colour stands for.
     pub(super) fn limits(&self) -> (f64, f64) {
         if self.colours == Colours::Diverging {
             let peak = self.rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
             return (-peak, peak);
         }
-        let finite = || self.rows.iter().flatten().copied().filter(|value| value.is_finite());
-        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
+        let (low, high) = self.range();
+        let lacks = 0.5 * (LEAST_SPAN * low.abs().max(high.abs()) - (high - low)).max(0.0);
+        (low - lacks, high + lacks)
+    }
+
+    /// Its range in words, and that of its colours where that is wider.
+    pub(super) fn range_words(&self) -> String {
+        let ((low, high), (first, last)) = (self.range(), self.limits());
+        if !low.is_finite() {
+            return String::new();
+        }
+        let text = |value: f64| significant(value, 5).replace('-', "−");
+        let unit = format!(" {}", self.unit);
+        let range = format!(" From {} to {}{}", text(low), text(high), unit.trim_end());
+        if self.colours == Colours::Sequential && (first < low || last > high) {
+            let text = |value: f64| significant(value, 3).replace('-', "−");
+            return format!(
+                "{range}; the colours span {} to {}, as the numbers hardly differ.",
+                text(first),
+                text(last)
+            );
+        }
+        format!("{range}.")
     }
 
     /// True if its numbers are too large for colours.
@@ -44,25 +93,63 @@ impl ColourMap {
         [low, high].into_iter().any(|limit| limit.is_finite() && limit.abs() > 1e300)
     }
 
-    /// Red, green and blue of a number; white for NaN.
-    fn colour(&self, value: f64, (low, high): (f64, f64)) -> [u8; 3] {
+    /// Number of a value's colour.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 254")]
+    fn colour(&self, value: f64, (low, high): (f64, f64)) -> u8 {
         if !value.is_finite() {
-            return [255; 3];
+            return 0;
         }
-        let share = if high > low { (value - low) / (high - low) } else { 0.5 };
-        let colour = match self.colours {
-            Colours::Diverging => colorous::RED_BLUE.eval_continuous(1.0 - share),
-            Colours::Sequential => colorous::CIVIDIS.eval_continuous(share),
+        let share = match self.colours {
+            _ if high <= low => 0.5,
+            Colours::Diverging => 0.5 * (1.0 + value.signum() * (value.abs() / high).sqrt()),
+            Colours::Sequential => (value - low) / (high - low),
         };
-        [colour.r, colour.g, colour.b]
+        1 + (share * f64::from(COLOURS - 1)).round() as u8
     }
 
-    /// The colours at `count` places from the smallest number to the largest, as `#rrggbb`.
-    pub(super) fn scale(&self, count: usize) -> Vec<String> {
+    /// Red, green, blue and opacity of a colour by its number.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 255")]
+    fn shade(&self, number: u8) -> ([u8; 3], u8) {
+        let Some(place) = number.checked_sub(1) else { return ([255; 3], 0) };
+        let share = f64::from(place) / f64::from(COLOURS - 1);
+        match self.colours {
+            Colours::Diverging => {
+                let end = ENDS[usize::from(share > 0.5)];
+                (end, (255.0 * (2.0 * share - 1.0).abs()).round() as u8)
+            }
+            Colours::Sequential => {
+                let colour = colorous::CIVIDIS.eval_continuous(share);
+                ([colour.r, colour.g, colour.b], 255)
+            }
+        }
+    }
+
+    /// The colours at `count` even places of the scale, as `#rrggbb` and opacity.
+    #[expect(clippy::cast_possible_truncation, reason = "1 … 255")]
+    pub(super) fn scale(&self, count: u8) -> Vec<(String, f64)> {
+        let number =
+            |k: u8| 1 + (u16::from(k) * u16::from(COLOURS - 1) / u16::from(count - 1)) as u8;
+        let hexadecimal = |([r, g, b], opacity): ([u8; 3], u8)| {
+            (format!("#{r:02x}{g:02x}{b:02x}"), f64::from(opacity) / 255.0)
+        };
+        (0..count).map(|k| hexadecimal(self.shade(number(k)))).collect()
+    }
+
+    /// Numbers that the scale shows, each with its share of the scale's length.
+    pub(super) fn scale_ticks(&self) -> Vec<(f64, f64)> {
         let (low, high) = self.limits();
-        let value = |k: usize| low + (high - low) * k as f64 / (count - 1) as f64;
-        let hexadecimal = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
-        (0..count).map(|k| hexadecimal(self.colour(value(k), (low, high)))).collect()
+        match self.colours {
+            Colours::Diverging => {
+                vec![(low, 0.0), (0.25 * low, 0.25), (0.0, 0.5), (0.25 * high, 0.75), (high, 1.0)]
+            }
+            Colours::Sequential => vec![(low, 0.0), (0.5 * (low + high), 0.5), (high, 1.0)],
+        }
+    }
+
+    /// True if a value's colour is dark, so that letters on it must be light.
+    pub(super) fn is_dark(&self, value: f64) -> bool {
+        let ([r, g, b], _) = self.shade(self.colour(value, self.limits()));
+        2 * u32::from(r) + 5 * u32::from(g) + u32::from(b) < 8 * 118
     }
 
     /// A PNG picture of the numbers as a `data:` address, a pixel for each.
@@ -71,10 +158,14 @@ impl ColourMap {
         let limits = self.limits();
         let (columns, rows) = (self.rows.first().map_or(0, Vec::len), self.rows.len());
         let numbers = self.rows.iter().rev().flatten();
-        let pixels: Vec<u8> = numbers.flat_map(|number| self.colour(*number, limits)).collect();
+        let pixels: Vec<u8> = numbers.map(|number| self.colour(*number, limits)).collect();
+        let (palette, opacities): (Vec<_>, Vec<_>) =
+            (0..=COLOURS).map(|number| self.shade(number)).unzip();
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, columns as u32, rows as u32);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_palette(palette.concat());
+        encoder.set_trns(opacities);
         encoder.set_compression(png::Compression::High);
         // Writing to memory, and as many pixels as announced, cannot fail.
         if let Ok(mut writer) = encoder.write_header() {
@@ -90,29 +181,37 @@ mod tests {
 
     fn map(colours: Colours) -> ColourMap {
         let rows = vec![vec![-1.0, 0.0, 2.0], vec![f64::NAN, 0.5, 1.0]];
-        ColourMap { name: "deflection".into(), unit: "m".into(), colours, rows }
+        ColourMap { name: "deflection".into(), unit: "m".into(), colours, rows, fields: None }
     }
 
     fn pixels(address: &str) -> (u32, u32, Vec<u8>) {
         let file =
             STANDARD.decode(address.strip_prefix("data:image/png;base64,").unwrap()).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let frame = reader.next_frame(&mut pixels).unwrap();
         (frame.width, frame.height, pixels)
     }
 
     #[test]
-    fn the_picture_has_the_first_row_at_its_foot_and_zero_in_white() {
+    fn the_picture_has_the_first_row_at_its_foot_and_zero_in_no_colour() {
         let map = map(Colours::Diverging);
         assert_eq!(map.limits(), (-2.0, 2.0));
         let (width, height, pixels) = pixels(&map.picture());
         assert_eq!((width, height), (3, 2));
-        let pixel = |row: usize, column: usize| &pixels[3 * (3 * row + column)..][..3];
-        assert_eq!(pixel(0, 0), [255; 3], "nothing known");
-        assert!(pixel(1, 1).iter().all(|part| *part > 235), "zero: {:?}", pixel(1, 1));
-        assert!(pixel(1, 2)[0] > pixel(1, 2)[2], "above zero is red");
+        let pixel = |row: usize, column: usize| &pixels[4 * (3 * row + column)..][..4];
+        assert_eq!(pixel(0, 0)[3], 0, "nothing known");
+        assert!(pixel(1, 1)[3] < 3, "zero: {:?}", pixel(1, 1));
+        assert!(pixel(1, 2)[0] > pixel(1, 2)[2] && pixel(1, 2)[3] == 255, "above zero is red");
         assert!(pixel(1, 0)[2] > pixel(1, 0)[0], "below zero is blue");
+        // −1 of 2 by the square root.
+        assert!(pixel(1, 0)[3].abs_diff(180) < 3, "{:?}", pixel(1, 0));
+        let halves = map.scale_ticks().into_iter().map(|(value, share)| {
+            (value, 0.5 + 0.5 * value.signum() * (value.abs() / 2.0).sqrt() - share)
+        });
+        assert!(halves.into_iter().all(|(value, off)| value.abs() < 1e-12 || off.abs() < 1e-12));
     }
 
     #[test]
@@ -122,5 +221,23 @@ mod tests {
         let scale = map.scale(3);
         assert_eq!(scale.len(), 3);
         assert!(scale[0] < scale[2], "{scale:?}");
+        assert!(map.is_dark(-1.0) && !map.is_dark(2.0));
+    }
+
+    #[test]
+    fn numbers_that_hardly_differ_have_hardly_different_colours() {
+        let mut map = map(Colours::Sequential);
+        map.rows = vec![vec![0.99995, 1.0]];
+        let (low, high) = map.limits();
+        assert!((high - low - 0.1).abs() < 1e-12 && low < 0.96 && high > 1.04, "{low} … {high}");
+        let [first, last] = [0.99995, 1.0].map(|value| map.colour(value, (low, high)));
+        assert!(last.abs_diff(first) < 2, "{first}, {last}");
+        let words = map.range_words();
+        assert!(
+            words.contains("From 0.99995 to 1.0000 m; the colours span 0.950 to 1.05"),
+            "{words}"
+        );
+        map.rows = vec![vec![0.2, 1.0]];
+        assert_eq!((map.limits(), map.range_words().contains("span")), ((0.2, 1.0), false));
     }
 }

@@ -2,12 +2,13 @@
 //! of a figure in a file of its own only the light one.
 
 use std::fmt::Write as _;
+use std::slice;
 
 use maud::{Markup, html};
 
-use super::axis::{Axis, TIME};
-use super::colour_map::ColourMap;
-use super::figure::{Curve, Figure, Mark, Stroke};
+use super::axis::{Axis, TIME, in_unit};
+use super::colour_map::{ColourMap, Fields};
+use super::figure::{Curve, Figure, Mark, Stroke, thinned};
 use crate::text::significant;
 
 /// Approximate width of a letter.
@@ -28,6 +29,9 @@ const MANY_DOTS: usize = 200;
 /// Height of the strip above a colour map, and of the gap below it.
 const STRIP: f64 = 70.0;
 const GAP: f64 = 10.0;
+
+/// Least height of a field with a number in it.
+const FIELD_HEIGHT: f64 = 15.0;
 
 /// Heights between which a y axis lies in the plot.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +82,7 @@ impl Figure {
                 data-x-name=(x.name) data-x-unit=(x.unit)
                 data-y-name=(y.name) data-y-unit=(y.unit)
                 data-x-places=[places]
+                data-x-grid=[self.grid()]
                 data-x-axis=(across)
                 data-x-scale=(x.scale.word()) data-y-scale=(y.scale.word()) {
                 rect class="plot-area" x=(LEFT) y=(TOP) width=(width) height=(height) {}
@@ -93,8 +98,47 @@ impl Figure {
                         }
                     }
                 }
+                (self.field_numbers(band))
                 (self.mark_labels())
                 (self.legend())
+            }
+        }
+    }
+
+    /// Start and step of the x of all lines, if they are even.
+    fn grid(&self) -> Option<String> {
+        let x: Vec<f64> =
+            self.curves.iter().flat_map(|curve| curve.points.iter().map(|(x, _)| *x)).collect();
+        let (start, step) = (*x.first()?, x.get(1)? - x[0]);
+        let is_even = |x: &f64| {
+            let steps = (x - start) / step;
+            x.is_nan() || (steps - steps.round()).abs() < 1e-3
+        };
+        (self.x.name == TIME && x.iter().all(is_even)).then(|| format!("{start} {step}"))
+    }
+
+    /// Numbers in the fields of a map, where they have room.
+    fn field_numbers(&self, band: Band) -> Markup {
+        let found = self.map.as_ref().and_then(|map| Some((map, map.fields.as_ref()?)));
+        let Some((map, Fields { places: [x, y], values })) = found else { return html! {} };
+        let (width, borders) = (self.plot().0, borders(&self.x, x));
+        let is_low = band.height / (y.len() as f64) < FIELD_HEIGHT;
+        let most = if is_low { 0 } else { y.len() };
+        html! {
+            g class="fields" {
+                @for (at_y, row) in y.iter().zip(values).take(most) {
+                    @for (k, value) in row.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+                        @let label = significant(*value, 3).replace('-', "−");
+                        @let (from, to) = (borders[k], borders[k + 1]);
+                        @if LETTER * label.chars().count() as f64 + 2.0 < width * (to - from) {
+                            text class=(if map.is_dark(*value) { "on-dark" } else { "on-light" })
+                                data-from=(number(width * from)) data-to=(number(width * to))
+                                x=(number(LEFT + width * self.x.share(x[k])))
+                                y=(number(TOP + band.y(self.y.share(*at_y)) + 4.0))
+                                text-anchor="middle" { (label) }
+                        }
+                    }
+                }
             }
         }
     }
@@ -115,17 +159,19 @@ impl Figure {
                 path class="fill" data-name=(curve.name) d=(self.area(curve)) {}
             }
             @if let Some((curve, axis)) = &self.strip {
-                (self.line(curve, axis, Band { top: 0.0, height: STRIP }, true))
+                @for curve in &thinned(slice::from_ref(curve)) {
+                    (self.line(curve, axis, Band { top: 0.0, height: STRIP }, true))
+                }
             }
-            @for curve in &self.curves { (self.line(curve, &self.y, band, false)) }
+            @for curve in &thinned(&self.curves) { (self.line(curve, &self.y, band, false)) }
         }
     }
 
-    /// The points of a line that are drawn, in pixels.
+    /// The points of a line in pixels.
     fn points(&self, curve: &Curve, y: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let width = self.plot().0;
-        let point = |(at, value)| (width * self.x.share(at), y(value));
-        thinned(&curve.points).into_iter().map(point).collect()
+        let point = |(at, value): &(f64, f64)| (width * self.x.share(*at), y(*value));
+        curve.points.iter().map(point).collect()
     }
 
     fn line(&self, curve: &Curve, y: &Axis, band: Band, is_strip: bool) -> Markup {
@@ -244,18 +290,39 @@ impl Figure {
     }
 }
 
-/// The colours of a map from its smallest number to its largest.
+/// Shares of an axis at which the fields around these places begin and end: half way between them.
+pub(super) fn borders(axis: &Axis, places: &[f64]) -> Vec<f64> {
+    let shares: Vec<f64> = places.iter().map(|place| axis.share(*place)).collect();
+    let middles = shares.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    std::iter::once(0.0).chain(middles).chain([1.0]).collect()
+}
+
+/// Length of the scale of colours, and distance of its end from the right edge.
+const SCALE: f64 = 200.0;
+const SCALE_RIGHT: f64 = 34.0;
+
+/// The colours of a map with the numbers that they stand for.
 fn colour_scale(map: &ColourMap) -> Markup {
-    let (low, high) = map.limits();
-    let [low, high] = [low, high].map(|value| significant(value, 3).replace('-', "−"));
-    let letters = high.chars().count() + map.unit.chars().count() + 2;
-    let end = WIDTH - RIGHT - LETTER * letters as f64;
-    html! {
-        text class="legend-text" x=(end - 128.0) y="21" text-anchor="end" { (map.name) " " (low) }
-        @for (k, colour) in map.scale(24).iter().enumerate() {
-            rect x=(end - 120.0 + 5.0 * k as f64 - 4.0) y="9" width="5.2" height="15" fill=(colour) {}
+    let start = WIDTH - SCALE_RIGHT - SCALE;
+    let colours = map.scale(40);
+    let step = SCALE / colours.len() as f64;
+    // Opaque colours reach below the next one, so that no gaps are seen between them.
+    let width = |opacity: f64| if opacity < 1.0 { step } else { step + 0.5 };
+    let label = |value: f64| match value {
+        zero if zero.abs() <= 0.0 => "0".to_owned(),
+        value => {
+            significant(value, if map.scale_ticks().len() > 3 { 2 } else { 3 }).replace('-', "−")
         }
-        text class="legend-text" x=(end + 6.0) y="21" { (high) " " (map.unit) }
+    };
+    html! {
+        text class="legend-text" x=(start - 8.0) y="12" text-anchor="end" { (in_unit(&map.name, &map.unit)) }
+        @for (k, (colour, opacity)) in colours.iter().enumerate() {
+            rect x=(number(start + step * k as f64)) y="3" width=(number(width(*opacity))) height="11"
+                fill=(colour) fill-opacity=(number(*opacity)) {}
+        }
+        @for (value, share) in map.scale_ticks() {
+            text class="legend-text" x=(number(start + share * SCALE)) y="27" text-anchor="middle" { (label(value)) }
+        }
     }
 }
 
@@ -266,7 +333,13 @@ fn range(axis: &Axis) -> String {
 
 /// A coordinate as text, to a hundredth of a pixel.
 fn number(value: f64) -> String {
-    let text = format!("{value:.2}");
+    rounded(value, 2)
+}
+
+/// A coordinate as text. The page's script reads values from lines, which have four decimals for it: a millionth of the
+/// axis.
+fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
@@ -283,7 +356,7 @@ fn path(points: &[(f64, f64)]) -> String {
         // Some viewers fail on larger coordinates, which are out of sight.
         let y = y.clamp(-1e5, 1e5);
         // Writing to a string cannot fail.
-        let _ = write!(text, "{pen}{},{}", number(*x), number(y));
+        let _ = write!(text, "{pen}{},{}", rounded(*x, 4), rounded(y, 4));
         pen = 'L';
     }
     text
@@ -293,47 +366,4 @@ fn path(points: &[(f64, f64)]) -> String {
 fn dots(points: &[(f64, f64)]) -> String {
     let finite = points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
     finite.map(|(x, y)| format!("M{},{}h0", number(*x), number(*y))).collect::<Vec<_>>().concat()
-}
-
-/// Parts of x, one per pixel, of which each keeps its lowest and its highest point.
-const PARTS: usize = 680;
-
-/// The points that a figure shows of a line with ascending x: all if they are few, else the lowest and
-/// the highest of each part, so that no peak is lost.
-fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    if points.len() <= 2 * PARTS {
-        return points.to_vec();
-    }
-    let mut kept = Vec::with_capacity(2 * PARTS + 2);
-    kept.push(points[0]);
-    for part in points.chunks(points.len().div_ceil(PARTS)) {
-        let by_height = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let lowest = part.iter().min_by(by_height);
-        let highest = part.iter().max_by(by_height);
-        let mut both: Vec<(f64, f64)> = lowest.into_iter().chain(highest).copied().collect();
-        both.sort_by(|a, b| a.0.total_cmp(&b.0));
-        kept.extend(both);
-    }
-    kept.extend(points.last());
-    kept.dedup();
-    kept
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_thinned_line_keeps_its_ends_and_its_peaks() {
-        let mut points: Vec<(f64, f64)> =
-            (0..100_000).map(|k| (f64::from(k), libm::sin(f64::from(k) * 1e-4))).collect();
-        points[54_321].1 = 7.0;
-        points[54_322].1 = -9.0;
-        let kept = thinned(&points);
-        assert!(kept.len() <= 2 * PARTS + 2, "{}", kept.len());
-        assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
-        assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[99_999]));
-        assert!(kept.contains(&points[54_321]) && kept.contains(&points[54_322]));
-        assert_eq!(thinned(&points[..100]), points[..100]);
-    }
 }

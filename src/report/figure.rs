@@ -7,9 +7,9 @@ use std::sync::Arc;
 use maud::{PreEscaped, html};
 use resvg::{tiny_skia, usvg};
 
-use super::axis::{Axis, in_unit};
-use super::colour_map::ColourMap;
-use crate::text::{significant, visible_document};
+use super::axis::{Axis, drawn_points, in_unit};
+use super::colour_map::{ColourMap, Fields};
+use crate::text::{plain, significant, visible_document};
 
 /// The content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
 #[derive(Debug, Clone, Default)]
@@ -47,6 +47,8 @@ pub(super) enum Stroke {
     Points(usize),
     /// Pieces of a line that are no values: uncertainties.
     Bars(usize),
+    /// A limit of the line with this colour.
+    Limit(usize),
 }
 
 impl Stroke {
@@ -57,7 +59,13 @@ impl Stroke {
             Self::Dashed(colour) => format!("line s{colour} dashed"),
             Self::Points(colour) => format!("line s{colour} points"),
             Self::Bars(colour) => format!("bars s{colour}"),
+            Self::Limit(colour) => format!("limit s{colour}"),
         }
+    }
+
+    /// True if the line is of values that can be read.
+    fn has_values(self) -> bool {
+        !matches!(self, Self::Bars(_) | Self::Limit(_))
     }
 }
 
@@ -76,6 +84,38 @@ impl Curve {
     pub(super) fn new(name: &str, stroke: Stroke, x: &[f64], y: &[f64]) -> Self {
         let points = x.iter().copied().zip(y.iter().copied()).collect();
         Self { name: name.to_owned(), stroke, points }
+    }
+
+    /// Adds a limit to the lines of a figure, in the colour of the line that it limits, or says for the caption that it
+    /// lies so far above them that they would be small.
+    pub(super) fn add_limit(
+        curves: &mut Vec<Self>,
+        limit: Option<f64>,
+        unit: &str,
+        colour: usize,
+    ) -> String {
+        let Some(limit) = limit else { return String::new() };
+        let name = format!("limit {} {unit}", plain(limit));
+        let Some(line) = Self::limit((limit, &name), colour, curves) else {
+            return format!(" The {name} is beyond the figure.");
+        };
+        curves.push(line);
+        String::new()
+    }
+
+    /// A line at ± a limit over the lines of a figure; below 0 only if they get there.
+    fn limit((limit, name): (f64, &str), colour: usize, of: &[Self]) -> Option<Self> {
+        const FAR: f64 = 3.0;
+        let values = || of.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| *value));
+        let peak = values().fold(0.0_f64, |peak, value| peak.max(value.abs()));
+        let points = &of.first()?.points;
+        let [first, last] = [points.first()?.0, points.last()?.0];
+        let mut lines = vec![(first, limit), (last, limit)];
+        if values().any(|value| value < -0.05 * peak) {
+            lines.extend([(f64::NAN, f64::NAN), (first, -limit), (last, -limit)]);
+        }
+        let name = name.to_owned();
+        (limit <= FAR * peak).then_some(Self { name, stroke: Stroke::Limit(colour), points: lines })
     }
 
     /// Value of the point nearest to an x; none beyond the line's ends.
@@ -132,7 +172,7 @@ impl Figures {
 /// Most rows of the table below a figure.
 const ROWS: usize = 16;
 
-/// Rows of a map that its table shows.
+/// Rows of a map over time that its table shows.
 const MAP_ROWS: usize = 5;
 
 /// Digits of the table's numbers.
@@ -164,6 +204,13 @@ impl Figure {
         Self { curves, ..Self::new(id, title, caption, x, y) }
     }
 
+    /// True if a page of a run shows it first: torque, tip and hub, or joints.
+    pub(super) fn leads(&self) -> bool {
+        const FIRST: [&str; 4] = ["torque", "tip", "hub", "angle"];
+        let is_first = FIRST.iter().any(|first| self.id.starts_with(first));
+        is_first && self.id != "tip-under-rigid-torque"
+    }
+
     /// True if its numbers are too large or too small to be drawn.
     fn is_extreme(&self) -> bool {
         let strip = self.strip.as_ref().map(|(_, axis)| axis);
@@ -171,14 +218,24 @@ impl Figure {
         is_map || [&self.x, &self.y].into_iter().chain(strip).any(Axis::is_extreme)
     }
 
-    /// Headings and rows of a table: some values of x at even distances, and the value of each line
-    /// there, or of some rows of the map.
+    /// Points of its first line that are drawn, and all of them.
+    pub(super) fn thinned(&self) -> Option<(usize, usize)> {
+        let (drawn, all) =
+            (thinned(&self.curves).first()?.points.len(), self.curves.first()?.points.len());
+        (drawn < all).then_some((drawn, all))
+    }
+
+    /// Headings and rows of a table: some values of x at even distances, and the value of each line there; of a map
+    /// all fields, or some rows.
     pub(super) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let (mut lines, unit) = match &self.map {
-            Some(map) if self.curves.is_empty() => (self.map_lines(map), ""),
-            _ => (self.curves.clone(), self.y.unit.as_str()),
+        let (mut lines, unit, most) = match &self.map {
+            Some(map) if self.curves.is_empty() => {
+                let most = if map.fields.is_some() { usize::MAX } else { ROWS };
+                (self.map_lines(map), "", most)
+            }
+            _ => (thinned(&self.curves), self.y.unit.as_str(), ROWS),
         };
-        lines.retain(|line| !matches!(line.stroke, Stroke::Bars(_)));
+        lines.retain(|line| line.stroke.has_values());
         let Some(first) = lines.first() else { return (vec![], vec![]) };
         let text = |value: f64| {
             let digits = value.is_finite().then(|| significant(value, DIGITS).replace('-', "−"));
@@ -191,29 +248,47 @@ impl Figure {
             let values = lines.iter().map(|line| line.value_at(at).map_or(String::new(), text));
             std::iter::once(text(at)).chain(values).collect()
         };
-        (head, evenly(first.points.len(), ROWS).into_iter().map(row).collect())
+        (head, evenly(first.points.len(), most).into_iter().map(row).collect())
     }
 
-    /// Some rows of a map as lines.
+    /// All rows of a map of fields, or some of one over time, as lines.
     fn map_lines(&self, map: &ColourMap) -> Vec<Curve> {
+        let line = |at: f64, points: Vec<(f64, f64)>| {
+            let place = format!("{} = {} {}", self.y.name, significant(at, 3), self.y.unit);
+            let name = in_unit(&format!("{} at {}", map.name, place.trim_end()), &map.unit);
+            Curve { name, stroke: Stroke::Solid(1), points }
+        };
+        if let Some(Fields { places: [x, y], values }) = &map.fields {
+            let points = |row: &Vec<f64>| x.iter().copied().zip(row.iter().copied()).collect();
+            return y.iter().zip(values).map(|(at, row)| line(*at, points(row))).collect();
+        }
         let place = |range: &Range<f64>, k: usize, len: usize| {
             range.start + (range.end - range.start) * (k as f64 + 0.5) / len as f64
         };
-        let line = |row: usize| {
-            let at = significant(place(&self.y.range, row, map.rows.len()), 3);
+        let of_row = |row: usize| {
             let values = &map.rows[row];
             let x = (0..values.len()).map(|k| place(&self.x.range, k, values.len()));
-            Curve {
-                name: format!(
-                    "{} at {} = {at} {} in {}",
-                    map.name, self.y.name, self.y.unit, map.unit
-                ),
-                stroke: Stroke::Solid(1),
-                points: x.zip(values.iter().copied()).collect(),
-            }
+            line(place(&self.y.range, row, map.rows.len()), x.zip(values.iter().copied()).collect())
         };
-        evenly(map.rows.len(), MAP_ROWS).into_iter().map(line).collect()
+        evenly(map.rows.len(), MAP_ROWS).into_iter().map(of_row).collect()
     }
+}
+
+/// Lines as they are drawn: all points if they are few, else of each part of x the lowest and the highest of every
+/// line, so that no peak is lost. Lines over the same x keep the same ones.
+pub(super) fn thinned(curves: &[Curve]) -> Vec<Curve> {
+    let is_same = |pair: (&(f64, f64), &(f64, f64))| pair.0.0.total_cmp(&pair.1.0).is_eq();
+    let thin = |curve: &Curve| {
+        let own = &curve.points;
+        let of_same = curves
+            .iter()
+            .map(|other| &other.points[..])
+            .filter(|points| points.len() == own.len() && own.iter().zip(*points).all(is_same));
+        let points =
+            drawn_points(&of_same.collect::<Vec<_>>(), own.len()).map(|k| own[k]).collect();
+        Curve { points, ..curve.clone() }
+    };
+    curves.iter().map(thin).collect()
 }
 
 /// At most `most` of `len` numbers, evenly, the first and the last among them.
@@ -223,7 +298,7 @@ pub(super) fn evenly(len: usize, most: usize) -> Vec<usize> {
 }
 
 /// Style sheet of a figure in a file of its own: the light colours of the page.
-const STYLE: &str = include_str!("figure.css");
+pub(super) const STYLE: &str = include_str!("figure.css");
 
 /// Font of the pictures, so that they are the same on every machine.
 const FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
@@ -265,5 +340,25 @@ impl Figure {
         let transform = tiny_skia::Transform::from_scale(SCALE, SCALE);
         resvg::render(&tree, transform, &mut pixels.as_mut());
         pixels.encode_png().map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_drawn_on_both_sides_unless_the_lines_are_far_from_it() {
+        let curve =
+            |values: &[f64]| vec![Curve::new("torque", Stroke::Solid(1), &[0.0, 1.0], values)];
+        let mut curves = curve(&[-1.0, 1.5]);
+        assert_eq!(Curve::add_limit(&mut curves, Some(2.0), "N m", 1), "");
+        let limit = &curves[1];
+        let heights: Vec<f64> =
+            limit.points.iter().map(|(_, y)| *y).filter(|y| y.is_finite()).collect();
+        assert_eq!((heights, &limit.name[..]), (vec![2.0, 2.0, -2.0, -2.0], "limit 2 N m"));
+        assert_eq!(Curve::limit((2.0, "a"), 1, &curve(&[0.0, 1.5])).unwrap().points.len(), 2);
+        let told = Curve::add_limit(&mut curves, Some(20.0), "N m", 1);
+        assert_eq!((told.as_str(), curves.len()), (" The limit 20 N m is beyond the figure.", 2));
     }
 }

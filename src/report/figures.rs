@@ -1,4 +1,4 @@
-//! All figures of a result and its page; figures of a run over time: 3 to 9 of the paper for this link.
+//! All figures of a result and its page; figures of a run over time, 3 to 9 of Bayo (1987) for its links.
 
 use std::fmt::Write as _;
 
@@ -6,10 +6,11 @@ use super::arm::arm_figures;
 use super::arm_page::arm_page;
 use super::axis::is_extreme;
 use super::bending::waves;
-use super::figure::{Figure, Figures, Stroke};
+use super::figure::{Curve, Figure, Figures, Stroke};
 use super::frequency::{shapes, transfer};
 use super::page::run_page;
-use super::sweep::{sweep_figures, sweep_page};
+use super::sweep::sweep_figures;
+use super::sweep_page::sweep_page;
 use super::view::{View, inside};
 use crate::link::Damping;
 use crate::numeric::largest;
@@ -42,7 +43,10 @@ fn run_figures(run: &StoredRun) -> Figures {
     let view = &View::of(run);
     let [acceleration, displacement] = motion(view);
     let mut figures = Figures::default();
-    for figure in [torque(view), acceleration, displacement, hub(view)] {
+    for figure in [torque(view), displacement, acceleration, hub(view)] {
+        figures.add(Ok(figure));
+    }
+    if let Some(figure) = hub_rate(view) {
         figures.add(Ok(figure));
     }
     figures.add(waves(view));
@@ -55,7 +59,40 @@ fn run_figures(run: &StoredRun) -> Figures {
     figures
 }
 
-/// Acceleration and displacement of the tip (Bayo 1987, figures 3 and 4).
+/// Number of the example of Bayo (1987) that a solution is, for the figures of the paper: its link, and a motion of
+/// 0.88 s.
+fn example(run: &StoredRun) -> Option<usize> {
+    let close = |found: f64, printed: f64| (found / printed - 1.0).abs() < 1e-3;
+    let (from, until) = run.solved.as_ref()?.moving_s;
+    let link = &run.link;
+    let parts: Vec<[f64; 3]> = link
+        .segments()
+        .iter()
+        .map(|s| [s.length_m, s.bending_stiffness_n_m2.mean(), s.mass_per_length_kg_m.mean()])
+        .collect();
+    let is_bare = link.masses().is_empty()
+        && link.payload().mass_kg.abs() <= 0.0
+        && link.drive().is_none()
+        && link.gravity().is_none();
+    let is_hub = close(link.hub().inertia_kg_m2, 0.1) && link.hub().radius_m.abs() <= 0.0;
+    let is_damped = matches!(link.damping(), Damping::Hysteretic { ratio } if close(*ratio, 0.02));
+    let is_printed = |stiffness: f64| {
+        let printed = [[0.15, 10.0 * stiffness, 0.8], [1.35, stiffness, 0.8]];
+        let pairs = parts.iter().flatten().zip(printed.iter().flatten());
+        parts.len() == 2 && pairs.into_iter().all(|(found, printed)| close(*found, *printed))
+    };
+    let number = [5.0, 20.0].into_iter().position(is_printed).map(|k| k + 1);
+    number.filter(|_| is_bare && is_hub && is_damped && close(until - from, 0.88))
+}
+
+/// Names the paper's figure of its first or second example that a figure is the analogue of; nothing for other links
+/// and motions.
+fn cited(run: &StoredRun, figures: [Option<u8>; 2]) -> String {
+    let figure = example(run).and_then(|number| figures[number - 1]);
+    figure.map_or(String::new(), |figure| format!(" (Bayo 1987, figure {figure})"))
+}
+
+/// Acceleration and displacement of the tip.
 fn motion(view: &View) -> [Figure; 2] {
     let tip = &view.run.tip;
     let wanted = view.run.solved.is_some();
@@ -64,7 +101,10 @@ fn motion(view: &View) -> [Figure; 2] {
     let acceleration = view.figure(
         "tip-acceleration",
         "Acceleration of the tip",
-        format!("{what}: tip acceleration, at most {peak} m/s² (figure 3 of the paper)."),
+        format!(
+            "{what}: tip acceleration, at most {peak} m/s²{}.",
+            cited(view.run, [Some(3), None])
+        ),
         ("acceleration", "m/s²"),
         vec![view.curve("tip", Stroke::Solid(3), &tip.acceleration_m_s2)],
     );
@@ -74,7 +114,8 @@ fn motion(view: &View) -> [Figure; 2] {
         "tip-displacement",
         "Displacement of the tip",
         format!(
-            "{what}: tip displacement along the arc; it ends {ends} m from where it began (figure 4)."
+            "{what}: tip displacement along the arc; it ends {ends} m from where it began{}.",
+            cited(view.run, [Some(4), None])
         ),
         ("displacement", "m"),
         vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)],
@@ -82,7 +123,7 @@ fn motion(view: &View) -> [Figure; 2] {
     [acceleration, displacement]
 }
 
-/// Torque at the hub, flexible against rigid (figures 5 and 7).
+/// Torque at the hub, flexible against rigid.
 fn torque(view: &View) -> Figure {
     let run = view.run;
     let own = if run.solved.is_some() { "flexible link" } else { "torque" };
@@ -94,7 +135,8 @@ fn torque(view: &View) -> Figure {
         curves.push(view.curve("rigid link", Stroke::Dashed(2), rigid));
         let rigid = significant(largest(rigid), 4);
         // Writing to a string cannot fail.
-        let _ = write!(caption, " Were the link rigid, it would be {rigid} N m (figures 5 and 7).");
+        let paper = cited(run, [Some(5), Some(7)]);
+        let _ = write!(caption, " Were the link rigid, it would be {rigid} N m{paper}.");
         if let Some(motor) = &solved.motor_torque_n_m {
             curves.push(view.curve("motor", Stroke::Solid(4), motor));
             let motor = significant(largest(motor), 4);
@@ -102,7 +144,11 @@ fn torque(view: &View) -> Figure {
         }
         caption.push_str(&timing_words(solved));
     }
-    let figure = view.figure("torque", "Torque at the hub", caption, ("torque", "N m"), curves);
+    let (limits, unit) = (&run.limits, "N m");
+    for (limit, colour) in [(limits.torque_n_m, 1), (limits.motor_torque_n_m, 4)] {
+        caption.push_str(&Curve::add_limit(&mut curves, limit, unit, colour));
+    }
+    let figure = view.figure("torque", "Torque at the hub", caption, ("torque", unit), curves);
     Figure { spans: view.lead_and_lag(), ..figure }
 }
 
@@ -129,23 +175,37 @@ fn timing_words(solved: &StoredSolution) -> String {
     format!(" It acts, at the 2 % level, from {lead} s {start} until {lag} s {stop}.")
 }
 
-/// Rotation of the hub, flexible against rigid (figure 6).
+/// Rotation of the hub, flexible against rigid.
 fn hub(view: &View) -> Figure {
     let run = view.run;
     let own = if run.solved.is_some() { "flexible link" } else { "hub" };
     let mut curves = vec![view.curve(own, Stroke::Solid(1), &run.hub_angle_rad)];
-    let mut caption = "Angle of the hub.";
+    let mut caption = "Angle of the hub.".to_owned();
     if let Some(solved) = &run.solved {
         curves.push(view.curve("rigid link", Stroke::Dashed(2), &solved.rigid_hub_angle_rad));
-        caption = "Angle of the hub; the hub of a rigid link would turn as the tip does (figure 6). \
-                   What lies between the two curves is bending.";
+        caption = format!(
+            "Angle of the hub; the hub of a rigid link would turn as the tip does{}. What lies between the two \
+             curves is bending.",
+            cited(run, [Some(6), None])
+        );
     }
     let (title, quantity) = ("Rotation of the hub", ("angle", "rad"));
-    let figure = view.figure("hub-angle", title, caption.to_owned(), quantity, curves);
+    let figure = view.figure("hub-angle", title, caption, quantity, curves);
     Figure { spans: view.lead_and_lag(), ..figure }
 }
 
-/// The tip when the rigid link's torque is played on the flexible link (figures 8 and 9).
+/// Rate of the hub, where it has a limit.
+fn hub_rate(view: &View) -> Option<Figure> {
+    let limit = view.run.limits.hub_rate_rad_s?;
+    let history = &view.run.hub_rate_rad_s;
+    let mut curves = vec![view.curve("flexible link", Stroke::Solid(1), history)];
+    let mut caption =
+        format!("Rate of the hub, at most {} rad/s.", significant(largest(history), 4));
+    caption.push_str(&Curve::add_limit(&mut curves, Some(limit), "rad/s", 1));
+    Some(view.figure("hub-rate", "Rate of the hub", caption, ("rate", "rad/s"), curves))
+}
+
+/// The tip when the rigid link's torque is played on the flexible link.
 fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure, String> {
     let run = view.run;
     let torque = Torque::new(&run.times_s, solved.rigid_torque_n_m.clone())
@@ -180,8 +240,9 @@ fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure
         "Tip under the rigid link's torque",
         format!(
             "What a controller gets that takes the link for rigid: its torque, played on the flexible \
-             link{damping} (figures 8 and 9). After the motion the tip still strays by up to \
-             {strays_m} m{of_travel}."
+             link{damping}{}. After the motion the tip still strays by up to \
+             {strays_m} m{of_travel}.",
+            cited(run, [Some(8), Some(9)])
         ),
         ("displacement", "m"),
         vec![

@@ -4,7 +4,9 @@ use maud::{Markup, html};
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
-use super::page::{Section, document, figures_section, inputs, made_by, table};
+use super::page::{Section, all_figures, document, inputs, made_by};
+use super::tables::table;
+use super::words::{Kind, glossary};
 use crate::fit::{
     Coordinate, FitOutcome, FittedValue, HubEnd, Observable, Overlay, Replaced, Residual, Spacing,
 };
@@ -37,24 +39,23 @@ pub fn fit_page(report: &FitReport) -> String {
         "" => "Fitted values".to_owned(),
         title => format!("{title}, fitted"),
     };
-    let mut sections = Vec::new();
-    if let Some(content) = warnings(outcome) {
-        sections.push(Section::warnings(content));
-    }
+    let mut sections: Vec<Section> = warnings(outcome).map(Section::warnings).into_iter().collect();
     if !outcome.undetermined.is_empty() {
         sections.push(Section::new("undetermined", "Not determined", undetermined(outcome)));
     }
+    let figures = figures(outcome);
+    sections.push(all_figures(Kind::Fit, &figures));
+    sections.push(glossary());
     let values = html! { (values(outcome)) (replacements(replaced, *written)) };
     sections.push(Section::new("values", "Values", values));
     if !outcome.correlation.is_empty() && outcome.values.len() > 1 {
         sections.push(Section::new("correlations", "Correlations", correlations(outcome)));
     }
     sections.push(Section::new("measured", "Measured and fitted", measured(outcome)));
-    sections.push(figures_section(&figures(outcome), ""));
     sections.push(Section::new("starts", "Starts", starts(outcome)));
     sections.push(inputs(origin));
-    let source = "from the fit itself";
-    visible_document(&document(&title, &made_by(origin), &sections, source, None).into_string())
+    let page = document(&title, &made_by(origin), &sections, "from the fit itself", None);
+    visible_document(&page.into_string())
 }
 
 /// Why no link file is written, and what else must be known.

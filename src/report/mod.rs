@@ -14,9 +14,12 @@ mod frequency;
 mod link;
 mod page;
 mod sweep;
+mod sweep_page;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod view;
+mod words;
 
 pub use figure::{Figure, Figures};
 pub use figures::page;

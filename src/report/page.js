@@ -53,8 +53,52 @@ themeButton.onclick = () => {
 	try { localStorage["flexlink-theme"] = root.dataset.theme; } catch {}
 };
 
-// What scrolls sideways must be in reach of the keyboard.
-for (const box of document.querySelectorAll(".scroll")) set(box, { tabindex: 0, role: "group", "aria-label": "Table" });
+// What scrolls sideways must be in reach of the keyboard. On a narrow page a table that is too wide is a list instead: of
+// each row its cells below each other, with their headings.
+const tables = [...document.querySelectorAll(".scroll")], narrow = matchMedia("(max-width: 560px)");
+for (const box of tables) {
+	set(box, { tabindex: 0, role: "group", "aria-label": "Table" });
+	const headings = [...box.querySelectorAll("thead th")].map((cell) => cell.textContent);
+	for (const { cells } of box.querySelectorAll("tbody tr")) {
+		let column = 0;
+		for (const cell of cells) {
+			cell.dataset.heading = headings[column];
+			column += cell.colSpan;
+		}
+	}
+}
+const stackTables = () => {
+	for (const box of tables) box.classList.remove("stacked");
+	for (const box of tables) box.classList.toggle("stacked", narrow.matches && box.scrollWidth > box.clientWidth);
+};
+addEventListener("resize", stackTables);
+document.addEventListener("toggle", stackTables, true); // what is folded has no width
+stackTables();
+
+// Gives the reader a file.
+function download(name, blob) {
+	const link = el("a", { href: URL.createObjectURL(blob), download: name });
+	link.click();
+	setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+const inUnit = (name, unit) => (unit ? `${name} in ${unit}` : name);
+const csvOf = (rows) => rows.map((row) => row.map((cell) => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell)).join(",")).join("\n") + "\n";
+
+// A figure as it was written, on white, two pixels for each of its units.
+async function pictureOf(chart) {
+	const [, , width, height] = numbersIn(chart.getAttribute("viewBox"));
+	const style = document.createElementNS("http://www.w3.org/2000/svg", "style");
+	style.textContent = document.getElementById("figure-style").textContent;
+	chart.prepend(style, svg("rect", "", { width, height, fill: "#fff" }));
+	set(chart, { width: 2 * width, height: 2 * height });
+	const address = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(chart)], { type: "image/svg+xml" }));
+	const image = el("img", { src: address });
+	await image.decode();
+	URL.revokeObjectURL(address);
+	const canvas = el("canvas", { width: 2 * width, height: 2 * height });
+	canvas.getContext("2d").drawImage(image, 0, 0);
+	return new Promise((done) => { canvas.toBlob(done); });
+}
 
 // ---- Figures
 
@@ -87,7 +131,10 @@ function axisOf(node, letter, length) {
 		`${number(value(s), log ? value(s) / 1000 : size / 2000)} ${data("-unit") || node.dataset.unit || ""}`.trim();
 	const toUnits = (s) => ((s - from) / (to - from)) * length, toScaled = (u) => mix(from, to, u / length);
 	const places = data("-places") && numbersIn(data("-places"));
-	return { log, scale, value, from, to, read, toUnits, toScaled, places, name: data("-name") || letter };
+	// For a file: to a millionth of the axis, as the lines are drawn.
+	const exact = (v) => (log ? +v.toPrecision(6) : +v.toFixed(clamp(6 - Math.floor(Math.log10(to - from)), 0, 100)));
+	const name = data("-name") || letter, unit = data("-unit") || node.dataset.unit || "";
+	return { log, scale, value, from, to, read, toUnits, toScaled, exact, places, name, unit };
 }
 
 // Ticks [scaled value, text] within a … b, as many as there is room for.
@@ -124,7 +171,7 @@ const timeGroup = newGroup();
 function bringToLife(figure) {
 	const chart = figure.querySelector("svg.chart"), plot = chart?.querySelector("svg.plot");
 	if (!plot) return;
-	const find = (selector) => chart.querySelector(selector);
+	const find = (selector) => chart.querySelector(selector), original = chart.cloneNode(true);
 	const [left, top, width, height] = numbersIn(chart.dataset.plot);
 	const [, , fullWidth, fullHeight] = numbersIn(chart.getAttribute("viewBox"));
 	const X = axisOf(chart, "x", width);
@@ -158,6 +205,32 @@ function bringToLife(figure) {
 	const link = motion?.links[(figure.id.match(/\d+$/) || [1])[0] - 1];
 	const [bending, unit] = link?.moment_n_m ? [link.moment_n_m, "N m"] : [link?.deflection_m, "m"];
 	const bent = map && isTime && bending && addValue("", unit === "m" ? "deflection" : "bending moment");
+	// The drawn points, each line a column; of a map over time its nodes, of another its fields.
+	const [start, step] = numbersIn(chart.dataset.xGrid || "0 0");
+	const timeOf = (v) => +(start + Math.round((v - start) / step) * step).toPrecision(9);
+	const rowsOfFigure = () => {
+		if (bent) {
+			const head = link.nodes_m.map((x) => inUnit(`${unit === "m" ? "deflection" : "moment"} at x = ${x} m`, unit));
+			return [[inUnit(X.name, X.unit), ...head], ...motion.times_s.map((t, i) => [t, ...bending[i]])];
+		}
+		if (map) return [...figure.querySelectorAll(".numbers tr")].map(({ cells }) => [...cells].map((cell) => cell.textContent.replace("−", "-")));
+		const rows = new Map();
+		series.forEach(({ points: { xs, ys }, axis }, column) => xs.forEach((u, i) => {
+			if (ys[i] !== ys[i]) return;
+			const at = X.value(X.toScaled(u)), x = step ? timeOf(at) : X.exact(at);
+			if (!rows.has(x)) rows.set(x, series.map(() => ""));
+			rows.get(x)[column] = axis.exact(axis.value(axis.toScaled(ys[i])));
+		}));
+		const head = [inUnit(X.name, X.unit), ...series.map((one) => inUnit(one.name, one.axis.unit))];
+		return [head, ...[...rows].sort(([a], [b]) => a - b).map(([x, values]) => [x, ...values])];
+	};
+	const file = figure.id.replace("fig-", ""), title = figure.querySelector("h3").textContent;
+	const files = {
+		CSV: () => download(`${file}.csv`, new Blob([csvOf(rowsOfFigure())], { type: "text/csv" })),
+		PNG: async () => download(`${file}.png`, await pictureOf(original.cloneNode(true))),
+	};
+	figure.append(div("files", ...Object.entries(files).map(([name, onclick]) =>
+		Object.assign(el("button", { type: "button", "aria-label": `${name}: ${title}` }, name), { onclick }))));
 	const peakBending = bent && Math.max(...bending.map((frame) => Math.max(...frame.map(Math.abs))));
 	for (const one of series) one.value = addValue(one.look, one.name);
 	// The key takes the place of the legend, with what that says of shaded spans and areas.
@@ -214,6 +287,10 @@ function bringToLife(figure) {
 			nodes[1].textContent = text;
 			return nodes;
 		}));
+		for (const text of chart.querySelectorAll(".fields text")) {
+			const ends = [text.dataset.from, text.dataset.to].map((u) => clamp(share(X.toScaled(+u)), 0, 1) * shownWidth);
+			set(text, { x: left + (ends[0] + ends[1]) / 2, visibility: ends[1] - ends[0] > text.getComputedTextLength() + 2 ? "visible" : "hidden" });
+		}
 		const free = {}; // of each row of names, where the last one ends
 		for (const mark of chart.querySelectorAll("[data-at]")) {
 			const part = share(X.scale(+mark.dataset.at));

@@ -1,16 +1,29 @@
 //! The parts that every page has, and the page of a run.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sha2::{Digest as _, Sha256};
 
-use super::figure::{Figure, Figures};
+use super::figure::{self, Figure, Figures};
 use super::link::{given, link_drawing, motion_data};
+use super::tables::{checks, errors, link_readings, modes, readings, results, table};
 use super::view::View;
-use crate::link::{Link, Segment};
-use crate::result::{Origin, StoredCheck, StoredRun, StoredWarning};
-use crate::text::significant;
+use super::words::{Kind, formula, glossary};
+use crate::result::{Origin, StoredRun, StoredWarning};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
+
+/// Allows the page its own style and script, by their hashes, and pictures that it holds or makes: nothing else.
+fn security_policy() -> String {
+    let hash = |text: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)));
+    format!(
+        "default-src 'none'; style-src {}; script-src {}; img-src data: blob:; base-uri 'none'; form-action 'none'",
+        hash(STYLE),
+        hash(SCRIPT)
+    )
+}
 
 /// The files of a result, which hold more than its page.
 pub(super) const FILES: &str = "from the files of the result, which hold every number";
@@ -28,6 +41,7 @@ pub(super) fn document(
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(security_policy());
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content=(concat!("flexlink ", env!("CARGO_PKG_VERSION")));
                 title { (title) }
@@ -53,8 +67,8 @@ pub(super) fn document(
                         "Made by flexlink " (env!("CARGO_PKG_VERSION")) " " (source) ". Of each line a figure shows the lowest and the highest \
                          point in each pixel of its width"
                         @if data.is_some() {
-                            "; maps have 680 by 120 fields, and the animation shows at most 600 moments of \
-                             61 nodes"
+                            "; maps have 680 by 120 fields, the animation and the CSV files of maps at most 600 \
+                             moments of 61 nodes"
                         }
                         "."
                     }
@@ -62,6 +76,7 @@ pub(super) fn document(
                 @if let Some(data) = data {
                     script type="application/json" id="motion" { (PreEscaped(data)) }
                 }
+                script type="text/plain" id="figure-style" { (PreEscaped(figure::STYLE)) }
                 script { (PreEscaped(SCRIPT)) }
             }
         }
@@ -95,29 +110,54 @@ pub(super) fn made_by(origin: &Origin) -> Markup {
     html! { "flexlink " (origin.version) " " (origin.command) " · " (files) }
 }
 
-/// A table that scrolls sideways where the page is narrow.
-pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
-    html! {
-        div class="scroll" { table {
-            thead { tr { @for head in head { th scope="col" { (head.as_ref()) } } } }
-            tbody { (rows) }
-        } }
-    }
-}
-
-pub(super) fn figures_section(figures: &Figures, note: &str) -> Section {
+/// Figures of a page of this `kind`, and what is not shown.
+fn figures_section(
+    (id, name): (&'static str, &'static str),
+    kind: Kind,
+    figures: &[&Figure],
+    omitted: &[String],
+    note: &str,
+) -> Section {
     let content = html! {
         @if !note.is_empty() { p { (note) } }
-        @for figure in &figures.drawn { (figure_markup(figure)) }
-        @if !figures.omitted.is_empty() {
-            p { "Not shown:" }
-            ul { @for why in &figures.omitted { li { (why) } } }
+        @for figure in figures { (figure_markup(figure, kind)) }
+        @if !omitted.is_empty() {
+            div {
+                p { "Not shown:" }
+                ul { @for why in omitted { li { (why) } } }
+            }
         }
     };
-    Section::new("figures", "Figures", content)
+    Section { class: Some("figures"), ..Section::new(id, name, content) }
 }
 
-fn figure_markup(figure: &Figure) -> Markup {
+/// All figures in one section.
+pub(super) fn all_figures(kind: Kind, figures: &Figures) -> Section {
+    let drawn: Vec<&Figure> = figures.drawn.iter().collect();
+    figures_section(("figures", "Figures"), kind, &drawn, &figures.omitted, "")
+}
+
+/// The section of the figures that a page shows first, and that of the others; none without figures.
+pub(super) fn parted_figures(
+    first: &'static str,
+    kind: Kind,
+    figures: &Figures,
+    note: &str,
+) -> [Option<Section>; 2] {
+    let (leading, other): (Vec<&Figure>, Vec<&Figure>) =
+        figures.drawn.iter().partition(|figure| figure.leads());
+    let omitted = &figures.omitted;
+    let section = |name, figures: &[&Figure], omitted, note| {
+        figures_section(name, kind, figures, omitted, note)
+    };
+    [
+        (!leading.is_empty()).then(|| section(("first", first), &leading, &[], note)),
+        (!other.is_empty() || !omitted.is_empty())
+            .then(|| section(("figures", "More figures"), &other, omitted, "")),
+    ]
+}
+
+fn figure_markup(figure: &Figure, kind: Kind) -> Markup {
     let (head, rows) = figure.table();
     let cells = html! { @for row in &rows { tr { @for cell in row { td { (cell) } } } } };
     html! {
@@ -125,7 +165,18 @@ fn figure_markup(figure: &Figure) -> Markup {
             h3 { (figure.title) }
             (figure.svg())
             figcaption { (figure.caption) }
-            @if !rows.is_empty() { details { summary { "Numbers" } (table(&head, &cells)) } }
+            @if let Some(formula) = formula(kind, &figure.id) {
+                details class="formula" { summary { "Formula" } p { (formula) } }
+            }
+            @if !rows.is_empty() {
+                details class="numbers" {
+                    summary { "Numbers" }
+                    (table(&head, &cells))
+                    @if let Some((drawn, all)) = figure.thinned() {
+                        p { "The CSV file has the " (drawn) " points that are drawn of " (all) "." }
+                    }
+                }
+            }
         }
     }
 }
@@ -166,44 +217,56 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     };
     let view = View::of(run);
     let data = motion_data(&view);
-    let mut sections = Vec::new();
-    if !run.warnings.is_empty() {
-        sections.push(Section::warnings(advice(&run.warnings, true)));
-    }
-    if !run.remarks.is_empty() {
-        sections.push(Section::new("remarks", "Remarks", advice(&run.remarks, false)));
-    }
-    sections.push(Section::new("link", "Link and results", link_section(run)));
-    if !run.checks.is_empty() {
-        sections.push(Section::new("checks", "Verification", checks(&run.checks)));
-    }
-    if data.is_some() {
-        let (heading, class) = ("The link in motion", Some("needs-script"));
-        let section = Section::new("animation", "Motion", animation("The link while it moves"));
-        sections.push(Section { heading, class, ..section });
-    }
+    let kind = if run.solved.is_some() { Kind::Solved } else { Kind::Played };
     let (from, until) = view.span_s();
     let [from, until, first, last] =
         [from, until, run.times_s[0], run.times_s[run.times_s.len() - 1]].map(|t| given(t, ""));
     let note = format!(
         "Over time the figures show {from} … {until} s of the {first} … {last} s that were computed."
     );
-    sections.push(figures_section(figures, &note));
+    let [first, more] = parted_figures("Torque, tip and hub", kind, figures, &note);
+    let mut sections = Vec::new();
+    if !run.warnings.is_empty() {
+        sections.push(Section::warnings(advice(&run.warnings, true)));
+    }
+    sections.extend(first);
+    if data.is_some() {
+        let (heading, class) = ("The link in motion", Some("needs-script"));
+        let section = Section::new("animation", "Motion", animation("The link while it moves"));
+        sections.push(Section { heading, class, ..section });
+    }
+    sections.extend(more);
+    if !run.remarks.is_empty() {
+        sections.push(Section::new("remarks", "Remarks", advice(&run.remarks, false)));
+    }
+    sections.push(Section::new("link", "Link", drawing(run)));
+    sections.push(glossary());
+    sections.push(Section::new("results", "Results", tables(run)));
+    if !run.checks.is_empty() {
+        sections.push(Section::new("checks", "Verification", checks(&run.checks)));
+    }
     sections.push(inputs(origin));
     document(title, &made_by(origin), &sections, FILES, data.as_deref())
 }
 
-fn link_section(run: &StoredRun) -> Markup {
+fn drawing(run: &StoredRun) -> Markup {
     html! {
         figure class="drawing" {
             (link_drawing(&run.link))
             figcaption { "Lengths are to scale; thickness grows with the cube root of the bending stiffness, \
                 a dot with that of its mass, up to a limit." }
         }
+    }
+}
+
+fn tables(run: &StoredRun) -> Markup {
+    html! {
         div class="columns" {
             (readings("Results", &results(&run.readings)))
             (readings("Link", &link_readings(&run.link)))
         }
+        (modes(run))
+        (errors(run))
     }
 }
 
@@ -219,125 +282,6 @@ pub(super) fn animation(label: &str) -> Markup {
     }
 }
 
-/// Units by the suffix of a name; a longer suffix comes before one that it ends in.
-const UNITS: [(&str, &str); 15] = [
-    ("_n_m_s_rad", "N m s/rad"),
-    ("_kg_m2", "kg m²"),
-    ("_rad_s2", "rad/s²"),
-    ("_m_s2", "m/s²"),
-    ("_rad_s", "rad/s"),
-    ("_n_m2", "N m²"),
-    ("_kg_m", "kg/m"),
-    ("_per_s", "1/s"),
-    ("_m_s", "m/s"),
-    ("_n_m", "N m"),
-    ("_rad", "rad"),
-    ("_hz", "Hz"),
-    ("_m", "m"),
-    ("_s", "s"),
-    ("_w", "W"),
-];
-
-/// Words and unit of a name such as `peak_torque_n_m`.
-pub(super) fn words_and_unit(name: &str) -> (String, &'static str) {
-    let found = UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)));
-    let (words, unit) = found.unwrap_or((name, ""));
-    (words.replace('_', " "), unit)
-}
-
-/// A table of names and values.
-pub(super) fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
-    html! {
-        table class="readings" {
-            caption { (caption) }
-            tbody {
-                @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
-            }
-        }
-    }
-}
-
-/// Numbers of the summary in words and units.
-pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
-    let row = |(name, value): &(String, f64)| {
-        let (words, unit) = words_and_unit(name);
-        // A count has no decimals.
-        let digits =
-            if name.ends_with("iterations") { value.to_string() } else { significant(*value, 4) };
-        let amount = format!("{} {unit}", digits.replace('-', "−"));
-        (words, amount.trim_end().to_owned())
-    };
-    readings.iter().map(row).collect()
-}
-
-/// The parts of the link.
-pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
-    let (hub, payload) = (link.hub(), link.payload());
-    let friction = hub.viscous_friction_n_m_s_rad;
-    let rows = [
-        ("length", Some(given(link.length_m(), "m"))),
-        ("rigid inertia", Some(given(link.rigid_inertia_kg_m2(), "kg m²"))),
-        ("hub inertia", Some(given(hub.inertia_kg_m2, "kg m²"))),
-        ("hub radius", (hub.radius_m > 0.0).then(|| given(hub.radius_m, "m"))),
-        ("hub friction", (friction > 0.0).then(|| given(friction, "N m s/rad"))),
-    ];
-    let rows = rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
-    let mut rows: Vec<(String, String)> = rows.collect();
-    for (k, segment) in link.segments().iter().enumerate() {
-        let name = segment.name.clone().unwrap_or_else(|| k.to_string());
-        rows.push((format!("segment {name}"), segment_words(segment)));
-    }
-    for mass in link.masses() {
-        let place = format!("mass at {}", given(mass.at_m, "m"));
-        rows.push((place, body_words(mass.mass_kg, mass.inertia_kg_m2)));
-    }
-    if payload.mass_kg > 0.0 || payload.inertia_kg_m2 > 0.0 {
-        let mut words = body_words(payload.mass_kg, payload.inertia_kg_m2);
-        if payload.offset_m.abs() > 0.0 {
-            words = format!("{words}, {} beyond the tip", given(payload.offset_m, "m"));
-        }
-        rows.push(("payload".to_owned(), words));
-    }
-    rows.push(("damping".to_owned(), link.damping().name().to_owned()));
-    if let Some(gravity) = link.gravity() {
-        let [along_x, along_y] = gravity.acceleration_m_s2.map(|part| given(part, "m/s²"));
-        rows.push(("gravity".to_owned(), format!("{along_x} along x, {along_y} along y")));
-        let start = gravity.start_angle_rad.map(|angle| given(angle, "rad"));
-        let start = start.unwrap_or_else(|| "that of the motion".into());
-        rows.push(("start angle".to_owned(), start));
-    }
-    rows
-}
-
-fn segment_words(segment: &Segment) -> String {
-    let ends = |inner: f64, outer: f64, unit: &str| {
-        if inner.total_cmp(&outer).is_eq() {
-            given(inner, unit)
-        } else {
-            format!("{} … {}", given(inner, ""), given(outer, unit))
-        }
-    };
-    let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
-    let slender = format!(
-        "{}; EI {}; {}",
-        given(segment.length_m, "m"),
-        ends(stiffness.inner, stiffness.outer, "N m²"),
-        ends(mass.inner, mass.outer, "kg/m")
-    );
-    let Some(thick) = segment.timoshenko else { return slender };
-    let (shear, rotary) = (thick.shear_stiffness_n, thick.rotary_inertia_per_length_kg_m);
-    format!(
-        "{slender}; κGA {}; ρI {}",
-        ends(shear.inner, shear.outer, "N"),
-        ends(rotary.inner, rotary.outer, "kg m")
-    )
-}
-
-fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
-    let mass = given(mass_kg, "kg");
-    if inertia_kg_m2 > 0.0 { format!("{mass}, {}", given(inertia_kg_m2, "kg m²")) } else { mass }
-}
-
 /// Every warning or remark and what to do about it.
 pub(super) fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
     html! {
@@ -347,32 +291,5 @@ pub(super) fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
                 " " span class="hint" { "What helps: " (hint) "." }
             }
         } }
-    }
-}
-
-/// The table of `verify`.
-pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
-    let rows = html! {
-        @for check in checks { tr {
-            th scope="row" { (check.what) }
-            @match check.found.zip(check.bound) {
-                Some((found, bound)) => { td { (significant(found, 2)) } td { (significant(bound, 2)) } }
-                None => td colspan="2" {
-                    "not measured: " (check.reason.as_deref().unwrap_or("no finite number was found"))
-                },
-            }
-            td { (check.of) }
-            @if !check.passes {
-                td class="fail" { "fails" }
-            } @else if check.found.is_some() {
-                td class="pass" { "holds" }
-            } @else {
-                td { "not made" }
-            }
-        } }
-    };
-    html! {
-        p { "The answer, measured by other means." }
-        (table(&["check", "found", "at most", "of", "verdict"], &rows))
     }
 }

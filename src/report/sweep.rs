@@ -1,14 +1,10 @@
-//! A sweep: figures of what changes with the values that were varied, and its page.
-
-use maud::{Markup, html};
+//! Figures of a sweep: what changes with the values that were varied.
 
 use super::axis::Axis;
-use super::colour_map::{ColourMap, Colours};
+use super::colour_map::{ColourMap, Colours, Fields};
 use super::figure::{Curve, Figure, Figures, Stroke};
-use super::page::{FILES, Section, document, figures_section, inputs, made_by, table};
-use crate::compare::{Cell, Table, TableColumn};
+use crate::compare::{Table, TableColumn};
 use crate::result::StoredSweep;
-use crate::text::significant;
 
 /// Most lines of a figure; more cannot be distinguished.
 const MOST_LINES: usize = 6;
@@ -127,9 +123,17 @@ fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
         unit: topic.quantity.1.to_owned(),
         colours: Colours::Sequential,
         rows: rows.iter().map(row).collect(),
+        fields: Some(Fields {
+            places: [x.levels.clone(), y.levels.clone()],
+            values: found.clone(),
+        }),
     };
     let title = format!("{}, over two values", drawn.title);
-    let caption = format!("{} Each field is a case; white where there is none.", topic.caption);
+    let caption = format!(
+        "{} Each field is a case; empty where there is none.{}",
+        topic.caption,
+        map.range_words()
+    );
     let figure = Figure::new(drawn.id.clone(), &title, caption, field_axis(x), field_axis(y));
     Figure { map: Some(map), ..figure }
 }
@@ -284,81 +288,3 @@ const TOPICS: [Topic; 8] = [
         caption: "Largest deflection of the tip from the hub's tangent line.",
     },
 ];
-
-/// Most rows of the table.
-const MOST_CASES: usize = 200;
-
-pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
-    let cases = sweep.table.lines.len();
-    let varied: Vec<&str> = sweep.table.names().take(sweep.varied).collect();
-    let title = format!("Sweep over {}", varied.join(" and "));
-    let origin = html! {
-        @if let Some(origin) = &sweep.origin { (made_by(origin)) " · " }
-        (sweep.name) " · " (cases) @if cases == 1 { " case" } @else { " cases" }
-    };
-    let mut sections = Vec::new();
-    let kinds = kinds_of_warnings(sweep);
-    if !kinds.is_empty() {
-        sections.push(Section::warnings(warnings(&kinds, cases)));
-    }
-    sections.push(figures_section(figures, ""));
-    sections.push(Section::new("cases", "Cases", cases_table(sweep)));
-    sections.extend(sweep.origin.as_ref().map(inputs));
-    document(&title, &origin, &sections, FILES, None)
-}
-
-/// Kinds of warnings, each with the number of its cases and the row of the first, from 1.
-fn kinds_of_warnings(sweep: &StoredSweep) -> Vec<(String, usize, usize)> {
-    let mut kinds: Vec<(String, usize, usize)> = Vec::new();
-    let [.., warnings, error] = &sweep.table.columns[..] else { return kinds };
-    for row in 0..sweep.table.lines.len() {
-        let failed = (!error.text(row).is_empty()).then_some("failed");
-        let warnings = warnings.text(row);
-        let warnings = warnings.split(';').filter(|kind| !kind.is_empty());
-        for kind in failed.into_iter().chain(warnings) {
-            match kinds.iter_mut().find(|(known, ..)| known == kind) {
-                Some((_, cases, _)) => *cases += 1,
-                None => kinds.push((kind.to_owned(), 1, row + 1)),
-            }
-        }
-    }
-    kinds
-}
-
-fn warnings(kinds: &[(String, usize, usize)], cases: usize) -> Markup {
-    html! {
-        ul { @for (kind, count, first) in kinds {
-            li {
-                strong { (kind) } " "
-                span class="hint" { (count) " of " (cases) " cases, the first is row " (first) "." }
-            }
-        } }
-    }
-}
-
-fn cases_table(sweep: &StoredSweep) -> Markup {
-    let cases = sweep.table.lines.len();
-    let shown = cases.min(MOST_CASES);
-    let cell = |column: usize, row: usize| match sweep.table.columns[column].cell(row) {
-        Cell::Number(number) if column < sweep.varied => format!("{number}"),
-        Cell::Number(number) => significant(number, 5),
-        Cell::Word(word) => word.to_owned(),
-    };
-    let head: Vec<&str> = sweep.table.names().collect();
-    let rows = html! {
-        @for row in 0..shown { tr { @for column in 0..head.len() { td { (cell(column, row)) } } } }
-    };
-    html! {
-        p {
-            "The column " code { "warnings" } " holds the kinds of the warnings; their full text is in \
-             summary.json of the case, which " code { "sweep --outputs" } " writes."
-            @if sweep.origin.is_none() {
-                " No record lies beside the table, so link, motion and arguments are not known."
-            }
-        }
-        @if shown < cases {
-            p { "The first " (shown) " of " (cases) "; " (sweep.name) " holds all." }
-        }
-        (table(&head, &rows))
-    }
-}

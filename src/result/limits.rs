@@ -2,6 +2,7 @@
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 use thiserror::Error;
 
 use super::metrics::{Metrics, MotorMetrics};
@@ -155,8 +156,15 @@ impl Limits {
         values.map(|(value, (_, error))| Reached { value, error }).collect()
     }
 
+    /// The limits that are given, as they are stored; none without any.
+    pub(crate) fn stored(&self) -> Option<Value> {
+        let Ok(Value::Object(mut keys)) = serde_json::to_value(self) else { return None };
+        keys.retain(|_, limit| !limit.is_null());
+        (!keys.is_empty()).then_some(Value::Object(keys))
+    }
+
     /// Key in the link file, limit and unit of each, in the order of the link file.
-    fn entries(&self) -> [(&'static str, Option<f64>, &'static str); 10] {
+    pub(crate) fn entries(&self) -> [(&'static str, Option<f64>, &'static str); 10] {
         [
             ("torque", self.torque_n_m, "N m"),
             ("rms_torque", self.rms_torque_n_m, "N m"),
@@ -279,6 +287,8 @@ mod tests {
         let stored = serde_json::to_string(&limits).unwrap();
         assert_eq!(serde_json::from_str::<Limits>(&stored).unwrap(), limits);
         assert_eq!(serde_json::from_str::<Limits>("{}").unwrap(), Limits::default());
+        assert_eq!(limits.stored().unwrap().to_string(), r#"{"torque_n_m":3.5}"#);
+        assert_eq!(Limits::default().stored(), None);
         for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"power": 2.0}"#] {
             assert!(serde_json::from_str::<Limits>(wrong).is_err(), "{wrong}");
         }

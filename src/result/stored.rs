@@ -5,6 +5,7 @@ use std::io::{self, BufRead, Read as _};
 
 use serde::{Deserialize, Serialize};
 
+use super::limits::Limits;
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::link::Link;
@@ -39,6 +40,8 @@ pub struct StoredRun {
     pub torque_n_m: Vec<f64>,
     /// Hub angle in rad.
     pub hub_angle_rad: Vec<f64>,
+    /// Hub rate in rad/s.
+    pub hub_rate_rad_s: Vec<f64>,
     /// Direction of the chord in rad where the tip's displacement is 0: hub angles are absolute with gravity.
     pub origin_rad: f64,
     /// Motion of the tip.
@@ -51,6 +54,8 @@ pub struct StoredRun {
     pub moments_n_m: Option<StoredNodes>,
     /// Numbers of the summary by name, which ends in the unit: `peak_torque_n_m`.
     pub readings: Vec<(String, f64)>,
+    /// Limits of the link file.
+    pub limits: Limits,
     /// What verifying the answer gave; empty where it was not verified.
     pub checks: Vec<StoredCheck>,
     /// What the user must know.
@@ -109,6 +114,8 @@ pub struct StoredJoint {
     pub readings: Vec<(String, f64)>,
     /// For each quantity, `torque`, what it may be off by, by kind: `mesh`.
     pub errors: Vec<(String, Vec<(String, f64)>)>,
+    /// Its limits in the arm file.
+    pub limits: Limits,
 }
 
 impl StoredJoint {
@@ -239,6 +246,8 @@ pub struct StoredSweep {
     pub name: String,
     /// What the sweep was made of; none without a record of the table.
     pub origin: Option<Origin>,
+    /// The link of the first case, or those of its arm; none without a record.
+    pub links: Vec<Link>,
     /// Columns that head the values varied, the first ones of the table.
     pub varied: usize,
     /// All of it: a row a case.

@@ -12,7 +12,7 @@ use crate::csv::{Column, ColumnGroup, Digits};
 use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
 use crate::link::Arm;
 use crate::motion::Prescribed;
-use crate::result::{ArmMetrics, Exceeded, Remark, StoredWarning};
+use crate::result::{ArmMetrics, Exceeded, Limits, Remark, StoredWarning};
 use crate::verify::Verification;
 
 /// A run of an arm: its solution, and what is known of it beside its numbers.
@@ -22,7 +22,9 @@ pub struct ArmRun<'a> {
     pub solution: &'a ArmSolution,
     /// Its numbers.
     pub metrics: &'a ArmMetrics,
-    /// Limits that it exceeds, with the number of the joint.
+    /// Limits of each joint.
+    pub limits: &'a [Limits],
+    /// Those that it exceeds, with the number of the joint.
     pub exceeded: &'a [(usize, Exceeded)],
     /// Checks of the answer, if it was verified.
     pub verification: Option<&'a Verification>,
@@ -265,7 +267,7 @@ pub(super) fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -
 impl Summary {
     /// The summary of an arm's solution.
     pub fn of_arm(inputs: RunInputs, run: &ArmRun<'_>, outputs: &RunOutputs) -> Self {
-        let ArmRun { solution, metrics, exceeded, verification, remarks } = *run;
+        let ArmRun { solution, metrics, limits: given, exceeded, verification, remarks } = *run;
         let arm = &solution.arm;
         let warning = |w: &ArmWarning| StoredWarning::new(w.kind(), w, w.hint());
         let limit = |(joint, e): &(usize, Exceeded)| {
@@ -276,7 +278,7 @@ impl Summary {
         let (grid, path) = (&solution.grid, &solution.path);
         let (first, last) = path.moving_samples();
         let iteration = solution.findings.iteration;
-        let values = json!({
+        let mut values = json!({
             "arm": arm_record(arm, solution.elements()),
             "motion": {
                 "given": match path.prescribed() {
@@ -312,6 +314,10 @@ impl Summary {
                 "fallback": solution.findings.fallback,
             },
         });
+        let given: Vec<Option<Value>> = given.iter().map(Limits::stored).collect();
+        if given.iter().any(Option::is_some) {
+            values["limits"] = json!(given);
+        }
         Self {
             values,
             verification: Some(verification.map(checks)),

@@ -186,6 +186,7 @@ fn stored(summary: &Summary, name: String, histories: Histories) -> StoredArm {
             motor_torque_n_m: histories.motor_torque_n_m,
             readings: numbers_in(&values["results"]["joints"][k], ""),
             errors: errors.filter(|(_, kinds)| !kinds.is_empty()).collect(),
+            limits: Summary::limits(&values["limits"][k]),
         }
     };
     let moves = |key: &str| values["motion"][key].as_f64();

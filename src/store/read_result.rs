@@ -173,7 +173,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         })
     };
     let solved = is_solved.then(solved).transpose()?;
-    let hub_angle_rad = hub.take(SOLVED_HUB[0]);
+    let [hub_angle_rad, hub_rate_rad_s] = [0, 1].map(|column| hub.take(SOLVED_HUB[column]));
     let nodal = |table: NodalFile| {
         let read = || read_nodal(&folder.file(table.file)?, table, &mesh, &times_s);
         folder.has(table.file).then(read).transpose()
@@ -195,12 +195,14 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         times_s,
         torque_n_m: torque.take(TORQUE.1[0]),
         hub_angle_rad,
+        hub_rate_rad_s,
         origin_rad: origin_rad.unwrap_or(0.0),
         tip: TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 },
         solved,
         deflections_m,
         moments_n_m,
         readings: summary.readings(),
+        limits: Summary::limits(&summary.values["limits"]),
         checks: summary.verification.iter().flatten().flatten().cloned().collect(),
         warnings: summary.warnings.clone(),
         remarks: summary.remarks.clone().unwrap_or_default(),
@@ -274,11 +276,13 @@ impl RunOutputs {
             torque_n_m: solution.torque_n_m.clone(),
             origin_rad: origin_rad.unwrap_or(0.0),
             hub_angle_rad: solution.hub_angle_rad.clone(),
+            hub_rate_rad_s: solution.hub_rate_rad_s.clone(),
             tip: solution.tip.clone(),
             solved: Some(solved),
             deflections_m: Some(in_order(deflections.histories())),
             moments_n_m: self.moments.then(|| in_order(deflections.moments().histories())),
             readings: summary.readings(),
+            limits: Summary::limits(&summary.values["limits"]),
             checks: summary.verification.iter().flatten().flatten().cloned().collect(),
             warnings: summary.warnings.clone(),
             remarks: summary.remarks.clone().unwrap_or_default(),

@@ -15,14 +15,16 @@ use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{Ends, TipMotion};
 use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
 use crate::result::{
-    Comparison, Exceeded, Metrics, PlayedMetrics, Remark, StoredWarning, TipError,
+    Comparison, Exceeded, Limits, Metrics, PlayedMetrics, Remark, StoredWarning, TipError,
 };
 use crate::verify::Verification;
 
 /// What is known of a solution beside its numbers.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Findings<'a> {
-    /// Limits that it exceeds.
+    /// Limits of the link file.
+    pub limits: Limits,
+    /// Those that it exceeds.
     pub exceeded: &'a [Exceeded],
     /// Checks of the answer, if it was verified.
     pub verification: Option<&'a Verification>,
@@ -110,6 +112,9 @@ impl Summary {
                 "torque_change": found.torque_change,
                 "left_out": found.left_out.flatten(),
             });
+        }
+        if let Some(limits) = findings.limits.stored() {
+            values["limits"] = limits;
         }
         if link.has_weight() {
             values["frequencies_without_gravity"] = json!(true);

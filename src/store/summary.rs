@@ -10,7 +10,7 @@ use crate::link::{
     Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
-use crate::result::{Comparison, Origin, StoredCheck, StoredWarning};
+use crate::result::{Comparison, Limits, Origin, StoredCheck, StoredWarning};
 use crate::verify::{Check, Outcome, Verification};
 
 /// How a message describes a folder whose files are missing.
@@ -216,6 +216,11 @@ impl Summary {
         let solved = number("analysis", "window_start_s").zip(number("analysis", "window_end_s"));
         let played = |input| number(input, "start_s").zip(number(input, "simulated_until_s"));
         solved.or_else(|| played("torque")).or_else(|| played("hub_angle"))
+    }
+
+    /// Limits as they are stored; none where nothing is there.
+    pub(super) fn limits(stored: &Value) -> Limits {
+        serde_json::from_value(stored.clone()).unwrap_or_default()
     }
 
     /// How many modes a solution keeps; none if it keeps all.

@@ -104,16 +104,21 @@ fn a_page_needs_nothing_else_and_escapes_what_it_is_given() {
     assert!(!page.contains("<script>alert") && !page.contains("<img"), "a name is not escaped");
     let arguments = "<code>--set 'title=&quot;&lt;/script&gt;&lt;script&gt;alert(1)";
     assert!(page.contains(arguments), "the arguments as a shell takes them");
-    assert_eq!(page.matches("</script>").count(), 2, "the motion and the script");
+    assert_eq!(
+        page.matches("</script>").count(),
+        3,
+        "the motion, the style of figures, the script"
+    );
     let addresses = page.matches("http").count();
     assert_eq!(addresses, page.matches("http://www.w3.org/2000/svg").count(), "an address");
-    for section in ["link", "warnings", "checks", "animation", "figures", "inputs"] {
-        assert_eq!(
-            page.contains(&format!("<section id=\"{section}\"")),
-            section != "warnings",
-            "{section}"
-        );
-    }
+    let sections: Vec<&str> =
+        page.split("<section id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let expected =
+        ["first", "animation", "figures", "link", "glossary", "results", "checks", "inputs"];
+    assert_eq!(sections, expected, "torque first, tables last");
+    let policy = attribute(&page[page.find("Content-Security-Policy").unwrap()..], "content");
+    assert!(policy.starts_with("default-src 'none'; style-src 'sha256-"), "{policy}");
+    assert!(!page.contains(" style="), "a style that the policy refuses");
     assert!(
         page.contains("T/a_tip of the paper&#39;s dense H")
             || page.contains("T/a_tip of the paper's dense H")
@@ -337,6 +342,69 @@ fn a_simulation_has_a_page() {
     }
     assert!(!page.contains("fig-tip-under-rigid-torque"), "no motion was asked for");
     assert!(page.contains("residual amplitude"), "its numbers");
+    let captions = page.split("<figcaption>").skip(1).filter_map(|rest| rest.split('<').next());
+    for caption in captions {
+        assert!(!caption.contains("Bayo") && !caption.contains("(figure"), "{caption}");
+    }
+}
+
+#[test]
+fn the_paper_is_named_for_its_own_links_and_motion_alone() {
+    let bench = Bench::new();
+    let cited = |more: &[&str]| -> Vec<String> {
+        solved(&bench, &[more, &["--report"]].concat());
+        let page = bench.read("out/report.html");
+        let named = page.split("(Bayo 1987, figure ").skip(1);
+        named.filter_map(|rest| Some(rest.split_once(')')?.0.to_owned())).collect()
+    };
+    assert_eq!(cited(&[]), ["5", "4", "3", "6", "8"]);
+    let stiffer = ["--set", "segments.root.I=1e-1 cm^4", "--set", "segments.beam.I=1e-2 cm^4"];
+    assert_eq!(cited(&stiffer), ["7", "9"]);
+    assert_eq!(cited(&["--set", "payload.mass=0.05"]), Vec::<String>::new());
+    assert_eq!(cited(&["--set", "damping.ratio=0.03"]), Vec::<String>::new());
+}
+
+#[test]
+fn limits_are_lines_in_the_figures_of_a_run_that_was_read_back() {
+    let bench = Bench::new();
+    let limits = "limits={torque=2.0, hub_rate=\"0.5 rad/s\", deflection=0.3}";
+    solved(&bench, &["--digits", "full", "--set", limits, "--report"]);
+    let page = bench.read("out/report.html");
+    done(&bench, &["report", "out", "-q", "--svg", "figures", "-o", "again.html"]);
+    assert!(
+        page == bench.read("again.html"),
+        "the limits of the summary are those of the link file"
+    );
+    for (figure, limit, at) in
+        [("torque", "limit 2 N m", 2.0), ("hub-rate", "limit 0.5 rad/s", 0.5)]
+    {
+        let drawn = points(&bench.read(&format!("figures/{figure}.svg")), limit);
+        let off = |(_, value): &(f64, f64)| (value.abs() - at).abs();
+        assert!(drawn.len() >= 2 && drawn.iter().all(|point| off(point) < 1e-3), "{drawn:?}");
+    }
+    solved(&bench, &["--set", "limits.torque=20.0", "--report"]);
+    let page = bench.read("out/report.html");
+    assert!(
+        page.contains("The limit 20 N m is beyond the figure.") && !page.contains("fig-hub-rate")
+    );
+}
+
+#[test]
+fn frequencies_damping_and_errors_say_what_they_are() {
+    let bench = Bench::new();
+    solved(&bench, &["--report"]);
+    let page = bench.read("out/report.html");
+    for words in [
+        "hysteretic, ratio 0.02",
+        "frequency in Hz",
+        "<td>1.900</td>",
+        "damping ratio",
+        "the tip&#39;s travel",
+        "the peak of the hub rate",
+    ] {
+        assert!(page.contains(words) || page.contains(&words.replace("&#39;", "'")), "{words}");
+    }
+    assert!(!page.contains("torque mesh error"), "an error without what it is a share of");
 }
 
 #[test]
@@ -379,6 +447,12 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     done(&bench, &["report", "two.csv", "-q", "-o", "two.html"]);
     let page = bench.read("two.html");
     assert_eq!(page.matches("data:image/png;base64,").count(), 5, "colour maps");
+    assert_eq!(page.matches("class=\"on-").count(), 5 * 6, "a number in each field");
+    for words in
+        ["Bayo (1987), example 1", "<section id=\"link\"", "0, 0.05, 0.1", "hysteretic, ratio"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
     sweep(&["segments.*.EI*=1,4", "payload.mass=0,0.1", "hub.inertia=0.1,0.2"], "three.csv");
     let told = done(&bench, &["report", "three.csv"]);
     assert_eq!(told, "written  three.html\n");

@@ -26,7 +26,8 @@ fn beside_a_table_lies_what_it_is_of() {
     assert_eq!(bench.names("a"), ["stiffness.csv", "stiffness.json"]);
     let record = bench.json("a/stiffness.json");
     assert!(bench.read("a/stiffness.json").starts_with("{\n  \"format\": 2,\n"));
-    let expected = ["cases", "command", "flexlink", "format", "inputs", "shard", "table", "title"];
+    let expected =
+        ["cases", "command", "flexlink", "format", "inputs", "links", "shard", "table", "title"];
     let mut found = keys(&record);
     found.sort_unstable();
     assert_eq!(found, expected);

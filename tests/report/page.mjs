@@ -5,7 +5,7 @@
 // Exit code 0: every check passed, 1: one did not, 2: wrong usage.
 
 import { readFile, stat } from "node:fs/promises";
-import { basename, resolve } from "node:path";
+import { basename, dirname, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import axe from "axe-core";
 import puppeteer from "puppeteer-core";
@@ -14,7 +14,7 @@ const MOST_BYTES = 2e6;
 const SLOW_MS = 1000; // what a page should take to open
 const MOST_MS = 3000; // what fails: machines differ
 const wide = { width: 1280, height: 900 };
-const narrow = { width: 360, height: 740, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
+const narrow = { width: 390, height: 740, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
 
 const [chromium, ...rest] = process.argv.slice(2);
 const pages = [];
@@ -67,6 +67,16 @@ async function open(browser, file, viewport, features = {}) {
   await page.emulateMediaFeatures(Object.entries(wanted).map(([name, value]) => ({ name, value })));
   await page.setViewport(viewport);
   await page.evaluateOnNewDocument(() => {
+    addEventListener("securitypolicyviolation", (event) => console.error(`the policy refuses ${event.violatedDirective} ${event.blockedURI}`));
+    // Files that the page gives its reader are kept instead.
+    window.given = [];
+    const blobs = new Map(), create = URL.createObjectURL.bind(URL);
+    URL.createObjectURL = (blob) => {
+      const address = create(blob);
+      blobs.set(address, blob);
+      return address;
+    };
+    HTMLAnchorElement.prototype.click = function () { window.given.push({ name: this.download, blob: blobs.get(this.href) }); };
     addEventListener("DOMContentLoaded", () => requestAnimationFrame(() => setTimeout(() => { window.openedAfter = performance.now(); })));
   });
   await page.goto(url, { waitUntil: "load", timeout: 60_000 });
@@ -93,6 +103,157 @@ const playButton = async (page) => {
   throw new Error("the animation has no button to play it");
 };
 const background = (page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+
+// What a page tells first, and what last.
+const RANKS = { warnings: 0, undetermined: 1, first: 2, animation: 3, arm: 4, figures: 5, remarks: 6, link: 7, glossary: 8, inputs: 10 };
+
+async function order(page, name) {
+  await check("warnings come first, then torque, tip and hub, then the rest, tables last", async () => {
+    const ids = await page.$$eval("main > section", (all) => all.map((section) => section.id));
+    const ranks = ids.map((id) => RANKS[id] ?? 9);
+    must(ranks.every((rank, i) => !i || ranks[i - 1] <= rank), ids.join(", "));
+    const linked = await page.$$eval(".contents a", (all) => all.map((a) => a.getAttribute("href").slice(1)));
+    must(linked.join() === ids.join(), `the contents have ${linked.join(", ")}`);
+    const early = await page.$$eval("main section:is(#warnings, #undetermined, #first, #animation, #figures) .scroll table", (all) => all.filter((table) => !table.closest("details")).length);
+    must(!early, `${early} tables stand before the end`);
+    const first = await page.$$eval("#first figure", (all) => all.map((figure) => figure.id));
+    must(!first.length || (first[0].startsWith("fig-torque") && first.every((id) => /^fig-(torque|tip|hub|angle)/.test(id))), first.join(", "));
+    return ids.join(", ");
+  });
+  await check("the paper is named for its own link and motion alone", async () => {
+    const captions = await page.$$eval("figcaption", (all) => all.map((caption) => caption.textContent).join(" "));
+    must(!/of the paper|\(figures? \d/.test(captions), captions);
+    const named = captions.match(/Bayo 1987, figure \d/g) || [];
+    must((name === "paper/report.html") === (named.length === 5), `${named.length} figures: ${named.join(", ")}`);
+    return named.join(", ");
+  });
+  await check("every figure has its formula in a fold, and the glossary its words", async () => {
+    const folds = await page.$$eval("figure.chart", (all) => all.map((figure) => [figure.id, figure.querySelector("details.formula p")?.textContent || "", figure.querySelector("details.formula")?.open]));
+    for (const [id, text, open] of folds) must(text.length > 8 && open === false, `${id}: ${open} ${text}`);
+    const words = await page.$$eval("#glossary details dt", (all) => all.map((word) => word.textContent));
+    must(words.join() === "zero,lead,lag,hysteretic", words.join());
+  });
+}
+
+// A policy that lets no other script and no style run; broken on purpose, so after all else.
+async function policy(page) {
+  await check("the content security policy is strict, and holds", async () => {
+    const text = await page.$eval("meta[http-equiv='Content-Security-Policy']", (meta) => meta.content);
+    must(/default-src 'none'/.test(text) && !/unsafe|\*|http/.test(text), text);
+    const found = await page.evaluate(() => {
+      const script = document.createElement("script"), box = document.createElement("p");
+      script.textContent = "window.injected = true";
+      box.setAttribute("style", "color: rgb(1, 2, 3)");
+      document.body.append(script, box);
+      return { ran: window.injected, colour: getComputedStyle(box).color };
+    });
+    must(!found.ran && found.colour !== "rgb(1, 2, 3)", JSON.stringify(found));
+    const inline = await page.$$eval("[onclick], [onload], script[src], link, iframe", (all) => all.length);
+    must(!inline, `${inline} elements that a strict policy refuses`);
+  });
+}
+
+const numberIn = (text) => Number(text.replaceAll("−", "-"));
+// Fields of a line of CSV.
+const fieldsOf = (line) => [...line.matchAll(/("(?:[^"]|"")*"|[^,]*)(?:,|$)/g)].slice(0, -1).map(([, field]) => field.replace(/^"|"$/g, "").replaceAll('""', '"'));
+
+async function files(page) {
+  await check("the CSV file of each figure holds the numbers of its table", async () => {
+    let rows = 0;
+    for (const id of await figuresOf(page)) {
+      const { text, table, name } = await page.$eval(`#${id}`, async (figure) => {
+        window.given.length = 0;
+        [...figure.querySelectorAll(".files button")].find((button) => button.textContent === "CSV").click();
+        const [{ name, blob }] = window.given;
+        const table = [...figure.querySelectorAll(".numbers tr")].map((row) => [...row.cells].map((cell) => cell.textContent));
+        return { name, text: await blob.text(), table };
+      });
+      must(name === `${id.replace("fig-", "")}.csv`, `${id}: ${name}`);
+      const [head, ...lines] = text.trim().split("\n").map(fieldsOf);
+      must(lines.length > 1 && lines.every((line) => line.length === head.length), `${id}: ${lines.length} rows, ${head}`);
+      rows += lines.length;
+      must(!/NaN|undefined|Infinity/.test(text), `${id}: no numbers`);
+      const isMapOverTime = await page.$eval(`#${id}`, (figure) => !!figure.querySelector("svg[data-x-axis=time] image"));
+      if (isMapOverTime) {
+        must(head.slice(1).every((column) => /^(moment|deflection) at x = [\d.e-]+ m in (N m|m)$/.test(column)), `${id}: ${head}`);
+        continue;
+      }
+      must(head.join("|") === table[0].join("|"), `${id}: ${head.join("|")}, the table ${table[0].join("|")}`);
+      const values = lines.map((line) => line.map((field) => (field === "" ? NaN : +field)));
+      const peaks = head.map((_, column) => Math.max(...values.map((row) => Math.abs(row[column])).filter((v) => v === v)));
+      for (const row of table.slice(1).map((cells) => cells.map((cell) => (cell === "" ? NaN : numberIn(cell))))) {
+        const near = (a, b, column) => Math.abs(a - b) <= 6e-4 * Math.abs(a) + 3e-6 * peaks[column] || (a !== a && b !== b);
+        must(values.some((own) => row.every((value, column) => near(value, own[column], column))), `${id}: no row ${row.join(", ")}`);
+      }
+    }
+    return `${rows} rows`;
+  });
+  await check("the PNG file of each figure is its picture", async () => {
+    for (const id of await figuresOf(page)) {
+      const found = await page.$eval(`#${id}`, async (figure) => {
+        window.given.length = 0;
+        [...figure.querySelectorAll(".files button")].find((button) => button.textContent === "PNG").click();
+        for (let tries = 0; tries < 100 && !window.given.length; tries++) await new Promise((done) => setTimeout(done, 20));
+        const [{ name, blob }] = window.given, picture = await createImageBitmap(blob);
+        const canvas = new OffscreenCanvas(picture.width, picture.height), context = canvas.getContext("2d");
+        context.drawImage(picture, 0, 0);
+        const { data } = context.getImageData(0, 0, picture.width, picture.height), colours = new Set();
+        for (let i = 0; i < data.length; i += 4) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+        return { name, type: blob.type, width: picture.width, colours: colours.size, corner: [...data.slice(0, 4)].join() };
+      });
+      must(found.name.endsWith(".png") && found.type === "image/png" && found.width === 1520, `${id}: ${JSON.stringify(found)}`);
+      must(found.colours > 20 && found.corner === "255,255,255,255", `${id}: ${JSON.stringify(found)}`);
+    }
+  });
+}
+
+async function dark(browser, page) {
+  await check("no white panel in dark mode", async () => {
+    const counter = await browser.newPage();
+    const shares = [];
+    for (const figure of await page.$$("figure")) {
+      const id = await figure.evaluate((node) => node.id || node.className);
+      const picture = await figure.screenshot({ encoding: "base64" });
+      const share = await counter.evaluate(async (picture) => {
+        const image = new Image();
+        image.src = `data:image/png;base64,${picture}`;
+        await image.decode();
+        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        context.drawImage(image, 0, 0);
+        const { data } = context.getImageData(0, 0, image.width, image.height);
+        let bright = 0;
+        for (let i = 0; i < data.length; i += 4) bright += Math.min(data[i], data[i + 1], data[i + 2]) > 200;
+        return (4 * bright) / data.length;
+      }, picture);
+      shares.push([share, id]);
+      must(share < 0.06, `${id}: ${Math.round(share * 100)} % of it are nearly white`);
+    }
+    await counter.close();
+    const [share, id] = shares.sort(([a], [b]) => b - a)[0];
+    return `at most ${(share * 100).toFixed(1)} %, ${id}`;
+  });
+}
+
+async function particulars(page, name) {
+  const seen = (selector) => page.$$eval(selector, (all) => all.filter((node) => node.checkVisibility({ visibilityProperty: true })).map((node) => node.textContent));
+  if (name === "paper/report.html") await check("limits are lines in the figures, and the waves have a scale in N m", async () => {
+    const limits = await page.$$eval(".zoom .limit", (all) => all.map((line) => `${line.closest("figure").id} ${line.dataset.name}`));
+    must(limits.join() === "fig-torque limit 2 N m,fig-hub-rate limit 0.5 rad/s", limits.join());
+    must((await seen("#fig-torque .key")).join().includes("limit 2 N m"), "the key does not name the limit");
+    const scale = await seen("#fig-waves .legend text");
+    must(scale.some((text) => text === "moment in N m") && scale.filter((text) => /^−?[\d.]+$/.test(text)).length === 5, scale.join(" | "));
+    must(/hub_rate/.test((await seen("#warnings")).join()), "the exceeded limit is no warning");
+    for (const text of ["1.900", "damping ratio", "hysteretic, ratio 0.02", "the tip's travel", "the peak of the torque"])
+      must((await seen("#results")).join().includes(text), `the tables lack ${text}`);
+  });
+  if (name === "sweep.html") await check("a map of fields has their numbers, and the page tells link, inputs and warnings", async () => {
+    for (const id of await figuresOf(page)) must((await seen(`#${id} .fields text`)).length === 15, `${id}: ${await seen(`#${id} .fields text`)}`);
+    for (const [section, text] of [["warnings", "large deflection"], ["link", "hysteretic, ratio 0.02"], ["varied", "payload.mass"], ["inputs", "bayo1987_example1.toml"]])
+      must((await seen(`#${section}`)).join().includes(text), `${section} lacks ${text}`);
+    must((await seen("h1")).join().includes("Bayo (1987), example 1"), "the heading lacks the link");
+    must((await page.$$("#link svg .segment")).length === 2, "the link is not drawn");
+  });
+}
 
 async function quiet({ asked, said }) {
   await check("asks nothing of the network or of other files", async () => must(!asked.length, asked.join(", ")));
@@ -350,7 +511,7 @@ async function themes(page) {
 }
 
 async function tryPage(browser, { file, points }) {
-  const name = basename(file);
+  const name = file.endsWith("report.html") ? `${basename(dirname(file))}/report.html` : basename(file);
   where = name;
   await check("is at most 2 MB", async () => {
     const { size } = await stat(file);
@@ -367,10 +528,13 @@ async function tryPage(browser, { file, points }) {
       must(ms <= MOST_MS, `${ms.toFixed(0)} ms to the first frame, at most ${MOST_MS}`);
       return `${ms.toFixed(0)} ms${ms > SLOW_MS ? `, SLOW: more than ${SLOW_MS}` : ""}`;
     });
-    await check("does not scroll sideways", async () => {
-      const overhang = await page.evaluate(() => {
+    await check("does not scroll sideways, and on a narrow page no table does", async () => {
+      const overhang = await page.evaluate(async () => {
         for (const more of document.querySelectorAll("details")) more.open = true;
+        await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
         const room = document.documentElement.clientWidth;
+        const cut = room < 500 && [...document.querySelectorAll(".scroll")].find((box) => box.scrollWidth > box.clientWidth + 1);
+        if (cut) return `a table of ${cut.scrollWidth} px in ${cut.clientWidth}: ${cut.textContent.slice(0, 60)}`;
         const widest = Math.max(document.documentElement.scrollWidth, document.body.scrollWidth);
         const culprit = [...document.body.querySelectorAll("*")].filter((n) => !n.closest(".scroll, svg")).find((n) => n.getBoundingClientRect().right > room + 1);
         for (const more of document.querySelectorAll("details")) more.open = false;
@@ -380,6 +544,9 @@ async function tryPage(browser, { file, points }) {
     });
     await texts(page);
     if (viewport === wide) {
+      await order(page, name);
+      await particulars(page, name);
+      await files(page);
       await figures(page);
       if (points) await holdsPoints(page, points);
       await themes(page);
@@ -394,7 +561,11 @@ async function tryPage(browser, { file, points }) {
       });
     }
     await quiet(tab);
+    if (viewport === wide) await policy(page);
     await tab.close();
+    const shade = await open(browser, file, viewport, { "prefers-color-scheme": "dark", "prefers-reduced-motion": "reduce" });
+    await dark(browser, shade.page);
+    await shade.close();
     const fresh = await open(browser, file, viewport, { "prefers-reduced-motion": "reduce" });
     await accessible(fresh.page);
     await fresh.close();

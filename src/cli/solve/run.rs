@@ -203,7 +203,12 @@ impl<'a> Problem<'a> {
         let Self { link_file, motion_file, .. } = self;
         let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
         let verification = solved.verification.as_ref();
-        let findings = Findings { exceeded, verification, remarks: &solved.remarks };
+        let findings = Findings {
+            limits: self.specification.limits,
+            exceeded,
+            verification,
+            remarks: &solved.remarks,
+        };
         let summary = Summary::of_solution(inputs, solution, metrics, &findings, &outputs);
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {

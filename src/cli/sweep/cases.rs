@@ -159,7 +159,8 @@ impl<'a> Cases<'a> {
             vary: vary.to_vec(),
             arguments: arguments.concat(),
         };
-        SweepIdentity::new(self.first.title(), inputs, self.plan.clone(), shard)
+        let identity = SweepIdentity::new(self.first.title(), inputs, self.plan.clone(), shard);
+        identity.with_links(self.first.links().into_iter())
     }
 
     /// Does the work of a case within its share of the memory; where that is too little, with all that
@@ -194,7 +195,7 @@ impl<'a> Cases<'a> {
     /// The arm file with the changes of a case, which must have the joints of the first one.
     pub(crate) fn arm(&self, values: &CaseValues) -> Result<Box<ArmSpecification>, Failure> {
         let overrides = with_case(&self.overrides, values)?;
-        let must = self.first.links();
+        let must = self.first.links().len();
         let links = match self.document.described(&self.link_file.shown, &overrides)? {
             Described::Arm(found) if found.arm.links().len() == must => return Ok(found),
             Described::Arm(found) => found.arm.links().len(),

@@ -63,18 +63,18 @@ impl First {
             Self::Link(first) if first.link.drive().is_some() => SweepKind::Driven,
             Self::Link(_) => SweepKind::Solved,
             Self::Arm { arm, .. } => {
-                let joints = self.links();
+                let joints = self.links().len();
                 let is_driven = arm.links().iter().any(|own| own.link.drive().is_some());
                 if is_driven { SweepKind::DrivenArm { joints } } else { SweepKind::Arm { joints } }
             }
         }
     }
 
-    /// Number of links.
-    pub(super) fn links(&self) -> usize {
+    /// The link, or those of the arm.
+    pub(super) fn links(&self) -> Vec<&Link> {
         match self {
-            Self::Link(_) => 1,
-            Self::Arm { arm, .. } => arm.links().len(),
+            Self::Link(first) => vec![&first.link],
+            Self::Arm { arm, .. } => arm.links().iter().map(|own| &own.link).collect(),
         }
     }
 

@@ -84,7 +84,12 @@ impl Cases<'_> {
             let arguments = self.arguments(&values);
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
             let remarks = remarks(&specification.remarks, &solution);
-            let findings = Findings { exceeded: &exceeded, verification: None, remarks: &remarks };
+            let findings = Findings {
+                limits: *limits,
+                exceeded: &exceeded,
+                verification: None,
+                remarks: &remarks,
+            };
             let outputs = self.shared.outputs.of_case(solution.mesh())?;
             let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
             let deflections = outputs.deflections(&solution)?;
@@ -123,7 +128,7 @@ impl Cases<'_> {
             let summary = solved.summary(inputs, None, &outputs);
             outputs.write_arm(self.stage(&folder)?, &solved.solution, (&summary, None))?;
         }
-        let SolvedArm { solution, metrics, exceeded, remarks } = &solved;
+        let SolvedArm { solution, metrics, exceeded, remarks, .. } = &solved;
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
         let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
         let limits = exceeded.iter().map(Notice::of_joint);

@@ -7,7 +7,9 @@ use super::super::json::{
     FORMAT, Fingerprint, Head, as_written, check_format, json, json_line, newer, other_format,
     parsed,
 };
+use super::super::summary::LinkRecord;
 use crate::csv::{Place, TableError, quoted};
+use crate::link::Link;
 use crate::result::Origin;
 use crate::sweep::{Shard, SweepPlan, Variation, VariationError};
 
@@ -51,6 +53,9 @@ struct Record {
     flexlink: String,
     command: String,
     title: String,
+    /// The link of the first case, or those of its arm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    links: Vec<LinkRecord>,
     inputs: SweepInputs,
     shard: String,
     cases: usize,
@@ -67,12 +72,26 @@ impl SweepIdentity {
             flexlink: env!("CARGO_PKG_VERSION").to_owned(),
             command: COMMAND.to_owned(),
             title: title.to_owned(),
+            links: Vec::new(),
             inputs,
             shard: shard.to_string(),
             cases: plan.cases(),
             table: None,
         };
         Self { record: Box::new(record), plan, shard }
+    }
+
+    /// The same with the link of the first case, or those of its arm.
+    #[must_use]
+    pub fn with_links<'a>(mut self, links: impl Iterator<Item = &'a Link>) -> Self {
+        self.record.links = links.map(LinkRecord::of_parts).collect();
+        self
+    }
+
+    /// The link of the first case, or those of its arm; none that are damaged.
+    pub(in crate::store) fn links(&self) -> Vec<Link> {
+        let link = |record: &LinkRecord| record.clone().link(&self.record.title, None).ok();
+        self.record.links.iter().filter_map(link).collect()
     }
 
     /// All cases of the sweep.

@@ -146,8 +146,10 @@ pub(in crate::store) fn read_sweep(path: &Path) -> Result<StoredSweep, TableErro
         return Err(place.refuse("rows", "none", "must be one or more cases"));
     }
     check_cells(&table, varied, place)?;
-    let origin = read_record(path, file)?.map(|record| record.origin());
-    Ok(StoredSweep { name: file.name.clone(), origin, varied, table })
+    let record = read_record(path, file)?;
+    let links = record.as_ref().map(SweepIdentity::links).unwrap_or_default();
+    let origin = record.map(|record| record.origin());
+    Ok(StoredSweep { name: file.name.clone(), origin, links, varied, table })
 }
 
 /// Number of the columns of values varied.
