@@ -155,10 +155,10 @@ impl PlayedMetrics {
 
 /// When a torque acts: the samples beyond a level, and the parts of the steps around them in which it is
 /// beyond the level.
-struct Acting {
+pub(super) struct Acting {
     /// The first sample beyond the level, and the last.
-    first: usize,
-    last: usize,
+    pub(super) first: usize,
+    pub(super) last: usize,
     /// Steps before the first sample, and after the last, 0 to 1.
     before: f64,
     after: f64,
@@ -190,7 +190,7 @@ impl Acting {
 
     /// Of a torque that holds a link at rest at its first and last sample: from where it leaves the first by more
     /// than the level until it comes as near to the last.
-    fn beyond_rest(torque: &[f64], level: f64) -> Self {
+    pub(super) fn beyond_rest(torque: &[f64], level: f64) -> Self {
         let less = |rest: f64| torque.iter().map(|t| t - rest).collect::<Vec<f64>>();
         let (from_first, from_last) = (less(torque[0]), less(torque[torque.len() - 1]));
         let [begins, ends] = [Self::of(&from_first, level), Self::of(&from_last, level)];

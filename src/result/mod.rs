@@ -13,6 +13,7 @@ mod recording;
 mod remark;
 mod stored;
 mod tip_error;
+mod torque_table;
 
 pub use arm::{ArmFitProblem, ArmMetrics, JointMetrics, shortest_arm_fit};
 pub use arm_play::{ArmPlayMetrics, PlayedJoint};
@@ -33,3 +34,4 @@ pub use stored::{
     StoredWarning, line_difference,
 };
 pub use tip_error::{LateTarget, TargetError, TipError, TipPlaces};
+pub use torque_table::TorqueTable;

@@ -131,7 +131,7 @@ impl TipError {
     }
 
     /// The largest of errors in m at the target's times, of a tip that has moved so far before them.
-    fn among(errors: &[f64], (grid, travel_m): (&TimeGrid, f64), moved_m: f64) -> Self {
+    pub(crate) fn among(errors: &[f64], (grid, travel_m): (&TimeGrid, f64), moved_m: f64) -> Self {
         let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
         let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
         let squares: f64 = errors.iter().map(|e| e * e).sum();

@@ -15,6 +15,7 @@ mod run_summary;
 mod run_tables;
 mod summary;
 mod sweep;
+mod torque_file;
 
 pub use arm_played::PlayedRun;
 pub use arm_run::ArmRun;
@@ -35,3 +36,4 @@ pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,
     merge_shards, sweep_files, sweep_header, sweep_row, write_sweep,
 };
+pub use torque_file::{TorqueFile, TorqueForm};

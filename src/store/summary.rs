@@ -154,6 +154,12 @@ impl Summary {
         }
     }
 
+    /// The summary of a run that leaves no folder.
+    #[must_use]
+    pub fn without_files(self) -> Self {
+        Self { files: Vec::new(), ..self }
+    }
+
     /// The JSON text, indented, with a final line end.
     ///
     /// # Panics

@@ -20,7 +20,7 @@ use super::exit::Failure;
 #[derive(Debug, Args)]
 pub(crate) struct PrintArgs {
     #[arg(long, conflicts_with = "quiet", help = "Print summary.json instead of the summary")]
-    json: bool,
+    pub(crate) json: bool,
 
     /// Print nothing but warnings and errors.
     #[arg(long, short)]

@@ -3,9 +3,11 @@
 mod arm;
 mod check;
 mod playback;
+mod table;
 
 pub use arm::{ArmAnswer, verify_arm};
 pub use check::{Answer, Check, Outcome, VerificationError};
+pub use table::table_error;
 
 use std::f64::consts::TAU;
 

@@ -53,7 +53,7 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
         initial_tip_m,
         memory_bytes,
         state: (ends == Ends::Moving).then_some(&moving),
-        cycle_turn_rad: turn_of_cycle_rad(answer),
+        cycle_turn_rad: turn_of_cycle_rad(solution),
         ..Play::of(&torque)
     };
     let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
@@ -91,10 +91,9 @@ pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, Veri
 }
 
 /// Turn in rad of a cycle; none of a motion that does not repeat.
-fn turn_of_cycle_rad(answer: &Answer) -> Option<f64> {
-    let Solution { motion, .. } = answer.solution;
-    let is_cycle = motion.ends() == Ends::Periodic;
-    is_cycle.then(|| motion.travel_m() / answer.solution.link().length_m())
+pub(super) fn turn_of_cycle_rad(solution: &Solution) -> Option<f64> {
+    let is_cycle = solution.motion.ends() == Ends::Periodic;
+    is_cycle.then(|| solution.motion.travel_m() / solution.link().length_m())
 }
 
 /// The check of a simulation's balance of energy.
@@ -157,7 +156,7 @@ fn played_large(
     let play = Play {
         memory_bytes: answer.memory_bytes,
         is_large: true,
-        cycle_turn_rad: turn_of_cycle_rad(answer),
+        cycle_turn_rad: turn_of_cycle_rad(solution),
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };

@@ -45,6 +45,7 @@ mod summary;
 mod sweep;
 mod sweep_record;
 mod sweep_shards;
+mod torque_table;
 mod trajectory;
 mod verify;
 mod warnings;

@@ -52,27 +52,31 @@ impl<'a> ArmProblem<'a> {
         Ok(SolvedRun { solved, verification })
     }
 
+    /// The record of the run.
+    pub(super) fn summary(&self, SolvedRun { solved, verification }: &SolvedRun) -> Summary {
+        let inputs = RunInputs::of_solve(&self.arm_file, &self.path_file, self.options.arguments());
+        solved.summary(inputs, verification.as_ref(), &self.options.outputs())
+    }
+
     /// Writes the results into a folder.
     pub(super) fn write(
         &self,
-        SolvedRun { solved, verification }: &SolvedRun,
+        (SolvedRun { solved, .. }, summary): (&SolvedRun, &Summary),
         (folder, durability): (&Path, Durability),
         page: Page,
         stages: &StageBar,
-    ) -> Result<Summary, Failure> {
+    ) -> Result<(), Failure> {
         let outputs = self.options.outputs();
-        let inputs = RunInputs::of_solve(&self.arm_file, &self.path_file, self.options.arguments());
-        let summary = solved.summary(inputs, verification.as_ref(), &outputs);
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| {
             stages.at("drawing");
-            let run = StoredResult::Arms(vec![outputs.stored_arm(&solved.solution, &summary)]);
+            let run = StoredResult::Arms(vec![outputs.stored_arm(&solved.solution, summary)]);
             report::page(&run, &Figures::of(&run))
         });
         let on_wait = |folder: &Path| stages.above(|| console::waiting(folder));
         let folder = OutputFolder::stage(folder, &on_wait)?.with(durability);
-        outputs.write_arm(folder, &solved.solution, (&summary, drawn.as_deref()))?;
-        Ok(summary)
+        outputs.write_arm(folder, &solved.solution, (summary, drawn.as_deref()))?;
+        Ok(())
     }
 
     /// Prints remarks, warnings and limits; with `is_strict` the first limit is an error, printed at the end.

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -10,11 +10,12 @@ use flexlink::store::{REPORT, Summary};
 use super::arm::{ArmProblem, SolvedRun};
 use super::problem::OneOrSeveral;
 use super::run::{Page, SolveOptions, Solved};
+use super::table::{WriteArgs, WrittenTable};
 use crate::cli::arm::SolvedArm;
 use crate::cli::verify::{refuse_failed, warn};
-use crate::options::common::SyncArgs;
+use crate::options::common::{SyncArgs, refuse_for_arms};
 use crate::options::inputs::{LINK, MOTION};
-use crate::terminal::files::keep;
+use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::{arm_text, rows_text, solve_text, verify_text};
 use crate::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 
@@ -50,6 +51,7 @@ pub(crate) struct Solve {
     /// Folder for the results.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     #[arg(default_value_if("repeat", ArgPredicate::IsPresent, None))]
+    #[arg(default_value_if("write", ArgPredicate::IsPresent, None))]
     pub(super) output: Option<PathBuf>,
 
     /// Repeat the run whose results are in this folder, and compare every file byte for byte; exit
@@ -67,6 +69,9 @@ pub(crate) struct Solve {
     /// Also write report.html, the page that `flexlink report` makes.
     #[arg(long, conflicts_with = "golden")]
     report: bool,
+
+    #[command(flatten)]
+    table: WriteArgs,
 
     /// Fail with exit code 4 if a limit of the link file is exceeded; the results are written.
     #[arg(long)]
@@ -91,7 +96,9 @@ impl Solve {
         if let Some(run) = &self.repeat {
             return self.repeat(run);
         }
-        let (problem, output) = self.load()?;
+        self.check()?;
+        let output = self.output.as_deref();
+        let problem = self.load()?;
         let problem = match problem {
             OneOrSeveral::One(problem) => problem,
             OneOrSeveral::Several(_) if self.report && self.options.nodes.list.is_some() => {
@@ -99,49 +106,103 @@ impl Solve {
                     "--report draws an arm with all its nodes, but --nodes leaves some out";
                 return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
             }
-            OneOrSeveral::Several(problem) => return self.run_arm(&problem, output),
+            OneOrSeveral::Several(problem) => return self.run_arm(&problem),
         };
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let folder = (output, self.sync.durability());
-        let summary = problem.write(&solved, folder, self.page(), &stages)?;
+        let table = self.table.of_link(&solved.solution, &stages)?;
+        let mut summary = problem.summary(&solved);
+        match output {
+            Some(output) => {
+                let folder = (output, self.sync.durability());
+                problem.write((&solved, &summary), folder, self.page(), &stages)?;
+            }
+            None => summary = summary.without_files(),
+        }
         drop(stages);
-        self.tell(&solved, &summary, output)?;
-        self.judge(&solved)
+        let warned = self.deliver(table.as_ref(), &summary)?;
+        self.tell(&solved, &summary, table.as_ref())?;
+        self.judge(&solved, warned)
+    }
+
+    /// Refuses options that do not fit one another.
+    fn check(&self) -> Result<(), Failure> {
+        let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        if self.report && self.output.is_none() {
+            let message = "--report writes into the folder of the results, but --write leaves none";
+            return refuse(message, "-o DIR writes them, too");
+        }
+        if self.print.json && self.table.is_printed() {
+            return refuse("--json = given, but --write prints the table there", "--write FILE");
+        }
+        Ok(())
+    }
+
+    /// Writes the torque table, if there is one; returns the number of warnings.
+    fn deliver(&self, table: Option<&WrittenTable>, summary: &Summary) -> Result<usize, Failure> {
+        table.map_or(Ok(0), |table| self.table.deliver(table, summary, self.options.digits))
+    }
+
+    /// Prints the summary; where standard output has the table, only what is said of it, to standard error.
+    fn print(
+        &self,
+        summary: &Summary,
+        text: impl FnOnce() -> String,
+        table: Option<&WrittenTable>,
+    ) -> Result<(), Failure> {
+        let of_table = table.map(|table| self.table.text(table)).unwrap_or_default();
+        if !self.table.is_printed() {
+            return self.print.print(|| summary.to_json(), || text() + &of_table);
+        }
+        if !self.print.quiet {
+            console::plain(of_table.trim_end());
+        }
+        Ok(())
     }
 
     fn page(&self) -> Page {
         if self.report { Page::Written } else { Page::Left }
     }
 
-    /// How many rows and files are written, and where.
-    fn written(&self, grid: &TimeGrid, files: usize, output: &Path) -> String {
+    /// How many rows and files are written, and where; empty where no folder is.
+    fn written(&self, grid: &TimeGrid, files: usize) -> String {
+        let Some(output) = &self.output else { return String::new() };
         let rows = self.options.outputs().rows(grid);
         format!("{}; {files} files in {}", rows_text(&rows), output.display())
     }
 
     /// The line that says where the page is; empty without one.
-    fn page_line(&self, output: &Path) -> String {
-        let line = || format!("written  {}\n", output.join(REPORT).display());
-        if self.report { line() } else { String::new() }
+    fn page_line(&self) -> String {
+        let output = self.output.as_ref().filter(|_| self.report);
+        let line = |output: &PathBuf| format!("written  {}\n", output.join(REPORT).display());
+        output.map(line).unwrap_or_default()
     }
 
     /// Solves an arm of several links, writes and tells.
-    fn run_arm(&self, problem: &ArmProblem<'_>, output: &Path) -> Result<Ending, Failure> {
+    fn run_arm(&self, problem: &ArmProblem<'_>) -> Result<Ending, Failure> {
+        refuse_for_arms(self.table.of_one_link())?;
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let folder = (output, self.sync.durability());
-        let summary = problem.write(&solved, folder, self.page(), &stages)?;
+        let table = self.table.of_arm(&solved.solved.solution);
+        let mut summary = problem.summary(&solved);
+        match &self.output {
+            Some(output) => {
+                let folder = (output.as_path(), self.sync.durability());
+                problem.write((&solved, &summary), folder, self.page(), &stages)?;
+            }
+            None => summary = summary.without_files(),
+        }
         drop(stages);
+        self.deliver(table.as_ref(), &summary)?;
         let SolvedRun { solved, verification } = &solved;
         ArmProblem::warn(solved, self.strict);
         let SolvedArm { solution, metrics, exceeded, .. } = solved;
         let checks = || verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
-            let written = self.written(&solution.grid, problem.files(solved), output);
-            arm_text(solution, metrics, written) + &checks() + &self.page_line(output)
+            let written = self.written(&solution.grid, problem.files(solved));
+            arm_text(solution, metrics, written) + &checks() + &self.page_line()
         };
-        self.print.print(|| summary.to_json(), text)?;
+        self.print(&summary, text, table.as_ref())?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
             let message = format!("joint {}: {limit}", joint + 1);
@@ -151,21 +212,26 @@ impl Solve {
         Ok(Ending::Done)
     }
 
-    /// Reads the problem; returns it with the folder of the results.
-    fn load(&self) -> Result<(OneOrSeveral<'_>, &Path), Failure> {
-        let (Some(link), Some(motion), Some(output)) = (&self.link, &self.motion, &self.output)
-        else {
+    /// Reads the problem.
+    fn load(&self) -> Result<OneOrSeveral<'_>, Failure> {
+        let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             // The parser requires them.
             return Err(Failure::new(Exit::Usage, &"nothing to solve", None));
         };
-        keep(output, &[link, motion])?;
+        let (inputs, output) = ([link.as_path(), motion.as_path()], self.output.as_deref());
+        output.map_or_else(|| read_once(&inputs), |output| keep(output, &inputs))?;
+        self.table.check(&inputs, output)?;
         let motion_file = || Ok(InputFile::read(motion)?);
-        let problem = OneOrSeveral::read(&self.options, InputFile::read_toml(link)?, motion_file)?;
-        Ok((problem, output))
+        OneOrSeveral::read(&self.options, InputFile::read_toml(link)?, motion_file)
     }
 
     /// Prints remarks, warnings and the summary.
-    fn tell(&self, solved: &Solved, summary: &Summary, output: &Path) -> Result<(), Failure> {
+    fn tell(
+        &self,
+        solved: &Solved,
+        summary: &Summary,
+        table: Option<&WrittenTable>,
+    ) -> Result<(), Failure> {
         let Solved { solution, metrics, exceeded, verification, remarks, .. } = solved;
         console::remarks(remarks);
         warn(solution);
@@ -174,21 +240,21 @@ impl Solve {
         console::warnings(limits.map(|limit| (limit, limit.hint())));
         let text = || {
             let files = self.options.outputs().file_names(solution.link()).len();
-            let written = self.written(&solution.grid, files, output);
+            let written = self.written(&solution.grid, files);
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-            solve_text(solution, metrics, written) + &checks + &self.page_line(output)
+            solve_text(solution, metrics, written) + &checks + &self.page_line()
         };
-        self.print.print(|| summary.to_json(), text)
+        self.print(summary, text, table)
     }
 
     /// Returns an error if a check is out of its bound, or for limits and warnings where the options say
     /// so.
-    fn judge(&self, solved: &Solved) -> Result<Ending, Failure> {
+    fn judge(&self, solved: &Solved, warned: usize) -> Result<Ending, Failure> {
         solved.verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some(limit) = solved.exceeded.first().filter(|_| self.strict) {
             return Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint())));
         }
-        self.warnings.refuse(solved.solution.warnings.len() + solved.exceeded.len())?;
+        self.warnings.refuse(solved.solution.warnings.len() + solved.exceeded.len() + warned)?;
         Ok(Ending::Done)
     }
 }

@@ -5,5 +5,6 @@ mod command;
 mod problem;
 mod repeat;
 pub(crate) mod run;
+mod table;
 
 pub(crate) use command::Solve;

@@ -53,10 +53,12 @@ impl Solve {
             let stages = self.print.stages();
             let solved = match problem {
                 OneOrSeveral::One(problem) => problem.solve(&stages).and_then(|solved| {
-                    problem.write(&solved, (folder, durability), Page::Left, &stages)
+                    let run = (&solved, &problem.summary(&solved));
+                    problem.write(run, (folder, durability), Page::Left, &stages)
                 }),
                 OneOrSeveral::Several(problem) => problem.solve(&stages).and_then(|solved| {
-                    problem.write(&solved, (folder, durability), Page::Left, &stages)
+                    let run = (&solved, &problem.summary(&solved));
+                    problem.write(run, (folder, durability), Page::Left, &stages)
                 }),
             };
             drop(stages);
@@ -158,12 +160,16 @@ mod tests {
     use crate::cli::Cli;
 
     /// Arguments that shape no result.
-    const OTHERS: [&str; 13] = [
+    const OTHERS: [&str; 17] = [
         "link",
         "motion",
         "output",
         "repeat",
         "report",
+        "write",
+        "start_at",
+        "window",
+        "hold",
         "strict",
         "deny_warnings",
         "sync",

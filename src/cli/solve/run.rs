@@ -25,6 +25,7 @@ use crate::terminal::{Failure, StageBar, console, memory};
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub(crate) struct SolveOptions {
     #[command(flatten)]
     pub(crate) changes: ChangeArgs,
@@ -185,45 +186,45 @@ impl<'a> Problem<'a> {
         Ok(Solved { solution, metrics, exceeded, verification, remarks, memory_bytes })
     }
 
+    /// The record of the run.
+    pub(super) fn summary(&self, solved: &Solved) -> Summary {
+        let Solved { solution, metrics, exceeded, .. } = solved;
+        let Self { link_file, motion_file, .. } = self;
+        let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
+        let verification = solved.verification.as_ref();
+        let limits = self.specification.limits;
+        let findings = Findings { limits, exceeded, verification, remarks: &solved.remarks };
+        Summary::of_solution(inputs, solution, metrics, &findings, &self.options.outputs())
+    }
+
     /// Writes the results into a folder.
     pub(super) fn write(
         &self,
-        solved: &Solved,
+        (solved, summary): (&Solved, &Summary),
         (folder, durability): (&Path, Durability),
         page: Page,
         stages: &StageBar,
-    ) -> Result<Summary, Failure> {
-        let Solved { solution, metrics, exceeded, memory_bytes, .. } = solved;
+    ) -> Result<(), Failure> {
+        let Solved { solution, memory_bytes, .. } = solved;
         let outputs = self.options.outputs();
         let deflections = outputs.deflections(solution)?;
         memory::check_nodes(deflections.bytes(), *memory_bytes)?;
         if deflections.bytes() >= LARGE {
             stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
-        let Self { link_file, motion_file, .. } = self;
-        let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
-        let verification = solved.verification.as_ref();
-        let findings = Findings {
-            limits: self.specification.limits,
-            exceeded,
-            verification,
-            remarks: &solved.remarks,
-        };
-        let summary = Summary::of_solution(inputs, solution, metrics, &findings, &outputs);
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {
             stages.at("drawing");
             let bytes = outputs.page_bytes(&deflections);
             let hint = "leave --report out, or use --nodes or --every";
             memory::check("the page", bytes, *memory_bytes, hint)?;
-            let run = outputs.stored((solution, &deflections), &summary)?;
+            let run = outputs.stored((solution, &deflections), summary)?;
             Ok(self::page(&run, &Figures::of(&run)))
         });
         let drawn = drawn.transpose()?;
         let on_wait = |folder: &Path| stages.above(|| console::waiting(folder));
         let folder = OutputFolder::stage(folder, &on_wait)?.with(durability);
-        let texts = (&summary, drawn.as_deref());
-        outputs.write(folder, (solution, deflections), texts, stages)?;
-        Ok(summary)
+        outputs.write(folder, (solution, deflections), (summary, drawn.as_deref()), stages)?;
+        Ok(())
     }
 }
