@@ -155,7 +155,7 @@ impl Solve {
             return self.print.print(|| summary.to_json(), || text() + &of_table);
         }
         if !self.print.quiet {
-            console::plain(of_table.trim_end());
+            of_table.lines().for_each(console::plain);
         }
         Ok(())
     }

@@ -164,7 +164,7 @@ impl WriteArgs {
             "the torque table moves the tip off by {share} of its travel, more than {allowed}"
         );
         let hint = if self.window.is_some() {
-            "a smaller --window"
+            "a smaller --window, or feedback of the hub's angle: a free hub drifts on after a cut"
         } else {
             "a motion with a shorter step"
         };
