@@ -8,7 +8,7 @@ use super::figure::Figures;
 use super::link::given;
 use super::page::{FILES, Section, advice, animation, document, inputs, made_by, parted_figures};
 use super::tables::{checks, link_readings, readings, results, table, words_and_unit};
-use super::words::{Kind, glossary};
+use super::words::Kind;
 use crate::result::{StoredArm, StoredWarning};
 use crate::text::significant;
 
@@ -46,7 +46,7 @@ pub(super) fn arm_page(arms: &[StoredArm], figures: &Figures) -> Markup {
     if !remarks.is_empty() {
         sections.push(Section::new("remarks", "Remarks", advice(&remarks, false)));
     }
-    sections.push(glossary());
+    sections.push(Section::glossary());
     sections.push(Section::new("results", "Results", tables(arms, &shown)));
     if first.joints.iter().any(|joint| !joint.errors.is_empty()) {
         sections.push(Section::new("errors", "Errors", errors(first)));

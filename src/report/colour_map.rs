@@ -139,9 +139,7 @@ impl ColourMap {
     pub(super) fn scale_ticks(&self) -> Vec<(f64, f64)> {
         let (low, high) = self.limits();
         match self.colours {
-            Colours::Diverging => {
-                vec![(low, 0.0), (0.25 * low, 0.25), (0.0, 0.5), (0.25 * high, 0.75), (high, 1.0)]
-            }
+            Colours::Diverging => vec![(low, 0.0), (0.0, 0.5), (high, 1.0)],
             Colours::Sequential => vec![(low, 0.0), (0.5 * (low + high), 0.5), (high, 1.0)],
         }
     }

@@ -310,9 +310,7 @@ fn colour_scale(map: &ColourMap) -> Markup {
     let width = |opacity: f64| if opacity < 1.0 { step } else { step + 0.5 };
     let label = |value: f64| match value {
         zero if zero.abs() <= 0.0 => "0".to_owned(),
-        value => {
-            significant(value, if map.scale_ticks().len() > 3 { 2 } else { 3 }).replace('-', "−")
-        }
+        value => significant(value, 3).replace('-', "−"),
     };
     html! {
         text class="legend-text" x=(start - 8.0) y="12" text-anchor="end" { (in_unit(&map.name, &map.unit)) }

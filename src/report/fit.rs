@@ -6,7 +6,7 @@ use super::axis::Axis;
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::page::{Section, all_figures, document, inputs, made_by};
 use super::tables::table;
-use super::words::{Kind, glossary};
+use super::words::Kind;
 use crate::fit::{
     Coordinate, FitOutcome, FittedValue, HubEnd, Observable, Overlay, Replaced, Residual, Spacing,
 };
@@ -45,7 +45,7 @@ pub fn fit_page(report: &FitReport) -> String {
     }
     let figures = figures(outcome);
     sections.push(all_figures(Kind::Fit, &figures));
-    sections.push(glossary());
+    sections.push(Section::glossary());
     let values = html! { (values(outcome)) (replacements(replaced, *written)) };
     sections.push(Section::new("values", "Values", values));
     if !outcome.correlation.is_empty() && outcome.values.len() > 1 {

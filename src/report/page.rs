@@ -94,6 +94,11 @@ pub(super) struct Section {
 }
 
 impl Section {
+    /// The glossary, folded.
+    pub(super) fn glossary() -> Self {
+        Self::new("glossary", "Glossary", glossary())
+    }
+
     pub(super) fn new(id: &'static str, name: &'static str, content: Markup) -> Self {
         Self { id, name, heading: name, class: None, content }
     }
@@ -240,7 +245,7 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
         sections.push(Section::new("remarks", "Remarks", advice(&run.remarks, false)));
     }
     sections.push(Section::new("link", "Link", drawing(run)));
-    sections.push(glossary());
+    sections.push(Section::glossary());
     sections.push(Section::new("results", "Results", tables(run)));
     if !run.checks.is_empty() {
         sections.push(Section::new("checks", "Verification", checks(&run.checks)));

@@ -6,7 +6,7 @@ use super::figure::Figures;
 use super::link::link_drawing;
 use super::page::{FILES, Section, all_figures, document, inputs, made_by};
 use super::tables::{link_readings, readings, table};
-use super::words::{Kind, glossary, warning_meaning};
+use super::words::{Kind, warning_meaning};
 use crate::compare::{Cell, TableColumn};
 use crate::link::Link;
 use crate::result::StoredSweep;
@@ -38,7 +38,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     sections.extend(
         (!sweep.links.is_empty()).then(|| Section::new("link", "Link", links(&sweep.links))),
     );
-    sections.push(glossary());
+    sections.push(Section::glossary());
     sections.push(Section::new("varied", "What is varied", varied_values(sweep)));
     sections.push(Section::new("cases", "Cases", cases_table(sweep)));
     sections.extend(sweep.origin.as_ref().map(inputs));
@@ -74,7 +74,7 @@ fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
     html! {
         ul { @for (kind, count, first) in kinds {
             li {
-                strong { (kind.replace('_', " ")) } " "
+                strong { (kind.replace('_', " ").replace(':', ": ")) } " "
                 span class="hint" {
                     (count) " of " (cases) " cases, the first is row " (first) ": " (values(first - 1)) "."
                     @if let Some(meaning) = warning_meaning(kind) { " " (meaning) }

@@ -1,8 +1,6 @@
 //! Words of a page: a glossary, the formula behind each figure, and what kinds of warnings say.
 
-use maud::html;
-
-use super::page::Section;
+use maud::{Markup, html};
 
 /// What a page is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,15 +36,14 @@ const GLOSSARY: [(&str, &str); 4] = [
     ),
 ];
 
-/// The glossary, folded.
-pub(super) fn glossary() -> Section {
-    let content = html! {
+/// What the words of a page mean, folded.
+pub(super) fn glossary() -> Markup {
+    html! {
         details {
             summary { "zero, lead, lag, hysteretic" }
             dl { @for (word, meaning) in GLOSSARY { dt { (word) } dd { (meaning) } } }
         }
-    };
-    Section::new("glossary", "Glossary", content)
+    }
 }
 
 /// The formula behind the figure with this `id`.

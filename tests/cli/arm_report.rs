@@ -121,13 +121,13 @@ fn the_page_of_an_arm_made_with_its_run_is_the_one_made_of_its_files() {
     assert_eq!(done(&bench, &["report", "out"]), "written  out/report.html\n");
     assert!(with_run == bench.read("out/report.html"));
     assert!(with_run.starts_with("<!DOCTYPE html>") && with_run.ends_with("</html>"));
-    let sections = ["warnings", "arm", "errors", "animation", "figures", "inputs"];
+    let sections = ["warnings", "first", "animation", "arm", "figures", "errors", "inputs"];
     let places = sections.map(|section| with_run.find(&format!("<section id=\"{section}\"")));
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
     assert!(with_run.contains("joint 2: limits.torque = 1 N m is exceeded"));
     assert!(!with_run.contains("<script>alert") && !with_run.contains("<img"), "not escaped");
     assert_eq!(with_run.matches("</script>").count(), 2, "the motion and the script");
-    let addresses = with_run.matches("http").count();
+    let addresses = with_run.matches("://").count();
     assert_eq!(addresses, with_run.matches("http://www.w3.org/2000/svg").count(), "an address");
     assert!(with_run.len() < 2_000_000, "{} bytes", with_run.len());
     // A run that is repeated is compared without its page, and a later one removes it.

@@ -154,9 +154,9 @@ fn the_table_of_a_sweep_names_the_kinds_of_every_cases_warnings() {
     let warnings = shown.find("<h2>Warnings</h2>").unwrap();
     assert!(warnings < shown.find("<h2>Figures</h2>").unwrap());
     assert!(shown.contains(
-        "<strong>large_deflection</strong> <span class=\"hint\">1 of 2 cases, the first is row 2."
+        "<strong>large deflection</strong> <span class=\"hint\">1 of 2 cases, the first is row 2"
     ));
-    assert!(shown.contains("<strong>limit_exceeded:torque</strong>"));
+    assert!(shown.contains("<strong>limit exceeded: torque</strong>"));
     assert!(shown.contains("<td>large_deflection;limit_exceeded:torque</td>"));
 }
 
@@ -166,7 +166,7 @@ fn the_page_of_a_run_has_its_warnings_above_its_results() {
     bench.solve(&["--scale-distance", "2.5", "--report", "-q"]);
     let page = bench.read("out/report.html");
     let place = |heading: &str| page.find(&format!("<h2>{heading}</h2>")).unwrap();
-    assert!(place("Warnings") < place("Link and results"));
+    assert!(place("Warnings") < place("Torque, tip and hub"));
 }
 
 #[test]
