@@ -126,7 +126,11 @@ fn the_page_of_an_arm_made_with_its_run_is_the_one_made_of_its_files() {
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
     assert!(with_run.contains("joint 2: limits.torque = 1 N m is exceeded"));
     assert!(!with_run.contains("<script>alert") && !with_run.contains("<img"), "not escaped");
-    assert_eq!(with_run.matches("</script>").count(), 2, "the motion and the script");
+    assert_eq!(
+        with_run.matches("</script>").count(),
+        3,
+        "the motion, the style of figures, the script"
+    );
     let addresses = with_run.matches("://").count();
     assert_eq!(addresses, with_run.matches("http://www.w3.org/2000/svg").count(), "an address");
     assert!(with_run.len() < 2_000_000, "{} bytes", with_run.len());
