@@ -254,13 +254,13 @@ impl<'a> Shown<'a> {
             let why = "since what bends is too large or too small to be drawn";
             return Err(format!("waves along {words}, {why}"));
         }
-        let peak = significant(nodes.peak(), 2);
         for history in &mut nodes.histories {
             let rest = history[0];
             for value in history {
                 *value -= rest;
             }
         }
+        let peak = significant(nodes.peak(), 3);
         let rest = if has_weight(arm) { ", less what it is at rest at first," } else { "" };
         let caption = format!(
             "The {what}{rest} over time (to the right) and along the link (up, from its joint), below the tip's \

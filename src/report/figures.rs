@@ -59,8 +59,8 @@ fn run_figures(run: &StoredRun) -> Figures {
     figures
 }
 
-/// Number of the example of Bayo (1987) that a solution is, for the figures of the paper: its link, and a motion of
-/// 0.88 s.
+/// Number of the example of Bayo (1987) that a solution is, for the figures of the paper: its link, and its motion of
+/// 0.5 m in 0.88 s with a period of a sine as acceleration.
 fn example(run: &StoredRun) -> Option<usize> {
     let close = |found: f64, printed: f64| (found / printed - 1.0).abs() < 1e-3;
     let (from, until) = run.solved.as_ref()?.moving_s;
@@ -70,11 +70,31 @@ fn example(run: &StoredRun) -> Option<usize> {
         .iter()
         .map(|s| [s.length_m, s.bending_stiffness_n_m2.mean(), s.mass_per_length_kg_m.mean()])
         .collect();
-    let is_bare = link.masses().is_empty()
-        && link.payload().mass_kg.abs() <= 0.0
+    let (hub, payload) = (link.hub(), link.payload());
+    let left_out = [
+        payload.mass_kg,
+        payload.inertia_kg_m2,
+        payload.offset_m,
+        hub.radius_m,
+        hub.viscous_friction_n_m_s_rad,
+    ];
+    let is_uniform = link.segments().iter().all(|s| {
+        s.bending_stiffness_n_m2.is_constant()
+            && s.mass_per_length_kg_m.is_constant()
+            && s.timoshenko.is_none()
+    });
+    let is_bare = largest(&left_out) <= 0.0
+        && is_uniform
+        && link.masses().is_empty()
         && link.drive().is_none()
         && link.gravity().is_none();
-    let is_hub = close(link.hub().inertia_kg_m2, 0.1) && link.hub().radius_m.abs() <= 0.0;
+    let is_hub = close(hub.inertia_kg_m2, 0.1);
+    let peak_m_s2 = largest(&run.tip.acceleration_m_s2);
+    let displacement = &run.tip.displacement_m;
+    let travel_m = displacement.last()? - displacement.first()?;
+    let is_moved = close(until - from, 0.88)
+        && close(travel_m.abs(), 0.5)
+        && (peak_m_s2 / (std::f64::consts::PI / 0.88_f64.powi(2)) - 1.0).abs() < 1e-2;
     let is_damped = matches!(link.damping(), Damping::Hysteretic { ratio } if close(*ratio, 0.02));
     let is_printed = |stiffness: f64| {
         let printed = [[0.15, 10.0 * stiffness, 0.8], [1.35, stiffness, 0.8]];
@@ -82,7 +102,7 @@ fn example(run: &StoredRun) -> Option<usize> {
         parts.len() == 2 && pairs.into_iter().all(|(found, printed)| close(*found, *printed))
     };
     let number = [5.0, 20.0].into_iter().position(is_printed).map(|k| k + 1);
-    number.filter(|_| is_bare && is_hub && is_damped && close(until - from, 0.88))
+    number.filter(|_| is_bare && is_hub && is_damped && is_moved)
 }
 
 /// Names the paper's figure of its first or second example that a figure is the analogue of; nothing for other links

@@ -164,6 +164,7 @@ fn of_fit(id: &str) -> Option<&'static str> {
 
 /// What a kind of warning says.
 pub(super) fn warning_meaning(kind: &str) -> Option<&'static str> {
+    let (kind, _) = kind.split_once(':').unwrap_or((kind, ""));
     Some(match kind {
         "failed" => "The case has no numbers; the column error says why.",
         "limit_exceeded" => "A value exceeds its limit in the link file.",

@@ -84,13 +84,18 @@ impl TorqueFile<'_> {
         let macros = stem.to_ascii_uppercase();
         let mut text = String::from("/*\n");
         for line in self.comment() {
-            text += &[" * ", &line.replace("*/", "* /").replace("/*", "/ *"), "\n"].concat();
+            text += &[
+                " * ",
+                &line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?"),
+                "\n",
+            ]
+            .concat();
         }
         let head = format!(
             " */\n#ifndef {macros}_H\n#define {macros}_H\n\n#define {macros}_LENGTH {}\n\
              #define {macros}_STEP_S {}\n",
             grid.len,
-            plain(grid.step_s)
+            floating(grid.step_s)
         );
         let mut text = (text + &head).into_bytes();
         let mut array =
@@ -159,7 +164,8 @@ impl TorqueFile<'_> {
     fn comment(&self) -> Vec<String> {
         let origin = self.summary.origin();
         let mut lines = vec![origin.title];
-        lines.push(format!("Torque in N m, computed by flexlink {}:", origin.version));
+        lines
+            .push(format!("Torque at each joint in N m, computed by flexlink {}:", origin.version));
         let names = origin.inputs.iter().map(|input| input.name.as_str());
         let words = ["flexlink", "solve"].into_iter().chain(names);
         let words = words.chain(origin.arguments.iter().map(String::as_str));
@@ -170,6 +176,12 @@ impl TorqueFile<'_> {
         lines.retain(|line| !line.is_empty());
         lines.iter().map(|line| visible(line).into_owned()).collect()
     }
+}
+
+/// A number as C reads one that is not whole.
+fn floating(value: f64) -> String {
+    let text = plain(value);
+    if text.contains(['.', 'e']) { text } else { text + ".0" }
 }
 
 /// A name that C and MATLAB take.

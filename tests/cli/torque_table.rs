@@ -80,7 +80,7 @@ fn a_cut_that_moves_the_tip_off_is_warned_of() {
     let (text, warned) = (stdout(&output), stderr(&output));
     assert!(warned.contains("warning: the torque table moves the tip off by "), "{warned}");
     assert!(
-        warned.contains("hint: a smaller --window, or feedback of the hub's angle: "),
+        warned.contains("hint: a smaller --window, or feedback of the hub's angle\n"),
         "{warned}"
     );
     // 2 % of the peak are reached 0.305 s before the motion.
@@ -193,14 +193,19 @@ fn a_file_that_is_no_form_or_replaces_another_is_refused() {
         &solve(&["--write", "motion.csv"]),
         "--write = motion.csv, but must not be a file that is read",
     );
-    refused(&solve(&["-o", ".", "--write", "tip.csv"]), "must not be a file of the results");
+    refused(&solve(&["-o", ".", "--write", "tip.csv"]), "must not be a file of a run's results");
+    refused(&solve(&["-o", "new", "--write", "new/torque.csv"]), "must not be a file of a run's");
+    bench.solve(&["-o", "there"]);
+    refused(&solve(&["--write", "there/torque.csv"]), "must not be a file of a run's results");
+    let golden = "--golden is given, but has an effect only with -o beside --write";
+    refused(&solve(&["--golden", "--write", "q.csv"]), golden);
     refused(
         &solve(&["--write", "a.csv", "--report"]),
-        "--report writes into the folder of the results",
+        "--report is given, but has an effect only with -o beside --write",
     );
     refused(
         &solve(&["--write", "-", "--json"]),
-        "--json = given, but --write prints the table there",
+        "--json is given, but standard output has the table of --write -",
     );
     refused(&solve(&["--window", "2%"]), "--write <FILE>");
     refused(

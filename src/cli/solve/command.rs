@@ -128,12 +128,16 @@ impl Solve {
     /// Refuses options that do not fit one another.
     fn check(&self) -> Result<(), Failure> {
         let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, Some(hint)));
-        if self.report && self.output.is_none() {
-            let message = "--report writes into the folder of the results, but --write leaves none";
-            return refuse(message, "-o DIR writes them, too");
+        let report = self.report.then_some("--report");
+        let shapes = report.or_else(|| self.options.shapes_results());
+        if let Some(option) = shapes.filter(|_| self.output.is_none()) {
+            let message =
+                format!("{option} is given, but has an effect only with -o beside --write");
+            return refuse(&message, "-o DIR writes the results, too");
         }
         if self.print.json && self.table.is_printed() {
-            return refuse("--json = given, but --write prints the table there", "--write FILE");
+            let message = "--json is given, but standard output has the table of --write -";
+            return refuse(message, "--write FILE");
         }
         Ok(())
     }
@@ -244,6 +248,9 @@ impl Solve {
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
             solve_text(solution, metrics, written) + &checks + &self.page_line()
         };
+        if let Some(checks) = verification.as_ref().filter(|_| self.table.is_printed()) {
+            verify_text(checks).lines().for_each(console::plain);
+        }
         self.print(summary, text, table)
     }
 

@@ -95,6 +95,18 @@ impl SolveOptions {
         if self.moments { analysis.with_moments() } else { *analysis }
     }
 
+    /// The first option given that shapes the tables of the results alone.
+    pub(super) fn shapes_results(&self) -> Option<&'static str> {
+        let given = [
+            (self.golden, "--golden"),
+            (self.deflections, "--deflections"),
+            (self.moments, "--moments"),
+            (self.nodes.list.is_some(), "--nodes"),
+            (self.nodes.every.get() != 1, "--every"),
+        ];
+        given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+
     /// The tables to write.
     pub(crate) fn outputs(&self) -> RunOutputs {
         let Self { deflections, moments, golden, .. } = *self;

@@ -9,7 +9,7 @@ use flexlink::inverse::{ArmSolution, Solution};
 use flexlink::motion::Ends;
 use flexlink::numeric::Dimension;
 use flexlink::result::{TipError, TorqueTable};
-use flexlink::store::{Summary, TorqueFile, TorqueForm, is_result_file};
+use flexlink::store::{SUMMARY, Summary, TorqueFile, TorqueForm, is_result_file};
 use flexlink::text::significant;
 use flexlink::verify::table_error;
 
@@ -25,8 +25,8 @@ const TIP: f64 = 1e-3;
 /// The torque in a file of its own.
 #[derive(Debug, Args)]
 pub(super) struct WriteArgs {
-    /// Write the torque alone; results go to a folder only with -o. The ending is the form: .csv, .h
-    /// for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
+    /// Write the torque at the hub, or the joints, alone; results go to a folder only with -o. The ending is
+    /// the form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
     #[arg(long, value_name = "FILE", conflicts_with = "repeat")]
     pub(super) write: Option<PathBuf>,
 
@@ -58,6 +58,10 @@ pub(super) struct WrittenTable {
     tip_error: Option<TipError>,
     /// The error that is no warning.
     allowed: f64,
+    /// Where it was cut.
+    cut: Option<String>,
+    /// What else is to be known of the torque.
+    remarks: Vec<String>,
 }
 
 impl WriteArgs {
@@ -75,10 +79,11 @@ impl WriteArgs {
             return refuse("must end in .csv, .h or .m, or be `-`", hint);
         }
         let is_result = file.file_name().is_some_and(is_result_file);
-        let folder = file.parent().map(|folder| Path::new(".").join(folder).canonicalize());
-        let written = output.map(|output| Path::new(".").join(output).canonicalize());
-        if is_result && matches!((folder, written), (Some(Ok(a)), Some(Ok(b))) if a == b) {
-            return refuse("must not be a file of the results", "give it another name");
+        let folder = placed(file.parent().unwrap_or(Path::new("")));
+        let is_of_run =
+            output.is_some_and(|output| placed(output) == folder) || folder.join(SUMMARY).is_file();
+        if is_result && is_of_run {
+            return refuse("must not be a file of a run's results", "give it another name");
         }
         keep_inputs("--write", file, inputs)
     }
@@ -116,14 +121,28 @@ impl WriteArgs {
         };
         let tip_error = is_changed.then(error).transpose()?;
         let allowed = TIP.max(solution.analysis.tip_tolerance());
-        Ok(Some(WrittenTable { table: self.shifted(table), tip_error, allowed }))
+        let (table, grid) = (self.shifted(table), &solution.grid);
+        let of = if solution.link().has_weight() { "range" } else { "peak" };
+        let cut = self.window.map(|share| {
+            let percent = significant(100.0 * share, 3);
+            format!("cut below {percent} % of the torque's {of}")
+        });
+        let until = self.window.map(|_| {
+            let until = significant(table.time_s(grid.time_s(grid.len - 1)), 3);
+            format!("measured to {until} s; a free hub drifts on after a cut")
+        });
+        let motor = solution.motor.as_ref().map(|_| {
+            "torque at the hub, beyond the gear; with -o the motor's own is in motor.csv".to_owned()
+        });
+        let remarks = until.into_iter().chain(motor).collect();
+        Ok(Some(WrittenTable { table, tip_error, allowed, cut, remarks }))
     }
 
     /// The table of an arm.
     pub(super) fn of_arm(&self, solution: &ArmSolution) -> Option<WrittenTable> {
         self.write.as_ref()?;
         let table = self.shifted(TorqueTable::of_arm(solution));
-        Some(WrittenTable { table, tip_error: None, allowed: TIP })
+        Some(WrittenTable { table, tip_error: None, allowed: TIP, cut: None, remarks: Vec::new() })
     }
 
     /// Options that are known for one link alone.
@@ -164,7 +183,7 @@ impl WriteArgs {
             "the torque table moves the tip off by {share} of its travel, more than {allowed}"
         );
         let hint = if self.window.is_some() {
-            "a smaller --window, or feedback of the hub's angle: a free hub drifts on after a cut"
+            "a smaller --window, or feedback of the hub's angle"
         } else {
             "a motion with a shorter step"
         };
@@ -185,8 +204,6 @@ impl WriteArgs {
 
     /// What was done to the torque, and what it costs.
     fn notes(&self, written: &WrittenTable) -> Vec<String> {
-        let share = |share: f64| significant(100.0 * share, 3);
-        let cut = self.window.map(|own| format!("cut below {} % of the torque's peak", share(own)));
         let held =
             self.hold.map(|_| "values for a converter that holds each until the next".to_owned());
         let error = written.tip_error.map(|error| {
@@ -195,7 +212,8 @@ impl WriteArgs {
                     .map(|number| significant(number, 3));
             format!("tip off by up to {worst} m, {of} of its travel, at {time} s")
         });
-        cut.into_iter().chain(held).chain(error).collect()
+        let cut = written.cut.iter().cloned();
+        cut.chain(held).chain(error).chain(written.remarks.iter().cloned()).collect()
     }
 }
 
@@ -204,6 +222,14 @@ impl WrittenTable {
     fn begins(&self) -> String {
         format!("the motion begins at {} s", significant(self.table.moves_from_s(), 4))
     }
+}
+
+/// A path from the root, of a folder that need not be there.
+fn placed(folder: &Path) -> PathBuf {
+    let whole = std::path::absolute(Path::new(".").join(folder)).unwrap_or_default();
+    let there = whole.ancestors().find_map(|own| Some((own.canonicalize().ok()?, own)));
+    let rest = there.and_then(|(there, own)| Some(there.join(whole.strip_prefix(own).ok()?)));
+    rest.unwrap_or(whole)
 }
 
 /// A time in s, or with its unit.

@@ -109,7 +109,7 @@ fn only_exceeded_limits_are_told_with_their_numbers() {
     let message = exceeded[0].to_string();
     let expected = format!(
         "limits.torque = {} N m is exceeded at the hub: {} N m",
-        0.5 * torque,
+        significant(0.5 * torque, 6),
         significant(torque, 5)
     );
     assert_eq!(message, expected);
