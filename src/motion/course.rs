@@ -1,5 +1,6 @@
 //! Where a link's tip goes: from stop to stop, once or there and back in a cycle.
 
+use super::curve::whole;
 use super::error::{CurveError, FEWEST_STEPS};
 use super::profile::Profile;
 use super::samples::{Ends, MotionColumns};
@@ -97,12 +98,12 @@ impl Course {
         let before = [0.0].into_iter().chain(self.stops_m.iter().copied());
         let moves_m: Vec<f64> =
             before.zip(&self.stops_m).map(|(from_m, to_m)| to_m - from_m).collect();
-        let whole: f64 = moves_m.iter().map(|move_m| move_m.abs().sqrt()).sum();
+        let all: f64 = moves_m.iter().map(|move_m| move_m.abs().sqrt()).sum();
         let mut samples = vec![0.0];
         let (mut gone, mut first) = (0.0, 0);
         for (number, move_m) in (1..).zip(&moves_m) {
             gone += move_m.abs().sqrt();
-            let last = rounded(steps as f64 * gone / whole);
+            let last = whole(steps as f64 * gone / all);
             let own = last - first;
             if own < FEWEST_STEPS {
                 return Err(CurveError::FewSteps { number, steps: own, all: steps });
@@ -141,15 +142,6 @@ fn append(samples: &mut Vec<f64>, own: impl IntoIterator<Item = f64>, dwell: usi
         samples.extend(std::iter::repeat_n(0.0, dwell - 1));
     }
     samples.extend(own);
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a number of steps"
-)]
-fn rounded(steps: f64) -> usize {
-    steps.round() as usize
 }
 
 #[cfg(test)]

@@ -314,11 +314,12 @@ fn part(from_m: Vector, to_m: Vector, share: f64) -> Vector {
     [0, 1].map(|axis: usize| from_m[axis] + share * (to_m[axis] - from_m[axis]))
 }
 
+/// The nearest whole number of steps.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a share of a number of steps"
 )]
-fn whole(steps: f64) -> usize {
+pub(super) fn whole(steps: f64) -> usize {
     steps.round() as usize
 }
