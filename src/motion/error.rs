@@ -209,7 +209,7 @@ impl MotionError {
 }
 
 /// Fewest steps of a move from rest to rest.
-pub(super) const FEWEST_STEPS: usize = 4;
+pub(crate) const FEWEST_STEPS: usize = 4;
 
 /// Why points make no curve, or a curve no path.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -20,6 +20,7 @@ mod tip_motion;
 pub use course::Course;
 pub use curve::Curve;
 pub(crate) use ends::{is_repeated, wrapped};
+pub(crate) use error::FEWEST_STEPS;
 pub use error::{CurveError, MotionError};
 pub(crate) use images::{TAIL_TERMS, TailTerms, tail_sum};
 pub(crate) use path::CourseHistories;

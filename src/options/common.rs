@@ -124,6 +124,11 @@ pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> 
     finite(text).or_else(|_| parse_quantity(text, dimension).map_err(|error| error.to_string()))
 }
 
+/// A time in s, or with its unit.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::TIME)
+}
+
 /// An angle in rad, or with its unit.
 pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::NONE)

@@ -1,5 +1,7 @@
 //! The page of a sweep: what stands in it beside its figures.
 
+use std::collections::HashSet;
+
 use maud::{Markup, html};
 
 use super::figure::Figures;
@@ -101,15 +103,14 @@ const MOST_VALUES: usize = 12;
 /// The values that are varied, and how many of each.
 fn varied_values(sweep: &StoredSweep) -> Markup {
     let row = |column: &TableColumn| {
-        let mut values: Vec<String> = Vec::new();
+        let (mut listed, mut seen) = (Vec::new(), HashSet::new());
         for row in 0..sweep.table.lines.len() {
             let text = column.text(row);
-            if !values.contains(&text) {
-                values.push(text);
+            if seen.insert(text.clone()) && listed.len() < MOST_VALUES {
+                listed.push(text);
             }
         }
-        let count = values.len();
-        let listed = values.into_iter().take(MOST_VALUES).collect::<Vec<_>>().join(", ");
+        let (listed, count) = (listed.join(", "), seen.len());
         let more =
             if count > MOST_VALUES { format!(", … ({count} values)") } else { String::new() };
         (column.name().to_owned(), listed + &more)

@@ -6,11 +6,8 @@ use super::limits::{Limits, Reached};
 use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, ArmError, InversionError, Resources, Solution, invert_with};
 use crate::link::Link;
-use crate::motion::{Course, CurveError, MotionError, PathError, Profile, TipMotion};
+use crate::motion::{Course, CurveError, FEWEST_STEPS, MotionError, PathError, Profile, TipMotion};
 use crate::text::{plain, significant};
-
-/// Fewest steps of a motion.
-const FEWEST_STEPS: usize = 4;
 
 /// Most steps of a motion.
 const MOST_STEPS: usize = 1 << 18;

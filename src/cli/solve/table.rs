@@ -7,13 +7,12 @@ use clap::{Args, ValueEnum};
 use flexlink::csv::Digits;
 use flexlink::inverse::{ArmSolution, Solution};
 use flexlink::motion::Ends;
-use flexlink::numeric::Dimension;
 use flexlink::result::{TipError, TorqueTable};
 use flexlink::store::{SUMMARY, Summary, TorqueFile, TorqueForm, is_result_file};
 use flexlink::text::significant;
 use flexlink::verify::table_error;
 
-use crate::options::common::quantity;
+use crate::options::common::seconds;
 use crate::terminal::console::is_standard_output;
 use crate::terminal::files::keep_inputs;
 use crate::terminal::text::rows_text;
@@ -31,7 +30,7 @@ pub(super) struct WriteArgs {
     pub(super) write: Option<PathBuf>,
 
     /// Time of the first row of FILE, in s or with unit: shifts all times.
-    #[arg(long, value_name = "TIME", requires = "write", value_parser = time_s)]
+    #[arg(long, value_name = "TIME", requires = "write", value_parser = seconds)]
     #[arg(allow_negative_numbers = true)]
     start_at: Option<f64>,
 
@@ -230,11 +229,6 @@ fn placed(folder: &Path) -> PathBuf {
     let there = whole.ancestors().find_map(|own| Some((own.canonicalize().ok()?, own)));
     let rest = there.and_then(|(there, own)| Some(there.join(whole.strip_prefix(own).ok()?)));
     rest.unwrap_or(whole)
-}
-
-/// A time in s, or with its unit.
-fn time_s(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::TIME)
 }
 
 /// A share above 0 and below 1, as a number or in percent.

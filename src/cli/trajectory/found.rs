@@ -10,7 +10,7 @@ use flexlink::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, i
 use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
 use flexlink::result::{
     ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics,
-    OpenMotion, shortest_arm_fit, shortest_fit,
+    OpenMotion, Peak, shortest_arm_fit, shortest_fit,
 };
 use flexlink::spec::{ArmSpecification, Override, SpecError, Specification};
 use flexlink::text::{excerpt, plain, significant, visible};
@@ -196,7 +196,7 @@ impl Search<'_> {
             return Ok((profile, fit(profile)?));
         }
         let share = |fit: &Fit<S>| fit.binding.map_or(0.0, |binding| binding.share());
-        let mut best: Option<(Profile, Fit<S>)> = None;
+        let mut best = None;
         let (mut notes, mut refused, mut last) = (Vec::new(), Vec::new(), None);
         for profile in Profile::ALL {
             let own = match fit(profile) {
@@ -214,19 +214,18 @@ impl Search<'_> {
             let note =
                 format!("{:<9}  {duration_s} s{kinds}{}", profile.name(), binding_text(&own));
             notes.push((rank, note));
-            let is_better = best.as_ref().is_none_or(|(_, known)| {
-                let of_known = (!warnings(&known.solution).is_empty(), known.steps);
-                rank < of_known || rank == of_known && share(&own) < share(known)
+            let is_better = best.as_ref().is_none_or(|(of_known, _, known)| {
+                rank < *of_known || rank == *of_known && share(&own) < share(known)
             });
             if is_better {
-                best = Some((profile, own));
+                best = Some((rank, profile, own));
             }
         }
         drop(stages);
         notes.sort_by_key(|(rank, _)| *rank);
         notes.iter().map(|(_, note)| note).chain(&refused).for_each(|note| console::note(note));
         match (best, last) {
-            (Some(best), _) => Ok(best),
+            (Some((_, profile, fit)), _) => Ok((profile, fit)),
             (None, Some(error)) => Err(error.into()),
             (None, None) => Err(Failure::new(Exit::Usage, &"there is no profile", None)),
         }
@@ -300,14 +299,15 @@ fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
 
 /// What a cycle takes.
 fn cycle_text(cycle_s: &str, metrics: &Metrics) -> String {
-    let [rms, peak] = [metrics.rms_torque_n_m, metrics.peak_torque_n_m.value];
-    let [rms, peak] = [rms, peak].map(|torque| significant(torque, 4));
+    let torques = |rms: f64, peak: Peak| {
+        let [rms, peak] = [rms, peak.value].map(|torque| significant(torque, 4));
+        format!("{rms} N m rms, {peak} N m at its peak")
+    };
+    let hub = torques(metrics.rms_torque_n_m, metrics.peak_torque_n_m);
     let motor = metrics.motor.map_or(String::new(), |motor| {
-        let [rms, peak] = [motor.rms_torque_n_m, motor.peak_torque_n_m.value];
-        let [rms, peak] = [rms, peak].map(|torque| significant(torque, 4));
-        format!("; of the motor {rms} N m rms, {peak} N m at its peak")
+        format!("; of the motor {}", torques(motor.rms_torque_n_m, motor.peak_torque_n_m))
     });
-    format!("a cycle of {cycle_s} s takes a torque of {rms} N m rms, {peak} N m at its peak{motor}")
+    format!("a cycle of {cycle_s} s takes a torque of {hub}{motor}")
 }
 
 /// Refuses a motion that the profile does not make.

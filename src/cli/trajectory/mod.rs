@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use self::found::{Choice, Found, Limited, Search, limits, not_made, profiles};
-use self::path::{PathArgs, Travel, reached, refused, seconds, travel};
+use self::path::{PathArgs, Travel, reached, refused, travel};
+use crate::options::common::seconds;
 use crate::options::inputs::{ChangeArgs, described, specification};
 use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_path, write_trajectory};
@@ -202,7 +203,7 @@ impl Trajectory {
     fn rests(&self, steps: usize, bytes_per_sample: usize) -> Result<[usize; 2], Failure> {
         let before = self.steps("--rest-before", self.rest_before, 0.0)?;
         let after = self.steps("--rest-after", self.rest_after, 0.0)?;
-        let stops = self.path.via_count() + usize::from(self.cycle);
+        let stops = self.path.travels().count() + usize::from(self.cycle);
         let way = steps + stops * self.steps("--dwell", self.dwell, 0.0)?;
         let ways = if self.cycle { 2 } else { 1 };
         let bytes = (ways * way + before + after) * bytes_per_sample;
@@ -258,7 +259,10 @@ impl Trajectory {
         let Some(link) = &self.link else { return Ok(None) };
         let file = InputFile::read_toml(link)?;
         // First without the limits, whose keys an arm has elsewhere.
-        specification(&file, &self.changes.overrides()?)?;
+        let own = specification(&file, &self.changes.overrides()?)?;
+        if self.fit_limit.is_empty() {
+            return Ok(Some(own));
+        }
         specification(&file, &limits(&self.changes, &self.fit_limit, Limited::Link)?).map(Some)
     }
 

@@ -37,10 +37,6 @@ pub(super) fn travel(text: &str) -> Result<Travel, String> {
     travel.map_err(|_| "must be a length, 0.5 or '65.8 cm', or an angle, '90 deg'".to_owned())
 }
 
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    quantity(text, Dimension::TIME)
-}
-
 impl Travel {
     fn place(&self) -> Result<Place, Failure> {
         if let Self::Place(place) = self {
@@ -145,11 +141,6 @@ impl PathArgs {
     /// Stops of a link's tip.
     pub(super) fn travels(&self) -> impl Iterator<Item = Travel> {
         self.via.iter().copied()
-    }
-
-    /// Number of stops on the way.
-    pub(super) fn via_count(&self) -> usize {
-        self.via.len()
     }
 
     /// The curve that the options describe; none without --path.
