@@ -163,7 +163,9 @@ pub(crate) fn solved_arm(
 ) -> Result<ArmSolution, Failure> {
     let options = read_options(&keywords)?;
     options.refuse_for_arms()?;
-    let problem = (&arm.source.file, arm.specification.clone());
+    let mut specification = arm.specification.clone();
+    options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
+    let problem = (&arm.source.file, specification);
     let solved = ArmAndPath::of(problem, given.table(&options)?)?.solve(memory::available())?;
     let limits = solved.exceeded.iter().map(|(joint, exceeded)| {
         let own = of_limit(exceeded);

@@ -151,7 +151,8 @@ fn solved(link: &Link, given: Given, keywords: Vec<String>) -> Result<Solution, 
     let Specification { link: own, mesh, analysis, .. } = &link.specification;
     let (motion, reading) = given.motion(own, &options)?;
     let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
-    let solution = invert_with(own, mesh, &motion, &options.analysis(analysis), &resources)?;
+    let mesh = options.nodes.mesh(own, mesh.clone())?;
+    let solution = invert_with(own, &mesh, &motion, &options.analysis(analysis), &resources)?;
     Ok(Solution::new(link, (given, reading), keywords, solution))
 }
 

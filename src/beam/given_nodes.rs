@@ -1,30 +1,41 @@
 use super::mesh::Mesh;
-use super::plan::{MeshPlan, pieces};
+use super::plan::{MeshPlan, pieces, root_m};
 use crate::link::{Link, ParameterError};
 
 /// Largest distance of a given node from the mesh's own, as a share of the link's length.
 const NODE_TOLERANCE: f64 = 1e-6;
 
+/// Largest distance of a node from a place where a mesh has one, as a share of the link's length.
+const PLACE_TOLERANCE: f64 = 1e-8;
+
 impl MeshPlan {
     /// The plan whose mesh has nodes at these distances from the axis in m, as tables give them with
     /// a limited number of decimals.
     ///
-    /// Every piece between segment borders and lumped masses gets one element between each two neighbouring
-    /// nodes.
+    /// Every piece between segment borders, lumped masses and these stations gets one element between each
+    /// two neighbouring nodes.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first node that is more than 1e-6 of the link's length away from
-    /// that of every mesh.
-    pub fn through(link: &Link, nodes_m: &[f64]) -> Result<Self, ParameterError> {
+    /// [`ParameterError`] names the first station that is not on the link, or the first node that is more
+    /// than 1e-6 of the link's length away from that of every mesh.
+    pub fn through(
+        link: &Link,
+        nodes_m: &[f64],
+        stations_m: &[f64],
+    ) -> Result<Self, ParameterError> {
         let mut inner = 0;
         let mut shares = Vec::new();
-        for piece in pieces(link) {
+        let whole = pieces(link).into_iter().map(|piece| (piece, 1)).collect();
+        let divided = Self::shared(whole).with_nodes_at(link, stations_m)?;
+        for (piece, _) in divided.shares().iter().copied() {
             let segment = &link.segments()[piece.segment];
             let root_m = root_m(link, piece.segment);
             let end_m = root_m + segment.length_m * piece.to;
-            let outer = nearest(nodes_m, end_m);
+            let outer = nearest_node(nodes_m, end_m);
             if outer <= inner {
-                let must = format!("must hold one at {end_m} m, where a segment ends or a mass is");
+                let must = format!(
+                    "must hold one at {end_m} m, where a segment ends, or a mass or a station is"
+                );
                 return Err(refused(nodes_m.get(outer).copied(), &must));
             }
             shares.push((piece, outer - inner));
@@ -36,14 +47,15 @@ impl MeshPlan {
     }
 }
 
-/// Distance from the axis to the inner end of a segment in m.
-fn root_m(link: &Link, segment: usize) -> f64 {
-    let before = link.segments()[..segment].iter();
-    before.fold(link.hub().radius_m, |sum, segment| sum + segment.length_m)
+/// Number of the node at a distance from the axis in m, if there is one.
+pub fn node_at(nodes_m: &[f64], at_m: f64) -> Option<usize> {
+    let node = nearest_node(nodes_m, at_m);
+    let tip_m = nodes_m.last()?;
+    ((nodes_m[node] - at_m).abs() <= PLACE_TOLERANCE * tip_m).then_some(node)
 }
 
 /// Number of the node nearest to a place; 0 without nodes.
-fn nearest(nodes_m: &[f64], place_m: f64) -> usize {
+pub(crate) fn nearest_node(nodes_m: &[f64], place_m: f64) -> usize {
     let distance = |node: &usize| (nodes_m[*node] - place_m).abs();
     (0..nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
 }
@@ -103,17 +115,20 @@ mod tests {
 
     #[test]
     fn the_nodes_of_a_mesh_give_the_mesh_again() {
-        for link in [
-            rig(0.0, &[1.5], &[]),
-            rig(0.1, &[0.3, 1.2], &[0.1, 0.7, 0.7, 1.0 / 1.7, 1.6]),
-            rig(0.07, &[1.0 / 3.0, 0.001, 0.9], &[0.07 + 1.0 / 3.0 + 1e-8, 1.1]),
+        for (link, stations_m) in [
+            (rig(0.0, &[1.5], &[]), &[][..]),
+            (rig(0.0, &[1.5], &[]), &[0.6, 0.75, 1.0 / 3.0]),
+            (rig(0.1, &[0.3, 1.2], &[0.1, 0.7, 0.7, 1.0 / 1.7, 1.6]), &[]),
+            (rig(0.1, &[0.3, 1.2], &[0.1, 0.7, 1.0 / 1.7, 1.6]), &[0.4, 0.7, 1.0 / 1.9, 1.6]),
+            (rig(0.07, &[1.0 / 3.0, 0.001, 0.9], &[0.07 + 1.0 / 3.0 + 1e-8, 1.1]), &[]),
         ] {
             for count in [None, Some(ElementCount::Total(41)), Some(ElementCount::Auto)] {
                 let own = vec![None; link.segments().len()];
                 let plan = MeshPlan::new(&link, &own, count, 1e-6).unwrap();
+                let plan = plan.with_nodes_at(&link, stations_m).unwrap();
                 let mut mesh = Mesh::new(&link, &plan).unwrap();
                 for refinement in 0..4 {
-                    let through = MeshPlan::through(&link, &written(&mesh)).unwrap();
+                    let through = MeshPlan::through(&link, &written(&mesh), stations_m).unwrap();
                     let again = Mesh::new(&link, &through).unwrap();
                     assert_eq!(again.element_segments(), mesh.element_segments());
                     for (k, (a, b)) in again.nodes_m().iter().zip(mesh.nodes_m()).enumerate() {
@@ -130,14 +145,18 @@ mod tests {
     #[test]
     fn nodes_of_no_mesh_of_the_link_are_refused() {
         let link = rig(0.0, &[0.5, 0.5], &[0.75]);
-        let refusal = |nodes_m: &[f64]| MeshPlan::through(&link, nodes_m).unwrap_err().to_string();
+        let refusal =
+            |nodes_m: &[f64]| MeshPlan::through(&link, nodes_m, &[]).unwrap_err().to_string();
         let even =
             "a mesh divides every stretch between borders of segments and lumped masses evenly";
         for (nodes_m, expected) in [
-            (&[][..], "nothing, but must hold one at 0.5 m, where a segment ends or a mass is"),
+            (
+                &[][..],
+                "nothing, but must hold one at 0.5 m, where a segment ends, or a mass or a station is",
+            ),
             (
                 &[0.0, 0.5, 1.0],
-                "0.5 m, but must hold one at 0.75 m, where a segment ends or a mass is",
+                "0.5 m, but must hold one at 0.75 m, where a segment ends, or a mass or a station is",
             ),
             (&[0.0, 0.2, 0.5, 0.75, 1.0], &format!("0.2 m, but must be 0.25 m at node 1: {even}")),
             (&[0.0, 0.5, 0.75, 0.999], &format!("0.999 m, but must be 1 m at node 3: {even}")),
@@ -160,7 +179,7 @@ mod tests {
                 let mut nodes_m: Vec<f64> =
                     (0..=4).map(|k| length_m * f64::from(k) / 4.0).collect();
                 nodes_m[2] += share * length_m;
-                MeshPlan::through(&link, &nodes_m).is_ok()
+                MeshPlan::through(&link, &nodes_m, &[]).is_ok()
             };
             assert_eq!([-1.1e-6, -0.9e-6, 0.9e-6, 1.1e-6].map(takes), [false, true, true, false]);
         }

@@ -1,6 +1,7 @@
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
 use super::element::{Element, RelativeElement};
+use super::given_nodes::nearest_node;
 use super::inertia::Inertia;
 use super::plan::MeshPlan;
 use super::rigid_limit::{limit_stiffness, rigid_lambda};
@@ -210,9 +211,8 @@ impl Bodies {
         let mut lumped: Vec<Option<Inertia<f64>>> = vec![None; nodes_m.len()];
         for mass in link.masses() {
             // The plan puts a node at every lumped mass, or takes one that is next to it.
-            let distance = |node: &usize| (nodes_m[*node] - mass.at_m).abs();
-            let nearest = (0..nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let there = lumped[nearest.unwrap_or(0)].get_or_insert(Inertia::rigid(0.0, 0.0, 0.0));
+            let there = &mut lumped[nearest_node(nodes_m, mass.at_m)];
+            let there = there.get_or_insert(Inertia::rigid(0.0, 0.0, 0.0));
             there.vv += mass.mass_kg;
             there.pp += mass.inertia_kg_m2;
         }

@@ -28,6 +28,8 @@ mod transfer;
 pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_displacements_m};
 pub use batch::{nodal_transfers, tip_transfers};
 pub use element::{Element, RelativeElement};
+pub(crate) use given_nodes::nearest_node;
+pub use given_nodes::node_at;
 pub use inertia::{Gain, Inertia};
 pub use loaded::{LoadedMotion, Loads, loaded_motion};
 pub use mesh::Mesh;

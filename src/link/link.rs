@@ -116,12 +116,7 @@ impl Link {
 
     fn check_mass(&self, index: usize, mass: &LumpedMass) -> Result<(), ParameterError> {
         let path = |key: &str| format!("masses.{index}.{key}");
-        let (root_m, tip_m) = (self.parts.hub.radius_m, self.length_m());
-        let slack_m = POSITION_TOLERANCE * tip_m;
-        if !(root_m - slack_m..=tip_m + slack_m).contains(&mass.at_m) {
-            let must = format!("must lie on the link, from {root_m} m to {tip_m} m from the axis");
-            return Err(ParameterError::new(path("at"), mass.at_m, "m", must));
-        }
+        self.check_place(&path("at"), mass.at_m)?;
         not_negative(&path("mass"), mass.mass_kg, "kg")?;
         not_negative(&path("inertia"), mass.inertia_kg_m2, "kg m^2")
     }
@@ -191,6 +186,22 @@ impl Link {
     pub fn length_m(&self) -> f64 {
         let beam: f64 = self.parts.segments.iter().map(|s| s.length_m).sum();
         self.parts.hub.radius_m + beam
+    }
+
+    /// True if a distance from the axis in m is one of a point of the link.
+    pub fn has_place(&self, at_m: f64) -> bool {
+        let slack_m = POSITION_TOLERANCE * self.length_m();
+        (self.hub().radius_m - slack_m..=self.length_m() + slack_m).contains(&at_m)
+    }
+
+    /// Refuses a distance from the axis in m that no point of the link has.
+    pub(crate) fn check_place(&self, name: &str, at_m: f64) -> Result<(), ParameterError> {
+        if self.has_place(at_m) {
+            return Ok(());
+        }
+        let (root_m, tip_m) = (self.hub().radius_m, self.length_m());
+        let must = format!("must lie on the link, from {root_m} m to {tip_m} m from the axis");
+        Err(ParameterError::new(name, at_m, "m", must))
     }
 
     /// First moment of mass about the axis in kg m: gravity across the link times it holds the link.

@@ -7,11 +7,14 @@ use std::path::Path;
 
 use clap::Args;
 
-use flexlink::beam::Mesh;
+use flexlink::beam::{Mesh, MeshPlan, node_at};
 use flexlink::csv::Digits;
 use flexlink::inverse::ArmSolution;
+use flexlink::link::{Arm, Link};
 use flexlink::numeric::{Dimension, parse_quantity};
-use flexlink::store::{Durability, OutputFolder, RunOutputs};
+use flexlink::spec::Described;
+use flexlink::store::{Durability, OutputFolder, RunOutputs, STATIONS};
+use flexlink::text::plain;
 
 use crate::terminal::{Exit, Failure, console};
 
@@ -22,6 +25,11 @@ pub(crate) struct NodeArgs {
     /// link: a link that has fewer writes those that it has.
     #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',', value_parser = node)]
     pub(crate) list: Option<Vec<usize>>,
+
+    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); of an arm from each link's
+    /// joint. The mesh gets a node there, unless it has one.
+    #[arg(long = "stations", value_name = "LIST", value_delimiter = ',', value_parser = metres)]
+    pub(crate) stations_m: Vec<f64>,
 
     /// Write every K-th row of the nodal tables.
     #[arg(long, value_name = "K", default_value_t = NonZeroUsize::MIN, value_parser = every)]
@@ -35,25 +43,94 @@ impl NodeArgs {
             let nodes: Vec<String> = nodes.iter().map(usize::to_string).collect();
             option("--nodes", nodes.join(","))
         });
+        let stations = (!self.stations_m.is_empty()).then(|| {
+            let stations: Vec<String> = self.stations_m.iter().map(|x| plain(*x)).collect();
+            option(STATIONS, stations.join(","))
+        });
         let every = (self.every.get() != 1).then(|| option("--every", self.every));
-        list.into_iter().chain(every).flatten().collect()
+        list.into_iter().chain(stations).chain(every).flatten().collect()
+    }
+
+    /// The first option given that chooses nodes.
+    pub(crate) fn chosen(&self) -> Option<&'static str> {
+        let stations = (!self.stations_m.is_empty()).then_some(STATIONS);
+        self.list.is_some().then_some("--nodes").or(stations)
+    }
+
+    /// The mesh of a link with a node at each station.
+    pub(crate) fn mesh(&self, link: &Link, mesh: MeshPlan) -> Result<MeshPlan, Failure> {
+        let refused = |error| Failure::new(Exit::Usage, &format!("--{error}"), None);
+        mesh.with_nodes_at(link, &self.stations_m).map_err(refused)
+    }
+
+    /// The meshes of an arm with a node at each station, of a link that is shorter at those that it has.
+    pub(crate) fn meshes(&self, arm: &Arm, meshes: &mut [MeshPlan]) -> Result<(), Failure> {
+        let mut elsewhere_m = self.stations_m.clone();
+        for (mesh, own) in meshes.iter_mut().zip(arm.links()) {
+            let is_there = |at_m: &f64| own.link.has_place(*at_m);
+            let stations_m: Vec<f64> = self.stations_m.iter().copied().filter(is_there).collect();
+            elsewhere_m.retain(|at_m| !is_there(at_m));
+            *mesh = mesh.clone().with_nodes_at(&own.link, &stations_m)?;
+        }
+        let Some(at_m) = elsewhere_m.first() else { return Ok(()) };
+        let message = format!("{STATIONS} = {at_m} m, but must lie on a link of the arm");
+        let hint = "a distance in m from the joint of a link to its tip";
+        Err(Failure::new(Exit::Usage, &message, Some(hint)))
+    }
+
+    /// What a file describes, meshed with a node at each station.
+    pub(crate) fn meshed(&self, described: Described) -> Result<Described, Failure> {
+        Ok(match described {
+            Described::Link(mut own) => {
+                own.mesh = self.mesh(&own.link, own.mesh.clone())?;
+                Described::Link(own)
+            }
+            Described::Arm(mut own) => {
+                self.meshes(&own.arm, &mut own.meshes)?;
+                Described::Arm(own)
+            }
+        })
     }
 
     /// The tables of a run with these nodes and rows, without those on demand.
     pub(crate) fn outputs(&self, digits: Digits) -> RunOutputs {
-        let (nodes, every) = (self.list.clone(), self.every);
-        RunOutputs { nodes, every, digits, ..RunOutputs::default() }
+        let (nodes, stations_m) = (self.list.clone(), self.stations_m.clone());
+        RunOutputs { nodes, stations_m, every: self.every, digits, ..RunOutputs::default() }
     }
 
     /// Returns an error if a node is not one of the mesh, or named twice.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
-        self.check_up_to(mesh.nodes_m().len() - 1, "nodes of the mesh")
+        let nodes_m = mesh.nodes_m();
+        if let Some(at_m) = self.stations_m.iter().find(|at_m| node_at(nodes_m, **at_m).is_none()) {
+            let message = format!("{STATIONS} = {at_m} m, but must be a node of the mesh");
+            let hint = "what is solved with stations has nodes there";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+        self.check_up_to(nodes_m.len() - 1, "nodes of the mesh")
     }
 
     /// Returns an error if no link of an arm has a node, or one is named twice.
     pub(crate) fn check_arm(&self, solution: &ArmSolution) -> Result<(), Failure> {
         let most = solution.links.iter().map(|link| link.nodes_m.len()).max();
         self.check_up_to(most.unwrap_or(1) - 1, "nodes of a link")
+    }
+
+    /// The line of the summary that says which nodes the stations are, of each link; empty without stations.
+    pub(crate) fn text(&self, links_nodes_m: &[&[f64]]) -> String {
+        let several = links_nodes_m.len() > 1;
+        let of_station = |at_m: &f64| {
+            let nodes = (1..).zip(links_nodes_m).filter_map(|(link, nodes_m)| {
+                let node = node_at(nodes_m, *at_m)?;
+                Some(if several { format!("{node} of link {link}") } else { node.to_string() })
+            });
+            format!("{} m: node {}", plain(*at_m), nodes.collect::<Vec<_>>().join(" and "))
+        };
+        let stations: Vec<String> = self.stations_m.iter().map(of_station).collect();
+        if stations.is_empty() {
+            String::new()
+        } else {
+            format!("stations {}\n", stations.join(", "))
+        }
     }
 
     fn check_up_to(&self, last: usize, what: &str) -> Result<(), Failure> {
@@ -122,6 +199,11 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
 /// A finite number in SI, or one with its unit.
 pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
     finite(text).or_else(|_| parse_quantity(text, dimension).map_err(|error| error.to_string()))
+}
+
+/// A length in m, or with its unit.
+fn metres(text: &str) -> Result<f64, String> {
+    quantity(text, Dimension::LENGTH)
 }
 
 /// A time in s, or with its unit.

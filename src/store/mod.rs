@@ -31,7 +31,7 @@ pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
 pub use run_summary::{Findings, PlayFindings, write_solution};
 pub use run_tables::{REPORT, RunOutputs, SUMMARY, is_result_file};
-pub use summary::{RunInputs, SimulateFiles, Summary, verification_json};
+pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};
 pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,
     merge_shards, sweep_files, sweep_header, sweep_row, write_sweep,

@@ -12,7 +12,7 @@ use super::run_tables::{
     ARM_NODES, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS, RIGID_TORQUES, RunOutputs, TIP,
     TORQUES,
 };
-use super::summary::{LinkRecord, Summary, numbers_in};
+use super::summary::{LinkRecord, STATIONS, Summary, numbers_in};
 use crate::csv::{InputFile, Place, TableError, quoted, read_rows};
 use crate::inverse::ArmSolution;
 use crate::link::{Drive, Link};
@@ -50,12 +50,14 @@ pub(super) fn read_arm(
     torques.check_even()?;
     check_window(&torques, summary)?;
     let times_s = torques.take(TIME);
-    let has_some_nodes = summary.origin().arguments.iter().any(|own| own == "--nodes");
+    let arguments = summary.origin().arguments;
+    let has_some_nodes = arguments.iter().any(|own| own == "--nodes" || own == STATIONS);
     let read = |file: &str, columns: &[String]| {
         let is_nodal = [POSITIONS, MOMENTS.file].contains(&file);
         let table = Table::holding(&folder.file(file)?, columns);
         let table = table.map_err(|error| {
-            let hint = "the page draws all nodes of an arm: solve it without --nodes";
+            let hint =
+                "the page draws all nodes of an arm: solve it without --nodes and --stations";
             if is_nodal && has_some_nodes { error.with_hint(hint.to_owned()) } else { error }
         })?;
         // The tables at nodes may be thinned.

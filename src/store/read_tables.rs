@@ -317,7 +317,11 @@ pub(super) fn deflections(
 }
 
 /// The mesh of `link` whose nodes the file lists.
-pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableError> {
+pub(super) fn read_mesh(
+    file: &InputFile,
+    link: &Link,
+    stations_m: &[f64],
+) -> Result<Mesh, TableError> {
     let whole = Place { file: &file.shown, line: None };
     let at = |line| Place { line: Some(line), ..whole };
     let begin = |line, fields: &[&str]| {
@@ -338,7 +342,7 @@ pub(super) fn read_mesh(file: &InputFile, link: &Link) -> Result<Mesh, TableErro
         Ok(())
     };
     let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();
-    let plan = MeshPlan::through(link, &nodes_m);
+    let plan = MeshPlan::through(link, &nodes_m, stations_m);
     let mesh = plan.and_then(|plan| Mesh::new(link, &plan));
     mesh.map_err(|error| whole.refuse_whole(error.to_string()))
 }

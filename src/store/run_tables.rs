@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::folder::{FolderError, OutputFolder};
 use super::summary::Summary;
-use crate::beam::Mesh;
+use crate::beam::{Mesh, nearest_node, node_at};
 use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
 use crate::inverse::{NodalTable, Solution, Watch};
 use crate::link::{Link, ParameterError};
@@ -105,6 +105,8 @@ pub fn is_result_file(name: &OsStr) -> bool {
 pub struct RunOutputs {
     /// Nodes of the nodal tables; `None`: all.
     pub nodes: Option<Vec<usize>>,
+    /// Distances from the axis in m of nodes of the nodal tables, besides `nodes`; those beyond a link are left out.
+    pub stations_m: Vec<f64>,
     /// The nodal tables have a row for every so many samples.
     pub every: NonZeroUsize,
     /// Whether a solution has `nodal_deflections.csv`: deflection w from the hub's tangent line.
@@ -129,6 +131,7 @@ impl Default for RunOutputs {
     fn default() -> Self {
         Self {
             nodes: None,
+            stations_m: Vec::new(),
             every: NonZeroUsize::MIN,
             deflections: false,
             moments: false,
@@ -299,25 +302,31 @@ impl RunOutputs {
         finish(folder, (link, &simulation.mesh), summary)
     }
 
-    /// The nodes to write of those at these distances: the list, three of a golden folder, or all.
-    pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
-        match &self.nodes {
-            Some(list) => list.clone(),
-            None if self.golden => nodes_at_thirds(nodes_m),
-            None => (0..nodes_m.len()).collect(),
+    /// The nodes to write of those at these distances: the list and the stations, three of a golden folder, or all.
+    pub fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
+        if self.golden {
+            return nodes_at_thirds(nodes_m);
         }
+        let mut nodes = match &self.nodes {
+            Some(list) => list.clone(),
+            None if self.stations_m.is_empty() => return (0..nodes_m.len()).collect(),
+            None => Vec::new(),
+        };
+        for node in self.stations_m.iter().filter_map(|at_m| node_at(nodes_m, *at_m)) {
+            if !nodes.contains(&node) {
+                nodes.push(node);
+            }
+        }
+        nodes
     }
 }
 
 /// The nodes nearest to a third and two thirds of the length from the root, and the tip.
 fn nodes_at_thirds(nodes_m: &[f64]) -> Vec<usize> {
     let last = nodes_m.len() - 1;
-    let nearest = |thirds: f64| {
-        let at_m = nodes_m[0] + thirds / 3.0 * (nodes_m[last] - nodes_m[0]);
-        let distance = |node: &usize| (nodes_m[*node] - at_m).abs();
-        (0..last).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(last)
-    };
-    let mut nodes = vec![nearest(1.0), nearest(2.0), last];
+    let at_m = |thirds: f64| nodes_m[0] + thirds / 3.0 * (nodes_m[last] - nodes_m[0]);
+    let inner = |thirds: f64| nearest_node(&nodes_m[..last], at_m(thirds));
+    let mut nodes = vec![inner(1.0), inner(2.0), last];
     nodes.dedup();
     nodes
 }

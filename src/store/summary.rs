@@ -16,6 +16,9 @@ use crate::verify::{Check, Outcome, Verification};
 /// How a message describes a folder whose files are missing.
 pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
 
+/// The option that gives nodes places in m; the mesh of a run has nodes there.
+pub const STATIONS: &str = "--stations";
+
 /// A key that one of the two commands does not write, and the other writes as null if it has no value. Null
 /// is read back as a key that is not there.
 type Nullable<T> = Option<Option<T>>;
@@ -182,6 +185,14 @@ impl Summary {
         }
         check_format(head.format, &version, whole)?;
         parsed(&file.bytes, whole, &as_written()).map_err(|error| newer(error, &version))
+    }
+
+    /// The places of a run's option [`STATIONS`].
+    pub(super) fn stations_m(&self) -> Vec<f64> {
+        let mut arguments = self.inputs.arguments.iter();
+        let list = arguments.find(|own| *own == STATIONS).and_then(|_| arguments.next());
+        list.map(|list| list.split(',').filter_map(|at| at.parse().ok()).collect())
+            .unwrap_or_default()
     }
 
     pub(super) fn origin(&self) -> Origin {

@@ -368,6 +368,17 @@ fn nodes_of_the_list_are_written_for_each_link_that_has_them_and_repeated() {
     let again = bench.run(&["solve", "--repeat", "few", &two, &path]);
     assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
 
+    // 0.7 m is the tip of the longer link, and not on the other. The links have four elements and two before: 0.3 m
+    // is a node of the shorter, and 0.5 m divides both.
+    let at = run(&["--moments", "--stations", "0.7,0.3,0.5", "-o", "at"]);
+    assert!(at.status.success(), "{}", stderr(&at));
+    let told = stdout(&run(&["--stations", "0.7,0.3", "-o", "told"]));
+    assert!(told.is_empty(), "{told}");
+    let names = "time_s,m1_6_n_m,m1_2_n_m,m1_4_n_m,m2_1_n_m,m2_2_n_m";
+    assert_eq!(heading("at/bending_moments.csv"), names);
+    let beyond = run(&["--stations", "0.71"]);
+    assert!(stderr(&beyond).contains("--stations = 0.71 m, but must lie on a link of the arm"));
+
     let page = bench.run(&["report", "few"]);
     assert_eq!(page.status.code(), Some(3));
     let told = stderr(&page);

@@ -1,7 +1,7 @@
 //! Options that thin, round, replace or silence what is written.
 
 use super::sweep::swept;
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, column, repository, simulated, stderr, stdout};
 
 #[test]
 fn chosen_nodes_are_columns_of_the_whole_table() {
@@ -18,6 +18,61 @@ fn chosen_nodes_are_columns_of_the_whole_table() {
             let close = values.iter().zip(&whole.1).all(|(a, b)| (a - b).abs() < 1e-9);
             assert!(close && values.len() == whole.1.len(), "{name}: {heading}");
         }
+    }
+}
+
+#[test]
+fn a_station_is_a_node_of_the_mesh_at_its_place() {
+    let bench = Bench::new();
+    let fine = ["--set", "segments.beam.elements=54", "--nodes", "19,21,55", "--moments"];
+    bench.solve(&[&fine[..], &["-o", "fine"]].concat());
+    // The mesh of ten elements has a node at 0.6 m, and none at 0.65 m.
+    for (stations, columns) in [("60cm,0.65", ["4", "5"]), ("0.65,60cm", ["5", "4"])] {
+        let output =
+            bench.solve(&["--stations", stations, "--nodes", "11", "--moments", "--report"]);
+        let text = stdout(&output);
+        let named: Vec<String> = stations
+            .split(',')
+            .zip(columns)
+            .map(|(at, node)| format!("{} m: node {node}", at.replace("60cm", "0.6")))
+            .collect();
+        assert!(text.contains(&format!("stations {}\n", named.join(", "))), "{text}");
+        for (file, letter, unit) in
+            [("nodal_displacements.csv", "v", "m"), ("bending_moments.csv", "m", "n_m")]
+        {
+            let heading = bench.read(&format!("out/{file}")).lines().next().unwrap().to_owned();
+            let all = ["11", columns[0], columns[1]].map(|node| format!("{letter}{node}_{unit}"));
+            assert_eq!(heading, format!("time_s,{}", all.join(",")));
+            for (node, of_fine) in [("4", "19"), ("5", "21"), ("11", "55")] {
+                let own = column(&bench, &format!("out/{file}"), &format!("{letter}{node}_{unit}"));
+                let name = format!("{letter}{of_fine}_{unit}");
+                let exact = column(&bench, &format!("fine/{file}"), &name);
+                let peak = exact.iter().fold(1e-6, |m: f64, x| m.max(x.abs()));
+                let times =
+                    ["out", "fine"].map(|run| column(&bench, &format!("{run}/{file}"), "time_s"));
+                assert_eq!(times[0], times[1], "both meshes have the same window");
+                let rows = own.iter().zip(&exact);
+                let off = rows.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+                assert!(off < 3e-4 * peak, "{file}, {name}: {off} of {peak}");
+            }
+        }
+        let (link, motion) = (repository(LINK), repository(MOTION));
+        let again = bench.run(&["solve", "--repeat", "out", &link, &motion]);
+        assert!(again.status.success(), "{}", stderr(&again));
+        let page = bench.run(&["report", "out"]);
+        assert!(page.status.success(), "{}", stderr(&page));
+    }
+    simulated(&bench, &["out/torque.csv", "--stations", "0.65,0.6", "-o", "played"]);
+    let heading = bench.read("played/nodal_displacements.csv");
+    assert!(heading.starts_with("time_s,v5_m,v4_m\n"));
+    for (given, message) in [
+        ("1.6", "--stations = 1.6 m, but must lie on the link, from 0 m to 1.5 m from the axis"),
+        ("0.6,x", "'--stations <LIST>': does not begin with a number"),
+    ] {
+        let (link, motion) = (repository(LINK), repository(MOTION));
+        let refused = bench.run(&["solve", &link, &motion, "--stations", given]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(stderr(&refused).contains(message), "{}", stderr(&refused));
     }
 }
 
@@ -123,6 +178,8 @@ fn what_shapes_the_results_is_recorded_as_it_is_given_and_nothing_else() {
         "0.002",
         "--nodes",
         "0,10",
+        "--stations",
+        "0.25,1.5",
         "--every",
         "10",
         "--deflections",

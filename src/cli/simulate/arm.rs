@@ -40,8 +40,7 @@ impl Simulate {
         arm_file: InputFile,
         specification: Box<ArmSpecification>,
     ) -> Result<ArmInputs, Failure> {
-        let nodes = self.nodes.list.is_some().then(|| "--nodes".to_owned());
-        refuse_for_arms(nodes)?;
+        refuse_for_arms(self.nodes.chosen().map(str::to_owned))?;
         let playing = self.play.load_arm(&specification.arm, &self.read)?;
         Ok(ArmInputs { arm_file, specification, playing })
     }

@@ -67,7 +67,8 @@ impl Simulate {
             keep_inputs("--save-state", path, &files)?;
         }
         let link_file = InputFile::read_toml(&self.link.link)?;
-        match described(&link_file, &self.link.changes.overrides()?)? {
+        let described = described(&link_file, &self.link.changes.overrides()?)?;
+        match self.nodes.meshed(described)? {
             Described::Link(specification) => {
                 let playing = self.play.load(&specification.link, &self.read)?;
                 let inputs = Inputs { link_file, specification: *specification, playing };
@@ -207,6 +208,7 @@ impl Simulate {
             let written = format!("{files} files in {}", self.output.display());
             let link = &inputs.specification.link;
             simulate_text(link, play, simulation, metrics, &played.findings(), written)
+                + &self.nodes.text(&[simulation.mesh.nodes_m()])
         };
         self.print.print(|| summary.to_json(), text)?;
         Ok(warnings.len() + usize::from(late.is_some()))

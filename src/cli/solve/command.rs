@@ -101,9 +101,11 @@ impl Solve {
         let problem = self.load()?;
         let problem = match problem {
             OneOrSeveral::One(problem) => problem,
-            OneOrSeveral::Several(_) if self.report && self.options.nodes.list.is_some() => {
-                let message =
-                    "--report draws an arm with all its nodes, but --nodes leaves some out";
+            OneOrSeveral::Several(_) if self.report && self.options.nodes.chosen().is_some() => {
+                let option = self.options.nodes.chosen().unwrap_or_default();
+                let message = format!(
+                    "--report draws an arm with all its nodes, but {option} leaves some out"
+                );
                 return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
             }
             OneOrSeveral::Several(problem) => return self.run_arm(&problem),
@@ -204,7 +206,9 @@ impl Solve {
         let checks = || verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
             let written = self.written(&solution.grid, problem.files(solved));
-            arm_text(solution, metrics, written) + &checks() + &self.page_line()
+            let nodes_m: Vec<&[f64]> = solution.links.iter().map(|own| &own.nodes_m[..]).collect();
+            let stations = self.options.nodes.text(&nodes_m);
+            arm_text(solution, metrics, written) + &stations + &checks() + &self.page_line()
         };
         self.print(&summary, text, table.as_ref())?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
@@ -246,7 +250,8 @@ impl Solve {
             let files = self.options.outputs().file_names(solution.link()).len();
             let written = self.written(&solution.grid, files);
             let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-            solve_text(solution, metrics, written) + &checks + &self.page_line()
+            let stations = self.options.nodes.text(&[solution.mesh().nodes_m()]);
+            solve_text(solution, metrics, written) + &stations + &checks + &self.page_line()
         };
         if let Some(checks) = verification.as_ref().filter(|_| self.table.is_printed()) {
             verify_text(checks).lines().for_each(console::plain);

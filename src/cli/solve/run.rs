@@ -47,7 +47,7 @@ pub(crate) struct SolveOptions {
 
     /// Write a small folder to compare with later runs (docs/golden.md): torque, hub or joint angles, tip
     /// and three nodes, every fifth row.
-    #[arg(long, conflicts_with_all = ["list", "every", "deflections", "moments"])]
+    #[arg(long, conflicts_with_all = ["list", "stations_m", "every", "deflections", "moments"])]
     pub(super) golden: bool,
 
     /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
@@ -80,7 +80,7 @@ impl SolveOptions {
 
     /// What a link file, or that of an arm, describes, with the changes.
     pub(super) fn described(&self, file: &InputFile) -> Result<Described, Failure> {
-        described(file, &self.changes.overrides()?)
+        self.nodes.meshed(described(file, &self.changes.overrides()?)?)
     }
 
     /// The motion of a link's tip in a file, scaled. Tells what was guessed of the file.
@@ -101,10 +101,10 @@ impl SolveOptions {
             (self.golden, "--golden"),
             (self.deflections, "--deflections"),
             (self.moments, "--moments"),
-            (self.nodes.list.is_some(), "--nodes"),
             (self.nodes.every.get() != 1, "--every"),
         ];
-        given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+        let given = given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option);
+        given.or(self.nodes.chosen())
     }
 
     /// The tables to write.

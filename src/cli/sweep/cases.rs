@@ -182,14 +182,15 @@ impl<'a> Cases<'a> {
     }
 
     /// The link file with the changes of a case.
-    pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, SpecError> {
+    pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
         let found = self.document.specification(&self.link_file.shown, &overrides)?;
         let analysis = found.analysis;
         // The table holds none.
         let without = self.shared.outputs.outputs.is_none();
         let analysis = if without { analysis.without_tables() } else { analysis };
-        Ok(Specification { analysis, ..found })
+        let mesh = self.shared.outputs.nodes.mesh(&found.link, found.mesh).map_err(of_case)?;
+        Ok(Specification { analysis, mesh, ..found })
     }
 
     /// The arm file with the changes of a case, which must have the joints of the first one.
@@ -197,7 +198,11 @@ impl<'a> Cases<'a> {
         let overrides = with_case(&self.overrides, values)?;
         let must = self.first.links().len();
         let links = match self.document.described(&self.link_file.shown, &overrides)? {
-            Described::Arm(found) if found.arm.links().len() == must => return Ok(found),
+            Described::Arm(mut found) if found.arm.links().len() == must => {
+                let nodes = &self.shared.outputs.nodes;
+                nodes.meshes(&found.arm, &mut found.meshes).map_err(of_case)?;
+                return Ok(found);
+            }
             Described::Arm(found) => found.arm.links().len(),
             Described::Link(_) => 1,
         };
@@ -290,6 +295,11 @@ impl TorqueArgs {
         tell(&file.shown, &reading);
         Ok(Some((file, torque)))
     }
+}
+
+/// What refuses one case is no reason to end all others.
+fn of_case(refused: Failure) -> Failure {
+    Failure { exit: Exit::InputRefused, ..refused }
 }
 
 impl OutputsArgs {

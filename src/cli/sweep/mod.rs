@@ -67,6 +67,7 @@ and of the motion duration*= alone is varied.";
 #[derive(Debug, Args)]
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
+#[command(mut_arg("stations_m", |stations| stations.requires("outputs")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
 #[command(mut_arg("sync", |sync| sync.conflicts_with("merge")))]
 pub(crate) struct Sweep {
