@@ -17,7 +17,7 @@ Example:
   flexlink report out
   flexlink report sweep.csv -o sweep.html
   flexlink report out --png figures
-  flexlink report solved simulated
+  flexlink report solved simulated    # runs of an arm
 
 RESULT is a folder of `solve` or `simulate`, or the table of `sweep`. BESIDE are folders of other runs \
 of the same arm of several links, which the page of the first shows beside it.";

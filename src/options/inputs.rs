@@ -312,7 +312,8 @@ pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
     let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
     let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
     let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
-    of_file.iter().cloned().chain(of_modes).chain(of_motion).collect()
+    let jumps = Remark::on_jumps(solution);
+    of_file.iter().cloned().chain(of_modes).chain(of_motion).chain(jumps).collect()
 }
 
 const READING: &str = "Reading a measured MOTION or TORQUE";

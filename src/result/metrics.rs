@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::peak::{Peak, Peaks};
 use crate::inverse::{MotorHistories, Solution};
 use crate::motion::Ends;
-use crate::numeric::{TimeGrid, dot};
+use crate::numeric::{TimeGrid, dot, extremes};
 use crate::response::Simulation;
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
@@ -29,7 +29,7 @@ pub struct Metrics {
     pub lead_s: Option<f64>,
     /// How long after the tip's last motion T last acts, in s, likewise.
     pub lag_s: Option<f64>,
-    /// Largest |θ − θ(start)| in rad.
+    /// Largest |θ − θ(start)| in rad; of a periodic motion the range of θ.
     pub peak_hub_angle_rad: Peak,
     /// Largest hub rate in rad/s.
     pub peak_hub_rate_rad_s: Peak,
@@ -67,10 +67,7 @@ impl Metrics {
     pub fn of(solution: &Solution) -> Self {
         let grid = &solution.grid;
         let torque = &solution.torque_n_m;
-        // A motion that is solved up to a cut-off is band-limited.
-        let per_cycle = 1.0 / (solution.band.highest_hz * grid.step_s);
-        let per_cycle = solution.band.cutoff_hz.map(|_| per_cycle);
-        let peaks = Peaks { grid, per_cycle };
+        let peaks = Peaks::of_solution(solution);
         let peak = |samples: &[f64]| peaks.of(samples);
         let peak_torque_n_m = peak(torque);
         let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
@@ -80,8 +77,10 @@ impl Metrics {
             Ends::Moving => &solution.hub_angle_rad[first..=last],
             _ => &solution.hub_angle_rad[..],
         };
-        let travelled: Vec<f64> = counted.iter().map(|angle| angle - counted[0]).collect();
         let ends = solution.motion.ends();
+        // A cycle begins anywhere: its hub turns by the range of the angle.
+        let from_rad = if ends == Ends::Periodic { extremes(counted)[0] } else { counted[0] };
+        let travelled: Vec<f64> = counted.iter().map(|angle| angle - from_rad).collect();
         // With gravity, or against friction, the torque acts where it differs from what it is at the ends.
         let acts = |torque: &[f64], peak: Peak| match ends {
             Ends::Periodic => Acting::always(torque),

@@ -6,7 +6,9 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::peak::Peaks;
 use crate::beam::Mesh;
+use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::{LoweredMode, Thickness};
 use crate::motion::{ArmPath, TipMotion, Uncertainty};
@@ -23,6 +25,9 @@ const FIRST_FREQUENCIES_HZ: RangeInclusive<f64> = 0.02..=1e5;
 
 /// Durations of motions in s: motors are not faster, and slower motions bend no link.
 const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
+
+/// What the acceleration of a smooth motion never exceeds that of its samples by, as a share.
+const OVERSHOOT: f64 = 0.05;
 
 /// Usual travel of the tip relative to the length: a full turn.
 const MOST_TRAVEL: f64 = TAU;
@@ -173,6 +178,22 @@ pub enum Remark {
         /// The same for exact samples.
         tolerance: f64,
     },
+    /// An acceleration that jumps: what follows it in a band of frequencies overshoots.
+    #[error(
+        "the acceleration jumps: followed to {} Hz it peaks at {} m/s², {:.0} % above its samples, and the torque of the \
+         rigid link likewise",
+        significant(*cutoff_hz, 3),
+        significant(*peak_m_s2, 3),
+        100.0 * share
+    )]
+    Jumps {
+        /// Frequency in Hz up to which the motion is followed.
+        cutoff_hz: f64,
+        /// Largest acceleration of the motion that is followed in m/s².
+        peak_m_s2: f64,
+        /// By how much that is above the largest of the samples, as a share of it.
+        share: f64,
+    },
     /// A link so short and stiff that shear, which needs its section, may matter.
     #[error(
         "the link's section is not known everywhere: if it is of metal, shear and rotary inertia, which the \
@@ -229,6 +250,14 @@ impl Remark {
         duration.into_iter().chain(travel).chain(of_samples).collect()
     }
 
+    /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
+    pub fn on_jumps(solution: &Solution) -> Option<Self> {
+        let cutoff_hz = solution.band.cutoff_hz?;
+        let peak_m_s2 = Peaks::of_solution(solution).of(&solution.tip.acceleration_m_s2).value;
+        let share = peak_m_s2 / solution.motion.largest_acceleration_m_s2() - 1.0;
+        (share > OVERSHOOT).then_some(Self::Jumps { cutoff_hz, peak_m_s2, share })
+    }
+
     /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.
     pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
         let (decimals, step_m) = path.rounded()?;
@@ -277,6 +306,7 @@ impl Remark {
             Self::FewDigits { .. } => "few_digits",
             Self::PathDigits { .. } => "path_digits",
             Self::Noise { .. } => "noise",
+            Self::Jumps { .. } => "jumps",
             Self::UnknownSection { .. } => "unknown_section",
         }
     }
@@ -303,6 +333,9 @@ impl Remark {
                 "write the path with more decimals; the errors of the input say what that does"
             }
             Self::Noise { .. } => "the errors of the input say what that does to the torque",
+            Self::Jumps { .. } => {
+                "a profile without jumps, as septic; `flexlink verify` tells how far the torque depends on the step"
+            }
             Self::UnknownSection { .. } => {
                 "give E and density with section, or with I and area: the share is then estimated"
             }

@@ -22,7 +22,7 @@ struct RawTolerances {
 #[serde(deny_unknown_fields, expecting = "a table")]
 struct RawColumnRule {
     file: Option<String>,
-    column: String,
+    column: Option<String>,
     rtol: Option<f64>,
     atol: Option<f64>,
     ignore: Option<bool>,
@@ -81,7 +81,12 @@ fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fa
         }
         _ => Change::Tolerance { rtol, atol },
     };
-    Ok(ColumnRule { place, file: raw.file, column: raw.column, change })
+    if raw.file.is_none() && raw.column.is_none() {
+        let message = format!("{path} = no file or column, but must have one");
+        return Err(Fault::new(path, message));
+    }
+    let column = raw.column.unwrap_or_else(|| "*".to_owned());
+    Ok(ColumnRule { place, file: raw.file, column, change })
 }
 
 /// A tolerance, refused below 0.
@@ -131,7 +136,7 @@ mod tests {
             ("atol = nan", "1: atol = NaN, but must be finite"),
             ("atol = '1'", "1: atol = \"1\", but must be a number"),
             ("columns = 1", "1: columns = 1, but must be tables headed [[columns]]"),
-            ("[[columns]]\nrtol = 1", "1: columns.0.column is missing"),
+            ("[[columns]]\nrtol = 1", "1: columns.0 = no file or column, but must have one"),
             (
                 "[[columns]]\ncolumn = 'a'",
                 "1: columns.0 = no rtol, atol or ignore, but must have one",

@@ -53,8 +53,8 @@ pub fn read_results(first: &Path, others: &[PathBuf]) -> Result<StoredResult, Ta
         let shown = path.display().to_string();
         let place = Place { file: &shown, line: None };
         let StoredResult::Arms(arms) = &mut result else {
-            let must = "must be alone: only runs of arms stand side by side";
-            return Err(place.refuse("result", "one beside another", must));
+            let must = "must be left out: only runs of arms stand side by side";
+            return Err(place.refuse("BESIDE", "a result beside that of one link", must));
         };
         let links = arms[0].links.len();
         let is_same = |other: &StoredArm| {

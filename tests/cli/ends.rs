@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use super::{Bench, stderr, stdout};
+use super::{Bench, column, stderr, stdout};
 
 const STRIP: &str = "[[segments]]
 length = 0.4
@@ -62,6 +62,12 @@ fn a_cycle_is_solved_told_verified_repeated_and_played() {
     assert_eq!(summary["motion"]["ends"], "periodic");
     assert!(summary["results"]["lead_s"].is_null() && summary["results"]["lag_s"].is_null());
     assert_eq!(bench.read("out/torque.csv").lines().count(), 81);
+    // Wherever the cycle begins, the hub turns by the range of its angle.
+    let angle = column(&bench, "out/hub_angle.csv", "hub_angle_rad");
+    let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max]
+        .map(|of| angle.iter().copied().reduce(of).unwrap());
+    let turns = summary["results"]["peak_hub_angle_rad"].as_f64().unwrap();
+    assert!((turns / (high - low) - 1.0).abs() < 1e-3, "{turns} of {low} … {high}");
     let page = bench.read("out/report.html");
     assert!(page.contains("This is one cycle, which the torque repeats."));
     assert!(page.contains("it is played from rest, where this motion does not begin"));

@@ -280,7 +280,10 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
         let own = stderr(&own);
         let (duration, rest) = own.strip_prefix("note: ").unwrap().split_once(" s, ").unwrap();
         let (_, binding) = rest.split_once("; ").unwrap();
-        let warned = if own.contains("\nwarning: ") { " (tip_missed)" } else { "" };
+        let kinds = [("\nwarning: ", "tip_missed"), ("\nremark: the acceleration jumps", "jumps")];
+        let kinds = kinds.iter().filter(|(told, _)| own.contains(told)).map(|(_, kind)| *kind);
+        let kinds = kinds.collect::<Vec<_>>().join(", ");
+        let warned = if kinds.is_empty() { kinds } else { format!(" ({kinds})") };
         let note =
             format!("{profile:<9}  {duration} s{warned}; {}", binding.lines().next().unwrap());
         let duration_s: f64 = duration.parse().unwrap();

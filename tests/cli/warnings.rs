@@ -1,7 +1,7 @@
 //! Warnings reach whoever must see them: in tables, on pages, and as an exit code.
 
 use super::sweep::{rows, sweep, swept};
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, column, repository, stderr, stdout};
 
 /// Cases of which the second bends too much.
 const VARY: [&str; 2] = ["--vary", "distance*=1,2.5"];
@@ -11,6 +11,61 @@ fn cells(bench: &Bench, table: &str, name: &str) -> Vec<String> {
     let rows = rows(bench, table);
     let place = rows[0].iter().position(|heading| heading == name).unwrap();
     rows[1..].iter().map(|row| row[place].clone()).collect()
+}
+
+#[test]
+fn an_acceleration_that_jumps_is_remarked_where_it_overshoots() {
+    let bench = Bench::new();
+    let tube = repository(LINK);
+    for (profile, jumps) in [
+        ("bang-bang", true),
+        ("trapezoid", true),
+        ("versine", true),
+        ("sine", false),
+        ("septic", false),
+    ] {
+        let made = bench.run(&[
+            "trajectory",
+            profile,
+            "--distance",
+            "0.5",
+            "--duration",
+            "0.5",
+            "--step",
+            "0.0005",
+            "-o",
+            "tip.csv",
+        ]);
+        assert!(made.status.success(), "{}", stderr(&made));
+        let output = bench.run(&[
+            "solve",
+            &tube,
+            "tip.csv",
+            "--set",
+            "mesh.elements=\"auto\"",
+            "--set",
+            "segments.*.EI*=100",
+        ]);
+        let told = stderr(&output);
+        assert!(output.status.success(), "{told}");
+        assert_eq!(
+            told.contains("remark: the acceleration jumps: followed to"),
+            jumps,
+            "{profile}: {told}"
+        );
+        let summary = bench.json("out/summary.json");
+        let largest =
+            column(&bench, "tip.csv", "acceleration").iter().fold(0.0, |m: f64, a| m.max(a.abs()));
+        let share =
+            summary["results"]["peak_tip_acceleration_m_s2"].as_f64().unwrap() / largest - 1.0;
+        assert_eq!(share > 0.05, jumps, "{profile}: {share}");
+        if jumps {
+            assert!(
+                told.contains(&format!("{:.0} % above its samples", 100.0 * share)),
+                "{share}: {told}"
+            );
+        }
+    }
 }
 
 #[test]

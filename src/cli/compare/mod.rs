@@ -32,7 +32,7 @@ tolerances.toml; every key is optional:
   common_rows = true           # as --common-rows
   [[columns]]                  # the last entry that matches a column counts
   file = \"torque.csv\"          # a name, or a path with slashes; * any text, ? one character
-  column = \"torque_*\"
+  column = \"torque_*\"          # all of the file if left out
   rtol = 1e-6                  # and/or atol; or ignore = true
 
 A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
@@ -183,10 +183,18 @@ impl Compare {
         };
         let idle = comparison.idle(tolerances);
         let idle: Vec<&ColumnRule> = idle.into_iter().filter(is_meant).collect();
-        for ColumnRule { place, column, file, .. } in &idle {
-            let file = file.as_ref().map(|file| format!(" of a file {:?}", excerpt(file)));
-            let named = format!("{:?}{}", excerpt(column), file.unwrap_or_default());
-            let message = format!("{place}: column = {named}, but no column is called that");
+        for entry in &idle {
+            let ColumnRule { place, column, file, .. } = entry;
+            let message = match file.as_ref().map(|file| excerpt(file)) {
+                Some(file) if !comparison.files.iter().any(|own| entry.is_of(&own.name)) => {
+                    format!("{place}: file = {file:?}, but no file is called that")
+                }
+                file => {
+                    let file = file.map(|file| format!(" of a file {file:?}")).unwrap_or_default();
+                    let column = excerpt(column);
+                    format!("{place}: column = {column:?}{file}, but no column is called that")
+                }
+            };
             console::warning(message, "`*` stands for any text, `?` for one character");
         }
         for inner in &sides.unread_tolerances {

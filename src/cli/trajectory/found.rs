@@ -10,7 +10,7 @@ use flexlink::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, i
 use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
 use flexlink::result::{
     ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics,
-    OpenMotion, Peak, shortest_arm_fit, shortest_fit,
+    OpenMotion, Peak, Remark, shortest_arm_fit, shortest_fit,
 };
 use flexlink::spec::{ArmSpecification, Override, SpecError, Specification};
 use flexlink::text::{excerpt, plain, significant, visible};
@@ -86,6 +86,7 @@ impl Search<'_> {
             console::note(&cycle_text(&cycle_s, &metrics));
         }
         warn(&solution);
+        console::remarks(Remark::on_jumps(&solution).as_slice());
         let exceeded = specification.map(|own| own.limits.exceeded(&metrics)).unwrap_or_default();
         console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
         Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
@@ -160,7 +161,7 @@ impl Search<'_> {
         let Specification { link, mesh, analysis, limits, .. } = specification;
         refuse_no_limit(std::slice::from_ref(limits))?;
         let (profile, fit) = self.searched(
-            |link: &Solution| link.warnings.iter().map(Warning::kind).collect(),
+            |link: &Solution| kinds(link),
             |profile| {
                 shortest_fit(&FitProblem {
                     link,
@@ -178,7 +179,7 @@ impl Search<'_> {
             _ if course.stops_m().len() > 1 => " of moves",
             _ => "",
         };
-        let warnings = fit.solution.warnings.len();
+        let warnings = kinds(&fit.solution).len();
         let found = self.told(profile, (&fit, warnings, of), values.map(|value| (None, value)));
         Ok((found, fit.solution))
     }
@@ -313,4 +314,10 @@ fn cycle_text(cycle_s: &str, metrics: &Metrics) -> String {
 /// Refuses a motion that the profile does not make.
 pub(super) fn not_made(error: &CurveError) -> Failure {
     Failure::new(Exit::Usage, error, error.hint())
+}
+
+/// Kinds of the warnings of a link's solution, and of the remark on an acceleration that jumps, which no motor follows.
+fn kinds(solution: &Solution) -> Vec<&'static str> {
+    let warnings = solution.warnings.iter().map(Warning::kind);
+    warnings.chain(Remark::on_jumps(solution).iter().map(Remark::kind)).collect()
 }

@@ -147,9 +147,19 @@ pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError>
                 expected,
             });
         }
+        if expected == Dimension::RATE && may_count_turns(unit) {
+            return Err(UnitError::TurnsOrRadians { unit: unit.into() });
+        }
         parsed.to_si(number)
     };
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite) }
+}
+
+/// True for a rate such as `1/min` or `Hz`, by which motors are said to make turns; `1/s` is one of radians.
+fn may_count_turns(unit: &str) -> bool {
+    let words = || unit.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
+    let has_angle = words().any(|word| ["rad", "mrad", "deg", "rpm"].contains(&word));
+    !has_angle && words().any(|word| word != "s")
 }
 
 /// The decimal number that `text` begins with, and the rest; `None` where there is no number or
@@ -215,6 +225,12 @@ pub enum UnitError {
         /// The known unit that is spelt most like it, if one is.
         nearest: Option<&'static str>,
     },
+    /// A rate that may count turns.
+    #[error("is in {}, which may count turns or radians", visible(&excerpt(.unit)))]
+    TurnsOrRadians {
+        /// The unit, as it was found.
+        unit: String,
+    },
     /// More than one unit may belong below the stroke.
     #[error("is ambiguous: only one unit may follow the only `/`")]
     Ambiguous,
@@ -245,6 +261,9 @@ impl UnitError {
                     None => None,
                 }
             }
+            Self::TurnsOrRadians { .. } => {
+                Some("write rpm for turns a minute, or rad/s, deg/s or 1/s".into())
+            }
             Self::Ambiguous => Some("use negative powers, as in `kg m^-1 s^-1`".into()),
             Self::Malformed { .. } => Some("units read like `N m^2`, `kg/m` or `1/s`".into()),
             Self::NotANumber => Some("a value with its unit reads like \"1.5 m\"".into()),
@@ -272,6 +291,20 @@ mod tests {
     fn refusal(text: &str, expected: Dimension) -> (String, Option<String>) {
         let error = parse_quantity(text, expected).unwrap_err();
         (error.to_string(), error.hint())
+    }
+
+    #[test]
+    fn a_rate_that_may_count_turns_is_refused() {
+        for unit in ["1/min", "/min", "min^-1", "Hz", "1/h", "1/ms"] {
+            let (message, hint) = refusal(&format!("3000 {unit}"), Dimension::RATE);
+            assert_eq!(message, format!("is in {unit}, which may count turns or radians"));
+            assert!(hint.unwrap().starts_with("write rpm for turns a minute"));
+        }
+        let rate = |text: &str| parse_quantity(text, Dimension::RATE).unwrap();
+        for (text, exact) in [("6 rad/min", 0.1), ("2 s⁻¹", 2.0), ("1 mrad/ms", 1.0)] {
+            assert!((rate(text) - exact).abs() < 1e-15, "{text}");
+        }
+        assert!((rate("30 rpm") - rate("180 deg/s")).abs() < 1e-15);
     }
 
     #[test]

@@ -15,6 +15,9 @@ use super::runs::{link_line, title};
 /// Modes, zeros and the modes with the rotor held.
 pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {
     let mut lines = vec![link_line(link, mesh)];
+    if result.held.is_some() {
+        lines.push("hub free, without the rotor".to_owned());
+    }
     let ratios = Some(&result.damping_ratios[..]);
     lines.extend(mode_rows(&result.omega_rad_s, ratios, &result.mesh_errors));
     lines.extend(zero_rows(&result.zeros));
