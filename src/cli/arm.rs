@@ -1,5 +1,6 @@
 //! An arm of several links and its path, as `solve`, `verify` and `sweep` read and solve them.
 
+use flexlink::beam::MeshPlan;
 use flexlink::csv::{Digits, InputFile, PathTable};
 use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert_arm};
 use flexlink::motion::ArmPath;
@@ -51,6 +52,16 @@ impl ArmAndPath {
     ) -> Result<Self, Failure> {
         let path = table.path(&specification.arm.lengths_m())?;
         Ok(Self { name: arm_file.shown.clone(), specification, table, path })
+    }
+
+    /// Step of the path in s.
+    pub(crate) fn step_s(&self) -> f64 {
+        self.path.grid().step_s
+    }
+
+    /// The plans of the links' meshes.
+    pub(crate) fn plans(&self) -> &[MeshPlan] {
+        &self.specification.meshes
     }
 
     /// Computes the solution, for which so many bytes of memory are free.

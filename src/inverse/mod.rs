@@ -37,6 +37,7 @@ pub use arm::{
     invert_arm,
 };
 pub use bent_answer::SecondOrderFindings;
+pub(crate) use curves::size;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]

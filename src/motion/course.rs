@@ -209,6 +209,12 @@ mod tests {
             assert!((far_m - 0.4).abs() < most_m, "{profile}: {far_m}");
             let motion = TipMotion::with_ends(columns, course.ends()).unwrap();
             assert!(motion.travel_m().abs() < 1e-13 && motion.ends() == Ends::Periodic);
+            // At no step its last sample is taken for its first one again.
+            for steps in [100, 250, 1000] {
+                let columns = course.sampled(profile, STEP_S, steps, [0, 0]).unwrap();
+                let motion = TipMotion::with_ends(columns, course.ends());
+                assert!(motion.is_ok(), "{profile}, {steps}: {:?}", motion.err());
+            }
         }
     }
 

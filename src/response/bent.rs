@@ -45,7 +45,7 @@ pub struct BentPlay {
     /// Torque in N m that holds the link where it starts.
     pub holding_n_m: f64,
     /// Largest change of the tip in m by the last refinement: two angles more on each piece of the link, half the step.
-    pub(super) tip_change_m: f64,
+    pub(crate) tip_change_m: f64,
     /// The same of the hub's angle in rad.
     pub(super) hub_change_rad: f64,
     chain: Chain,

@@ -35,3 +35,4 @@ pub use stored::{
 };
 pub use tip_error::{LateTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;
+pub(crate) use torque_table::for_hold;

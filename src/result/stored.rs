@@ -234,7 +234,8 @@ pub struct StoredWarning {
 }
 
 impl StoredWarning {
-    pub(crate) fn new(kind: &str, message: &dyn Display, hint: &str) -> Self {
+    /// A warning of a kind, with its text and what the user can do.
+    pub fn new(kind: &str, message: &dyn Display, hint: &str) -> Self {
         Self { kind: kind.to_owned(), message: message.to_string(), hint: hint.to_owned() }
     }
 }

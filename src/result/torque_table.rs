@@ -6,7 +6,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use super::metrics::Acting;
-use crate::inverse::{ArmSolution, Solution};
+use crate::inverse::{ArmSolution, Solution, size};
 use crate::motion::Ends;
 use crate::numeric::{FourierPair, TimeGrid};
 use crate::response::Interpolation;
@@ -25,25 +25,35 @@ pub struct TorqueTable {
     interpolation: Interpolation,
     /// Time in s of the first row, where it is given.
     start_s: Option<f64>,
+    /// Share of its size below which each torque stays outside the rows, where it was cut.
+    window: Option<f64>,
+    /// Whether the torques hold a weight at rest.
+    has_weight: bool,
 }
 
 impl TorqueTable {
     /// The torque of a link.
     pub fn of(solution: &Solution) -> Self {
         let from_s = solution.grid.time_s(solution.moving.0);
-        Self::of_joints(solution.grid, vec![solution.torque_n_m.clone()], from_s)
+        let torques_n_m = vec![solution.torque_n_m.clone()];
+        Self::of_joints((solution.grid, from_s), torques_n_m, solution.link().has_weight())
     }
 
     /// The torques of an arm.
     pub fn of_arm(solution: &ArmSolution) -> Self {
         let torques = solution.joints.iter().map(|joint| joint.torque_n_m.clone());
         let from_s = solution.path.grid().time_s(solution.path.moving_samples().0);
-        Self::of_joints(solution.grid, torques.collect(), from_s)
+        Self::of_joints((solution.grid, from_s), torques.collect(), solution.arm.has_weight())
     }
 
-    fn of_joints(grid: TimeGrid, torques_n_m: Vec<Vec<f64>>, moves_from_s: f64) -> Self {
+    fn of_joints(
+        (grid, moves_from_s): (TimeGrid, f64),
+        torques_n_m: Vec<Vec<f64>>,
+        has_weight: bool,
+    ) -> Self {
         let (rows, interpolation) = (0..grid.len, Interpolation::default());
-        Self { grid, torques_n_m, rows, moves_from_s, interpolation, start_s: None }
+        let (start_s, window) = (None, None);
+        Self { grid, torques_n_m, rows, moves_from_s, interpolation, start_s, window, has_weight }
     }
 
     /// The values that a converter must put out that holds each for a step, so that the torque up to the Nyquist
@@ -59,19 +69,27 @@ impl TorqueTable {
         Self { interpolation: Interpolation::Zero, ..self }
     }
 
-    /// Cuts the rows before and after which the torque of a link stays below a share of its peak, with weight within
-    /// that share of its range of the torque that holds the link at rest. One row of the torque at rest remains
-    /// on either side.
+    /// Cuts the rows before and after which every torque stays below a share of its own peak, with weight within that
+    /// share of its range of the torque that holds link or arm at rest. One row of the torques at rest remains on
+    /// either side.
     #[must_use]
-    pub fn cut(mut self, solution: &Solution, share: f64) -> Self {
-        let torque = &mut self.torques_n_m[0];
-        let acting = Acting::beyond_rest(torque, share * solution.size_of(torque));
-        let last = torque.len() - 1;
-        let rest = if solution.link().has_weight() { [torque[0], torque[last]] } else { [0.0; 2] };
-        torque[..acting.first].fill(rest[0]);
-        torque[acting.last + 1..].fill(rest[1]);
-        self.rows = acting.first.saturating_sub(1)..(acting.last + 1).min(last) + 1;
-        self
+    pub fn cut(mut self, share: f64) -> Self {
+        let last = self.grid.len - 1;
+        let acting = self.torques_n_m.iter().filter_map(|torque| {
+            let size = size(torque, self.has_weight);
+            (size > 0.0).then(|| Acting::beyond_rest(torque, share * size))
+        });
+        let (first, end) = acting
+            .map(|acting| (acting.first, acting.last))
+            .reduce(|(first, end), (own_first, own_end)| (first.min(own_first), end.max(own_end)))
+            .unwrap_or((0, last));
+        for torque in &mut self.torques_n_m {
+            let rest = if self.has_weight { [torque[0], torque[last]] } else { [0.0; 2] };
+            torque[..first].fill(rest[0]);
+            torque[end + 1..].fill(rest[1]);
+        }
+        self.rows = first.saturating_sub(1)..(end + 1).min(last) + 1;
+        Self { window: Some(share), ..self }
     }
 
     /// The table with its first row at this time in s.
@@ -105,9 +123,24 @@ impl TorqueTable {
         self.torques_n_m.iter().map(|torque| &torque[self.rows.clone()]).collect()
     }
 
-    /// The torque of a link over all times of its solution, outside the rows at rest.
-    pub fn whole_n_m(&self) -> &[f64] {
-        &self.torques_n_m[0]
+    /// The same over all times of the solution, outside the rows at rest.
+    pub fn whole_n_m(&self) -> &[Vec<f64>] {
+        &self.torques_n_m
+    }
+
+    /// The share below which each torque stays outside the rows, where the table was cut.
+    pub fn window(&self) -> Option<f64> {
+        self.window
+    }
+
+    /// Whether the torques hold a weight at rest.
+    pub fn has_weight(&self) -> bool {
+        self.has_weight
+    }
+
+    /// Time in s of the table at which the solution ends.
+    pub fn solved_until_s(&self) -> f64 {
+        self.time_s(self.grid.end_s())
     }
 
     /// What is between the rows.
@@ -120,7 +153,7 @@ impl TorqueTable {
 ///
 /// Unless they repeat, their differences are corrected and added up: these are zero at both ends also where the torque
 /// holds a weight there.
-fn for_hold(samples: &[f64], repeats: bool) -> Vec<f64> {
+pub(crate) fn for_hold(samples: &[f64], repeats: bool) -> Vec<f64> {
     let len = samples.len();
     if repeats {
         // Two cycles: a number of samples that is even.

@@ -36,4 +36,4 @@ pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,
     merge_shards, sweep_files, sweep_header, sweep_row, write_sweep,
 };
-pub use torque_file::{TorqueFile, TorqueForm};
+pub use torque_file::{TableRecord, TorqueFile, TorqueForm};

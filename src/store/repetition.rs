@@ -28,6 +28,8 @@ pub struct RunRecord {
     pub origin: Origin,
     /// summary.json, as messages name it.
     pub shown: String,
+    /// The arguments of its torque table; empty without one.
+    pub table_arguments: Vec<String>,
     folder: PathBuf,
     /// Names of the files that were written.
     files: Vec<String>,
@@ -53,8 +55,9 @@ impl RunRecord {
         check_names("files", &summary.files, place)?;
         let inputs: Vec<String> = origin.inputs.iter().map(|input| input.name.clone()).collect();
         check_names("inputs", &inputs, place)?;
+        let table_arguments = summary.table_arguments();
         let (folder, files) = (folder.to_owned(), summary.files);
-        Ok(Self { origin, shown: file.shown.clone(), folder, files })
+        Ok(Self { origin, shown: file.shown.clone(), table_arguments, folder, files })
     }
 
     /// Finds an input file of the run, its `link` or `motion`, and its path: the file `given`, or one of the

@@ -163,6 +163,12 @@ impl Summary {
         Self { files: Vec::new(), ..self }
     }
 
+    /// The arguments of the torque table that the run writes; none without one.
+    pub(super) fn table_arguments(&self) -> Vec<String> {
+        let arguments = self.values["table"]["arguments"].as_array().into_iter().flatten();
+        arguments.filter_map(|word| word.as_str().map(str::to_owned)).collect()
+    }
+
     /// The JSON text, indented, with a final line end.
     ///
     /// # Panics

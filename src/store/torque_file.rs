@@ -4,17 +4,23 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
+use serde::Serialize;
+use serde_json::json;
+
 use super::arm_run::torque;
+use super::run_summary::tip_numbers;
 use super::run_tables::TORQUE;
 use super::summary::Summary;
 use crate::csv::{Column, ColumnGroup, Digits, NumberFormat, time_format, write_csv};
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::largest;
 use crate::response::Interpolation;
-use crate::result::TorqueTable;
+use crate::result::{StoredWarning, TorqueTable};
 use crate::text::{plain, visible};
+use crate::verify::TableError;
 
 /// Form of a file with a torque table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum TorqueForm {
     /// As torque.csv, or torques.csv of an arm.
     Csv,
@@ -34,6 +40,62 @@ impl TorqueForm {
             _ => None,
         }
     }
+
+    /// True if names in a file of this form may begin with its name: in C and MATLAB it is one. Another would have to be
+    /// changed, and two files could get the names of one.
+    pub fn takes(self, stem: &str) -> bool {
+        let is_name = stem.starts_with(|c: char| c.is_ascii_alphabetic())
+            && stem.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        self == Self::Csv || is_name
+    }
+}
+
+/// What a run records of the torque table that it writes.
+#[derive(Debug, Clone, Copy)]
+pub struct TableRecord<'a> {
+    /// The table.
+    pub table: &'a TorqueTable,
+    /// Name of its file, `-` for standard output.
+    pub file: &'a str,
+    /// Form of its file.
+    pub form: TorqueForm,
+    /// The arguments that made it, as the program takes them.
+    pub arguments: &'a [String],
+    /// What playing it has found, where it is not the torque itself.
+    pub error: Option<&'a TableError>,
+    /// What the user must know of it.
+    pub warning: Option<&'a StoredWarning>,
+}
+
+impl Summary {
+    /// The summary of a run that writes a torque table, too.
+    #[must_use]
+    pub fn with_table(mut self, record: &TableRecord<'_>) -> Self {
+        let TableRecord { table, file, form, arguments, error, warning } = *record;
+        let grid = table.grid();
+        let tip_error = error.map(|error| {
+            let mut values = tip_numbers(&error.tip);
+            values["time_s"] = table.time_s(error.tip.time_s).into();
+            values["known_to_m"] = error.change_m.into();
+            values["feedback"] = json!(error.feedback);
+            values
+        });
+        self.values["table"] = json!({
+            "file": file,
+            "form": form,
+            "arguments": arguments,
+            "rows": grid.len,
+            "start_s": grid.time_s(0),
+            "end_s": grid.end_s(),
+            "step_s": grid.step_s,
+            "moves_from_s": table.moves_from_s(),
+            "window": table.window(),
+            "hold": (table.interpolation() == Interpolation::Zero).then_some("zero"),
+            "tip_error": tip_error,
+        });
+        self.warnings.extend(warning.cloned());
+        self
+    }
 }
 
 /// A torque table, and what its file says of it.
@@ -41,13 +103,20 @@ impl TorqueForm {
 pub struct TorqueFile<'a> {
     /// The table.
     pub table: &'a TorqueTable,
-    /// The run.
+    /// The run, with its record of the table.
     pub summary: &'a Summary,
     /// What was done to the torque, a line each.
     pub notes: &'a [String],
     /// Digits of the torques.
     pub digits: Digits,
 }
+
+/// What stands before, between and after the numbers of a row.
+type Signs = [&'static str; 3];
+
+const C_NUMBER: Signs = ["    ", "", ",\n"];
+const C_ROW: Signs = ["    {", ", ", "},\n"];
+const MATLAB_ROW: Signs = ["", " ", "\n"];
 
 impl TorqueFile<'_> {
     /// Writes the table; `stem`, the file's name without its ending, begins the names in C and MATLAB.
@@ -62,8 +131,8 @@ impl TorqueFile<'_> {
     ) -> io::Result<()> {
         match form {
             TorqueForm::Csv => self.write_csv(out),
-            TorqueForm::C => out.write_all(&self.c(&identifier(stem))),
-            TorqueForm::Matlab => out.write_all(&self.matlab(&identifier(stem))),
+            TorqueForm::C => out.write_all(&self.c(stem)),
+            TorqueForm::Matlab => out.write_all(&self.matlab(stem)),
         }
     }
 
@@ -80,80 +149,62 @@ impl TorqueFile<'_> {
 
     /// The C header.
     fn c(&self, stem: &str) -> Vec<u8> {
-        let (grid, columns, formats) = self.parts();
-        let macros = stem.to_ascii_uppercase();
-        let mut text = String::from("/*\n");
-        for line in self.comment() {
-            text += &[
-                " * ",
-                &line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?"),
-                "\n",
-            ]
-            .concat();
-        }
+        let line = |line: String| {
+            let line = line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
+            format!(" * {line}\n")
+        };
+        let comment: String = self.comment().into_iter().map(line).collect();
+        let (macros, grid) = (stem.to_ascii_uppercase(), self.table.grid());
+        let (length, step) = (grid.len, floating(grid.step_s));
+        let (joints, columns, signs) = match self.table.torques_n_m().len() {
+            1 => (String::new(), String::new(), C_NUMBER),
+            joints => {
+                let define = format!("#define {macros}_JOINTS {joints}\n");
+                (define, format!("[{macros}_JOINTS]"), C_ROW)
+            }
+        };
         let head = format!(
-            " */\n#ifndef {macros}_H\n#define {macros}_H\n\n#define {macros}_LENGTH {}\n\
-             #define {macros}_STEP_S {}\n",
-            grid.len,
-            floating(grid.step_s)
+            "/*\n{comment} */\n#ifndef {macros}_H\n#define {macros}_H\n\n#define {macros}_LENGTH {length}\n\
+             {joints}#define {macros}_STEP_S {step}\n\n\
+             /* Time in s */\nstatic const double {stem}_time_s[{macros}_LENGTH] = {{\n"
         );
-        let mut text = (text + &head).into_bytes();
-        let mut array =
-            |what: &str, name: &str, format: NumberFormat, value: &dyn Fn(usize) -> f64| {
-                let head =
-                    format!("\n/* {what} */\nstatic const double {name}[{macros}_LENGTH] = {{\n");
-                text.extend(head.bytes());
-                for k in 0..grid.len {
-                    text.extend(b"    ");
-                    format.write(&mut text, value(k));
-                    text.extend(b",\n");
-                }
-                text.extend(b"};\n");
-            };
-        array("Time in s", &format!("{stem}_time_s"), formats[0], &|k| grid.time_s(k));
-        for (number, column) in (1..).zip(&columns) {
-            let number = if columns.len() == 1 { String::new() } else { number.to_string() };
-            array("Torque in N m", &format!("{stem}{number}_n_m"), formats[1], &|k| column[k]);
-        }
-        text.extend(b"\n#endif\n");
-        text
+        let middle = format!(
+            "}};\n\n/* Torque at each joint in N m, the inner one first */\n\
+             static const double {stem}_n_m[{macros}_LENGTH]{columns} = {{\n"
+        );
+        let (times, torques) = (self.times(C_NUMBER), self.torques(signs));
+        [head.as_bytes(), &times, middle.as_bytes(), &torques, b"};\n\n#endif\n"].concat()
     }
 
     /// The MATLAB script. Octave, which has no `timeseries`, runs it up to there.
     fn matlab(&self, stem: &str) -> Vec<u8> {
-        let (grid, columns, formats) = self.parts();
-        let comment = self.comment().into_iter().map(|line| format!("% {line}\n"));
-        let step = plain(grid.step_s);
-        let head = format!("{stem}_step_s = {step};\n{stem}_time_s = [\n");
-        let mut text = (comment.collect::<String>() + &head).into_bytes();
-        for k in 0..grid.len {
-            formats[0].write(&mut text, grid.time_s(k));
-            text.push(b'\n');
-        }
-        text.extend(format!("];\n{stem}_n_m = [\n").bytes());
-        for k in 0..grid.len {
-            for (place, column) in columns.iter().enumerate() {
-                text.extend((place > 0).then_some(b' '));
-                formats[1].write(&mut text, column[k]);
-            }
-            text.push(b'\n');
-        }
+        let line = |line: String| format!("% {line}\n");
+        let comment: String = self.comment().into_iter().map(line).collect();
+        let step = plain(self.table.grid().step_s);
+        let head = format!("{comment}{stem}_step_s = {step};\n{stem}_time_s = [\n");
+        let middle = format!("];\n{stem}_n_m = [\n");
         let method = if self.is_held() { "zoh" } else { "linear" };
         let tail = format!(
             "];\n{stem}_series = timeseries({stem}_n_m, {stem}_time_s, 'Name', '{stem}');\n\
              {stem}_series.TimeInfo.Units = 'seconds';\n{stem}_series.DataInfo.Units = 'N m';\n\
              {stem}_series = setinterpmethod({stem}_series, '{method}');\n"
         );
-        text.extend(tail.bytes());
-        text
+        let (times, torques) = (self.times(MATLAB_ROW), self.torques(MATLAB_ROW));
+        [head.as_bytes(), &times, middle.as_bytes(), &torques, tail.as_bytes()].concat()
     }
 
-    /// Times, torques, and the formats of both.
-    fn parts(&self) -> (TimeGrid, Vec<&[f64]>, [NumberFormat; 2]) {
-        let (grid, columns) = (self.table.grid(), self.table.torques_n_m());
+    /// A row for each time in s.
+    fn times(&self, signs: Signs) -> Vec<u8> {
+        let grid = self.table.grid();
+        let times_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
+        rows(&[&times_s], time_format(|k| times_s[k], grid.len), signs)
+    }
+
+    /// A row for the torques in N m at each time.
+    fn torques(&self, signs: Signs) -> Vec<u8> {
+        let columns = self.table.torques_n_m();
         let peak = columns.iter().map(|column| largest(column)).fold(0.0, f64::max);
-        let times = time_format(|k| grid.time_s(k), grid.len);
-        (grid, columns, [times, self.digits.for_peak(peak)])
+        rows(&columns, self.digits.for_peak(peak), signs)
     }
 
     fn is_held(&self) -> bool {
@@ -166,15 +217,39 @@ impl TorqueFile<'_> {
         let mut lines = vec![origin.title];
         lines
             .push(format!("Torque at each joint in N m, computed by flexlink {}:", origin.version));
-        let names = origin.inputs.iter().map(|input| input.name.as_str());
-        let words = ["flexlink", "solve"].into_iter().chain(names);
-        let words = words.chain(origin.arguments.iter().map(String::as_str));
-        lines.push(words.collect::<Vec<_>>().join(" "));
+        let names = origin.inputs.iter().map(|input| input.name.clone());
+        let words = ["flexlink", "solve"].map(str::to_owned).into_iter().chain(names);
+        let words = words.chain(origin.arguments).chain(self.summary.table_arguments());
+        lines.push(words.map(|word| in_shell(&word)).collect::<Vec<_>>().join(" "));
         let sums = origin.inputs.iter().map(|own| format!("{}: SHA-256 {}", own.name, own.sha256));
         lines.extend(sums);
         lines.extend(self.notes.iter().cloned());
         lines.retain(|line| !line.is_empty());
         lines.iter().map(|line| visible(line).into_owned()).collect()
+    }
+}
+
+/// Columns as rows of numbers.
+fn rows(columns: &[&[f64]], format: NumberFormat, [before, between, after]: Signs) -> Vec<u8> {
+    let mut text = Vec::new();
+    for k in 0..columns[0].len() {
+        text.extend(before.bytes());
+        for (place, column) in columns.iter().enumerate() {
+            text.extend(if place > 0 { between } else { "" }.bytes());
+            format.write(&mut text, column[k]);
+        }
+        text.extend(after.bytes());
+    }
+    text
+}
+
+/// A word of a command as a shell takes it.
+fn in_shell(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
+    if word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
     }
 }
 
@@ -184,30 +259,28 @@ fn floating(value: f64) -> String {
     if text.contains(['.', 'e']) { text } else { text + ".0" }
 }
 
-/// A name that C and MATLAB take.
-fn identifier(stem: &str) -> String {
-    let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-    let name: String = stem.chars().map(letter).collect();
-    if name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        name
-    } else {
-        format!("torque_{name}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn names_are_those_that_c_and_matlab_take() {
-        for (stem, name) in [
-            ("torque", "torque"),
-            ("lift up-2", "lift_up_2"),
-            ("2nd", "torque_2nd"),
-            ("µ", "torque__"),
+        for form in [TorqueForm::C, TorqueForm::Matlab] {
+            assert!(form.takes("torque") && form.takes("lift_up2"));
+            for stem in ["", "lift up", "a-b", "2nd", "_a", "µ"] {
+                assert!(!form.takes(stem) && TorqueForm::Csv.takes(stem), "{stem}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shell_reads_words_as_they_were() {
+        for (word, text) in [
+            ("--window", "--window"),
+            ("payload.mass=\"50 g\"", "'payload.mass=\"50 g\"'"),
+            ("it's", "'it'\\''s'"),
         ] {
-            assert_eq!(identifier(stem), name);
+            assert_eq!(in_shell(word), text);
         }
     }
 

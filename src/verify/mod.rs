@@ -7,7 +7,7 @@ mod table;
 
 pub use arm::{ArmAnswer, verify_arm};
 pub use check::{Answer, Check, Outcome, VerificationError};
-pub use table::table_error;
+pub use table::{TableError, arm_table_error, table_error};
 
 use std::f64::consts::TAU;
 

@@ -118,9 +118,9 @@ fn values_for_a_converter_move_the_tip_far_less_off_than_samples_of_the_torque()
 fn a_c_header_compiles_and_has_the_numbers_of_the_table() {
     let bench = Bench::new();
     let title = "title=\"no /* end */ here\"";
-    told(&bench, &["--set", title, "--write", "my move.h", "--start-at", "0", "--window", "1%"]);
+    told(&bench, &["--set", title, "--write", "my_move.h", "--start-at", "0", "--window", "1%"]);
     told(&bench, &["--set", title, "--write", "table.csv", "--start-at", "0", "--window", "1%"]);
-    let header = bench.read("my move.h");
+    let header = bench.read("my_move.h");
     assert!(header.starts_with("/*\n * no / * end * / here\n"), "{}", &header[..200]);
     assert!(
         header.contains("SHA-256 ") && header.contains("#ifndef MY_MOVE_H\n"),
@@ -129,22 +129,13 @@ fn a_c_header_compiles_and_has_the_numbers_of_the_table() {
     );
     bench.write(
         "main.c",
-        "#include \"my move.h\"\n#include \"my move.h\"\n#include <stdio.h>\n\
+        "#include \"my_move.h\"\n#include \"my_move.h\"\n#include <stdio.h>\n\
          int main(void) { for (int k = 0; k < MY_MOVE_LENGTH; k++) {\n\
          printf(\"%.17g,%.17g\\n\", my_move_time_s[k], my_move_n_m[k]); }\n\
          return MY_MOVE_STEP_S == 0.001 ? 0 : 1; }\n",
     );
-    let compile = ["-Wall", "-Wextra", "-Werror", "main.c", "-o", "main"];
-    // The linker of Rust's programs; without one there is nothing to try.
-    let Ok(compiled) = Command::new("cc").args(compile).current_dir(bench.path(".")).output()
-    else {
-        return;
-    };
-    assert!(compiled.status.success(), "{}", stderr(&compiled));
-    let output = Command::new(bench.path("main")).output().unwrap();
-    assert!(output.status.success());
-    let printed = format!("time_s,torque_n_m\n{}", stdout(&output));
-    fs::write(bench.path("printed.csv"), printed).unwrap();
+    let Some(printed) = run_c(&bench) else { return };
+    fs::write(bench.path("printed.csv"), format!("time_s,torque_n_m\n{printed}")).unwrap();
     assert_eq!(bench.table("printed.csv"), bench.table("table.csv"));
 }
 
@@ -171,11 +162,173 @@ fn a_matlab_script_has_a_row_for_each_time_and_makes_a_timeseries() {
     }
     let call = "torque_series = timeseries(torque_n_m, torque_time_s, 'Name', 'torque');";
     assert!(script.contains(call), "{script}");
-    for option in [&["--window", "2%"][..], &["--hold", "zero"]] {
-        let output = bench
-            .run(&[&["solve", "arm.toml", "path.csv", "--write", "torque.m"], option].concat());
-        refused(&output, &format!("{} is for one link, and the arm has several", option[0]));
+}
+
+/// The tip's largest error in m that is printed.
+#[track_caller]
+fn printed_m(text: &str) -> f64 {
+    before(text.split("off by").nth(1).expect(text), " m, ")
+}
+
+/// `solve` of the arm of the bench into `out`; must succeed, warned or not.
+#[track_caller]
+fn solved_arm(bench: &Bench, arguments: &[&str]) -> String {
+    let solve = ["solve", "arm.toml", "path.csv", "-o", "out"];
+    let output = bench.run(&[&solve[..], arguments].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    stdout(&output)
+}
+
+/// The tip's largest error in m when `simulate` plays torques on the arm.
+#[track_caller]
+fn simulated_arm_m(bench: &Bench, table: &str, arguments: &[&str]) -> f64 {
+    let end_s = column(bench, "out/tip.csv", "time_s").last().unwrap().to_string();
+    let simulate = ["simulate", "arm.toml", table, "--target", "out/tip.csv", "-q"];
+    let output = bench.run(&[&simulate[..], &["--until", &end_s], arguments].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    bench.json("simulated/summary.json")["tip_error"]["worst_m"].as_f64().unwrap()
+}
+
+#[test]
+fn the_tables_of_an_arm_without_weight_move_its_tip_off_as_a_simulation_says() {
+    let bench = super::arms::bench();
+    let level = ["--set", "gravity=[0, 0]"];
+    let text =
+        solved_arm(&bench, &[&level[..], &["--write", "cut.csv", "--window", "1%"]].concat());
+    assert!(text.contains("cut below 1.00 % of every torque's peak\n"), "{text}");
+    assert!(text.contains("s; free joints drift on after a cut\n"), "{text}");
+    // The first row is at rest, and in the next one of the torques is beyond its share.
+    let torques = [1, 2].map(|joint| column(&bench, "cut.csv", &format!("torque{joint}_n_m")));
+    let peaks = torques.each_ref().map(|own| own.iter().fold(0.0_f64, |peak, t| peak.max(t.abs())));
+    let last = torques[0].len() - 1;
+    for (rest, row) in [(0, 1), (last, last - 1)] {
+        let shares = [0, 1].map(|k: usize| torques[k][row].abs() / peaks[k]);
+        assert!(torques.iter().all(|own| own[rest] == 0.0));
+        assert!((0.01..0.012).contains(&shares[0].max(shares[1])), "{shares:?}");
     }
+    let found_m = simulated_arm_m(&bench, "cut.csv", &level);
+    // A spline through the table's jumps is another between two rows.
+    assert!((found_m / printed_m(&text) - 1.0).abs() < 0.03, "{found_m}: {text}");
+
+    let text =
+        solved_arm(&bench, &[&level[..], &["--write", "held.csv", "--hold", "zero"]].concat());
+    let held = [&level[..], &["--hold", "zero"]].concat();
+    let held_m = simulated_arm_m(&bench, "held.csv", &held);
+    let samples_m = simulated_arm_m(&bench, "out/torques.csv", &held);
+    assert!(held_m < 1e-3 * samples_m, "{held_m} of {samples_m}");
+    // Printed with what the solved tip is off by, a millionth of its way.
+    let printed_m = printed_m(&text);
+    assert!((held_m..held_m + 1e-6).contains(&printed_m), "{held_m}: {text}");
+}
+
+#[test]
+fn the_cut_table_of_an_arm_that_falls_is_played_with_the_feedback_that_is_told() {
+    let bench = super::arms::bench();
+    let text = solved_arm(&bench, &["--write", "cut.csv", "--window", "5%"]);
+    assert!(text.contains("cut below 5.00 % of every torque's range\n"), "{text}");
+    let told = "the arm falls from a pose: played with feedback around its joints,\n";
+    let gains = text.split(told).nth(1).expect(&text).split_whitespace().next().unwrap();
+    // What holds the arm at rest goes on before the first row and after the last.
+    let times = column(&bench, "out/torques.csv", "time_s");
+    let cut = ["time_s", "torque1_n_m", "torque2_n_m"].map(|name| column(&bench, "cut.csv", name));
+    let row = |time: &f64| {
+        let row = cut[0].partition_point(|own| *own < time - 1e-9).min(cut[0].len() - 1);
+        format!("{time},{},{}\n", cut[1][row], cut[2][row])
+    };
+    let rows: String = times.iter().map(row).collect();
+    assert!(cut[0].len() < times.len());
+    bench.write("whole.csv", &format!("time_s,torque1_n_m,torque2_n_m\n{rows}"));
+    let around = ["--feedback", gains, "--reference", "out/joint_angles.csv"];
+    let found_m = simulated_arm_m(&bench, "whole.csv", &around);
+    assert!((found_m / printed_m(&text) - 1.0).abs() < 0.03, "{found_m}: {text}");
+    // The torques themselves lead the tip along its path.
+    let solved_m = simulated_arm_m(&bench, "out/torques.csv", &around);
+    assert!(solved_m < 0.01 * found_m, "{solved_m} of {found_m}");
+}
+
+#[test]
+fn a_c_header_of_an_arm_has_a_row_for_each_time_and_a_column_for_each_joint() {
+    let bench = super::arms::bench();
+    for file in ["torque.h", "torque.csv"] {
+        solved_arm(&bench, &["-q", "--write", file, "--window", "5%", "--start-at", "-0.1 s"]);
+    }
+    let header = bench.read("torque.h");
+    let command =
+        "flexlink solve arm.toml path.csv --write torque.h --start-at=-0.1 --window 0.05\n";
+    assert!(header.contains(command), "{}", &header[..600]);
+    bench.write(
+        "main.c",
+        "#include \"torque.h\"\n#include <stdio.h>\n\
+         int main(void) { for (int k = 0; k < TORQUE_LENGTH; k++) {\n\
+         printf(\"%.17g,%.17g,%.17g\\n\", torque_time_s[k], torque_n_m[k][0], torque_n_m[k][1]); }\n\
+         return TORQUE_JOINTS == 2 ? 0 : 1; }\n",
+    );
+    let printed = run_c(&bench);
+    let printed = printed.map(|rows| format!("time_s,torque1_n_m,torque2_n_m\n{rows}"));
+    let Some(printed) = printed else { return };
+    fs::write(bench.path("printed.csv"), printed).unwrap();
+    // In CSV each column has the digits of its own peak.
+    for name in ["time_s", "torque1_n_m", "torque2_n_m"] {
+        let [own, other] = ["printed.csv", "torque.csv"].map(|file| column(&bench, file, name));
+        assert_eq!(own.len(), other.len());
+        assert!(own.iter().zip(other).all(|(own, other)| (own - other).abs() < 1e-8), "{name}");
+    }
+}
+
+/// What main.c of a bench prints; none without a compiler.
+#[track_caller]
+fn run_c(bench: &Bench) -> Option<String> {
+    let compile = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "main.c", "-o", "main"];
+    // The linker of Rust's programs; without one there is nothing to try.
+    let compiled = Command::new("cc").args(compile).current_dir(bench.path(".")).output().ok()?;
+    assert!(compiled.status.success(), "{}", stderr(&compiled));
+    let output = Command::new(bench.path("main")).output().unwrap();
+    assert!(output.status.success());
+    Some(stdout(&output))
+}
+
+#[test]
+fn the_summary_has_the_table_and_a_repetition_finds_the_same() {
+    let bench = Bench::new();
+    fs::copy(repository(LINK), bench.path("link.toml")).unwrap();
+    fs::copy(repository(MOTION), bench.path("motion.csv")).unwrap();
+    let run =
+        |options: &[&str]| bench.run(&[&["solve", "link.toml", "motion.csv"], options].concat());
+    let table = ["--write", "cut.h", "--window", "2%", "--start-at", "0", "--hold", "zero"];
+    let output = run(&[&table[..], &["-o", "out"]].concat());
+    let summary = bench.json("out/summary.json");
+    let found = &summary["table"];
+    let arguments = ["--write", "cut.h", "--start-at", "0", "--window", "0.02", "--hold", "zero"];
+    assert_eq!(found["arguments"], serde_json::json!(arguments));
+    for (key, value) in [("file", "cut.h"), ("form", "c"), ("hold", "zero")] {
+        assert_eq!(found[key], value);
+    }
+    let number = |key: &str| found[key].as_f64().unwrap();
+    for (key, value) in [("start_s", 0.0), ("step_s", 0.001), ("window", 0.02)] {
+        assert!((number(key) - value).abs() < 1e-15, "{found}");
+    }
+    assert!((number("end_s") - 0.001 * (number("rows") - 1.0)).abs() < 1e-9);
+    assert!((number("moves_from_s") - 0.306).abs() < 0.002, "{found}");
+    let worst_m = found["tip_error"]["worst_m"].as_f64().unwrap();
+    assert!((worst_m / printed_m(&stdout(&output)) - 1.0).abs() < 0.01, "{worst_m}");
+    let warnings = summary["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|own| own["kind"] == "table_moves_tip"), "{warnings:?}");
+    let json = run(&[&table[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!(json["table"], *found);
+    fs::remove_file(bench.path("cut.h")).unwrap();
+    let repeated = bench.run(&["solve", "--repeat", "out"]);
+    assert_eq!(stdout(&repeated), "same     7 files of out, byte for byte\n");
+    assert!(!bench.path("cut.h").exists());
+    // A torque that nothing changes has no error to measure.
+    let plain = run(&["--write", "-"]);
+    assert!(plain.status.success());
+    let json = run(&["--write", "whole.m", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!(
+        (&json["table"]["form"], &json["table"]["tip_error"]),
+        (&"matlab".into(), &().into())
+    );
 }
 
 #[test]
@@ -208,6 +361,14 @@ fn a_file_that_is_no_form_or_replaces_another_is_refused() {
         "--json is given, but standard output has the table of --write -",
     );
     refused(&solve(&["--window", "2%"]), "--write <FILE>");
+    for name in ["a-b.h", "2nd.m", "a b.h"] {
+        refused(&solve(&["--write", name]), "must have a name of letters, digits and `_`");
+    }
+    refused(
+        &solve(&["--write", "a.csv", "--start-at", "-1e17 s"]),
+        "--start-at = -1.00e17 s, but must lie from -4.50e9 to 4.50e9 s",
+    );
+    refused(&solve(&["--write", "a.csv", "--start-at", "--window"]), "'--window' for '--start-at");
     refused(
         &solve(&["--write", "a.csv", "--window", "100%"]),
         "must be a share above 0 and below 1",

@@ -348,6 +348,28 @@ fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
 }
 
 #[test]
+fn a_cycle_that_is_not_solved_is_not_written_and_the_option_to_leave_out_is_named() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let cycle =
+        ["trajectory", "gaussian", "--distance", "0.1", "--duration", "1", "--step", "2 ms"];
+    let cycle = [&cycle[..], &["--cycle", "-o", "cycle.csv"]].concat();
+    let lead = ["--link", &link, "--set", "analysis.lead='1 s'"];
+    let refused = bench.run(&[&cycle[..], &lead].concat());
+    assert!(!refused.status.success() && bench.names(".").is_empty());
+    let message = "error: the cycle is not solved, nor written: analysis.lead or analysis.lag = given, \
+                   but a periodic motion has neither\nhint: leave them out; without --link it is written\n";
+    assert_eq!(stderr(&refused), message);
+    // The bell's first and last samples are nearly equal, but its last is not its first one again.
+    for link in [&["--link", &link][..], &[]] {
+        let made = bench.run(&[&cycle[..], link].concat());
+        assert!(made.status.success(), "{}", stderr(&made));
+    }
+    let solved = bench.run(&["solve", &link, "cycle.csv", "--periodic", "-q"]);
+    assert!(solved.status.success(), "{}", stderr(&solved));
+}
+
+#[test]
 fn a_tip_stops_on_its_way() {
     let bench = Bench::new();
     let way = ["trajectory", "sine", "--distance", "0.6", "--duration", "1.2", "--step", "0.002"];

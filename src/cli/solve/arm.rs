@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use flexlink::beam::MeshPlan;
 use flexlink::csv::InputFile;
 use flexlink::report::{self, Figures};
 use flexlink::result::StoredResult;
@@ -40,6 +41,16 @@ impl<'a> ArmProblem<'a> {
         let SolveOptions { read, resample, scale, .. } = options;
         let inputs = ArmAndPath::read(arm, &path_file, (read, resample, scale))?;
         Ok(Self { options, arm_file, path_file, inputs })
+    }
+
+    /// Step of the path in s.
+    pub(super) fn step_s(&self) -> f64 {
+        self.inputs.step_s()
+    }
+
+    /// The plans of the links' meshes.
+    pub(super) fn plans(&self) -> &[MeshPlan] {
+        self.inputs.plans()
     }
 
     /// Computes the solution, and verifies it if the options ask for that.

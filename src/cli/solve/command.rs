@@ -4,6 +4,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use flexlink::csv::InputFile;
+use flexlink::motion::Ends;
 use flexlink::numeric::TimeGrid;
 use flexlink::store::{REPORT, Summary};
 
@@ -13,7 +14,7 @@ use super::run::{Page, SolveOptions, Solved};
 use super::table::{WriteArgs, WrittenTable};
 use crate::cli::arm::SolvedArm;
 use crate::cli::verify::{refuse_failed, warn};
-use crate::options::common::{SyncArgs, refuse_for_arms};
+use crate::options::common::SyncArgs;
 use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::{arm_text, rows_text, solve_text, verify_text};
@@ -60,7 +61,7 @@ pub(crate) struct Solve {
     #[arg(long, value_name = "DIR")]
     #[arg(conflicts_with_all = ["ChangeArgs", "ResampleArgs", "ScaleArgs", "NodeArgs", "ReadArgs"])]
     #[arg(conflicts_with_all = ["deflections", "moments", "golden", "digits", "verify"])]
-    #[arg(conflicts_with_all = ["report", "strict", "json"])]
+    #[arg(conflicts_with_all = ["report", "strict", "json", "write"])]
     repeat: Option<PathBuf>,
 
     #[command(flatten)]
@@ -110,10 +111,12 @@ impl Solve {
             }
             OneOrSeveral::Several(problem) => return self.run_arm(&problem),
         };
+        let motion = problem.motion();
+        self.table.check_motion(motion.ends(), motion.grid().step_s)?;
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
         let table = self.table.of_link(&solved.solution, &stages)?;
-        let mut summary = problem.summary(&solved);
+        let mut summary = self.table.recorded_in(problem.summary(&solved), table.as_ref());
         match output {
             Some(output) => {
                 let folder = (output, self.sync.durability());
@@ -186,11 +189,11 @@ impl Solve {
 
     /// Solves an arm of several links, writes and tells.
     fn run_arm(&self, problem: &ArmProblem<'_>) -> Result<Ending, Failure> {
-        refuse_for_arms(self.table.of_one_link())?;
+        self.table.check_motion(Ends::AtRest, problem.step_s())?;
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let table = self.table.of_arm(&solved.solved.solution);
-        let mut summary = problem.summary(&solved);
+        let table = self.table.of_arm(&solved.solved.solution, problem.plans(), &stages)?;
+        let mut summary = self.table.recorded_in(problem.summary(&solved), table.as_ref());
         match &self.output {
             Some(output) => {
                 let folder = (output.as_path(), self.sync.durability());
@@ -199,7 +202,7 @@ impl Solve {
             None => summary = summary.without_files(),
         }
         drop(stages);
-        self.deliver(table.as_ref(), &summary)?;
+        let warned = self.deliver(table.as_ref(), &summary)?;
         let SolvedRun { solved, verification } = &solved;
         ArmProblem::warn(solved, self.strict);
         let SolvedArm { solution, metrics, exceeded, .. } = solved;
@@ -216,7 +219,7 @@ impl Solve {
             let message = format!("joint {}: {limit}", joint + 1);
             return Err(Failure::new(Exit::NotSolvable, &message, Some(limit.hint())));
         }
-        self.warnings.refuse(solution.warnings.len() + exceeded.len())?;
+        self.warnings.refuse(solution.warnings.len() + exceeded.len() + warned)?;
         Ok(Ending::Done)
     }
 

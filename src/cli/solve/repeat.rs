@@ -10,6 +10,7 @@ use flexlink::text::excerpt;
 use super::command::Solve;
 use super::problem::OneOrSeveral;
 use super::run::{Page, SolveOptions};
+use super::table::WriteArgs;
 use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::repetition_text;
 use crate::terminal::{Ending, Exit, Failure, console};
@@ -49,15 +50,22 @@ impl Solve {
         record: &RunRecord,
         problem: &OneOrSeveral,
     ) -> Result<Vec<RepeatedFile>, Failure> {
+        // The numbers of the run's torque table are part of its summary.
+        let table = WriteArgs::recorded(&record.table_arguments);
+        let table = table.map_err(|error| not_read("table.arguments", &error, record))?;
         let compared = |folder: &Path, durability| {
             let stages = self.print.stages();
             let solved = match problem {
                 OneOrSeveral::One(problem) => problem.solve(&stages).and_then(|solved| {
-                    let run = (&solved, &problem.summary(&solved));
+                    let found = table.of_link(&solved.solution, &stages)?;
+                    let summary = table.recorded_in(problem.summary(&solved), found.as_ref());
+                    let run = (&solved, &summary);
                     problem.write(run, (folder, durability), Page::Left, &stages)
                 }),
                 OneOrSeveral::Several(problem) => problem.solve(&stages).and_then(|solved| {
-                    let run = (&solved, &problem.summary(&solved));
+                    let found = table.of_arm(&solved.solved.solution, problem.plans(), &stages)?;
+                    let summary = table.recorded_in(problem.summary(&solved), found.as_ref());
+                    let run = (&solved, &summary);
                     problem.write(run, (folder, durability), Page::Left, &stages)
                 }),
             };
@@ -104,17 +112,20 @@ fn is_other_table(file: &RepeatedFile) -> bool {
 
 /// The recorded arguments, read as those of the command line are.
 fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
-    SolveOptions::recorded(&record.origin.arguments).map_err(|error| {
-        let text = console::shortened(&error, error.to_string());
-        let first = text.lines().next().unwrap_or_default();
-        let why = first.strip_prefix("error: ").unwrap_or(first);
-        let shown = &record.shown;
-        let message =
-            format!("{shown}: inputs.arguments are not those of flexlink {VERSION}: {why}");
-        let version = &record.origin.version;
-        let hint = (version != VERSION).then(|| format!("flexlink {} wrote it", excerpt(version)));
-        Failure::new(Exit::InputRefused, &message, hint.as_deref())
-    })
+    let options = SolveOptions::recorded(&record.origin.arguments);
+    options.map_err(|error| not_read("inputs.arguments", &error, record))
+}
+
+/// The failure of recorded arguments that this version does not take.
+fn not_read(key: &str, error: &clap::Error, record: &RunRecord) -> Failure {
+    let text = console::shortened(error, error.to_string());
+    let first = text.lines().next().unwrap_or_default();
+    let why = first.strip_prefix("error: ").unwrap_or(first);
+    let shown = &record.shown;
+    let message = format!("{shown}: {key} are not those of flexlink {VERSION}: {why}");
+    let version = &record.origin.version;
+    let hint = (version != VERSION).then(|| format!("flexlink {} wrote it", excerpt(version)));
+    Failure::new(Exit::InputRefused, &message, hint.as_deref())
 }
 
 /// The failure of a recorded argument, which names the record.

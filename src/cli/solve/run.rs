@@ -179,6 +179,11 @@ impl<'a> Problem<'a> {
         Ok(Self { options, link_file, motion_file, specification, motion })
     }
 
+    /// The motion of the tip.
+    pub(super) fn motion(&self) -> &TipMotion {
+        &self.motion
+    }
+
     /// Computes the solution, and verifies it if the options ask for that.
     pub(super) fn solve(&self, stages: &StageBar) -> Result<Solved, Failure> {
         let Specification { link, mesh, analysis, limits, .. } = &self.specification;

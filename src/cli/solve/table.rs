@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Parser, ValueEnum};
 
+use flexlink::beam::MeshPlan;
 use flexlink::csv::Digits;
 use flexlink::inverse::{ArmSolution, Solution};
 use flexlink::motion::Ends;
-use flexlink::result::{TipError, TorqueTable};
-use flexlink::store::{SUMMARY, Summary, TorqueFile, TorqueForm, is_result_file};
-use flexlink::text::significant;
-use flexlink::verify::table_error;
+use flexlink::result::{StoredWarning, TorqueTable};
+use flexlink::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
+use flexlink::text::{plain, significant};
+use flexlink::verify::{TableError, VerificationError, arm_table_error, table_error};
 
-use crate::options::common::seconds;
+use crate::options::common::{option, seconds};
 use crate::terminal::console::is_standard_output;
 use crate::terminal::files::keep_inputs;
 use crate::terminal::text::rows_text;
@@ -21,20 +22,26 @@ use crate::terminal::{Exit, Failure, StageBar, console, memory};
 /// Largest error of the tip over its travel that is no warning, unless the tolerance is looser: what `verify` allows.
 const TIP: f64 = 1e-3;
 
+/// Share of an error to which it is known without a word.
+const KNOWN: f64 = 0.05;
+
+/// Share of a step to which the time of a row is a number of its own.
+const TIME: f64 = 1e-3;
+
 /// The torque in a file of its own.
 #[derive(Debug, Args)]
 pub(super) struct WriteArgs {
     /// Write the torque at the hub, or the joints, alone; results go to a folder only with -o. The ending is
     /// the form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
-    #[arg(long, value_name = "FILE", conflicts_with = "repeat")]
+    #[arg(long, value_name = "FILE")]
     pub(super) write: Option<PathBuf>,
 
     /// Time of the first row of FILE, in s or with unit: shifts all times.
     #[arg(long, value_name = "TIME", requires = "write", value_parser = seconds)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     start_at: Option<f64>,
 
-    /// Leave out rows of FILE before and after which the torque stays below this share of its peak, `2%`
+    /// Leave out rows of FILE before and after which every torque stays below this share of its peak, `2%`
     /// or 0.02. What that costs is measured: the table is played, and the tip's error printed.
     #[arg(long, value_name = "SHARE", requires = "write", value_parser = share)]
     window: Option<f64>,
@@ -51,16 +58,21 @@ enum Hold {
     Zero,
 }
 
-/// A table to write, and the tip's error where the table is not the torque itself.
+/// A table to write, and what playing it has found where it is not the torque itself.
 pub(super) struct WrittenTable {
     table: TorqueTable,
-    tip_error: Option<TipError>,
-    /// The error that is no warning.
-    allowed: f64,
-    /// Where it was cut.
-    cut: Option<String>,
-    /// What else is to be known of the torque.
-    remarks: Vec<String>,
+    error: Option<TableError>,
+    warning: Option<StoredWarning>,
+    /// What the file and the summary say of it, a line each.
+    notes: Vec<String>,
+}
+
+/// The arguments of a record, read as those of the command line are.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Recorded {
+    #[command(flatten)]
+    table: WriteArgs,
 }
 
 impl WriteArgs {
@@ -77,6 +89,11 @@ impl WriteArgs {
             let hint = ".csv is a table, .h a C header, .m a script for MATLAB and Simulink";
             return refuse("must end in .csv, .h or .m, or be `-`", hint);
         }
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        if TorqueForm::of(file).is_some_and(|form| !form.takes(&stem)) {
+            let must = "must have a name of letters, digits and `_`, a letter first";
+            return refuse(must, "names in C and MATLAB begin with it");
+        }
         let is_result = file.file_name().is_some_and(is_result_file);
         let folder = placed(file.parent().unwrap_or(Path::new("")));
         let is_of_run =
@@ -87,12 +104,54 @@ impl WriteArgs {
         keep_inputs("--write", file, inputs)
     }
 
+    /// Returns an error if the options do not fit a motion with these ends and this step.
+    pub(super) fn check_motion(&self, ends: Ends, step_s: f64) -> Result<(), Failure> {
+        if self.window.is_some() && ends != Ends::AtRest {
+            let message = "--window is for a motion from rest to rest, and this one is not";
+            return Err(Failure::new(Exit::Usage, &message, Some("leave --window out")));
+        }
+        let most_s = TIME * step_s / f64::EPSILON;
+        let Some(start_s) = self.start_at.filter(|start_s| start_s.abs() > most_s) else {
+            return Ok(());
+        };
+        let [start, most, step] = [start_s, most_s, step_s].map(|time_s| significant(time_s, 3));
+        let message = format!(
+            "--start-at = {start} s, but must lie from -{most} to {most} s: farther out, times a step of {step} s \
+             apart are not told apart to a thousandth of it"
+        );
+        Err(Failure::new(Exit::Usage, &message, None))
+    }
+
     /// True if standard output has the table.
     pub(super) fn is_printed(&self) -> bool {
         self.write.as_deref().is_some_and(is_standard_output)
     }
 
-    /// The table of a link, its error measured.
+    /// Parses the arguments of a record.
+    pub(super) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
+        Recorded::try_parse_from(arguments).map(|recorded| recorded.table)
+    }
+
+    /// The arguments, for the record; the file by its name alone.
+    fn arguments(&self) -> Vec<String> {
+        let write = option("--write", self.name());
+        let start_at = self.start_at.map(|start_s| option("--start-at", plain(start_s)));
+        let window = self.window.map(|share| option("--window", plain(share)));
+        let hold = self.hold.map(|_| option("--hold", "zero"));
+        [Some(write), start_at, window, hold].into_iter().flatten().flatten().collect()
+    }
+
+    /// Name of the file, `-` for standard output.
+    fn name(&self) -> String {
+        let name = self.write.as_deref().and_then(Path::file_name).unwrap_or("-".as_ref());
+        name.to_string_lossy().into_owned()
+    }
+
+    fn form(&self) -> TorqueForm {
+        self.write.as_deref().and_then(TorqueForm::of).unwrap_or(TorqueForm::Csv)
+    }
+
+    /// The table of a link, its error measured; none without --write.
     pub(super) fn of_link(
         &self,
         solution: &Solution,
@@ -101,67 +160,107 @@ impl WriteArgs {
         if self.write.is_none() {
             return Ok(None);
         }
-        let ends = solution.motion.ends();
-        let mut table = TorqueTable::of(solution);
-        if self.hold.is_some() {
-            table = table.held(ends);
-        }
-        if let Some(share) = self.window {
-            if ends != Ends::AtRest {
-                let message = "--window is for a motion from rest to rest, and this one is not";
-                return Err(Failure::new(Exit::Usage, &message, None));
-            }
-            table = table.cut(solution, share);
-        }
-        let is_changed = self.hold.is_some() || self.window.is_some();
-        let error = || {
-            stages.at("playing");
-            table_error(solution, &table, memory::available())
-        };
-        let tip_error = is_changed.then(error).transpose()?;
-        let allowed = TIP.max(solution.analysis.tip_tolerance());
-        let (table, grid) = (self.shifted(table), &solution.grid);
-        let of = if solution.link().has_weight() { "range" } else { "peak" };
-        let cut = self.window.map(|share| {
-            let percent = significant(100.0 * share, 3);
-            format!("cut below {percent} % of the torque's {of}")
-        });
-        let until = self.window.map(|_| {
-            let until = significant(table.time_s(grid.time_s(grid.len - 1)), 3);
-            format!("measured to {until} s; a free hub drifts on after a cut")
-        });
+        let table = self.shaped(TorqueTable::of(solution), solution.motion.ends());
+        let error = self.measured(stages, || table_error(solution, &table, memory::available()))?;
         let motor = solution.motor.as_ref().map(|_| {
             "torque at the hub, beyond the gear; with -o the motor's own is in motor.csv".to_owned()
         });
-        let remarks = until.into_iter().chain(motor).collect();
-        Ok(Some(WrittenTable { table, tip_error, allowed, cut, remarks }))
+        Ok(Some(self.written((table, error), solution.analysis.tip_tolerance(), &OF_LINK, motor)))
     }
 
-    /// The table of an arm.
-    pub(super) fn of_arm(&self, solution: &ArmSolution) -> Option<WrittenTable> {
-        self.write.as_ref()?;
-        let table = self.shifted(TorqueTable::of_arm(solution));
-        Some(WrittenTable { table, tip_error: None, allowed: TIP, cut: None, remarks: Vec::new() })
-    }
-
-    /// Options that are known for one link alone.
-    pub(super) fn of_one_link(&self) -> Vec<String> {
-        let given = [("--window", self.window.is_some()), ("--hold", self.hold.is_some())];
-        given
-            .into_iter()
-            .filter(|(_, is_given)| *is_given)
-            .map(|(name, _)| name.to_owned())
-            .collect()
-    }
-
-    fn shifted(&self, table: TorqueTable) -> TorqueTable {
-        match self.start_at {
-            Some(start_s) => table.starting_at(start_s),
-            None => table,
+    /// The table of an arm, its error measured; none without --write.
+    pub(super) fn of_arm(
+        &self,
+        solution: &ArmSolution,
+        plans: &[MeshPlan],
+        stages: &StageBar,
+    ) -> Result<Option<WrittenTable>, Failure> {
+        if self.write.is_none() {
+            return Ok(None);
         }
+        let table = self.shaped(TorqueTable::of_arm(solution), Ends::AtRest);
+        let error = self
+            .measured(stages, || arm_table_error(solution, plans, &table, memory::available()))?;
+        let has_motor = solution.joints.iter().any(|joint| joint.motor.is_some());
+        let motor = has_motor.then(|| {
+            "torques at the joints, beyond gears; motor.csv of -o has the motors'".to_owned()
+        });
+        Ok(Some(self.written((table, error), solution.analysis.tip_tolerance(), &OF_ARM, motor)))
     }
 
-    /// Writes the table and warns where it moves the tip off; returns the number of warnings.
+    /// A table with all that the options do to it, but for its start.
+    fn shaped(&self, table: TorqueTable, ends: Ends) -> TorqueTable {
+        let table = if self.hold.is_some() { table.held(ends) } else { table };
+        self.window.map_or(table.clone(), |share| table.cut(share))
+    }
+
+    /// What playing a table finds, where it is not the torque itself.
+    fn measured(
+        &self,
+        stages: &StageBar,
+        error: impl FnOnce() -> Result<TableError, VerificationError>,
+    ) -> Result<Option<TableError>, Failure> {
+        if self.hold.is_none() && self.window.is_none() {
+            return Ok(None);
+        }
+        stages.at("playing");
+        Ok(Some(error()?))
+    }
+
+    /// The table at its start, its warning, and what is said of it.
+    fn written(
+        &self,
+        (table, error): (TorqueTable, Option<TableError>),
+        tip_tolerance: f64,
+        words: &Words,
+        motor: Option<String>,
+    ) -> WrittenTable {
+        let table = self.start_at.map_or(table.clone(), |start_s| table.starting_at(start_s));
+        let warning = error.as_ref().and_then(|error| self.warning(error, tip_tolerance, words));
+        let begins = format!("the motion begins at {} s", significant(table.moves_from_s(), 4));
+        let size = if table.has_weight() { "range" } else { "peak" };
+        let cut = self.window.map(|share| {
+            let percent = significant(100.0 * share, 3);
+            format!("cut below {percent} % of {}torque's {size}", words.of_torque)
+        });
+        let held =
+            self.hold.map(|_| "values for a converter that holds each until the next".to_owned());
+        let found = error.iter().flat_map(|error| found(&table, error));
+        let until = error.as_ref().filter(|_| self.window.is_some()).map(|error| {
+            let until = significant(table.solved_until_s(), 3);
+            let rest = if error.feedback.is_empty() { words.drift } else { "" };
+            format!("measured to {until} s{rest}")
+        });
+        let notes = [Some(begins), cut, held].into_iter().flatten().chain(found);
+        let notes = notes.chain(until).chain(motor).collect();
+        WrittenTable { table, error, warning, notes }
+    }
+
+    /// The warning of a table that moves the tip off by more than it should.
+    fn warning(
+        &self,
+        error: &TableError,
+        tip_tolerance: f64,
+        words: &Words,
+    ) -> Option<StoredWarning> {
+        let allowed = TIP.max(tip_tolerance);
+        let TableError { tip, change_m, .. } = error;
+        let share = tip.share * (1.0 + change_m / tip.worst_m.max(f64::MIN_POSITIVE));
+        if share <= allowed {
+            return None;
+        }
+        let [share, allowed] = [share, allowed].map(|share| significant(share, 2));
+        let message = format!(
+            "the torque table moves the tip off by {share} of its travel, more than {allowed}"
+        );
+        let hint = match self.window {
+            Some(_) => words.smaller,
+            None => "a motion with a shorter step",
+        };
+        Some(StoredWarning::new("table_moves_tip", &message, hint))
+    }
+
+    /// Writes the table and prints its warning; returns the number of warnings.
     pub(super) fn deliver(
         &self,
         written: &WrittenTable,
@@ -169,58 +268,82 @@ impl WriteArgs {
         digits: Digits,
     ) -> Result<usize, Failure> {
         let Some(file) = &self.write else { return Ok(0) };
-        let notes = [vec![written.begins()], self.notes(written)].concat();
-        let table = TorqueFile { table: &written.table, summary, notes: &notes, digits };
-        let form = TorqueForm::of(file).unwrap_or(TorqueForm::Csv);
+        let WrittenTable { table, warning, notes, .. } = written;
+        let table = TorqueFile { table, summary, notes, digits };
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-        console::deliver_by(Some(file), |out| table.write(out, form, &stem))?;
-        let Some(error) = written.tip_error.filter(|error| error.share > written.allowed) else {
-            return Ok(0);
-        };
-        let [share, allowed] = [error.share, written.allowed].map(|share| significant(share, 2));
-        let message = format!(
-            "the torque table moves the tip off by {share} of its travel, more than {allowed}"
-        );
-        let hint = if self.window.is_some() {
-            "a smaller --window, or feedback of the hub's angle"
-        } else {
-            "a motion with a shorter step"
-        };
-        console::warning(message, hint);
-        Ok(1)
+        console::deliver_by(Some(file), |out| table.write(out, self.form(), &stem))?;
+        if let Some(StoredWarning { message, hint, .. }) = warning {
+            console::warning(message, hint);
+        }
+        Ok(usize::from(warning.is_some()))
+    }
+
+    /// The summary of a run that writes the table, too.
+    pub(super) fn recorded_in(&self, summary: Summary, written: Option<&WrittenTable>) -> Summary {
+        let Some(WrittenTable { table, error, warning, .. }) = written else { return summary };
+        summary.with_table(&TableRecord {
+            table,
+            file: &self.name(),
+            form: self.form(),
+            arguments: &self.arguments(),
+            error: error.as_ref(),
+            warning: warning.as_ref(),
+        })
     }
 
     /// What the summary says of the table, and standard error where standard output has it.
     pub(super) fn text(&self, written: &WrittenTable) -> String {
         let file = self.write.as_deref().unwrap_or(Path::new("-")).display();
         let rows = rows_text(&written.table.grid().thinned(std::num::NonZeroUsize::MIN));
-        let begins = written.begins();
-        let lines = [vec![format!("{rows}; {file}"), begins], self.notes(written)].concat();
+        let first = format!("{rows}; {file}");
+        let lines = std::iter::once(&first).chain(&written.notes);
         let labels = std::iter::once("table").chain(std::iter::repeat(""));
-        let lines = lines.iter().zip(labels).map(|(line, label)| format!("{label:<8} {line}"));
+        let lines = lines.zip(labels).map(|(line, label)| format!("{label:<8} {line}"));
         lines.collect::<Vec<_>>().join("\n") + "\n"
-    }
-
-    /// What was done to the torque, and what it costs.
-    fn notes(&self, written: &WrittenTable) -> Vec<String> {
-        let held =
-            self.hold.map(|_| "values for a converter that holds each until the next".to_owned());
-        let error = written.tip_error.map(|error| {
-            let [worst, time, of] =
-                [error.worst_m, written.table.time_s(error.time_s), error.share]
-                    .map(|number| significant(number, 3));
-            format!("tip off by up to {worst} m, {of} of its travel, at {time} s")
-        });
-        let cut = written.cut.iter().cloned();
-        cut.chain(held).chain(error).chain(written.remarks.iter().cloned()).collect()
     }
 }
 
-impl WrittenTable {
-    /// When the motion begins in the table.
-    fn begins(&self) -> String {
-        format!("the motion begins at {} s", significant(self.table.moves_from_s(), 4))
+/// Words that are others for a link and for an arm.
+struct Words {
+    /// What a torque is called: "the ", "every ".
+    of_torque: &'static str,
+    /// What is free after a cut.
+    drift: &'static str,
+    /// What helps against a cut that is too large.
+    smaller: &'static str,
+}
+
+const OF_LINK: Words = Words {
+    of_torque: "the ",
+    drift: "; a free hub drifts on after a cut",
+    smaller: "a smaller --window, or feedback of the hub's angle",
+};
+
+const OF_ARM: Words = Words {
+    of_torque: "every ",
+    drift: "; free joints drift on after a cut",
+    smaller: "a smaller --window, or feedback of the joints",
+};
+
+/// What playing a table has found, a line each.
+fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
+    let TableError { tip, change_m, feedback } = error;
+    let [worst, time, of] =
+        [tip.worst_m, table.time_s(tip.time_s), tip.share].map(|number| significant(number, 3));
+    let mut lines = vec![format!("tip off by up to {worst} m, {of} of its travel, at {time} s")];
+    if *change_m > KNOWN * tip.worst_m {
+        let change = significant(*change_m, 1);
+        lines.push(format!(
+            "that is known to {change} m, what the simulations' last refinements change"
+        ));
     }
+    if !feedback.is_empty() {
+        let gains: Vec<String> = feedback.iter().flatten().map(|gain| plain(*gain)).collect();
+        let falls = "the arm falls from a pose: played with feedback around its joints,";
+        lines.push(falls.to_owned());
+        lines.push(format!("{} (N m/rad and N m s/rad of each)", gains.join(",")));
+    }
+    lines
 }
 
 /// A path from the root, of a folder that need not be there.

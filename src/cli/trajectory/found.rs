@@ -147,9 +147,10 @@ impl Search<'_> {
         let columns = course.sampled(given.profile, self.step_s, given.steps, [0, 0]);
         let columns = columns.map_err(|error| not_made(&error))?;
         let motion = TipMotion::with_ends(columns, course.ends())
-            .map_err(|error| Failure::new(Exit::Usage, &error, None))?;
+            .map_err(|error| not_solved(Failure::new(Exit::Usage, &error, error.hint())))?;
         let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
-        Ok(invert_with(link, mesh, &motion, analysis, &resources)?)
+        let solution = invert_with(link, mesh, &motion, analysis, &resources);
+        solution.map_err(|error| not_solved(error.into()))
     }
 
     /// The shortest motion of a link within its limits.
@@ -296,6 +297,14 @@ fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
     let message = "--duration is missing, but must be given where nothing limits the motion";
     let hint = "or --fit-limit torque=5, or [limits] in the link file: then the shortest is found";
     Err(Failure::new(Exit::Usage, &message, Some(hint)))
+}
+
+/// The failure of a cycle that --link has no torque for, and that is therefore not written.
+fn not_solved(failure: Failure) -> Failure {
+    let message = format!("the cycle is not solved, nor written: {}", failure.message);
+    let hints = [failure.hint, Some("without --link it is written".to_owned())];
+    let hint = hints.into_iter().flatten().collect::<Vec<_>>().join("; ");
+    Failure { message, hint: Some(hint), ..failure }
 }
 
 /// What a cycle takes.

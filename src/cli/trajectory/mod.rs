@@ -72,7 +72,7 @@ pub(crate) struct Trajectory {
 
     /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps; of all moves on the way, without
     /// the rests between them [default: the shortest within the limits of --link].
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     duration: Option<f64>,
 
     /// A limit beside those of the link file, torque=5 or 'power="20 W"', or in place of the one with the same key;
@@ -90,22 +90,22 @@ pub(crate) struct Trajectory {
     pub(crate) changes: ChangeArgs,
 
     /// Step in s or with its unit.
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     step: f64,
 
     /// Rest before the motion in s or with its unit, a whole number of steps.
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     rest_before: f64,
 
     /// Rest after the motion in s or with its unit, a whole number of steps.
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     rest_after: f64,
 
     #[command(flatten)]
     pub(crate) path: PathArgs,
 
     /// Rest at each --via, in s or with its unit, a whole number of steps; with --cycle also at both ends.
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     dwell: f64,
 
     /// Make one cycle of a motion that repeats, for `solve --periodic`: there, --dwell, back the same way, --dwell.

@@ -35,16 +35,22 @@ impl ArmSolution {
     /// How far the tip of the moved arm is from the path at most, over its way; where the path is one of angles, from the
     /// tip that is solved.
     pub fn tip_error_of(&self, moved: &PlayedArm) -> f64 {
-        let given = self.path.given();
+        let off = |k: usize| {
+            let wanted_m = self.wanted_tip_m(k);
+            distance([0, 1].map(|axis: usize| moved.tip[axis][0][k] - wanted_m[axis]))
+        };
+        (0..self.grid.len).map(off).fold(0.0, Size::larger) / self.way_m
+    }
+
+    /// Where the tip must be at a sample of the window, x and y in m; where the path is one of angles, where it is solved to be.
+    pub(crate) fn wanted_tip_m(&self, k: usize) -> [f64; 2] {
         let last = self.path.grid().len - 1;
         let before = usize::try_from(-self.grid.first).unwrap_or(0);
-        let wanted = |axis: usize, k: usize| match self.path.prescribed() {
+        [0, 1].map(|axis: usize| match self.path.prescribed() {
             // A window holds all rows of its path.
-            Prescribed::Tip => given[axis][k.saturating_sub(before).min(last)],
+            Prescribed::Tip => self.path.given()[axis][k.saturating_sub(before).min(last)],
             Prescribed::Angles => self.tip[axis][0][k],
-        };
-        let off = |k: usize| distance([0, 1].map(|axis| moved.tip[axis][0][k] - wanted(axis, k)));
-        (0..self.grid.len).map(off).fold(0.0, Size::larger) / self.way_m
+        })
     }
 
     /// How far the tip strays where chords are taken for as long as their links.
