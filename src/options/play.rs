@@ -33,6 +33,50 @@ enum Hold {
     Cubic,
 }
 
+/// What a torque is between its samples.
+#[derive(Debug, Args)]
+pub(crate) struct HoldArgs {
+    /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
+    /// the next one, as a converter plays a table.
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
+    hold: Hold,
+
+    /// The same as --hold linear.
+    #[arg(long, conflicts_with = "hold")]
+    linear: bool,
+}
+
+impl HoldArgs {
+    /// The torque between its samples.
+    pub(crate) fn interpolation(&self) -> Interpolation {
+        match self.hold {
+            Hold::Cubic if self.linear => Interpolation::Linear,
+            Hold::Cubic => Interpolation::Cubic,
+            Hold::Linear => Interpolation::Linear,
+            Hold::Zero => Interpolation::Zero,
+        }
+    }
+
+    /// Refuses times off a uniform step of a torque that is held: a spline that makes them uniform rings at its steps.
+    pub(crate) fn refuse_jitter(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
+        if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
+            return Ok(());
+        }
+        let must = "must be uniform for --hold zero or linear";
+        let message = format!("{}: times = off a uniform step, but {must}", file.shown);
+        let hint = "write times with more decimals, or --hold cubic";
+        Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let linear = self.linear.then(|| vec!["--linear".to_owned()]);
+        let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
+        let hold = hold.map(|hold| option("--hold", hold.get_name()));
+        hold.into_iter().chain(linear).flatten().collect()
+    }
+}
+
 /// What is played and compared.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArgs {
@@ -55,14 +99,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "T", value_parser = finite, allow_negative_numbers = true)]
     pub(crate) until: Option<f64>,
 
-    /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
-    /// the next one, as a converter plays a table.
-    #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
-    hold: Hold,
-
-    /// The same as --hold linear.
-    #[arg(long, conflicts_with = "hold")]
-    linear: bool,
+    #[command(flatten)]
+    pub(super) hold: HoldArgs,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
     /// link starts at its first displacement, but with --input hub-angle where its hub points to.
@@ -158,7 +196,7 @@ impl PlayArgs {
                 (Moving::HubAngle(hub), reading)
             }
         };
-        self.refuse_jitter(&file, &reading)?;
+        self.hold.refuse_jitter(&file, &reading)?;
         tell(shown, &reading);
         // The options of reading are those of TORQUE.
         let target = target.map(|file| -> Result<_, Failure> {
@@ -199,7 +237,7 @@ impl PlayArgs {
         let feedback = self.feedback.as_deref().and_then(<[_]>::first).copied().zip(reference);
         let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
         let feedback = feedback.transpose().map_err(|error| Self::gains_refused(&error))?;
-        let interpolation = self.interpolation();
+        let interpolation = self.hold.interpolation();
         Ok(Playing {
             file,
             moving,
@@ -214,30 +252,9 @@ impl PlayArgs {
         })
     }
 
-    /// The torque between its samples.
-    pub(super) fn interpolation(&self) -> Interpolation {
-        match self.hold {
-            Hold::Cubic if self.linear => Interpolation::Linear,
-            Hold::Cubic => Interpolation::Cubic,
-            Hold::Linear => Interpolation::Linear,
-            Hold::Zero => Interpolation::Zero,
-        }
-    }
-
     /// The failure of gains that no feedback has.
     pub(super) fn gains_refused(error: &ParameterError) -> Failure {
         Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
-    }
-
-    /// Refuses times off a uniform step of a torque that is held: a spline that makes them uniform rings at its steps.
-    pub(super) fn refuse_jitter(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
-        if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
-            return Ok(());
-        }
-        let must = "must be uniform for --hold zero or linear";
-        let message = format!("{}: times = off a uniform step, but {must}", file.shown);
-        let hint = "write times with more decimals, or --hold cubic";
-        Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
     }
 
     /// Refuses options of one link.
@@ -276,8 +293,8 @@ impl PlayArgs {
         }
         let given = [
             ("--column", self.column.is_some()),
-            ("--hold", self.hold != Hold::Cubic),
-            ("--linear", self.linear),
+            ("--hold", self.hold.hold != Hold::Cubic),
+            ("--linear", self.hold.linear),
             ("--feedback", self.feedback.is_some()),
         ];
         let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
@@ -297,9 +314,7 @@ impl PlayArgs {
         let input = (self.input == InputKind::HubAngle).then(|| option("--input", "hub-angle"));
         let column = self.column.iter().map(|column| option("--column", column));
         let until = self.until.map(|until| option("--until", until));
-        let linear = self.linear.then(|| vec!["--linear".to_owned()]);
-        let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
-        let hold = hold.map(|hold| option("--hold", hold.get_name()));
+        let hold = Some(self.hold.arguments());
         let feedback = self.feedback.as_ref().map(|pairs| {
             let pairs: Vec<String> = pairs.iter().map(|(kp, kd)| format!("{kp},{kd}")).collect();
             option("--feedback", pairs.join(","))
@@ -310,7 +325,7 @@ impl PlayArgs {
             .map(|at| option("--at", at.iter().map(f64::to_string).collect::<Vec<_>>().join(",")));
         let periodic = self.periodic.then(|| vec!["--periodic".to_owned()]);
         let input = input.into_iter().chain(column).chain(until).chain(periodic);
-        input.chain(hold).chain(linear).chain(feedback).chain(at).flatten().collect()
+        input.chain(hold).chain(feedback).chain(at).flatten().collect()
     }
 }
 

@@ -39,7 +39,7 @@ impl PlayArgs {
         let file = InputFile::read(&self.file)?;
         let (torques, reading) =
             read_joint_torques(&file.shown, &file.bytes, links, &read.format())?;
-        self.refuse_jitter(&file, &reading)?;
+        self.hold.refuse_jitter(&file, &reading)?;
         tell(&file.shown, &reading);
         let target = self.target.as_deref().map(|path| -> Result<_, Failure> {
             let file = InputFile::read(path)?;
@@ -81,7 +81,7 @@ impl PlayArgs {
                 return Err(Failure::new(Exit::Usage, &message, Some(hint)));
             }
         };
-        let interpolation = self.interpolation();
+        let interpolation = self.hold.interpolation();
         Ok(ArmPlaying {
             file,
             target,

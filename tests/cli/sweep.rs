@@ -245,6 +245,45 @@ fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
 }
 
 #[test]
+fn a_table_for_a_converter_is_played_held_on_every_case() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let made = ["trajectory", "sine", "--distance", "0.5", "--duration", "0.88", "--step", "0.01"];
+    assert!(bench.run(&[&made[..], &["-o", "coarse.csv"]].concat()).status.success());
+    let solved =
+        ["solve", &link, "coarse.csv", "--write", "held.csv", "--hold", "zero", "-o", "out"];
+    assert!(bench.run(&solved).status.success());
+    let strays = |hold: &[&str], name: &str| {
+        let played =
+            ["sweep", &link, "coarse.csv", "--vary", "hub.inertia*=1,1.05", "--torque", "held.csv"];
+        let output = bench.run(&[&played[..], hold, &["-o", name, "-q"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let rows = rows(&bench, name);
+        let place = rows[0].iter().position(|heading| heading == "tip_error_m").unwrap();
+        rows[1..].iter().map(|row| row[place].parse::<f64>().unwrap()).collect::<Vec<_>>()
+    };
+    let (held, smooth) =
+        (strays(&["--hold", "zero"], "held_rows.csv"), strays(&[], "smooth_rows.csv"));
+    assert!(held[0] < 0.3 * smooth[0] && held[1] > 2.0 * held[0], "{held:?} {smooth:?}");
+    let alone = bench.run(&[
+        "simulate",
+        &link,
+        "held.csv",
+        "--hold",
+        "zero",
+        "--target",
+        "out/tip.csv",
+        "--json",
+    ]);
+    let json: serde_json::Value = serde_json::from_slice(&alone.stdout).unwrap();
+    let worst = json["tip_error"]["worst_m"].as_f64().unwrap();
+    assert!((held[0] / worst - 1.0).abs() < 0.02, "{} {worst}", held[0]);
+    let refused =
+        bench.run(&["sweep", &link, "coarse.csv", "--vary", "hub.inertia*=1", "--hold", "zero"]);
+    assert_eq!(refused.status.code(), Some(2), "without a torque there is nothing to hold");
+}
+
+#[test]
 fn the_cases_do_not_replace_the_torque_that_is_played_on_them() {
     let bench = Bench::new();
     bench.solve(&["-q", "-o", "all/2"]);

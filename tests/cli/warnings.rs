@@ -56,8 +56,7 @@ fn an_acceleration_that_jumps_is_remarked_where_it_overshoots() {
         let summary = bench.json("out/summary.json");
         let largest =
             column(&bench, "tip.csv", "acceleration").iter().fold(0.0, |m: f64, a| m.max(a.abs()));
-        let share =
-            summary["results"]["peak_tip_acceleration_m_s2"].as_f64().unwrap() / largest - 1.0;
+        let share = summary["motion"]["peak_acceleration_m_s2"].as_f64().unwrap() / largest - 1.0;
         assert_eq!(share > 0.05, jumps, "{profile}: {share}");
         if jumps {
             assert!(

@@ -22,6 +22,7 @@ use flexlink::text::{excerpt, visible};
 use super::first::{First, FirstLink};
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
 use crate::options::inputs::{ChangeArgs, ReadArgs, ResampleArgs, scale_arguments, tell};
+use crate::options::play::HoldArgs;
 use crate::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.
@@ -54,6 +55,9 @@ pub(crate) struct TorqueArgs {
     /// Column of --torque to play [default: `torque`].
     #[arg(long, value_name = "NAME", requires = "torque")]
     column: Option<String>,
+
+    #[command(flatten)]
+    pub(crate) hold: HoldArgs,
 }
 
 /// Which files every case is to write.
@@ -284,7 +288,8 @@ impl CaseArgs {
 impl TorqueArgs {
     /// The arguments that name no file, for the record.
     fn arguments(&self) -> Vec<String> {
-        self.column.iter().flat_map(|column| option("--column", column)).collect()
+        let column = self.column.iter().flat_map(|column| option("--column", column));
+        column.chain(self.hold.arguments()).collect()
     }
 
     fn read(&self) -> Result<Option<(InputFile, Torque)>, Failure> {
@@ -293,6 +298,7 @@ impl TorqueArgs {
         let (column, format) = (self.column.as_deref(), TableFormat::default());
         let (torque, reading) = read_torque_table_as(&file.shown, &file.bytes, column, &format)?;
         tell(&file.shown, &reading);
+        self.hold.refuse_jitter(&file, &reading)?;
         Ok(Some((file, torque)))
     }
 }

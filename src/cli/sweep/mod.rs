@@ -68,6 +68,8 @@ and of the motion duration*= alone is varied.";
 #[command(long_about = LONG_ABOUT, after_help = EXAMPLE, override_usage = USAGE)]
 #[command(mut_arg("list", |nodes| nodes.requires("outputs")))]
 #[command(mut_arg("stations_m", |stations| stations.requires("outputs")))]
+#[command(mut_arg("hold", |hold| hold.requires("torque")))]
+#[command(mut_arg("linear", |linear| linear.requires("torque")))]
 #[command(mut_arg("every", |every| every.requires("outputs")))]
 #[command(mut_arg("sync", |sync| sync.conflicts_with("merge")))]
 pub(crate) struct Sweep {
@@ -99,7 +101,7 @@ pub(crate) struct Sweep {
     /// Join the shards of a sweep to one table, if none is missing.
     #[arg(long, value_name = "SHARD", num_args = 1..)]
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
-    #[arg(conflicts_with_all = ["column", "outputs", "shard", "resume", "columns", "time_unit"])]
+    #[arg(conflicts_with_all = ["column", "hold", "linear", "outputs", "shard", "resume", "columns", "time_unit"])]
     #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal"])]
     merge: Vec<PathBuf>,
 

@@ -152,6 +152,7 @@ impl Cases<'_> {
             until_s: Some(grid.end_s().max(target.grid().end_s())),
             initial_tip_m: target.start_m(),
             memory_bytes,
+            interpolation: self.shared.torque.hold.interpolation(),
             is_large: analysis.second_order_of(link) != SecondOrder::None,
             start_angle_rad: target.start_angle_rad(),
             ..Play::of(torque)
