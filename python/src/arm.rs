@@ -23,6 +23,9 @@ use crate::pool;
 use crate::solve::{MOTION, path_of, read_options};
 use crate::terminal::{Exit, Failure, memory};
 
+/// Keywords of `write`.
+const WRITING: [&str; 5] = ["nodes", "stations", "every", "digits", "golden"];
+
 /// An arm of several flexible links, as an arm file describes it, or keywords that are the keys of one.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Arm {
@@ -192,13 +195,13 @@ impl ArmSolution {
         read_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
     }
 
-    /// What a run of the command would record, none where arm or path are of no file.
+    /// What a run of the command would record, of arm and path that are no files the arguments alone.
     fn inputs(&self, options: &SolveOptions) -> RunInputs {
         match &self.given {
             GivenPath::File(path) if self.source.is_file => {
                 RunInputs::of_solve(&self.source.file, path, options.arguments())
             }
-            _ => RunInputs::default(),
+            _ => RunInputs::of_arguments(options.arguments()),
         }
     }
 
@@ -297,8 +300,8 @@ impl ArmSolution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
-    /// path are files. Keywords are its options ``nodes``, ``every``,
-    /// ``digits``.
+    /// path are files. Keywords are its options ``nodes``, ``every``, ``digits``, ``golden``, and ``stations``, distances in
+    /// m from a link's joint: :func:`solve` with the same keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -306,7 +309,7 @@ impl ArmSolution {
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
+        let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
     }
 

@@ -6,6 +6,8 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
+use flexlink::text::did_you_mean;
+
 use crate::messages::usage;
 use crate::options::common::option;
 use crate::terminal::Failure;
@@ -26,6 +28,26 @@ pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
         }
     }
     Ok(found)
+}
+
+/// Keywords of a `write` as arguments; others than the `known` are refused.
+pub(crate) fn of_writing(
+    keywords: Option<&Bound<'_, PyDict>>,
+    known: &[&str],
+) -> PyResult<Vec<String>> {
+    let Some(keywords) = keywords else { return Ok(Vec::new()) };
+    for key in keywords.keys() {
+        let key: String = key.extract()?;
+        if !known.contains(&&*key) {
+            return Err(unknown(&key, known.iter().copied()).into());
+        }
+    }
+    arguments(keywords)
+}
+
+/// The refusal of a keyword that is none of the `known`.
+pub(crate) fn unknown<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Failure {
+    usage(&format!("unexpected keyword `{key}`"), did_you_mean(key, known).as_deref())
 }
 
 /// A value as the command reads it: lists with commas, dictionaries as `quantity=column`.

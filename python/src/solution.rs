@@ -37,6 +37,9 @@ const HISTORIES: [&str; 9] = [
     "tip_deflection",
 ];
 
+/// Keywords of `write`.
+const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
+
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 #[expect(clippy::struct_field_names, reason = "the library's solution")]
@@ -85,13 +88,13 @@ impl Solution {
         }
     }
 
-    /// What a run of the command would record, none where link or motion are of no file.
+    /// What a run of the command would record, of link and motion that are no files the arguments alone.
     fn inputs(&self, options: &SolveOptions) -> RunInputs {
         match self.given.file() {
             Some(motion) if self.source.is_file => {
                 RunInputs::of_solve(&self.source.file, motion, options.arguments())
             }
-            _ => RunInputs::default(),
+            _ => RunInputs::of_arguments(options.arguments()),
         }
     }
 
@@ -310,7 +313,8 @@ impl Solution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if link and
-    /// motion are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``.
+    /// motion are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``, ``golden``, and
+    /// ``stations``, places in m of nodes: :func:`solve` with the same keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -318,7 +322,7 @@ impl Solution {
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
+        let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
     }
 
