@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
@@ -16,12 +17,12 @@ use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 
 use crate::arrays::{frame, rows, view};
 use crate::cli::solve::run::SolveOptions;
-use crate::keywords;
+use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source};
 use crate::messages::{objects, of_limit, of_remark, of_solution};
+use crate::motion::Given;
 use crate::options::inputs::remarks;
 use crate::pool;
-use crate::solve::{Given, read_options};
 use crate::terminal::{Failure, memory};
 
 /// Columns of a data frame.
@@ -49,7 +50,7 @@ type Array<'py> = Bound<'py, PyArray1<f64>>;
 pub(crate) struct Solution {
     source: Source,
     of_file: Vec<flexlink::result::Remark>,
-    given: Given,
+    given: Arc<Given>,
     /// How its file was read.
     reading: Vec<StoredWarning>,
     /// The keywords of the call, as options.
@@ -64,7 +65,7 @@ pub(crate) struct Solution {
 impl Solution {
     pub(crate) fn new(
         link: &Link,
-        (given, reading): (Given, Vec<StoredWarning>),
+        (given, reading): (Arc<Given>, Vec<StoredWarning>),
         keywords: Vec<String>,
         solution: LibrarySolution,
     ) -> Self {
@@ -102,7 +103,7 @@ impl Solution {
     fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
         let changes =
             self.source.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-        read_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
+        solve_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
     }
 
     fn summary(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {

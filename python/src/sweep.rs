@@ -1,5 +1,6 @@
 //! `sweep`: many cases in parallel, as the columns of the command's table.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -21,11 +22,11 @@ use crate::arm::{Arm, GivenPath};
 use crate::cli::arm::ArmAndPath;
 use crate::cli::solve::run::SolveOptions;
 use crate::cli::sweep::tally::{Notice, Tally};
-use crate::keywords;
+use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source, described_by};
-use crate::messages::{notice, usage, warn};
+use crate::messages::{in_python, notice, usage, warn};
+use crate::motion::{Call, Given};
 use crate::pool;
-use crate::solve::{Given, read_options};
 use crate::terminal::{Exit, Failure, memory};
 
 /// Between two looks whether Ctrl-C was pressed.
@@ -76,14 +77,14 @@ enum Problem {
 
 /// A motion as it was given, that of the link as it is, and its periods, which most cases have.
 struct OfLink {
-    given: Given,
+    given: Arc<Given>,
     length_m: f64,
     motion: TipMotion,
     periods: Periods,
 }
 
 impl Shared {
-    fn of_link(link: &Link, given: Given, options: SolveOptions) -> Result<Self, Failure> {
+    fn of_link(link: &Link, given: Arc<Given>, options: SolveOptions) -> Result<Self, Failure> {
         let own = &link.specification.link;
         let (motion, _) = given.motion(own, &options)?;
         let periods = Periods::of(&motion);
@@ -209,11 +210,14 @@ pub(crate) fn sweep<'py>(
     let shared = if let Ok(arm) = link.cast::<Arm>() {
         let arm = arm.get();
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
-        Shared::of_arm(arm, &given, read_options(&keywords::arguments(&keywords)?)?)?
+        Shared::of_arm(arm, &given, solve_options(&keywords::arguments(&keywords)?)?)?
     } else {
         let link = described_by::<Link>(link)?.get();
-        let given = Given::take(time, &keywords)?;
-        Shared::of_link(link, given, read_options(&keywords::arguments(&keywords)?)?)?
+        let Call { given, arguments, motion } = Call::take(time, &keywords)?;
+        if let Some(motion) = motion {
+            motion.refuse_other(&link.specification.link)?;
+        }
+        Shared::of_link(link, given, solve_options(&arguments)?)?
     };
     let rows = py.detach(|| interruptible(|stop| all_rows(&shared, &cases, threads, stop)))?;
     table(varied, shared.kind, rows)
@@ -314,7 +318,9 @@ fn table(
     for (row, case) in rows.into_iter().zip(1..) {
         let (numbers, notices, error) = match row {
             Ok((numbers, notices)) => (numbers, notices, None),
-            Err(failure) => (vec![None; names.len()], Vec::new(), Some(failure.message)),
+            Err(failure) => {
+                (vec![None; names.len()], Vec::new(), Some(in_python(&failure.message)))
+            }
         };
         warnings.push(notices.iter().map(|own| own.kind.clone()).collect::<Vec<_>>());
         tally.add(case, error.as_ref(), notices, &[]);
