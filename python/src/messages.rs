@@ -64,7 +64,7 @@ pub(crate) fn in_python(text: &str) -> String {
 fn as_value(word: &str) -> Option<(String, usize)> {
     let is_placeholder = !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
     let is_number = word.parse::<f64>().is_ok();
-    let is_text = word.contains('=') || ["comma", "point"].contains(&word);
+    let is_text = word.find('=').is_some_and(|at| at > 0) || ["comma", "point"].contains(&word);
     let shown = match () {
         () if is_placeholder || is_number => format!("={word}"),
         () if is_text => format!("={word:?}"),
