@@ -47,7 +47,6 @@ def main():
     cluster = arguments.scheduler or LocalCluster(dashboard_address=None)
     with Client(cluster) as client:
         table = sweep(client, link, cases, motion, size=10)
-    table.insert(0, "segments.*.EI*", factors)
     table.to_csv(arguments.output, index=False)
     print(f"{len(table)} cases, {table['error'].notna().sum()} failed, in {arguments.output}")
 

@@ -110,6 +110,24 @@ pub fn is_hidden(letter: char) -> bool {
     turns || letter.is_control()
 }
 
+/// Hint at the candidate with the spelling nearest to `word`, if one is near.
+///
+/// ```
+/// use flexlink::text::did_you_mean;
+/// let hint = did_you_mean("lenght", ["width", "length"]);
+/// assert_eq!(hint.as_deref(), Some("did you mean `length`?"));
+/// ```
+pub fn did_you_mean<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    let scores =
+        candidates.into_iter().map(|candidate| (candidate, strsim::jaro_winkler(word, candidate)));
+    let best = scores.reduce(|best, next| if next.1 > best.1 { next } else { best });
+    let near = best.filter(|(_, score)| *score > 0.75);
+    near.map(|(candidate, _)| format!("did you mean `{candidate}`?"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,5 +168,14 @@ mod tests {
         let sixty = "µ".repeat(60);
         assert_eq!(excerpt(&sixty), sixty);
         assert_eq!(excerpt(&format!("{sixty}x")), format!("{sixty}…"));
+    }
+
+    #[test]
+    fn a_misspelt_word_is_near_the_meant_one_and_a_strange_one_near_none() {
+        let known = ["length", "mass_per_length", "EI", "elements"];
+        let meant = |word: &str| Some(format!("did you mean `{word}`?"));
+        assert_eq!(did_you_mean("lenght", known), meant("length"));
+        assert_eq!(did_you_mean("mass_per_lenght", known), meant("mass_per_length"));
+        assert_eq!(did_you_mean("colour", known), None);
     }
 }

@@ -27,7 +27,7 @@ class _Reading(TypedDict, total=False):
     decimal: Literal["point", "comma"]
     scale_duration: float
 
-class _LinkOptions(_Reading, total=False):
+class _MotionOptions(_Reading, total=False):
     acceleration: _Column | None
     velocity: _Column | None
     displacement: _Column | None
@@ -37,9 +37,14 @@ class _LinkOptions(_Reading, total=False):
     periodic: bool
     moving_ends: bool
     scale_distance: float
-    moments: bool
 
-class _ArmOptions(_Reading, total=False):
+class _Solving(TypedDict, total=False):
+    moments: bool
+    stations: Sequence[float | str]
+
+class _LinkOptions(_MotionOptions, _Solving, total=False): ...
+
+class _ArmOptions(_Reading, _Solving, total=False):
     x: _Column
     y: _Column
     angle1: _Column
@@ -51,14 +56,18 @@ class _ArmOptions(_Reading, total=False):
     angle7: _Column
     angle8: _Column
     angle9: _Column
-    moments: bool
 
-class _Outputs(TypedDict, total=False):
-    golden: bool
+class _PlayedOutputs(TypedDict, total=False):
     nodes: Sequence[int]
+    stations: Sequence[float | str]
     every: int
-    deflections: bool
     digits: int | Literal["full"]
+
+class _ArmOutputs(_PlayedOutputs, total=False):
+    golden: bool
+
+class _Outputs(_ArmOutputs, total=False):
+    deflections: bool
 
 class _PlayOptions(TypedDict, total=False):
     torque: _Column
@@ -71,6 +80,7 @@ class _PlayOptions(TypedDict, total=False):
     reference_rate: _Column | None
     initial_tip: float
     periodic: bool
+    target: Motion | None
 
 class _FrfOptions(TypedDict, total=False):
     start: float
@@ -122,6 +132,20 @@ class Arm:
     def title(self) -> str: ...
     @property
     def lengths(self) -> list[float]: ...
+
+@final
+class Motion:
+    def __new__(
+        cls,
+        time: _Column | _Path,
+        *,
+        link: Link | None = None,
+        **options: Unpack[_MotionOptions],
+    ) -> Motion: ...
+    @property
+    def time(self) -> _Array: ...
+    @property
+    def displacement(self) -> _Array: ...
 
 @final
 class Solution:
@@ -194,7 +218,7 @@ class ArmSolution:
     def warnings(self) -> list[FlexlinkWarning]: ...
     @property
     def remarks(self) -> list[FlexlinkWarning]: ...
-    def write(self, folder: _Path, **options: Unpack[_Outputs]) -> None: ...
+    def write(self, folder: _Path, **options: Unpack[_ArmOutputs]) -> None: ...
     def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
@@ -221,8 +245,14 @@ class Simulation:
     @property
     def errors(self) -> dict[str, float] | None: ...
     @property
+    def results(self) -> dict[str, Any]: ...
+    @property
+    def tip_error(self) -> dict[str, float] | None: ...
+    @property
+    def summary(self) -> dict[str, Any]: ...
+    @property
     def warnings(self) -> list[FlexlinkWarning]: ...
-    def write(self, folder: _Path, **options: Unpack[_Outputs]) -> None: ...
+    def write(self, folder: _Path, **options: Unpack[_PlayedOutputs]) -> None: ...
     def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
@@ -290,6 +320,8 @@ class Fit:
     def write(self, path: _Path) -> None: ...
 
 @overload
+def solve(link: Link, time: Motion, **options: Unpack[_Solving]) -> Solution: ...
+@overload
 def solve(link: Link, time: _Column | _Path, **options: Unpack[_LinkOptions]) -> Solution: ...
 @overload
 def solve(link: Arm, time: _Column | _Path, **options: Unpack[_ArmOptions]) -> ArmSolution: ...
@@ -297,7 +329,7 @@ def solve(link: Arm, time: _Column | _Path, **options: Unpack[_ArmOptions]) -> A
 def sweep(
     link: Link,
     cases: Sequence[dict[str, Any]],
-    time: _Column | _Path,
+    time: _Column | _Path | Motion,
     *,
     threads: int | None = None,
     **options: Unpack[_LinkOptions],

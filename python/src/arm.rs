@@ -16,12 +16,15 @@ use flexlink::store::{OutputFolder, RunInputs};
 use crate::arrays::{column, frame, rows};
 use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::cli::solve::run::SolveOptions;
-use crate::keywords;
+use crate::keywords::{self, solve_options};
 use crate::link::{Source, python_text};
 use crate::messages::{objects, of_arm, of_limit, of_remark, usage};
+use crate::motion::{MOTION, Motion, path_of, refuse_reading};
 use crate::pool;
-use crate::solve::{MOTION, path_of, read_options};
 use crate::terminal::{Exit, Failure, memory};
+
+/// Keywords of `write`.
+const WRITING: [&str; 5] = ["nodes", "stations", "every", "digits", "golden"];
 
 /// An arm of several flexible links, as an arm file describes it, or keywords that are the keys of one.
 #[pyclass(frozen, module = "flexlink")]
@@ -107,6 +110,11 @@ impl GivenPath {
         keywords: &Bound<'_, PyDict>,
         links: usize,
     ) -> PyResult<Self> {
+        keywords::refuse_commands(keywords)?;
+        if time.is_instance_of::<Motion>() {
+            let message = "a Motion is of one link, and the arm has several";
+            return Err(usage(&message, Some("give time, x and y")).into());
+        }
         let take = |name: &str| -> PyResult<Option<PathColumn>> {
             let Some(given) = keywords.get_item(name)? else { return Ok(None) };
             keywords.del_item(name)?;
@@ -136,6 +144,7 @@ impl GivenPath {
         let table = match self {
             Self::File(file) => options.resample.path_of(file, &options.read)?,
             Self::Samples(columns) => {
+                refuse_reading(options)?;
                 let table = PathTable::of_columns(MOTION, (**columns).clone())?;
                 options.resample.path_in(table)?
             }
@@ -161,7 +170,7 @@ pub(crate) fn solved_arm(
     given: GivenPath,
     keywords: Vec<String>,
 ) -> Result<ArmSolution, Failure> {
-    let options = read_options(&keywords)?;
+    let options = solve_options(&keywords)?;
     options.refuse_for_arms()?;
     let mut specification = arm.specification.clone();
     options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
@@ -189,16 +198,16 @@ impl ArmSolution {
     fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
         let changes = self.source.changes.iter();
         let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);
-        read_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
+        solve_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
     }
 
-    /// What a run of the command would record, none where arm or path are of no file.
+    /// What a run of the command would record, of arm and path that are no files the arguments alone.
     fn inputs(&self, options: &SolveOptions) -> RunInputs {
         match &self.given {
             GivenPath::File(path) if self.source.is_file => {
                 RunInputs::of_solve(&self.source.file, path, options.arguments())
             }
-            _ => RunInputs::default(),
+            _ => RunInputs::of_arguments(options.arguments()),
         }
     }
 
@@ -297,8 +306,8 @@ impl ArmSolution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
-    /// path are files. Keywords are its options ``nodes``, ``every``,
-    /// ``digits``.
+    /// path are files. Keywords are its options ``nodes``, ``every``, ``digits``, ``golden``, and ``stations``, distances in
+    /// m from a link's joint: :func:`solve` with the same keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -306,7 +315,7 @@ impl ArmSolution {
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
+        let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
     }
 

@@ -127,6 +127,9 @@ fn in_directions<'py>(py: Python<'py>, free: &[f64], held: &[f64]) -> PyResult<B
     Ok(table)
 }
 
+/// `from` is a word of Python.
+const RENAMED: [(&str, &str); 2] = [("from", "start"), ("to", "stop")];
+
 /// Keywords of `frf`.
 #[derive(Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
@@ -155,16 +158,12 @@ pub(crate) fn frf<'py>(
     keywords: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    for (name, option) in [("start", "from"), ("stop", "to")] {
-        if let Some(value) = keywords.get_item(name)? {
-            keywords.del_item(name)?;
-            keywords.set_item(option, value)?;
-        }
-    }
+    keywords::rename(&keywords, &RENAMED)?;
     let mut arguments = keywords::arguments(&keywords)?;
     // The parser wants a file; the link is here already.
     arguments.push("link".to_owned());
-    let read = Keywords::try_parse_from(arguments).map_err(|error| keywords::refused(&error))?;
+    let read = Keywords::try_parse_from(arguments)
+        .map_err(|error| keywords::refused::<Frf>(&error, &[], &RENAMED))?;
     let columns = if let Ok(arm) = link.cast::<Arm>() {
         let at = read.frf.at.as_deref();
         let pose = ArmInPose::of(arm.get().specification.clone(), at)?;

@@ -1,14 +1,46 @@
 //! Keywords of a call as options of the command, dictionaries as TOML.
 
+use std::error::Error as _;
 use std::fmt::Write as _;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
+use flexlink::text::did_you_mean;
+
+use crate::cli::solve::run::SolveOptions;
 use crate::messages::usage;
+use crate::motion::COLUMNS;
 use crate::options::common::option;
 use crate::terminal::Failure;
+
+/// Gives keywords the names of their options.
+pub(crate) fn rename(keywords: &Bound<'_, PyDict>, renamed: &[(&str, &str)]) -> PyResult<()> {
+    for (option, name) in renamed {
+        if let Some(value) = keywords.get_item(name)? {
+            keywords.del_item(name)?;
+            keywords.set_item(option, value)?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses options of the command that a call has other means for.
+pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> PyResult<()> {
+    let others = [
+        ("set", r#"link.changed({"payload.mass": 0.2}) is the link with a change"#),
+        ("verify", "write the solution's link and motion as files for `flexlink verify`"),
+    ];
+    for (name, hint) in others {
+        if keywords.contains(name)? {
+            return Err(usage(&format!("unexpected keyword `{name}`"), Some(hint)).into());
+        }
+    }
+    Ok(())
+}
 
 /// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value. None
 /// and `False` are left out.
@@ -28,6 +60,26 @@ pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
     Ok(found)
 }
 
+/// Keywords of a `write` as arguments; others than the `known` are refused.
+pub(crate) fn of_writing(
+    keywords: Option<&Bound<'_, PyDict>>,
+    known: &[&str],
+) -> PyResult<Vec<String>> {
+    let Some(keywords) = keywords else { return Ok(Vec::new()) };
+    for key in keywords.keys() {
+        let key: String = key.extract()?;
+        if !known.contains(&&*key) {
+            return Err(unknown(&key, known.iter().copied()).into());
+        }
+    }
+    arguments(keywords)
+}
+
+/// The refusal of a keyword that is none of the `known`.
+pub(crate) fn unknown<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Failure {
+    usage(&format!("unexpected keyword `{key}`"), did_you_mean(key, known).as_deref())
+}
+
 /// A value as the command reads it: lists with commas, dictionaries as `quantity=column`.
 fn words(value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(pairs) = value.cast::<PyDict>() {
@@ -43,11 +95,74 @@ fn words(value: &Bound<'_, PyAny>) -> PyResult<String> {
     Ok(value.str()?.to_string())
 }
 
-/// The refusal of keywords by the parser of the command: its first line, which names the option.
-pub(crate) fn refused(error: &clap::Error) -> Failure {
-    let text = error.to_string();
-    let line = text.lines().next().unwrap_or_default();
-    usage(&line.strip_prefix("error: ").unwrap_or(line), None)
+/// Keywords as the options of `solve`.
+pub(crate) fn solve_options(arguments: &[String]) -> Result<SolveOptions, Failure> {
+    let refused =
+        |error| refused::<SolveOptions>(&error, &[&COLUMNS[..], &["x", "y"]].concat(), &[]);
+    SolveOptions::recorded(arguments).map_err(refused)
+}
+
+/// The refusal of keywords by the parser of the options `T`; `others` are keywords beside these, `renamed` options whose
+/// keywords have other names.
+pub(crate) fn refused<T: clap::Args>(
+    error: &clap::Error,
+    others: &[&str],
+    renamed: &[(&str, &str)],
+) -> Failure {
+    let keyword = |option: &str| keyword(option, renamed);
+    let name = |kind| match error.get(kind)? {
+        ContextValue::String(text) => Some(keyword(text)),
+        ContextValue::Strings(texts) => {
+            Some(texts.iter().map(|text| keyword(text)).collect::<Vec<_>>().join(", "))
+        }
+        _ => None,
+    };
+    let text = |kind| match error.get(kind)? {
+        ContextValue::String(text) => Some(text.clone()),
+        ContextValue::Strings(texts) => Some(texts.join(", ")),
+        _ => None,
+    };
+    let argument = name(ContextKind::InvalidArg).unwrap_or_default();
+    let value = text(ContextKind::InvalidValue).unwrap_or_default();
+    let message = match error.kind() {
+        ErrorKind::UnknownArgument => {
+            let options = T::augment_args(clap::Command::new(""));
+            let options = options.get_arguments().filter_map(clap::Arg::get_long).map(keyword);
+            let known: Vec<String> =
+                others.iter().copied().map(str::to_owned).chain(options).collect();
+            return unknown(&argument, known.iter().map(String::as_str));
+        }
+        ErrorKind::InvalidValue if value.is_empty() => format!("{argument} needs a value"),
+        ErrorKind::InvalidValue => {
+            let known = text(ContextKind::ValidValue).unwrap_or_default();
+            let hint = did_you_mean(&value, known.split(", "));
+            let message = format!("{argument} = {value:?}, but must be one of {known}");
+            return usage(&message, hint.as_deref());
+        }
+        ErrorKind::ValueValidation => match error.source() {
+            Some(must) => format!("{argument} = {value}: {must}"),
+            None => format!("{argument} = {value} is refused"),
+        },
+        ErrorKind::ArgumentConflict => {
+            let other = name(ContextKind::PriorArg).unwrap_or_default();
+            format!("{argument} must not be given with {other}")
+        }
+        ErrorKind::MissingRequiredArgument => format!("{argument} must be given"),
+        _ => {
+            let text = error.to_string();
+            let line = text.lines().next().unwrap_or_default();
+            line.strip_prefix("error: ").unwrap_or(line).to_owned()
+        }
+    };
+    usage(&message, None)
+}
+
+/// The keyword of an option as the parser names it: `--scale-duration <FACTOR>`, `<PROFILE>`.
+fn keyword(option: &str, renamed: &[(&str, &str)]) -> String {
+    let name = option.split([' ', '=']).next().unwrap_or_default();
+    let name = name.trim_matches(['-', '<', '>']).replace('-', "_").to_lowercase();
+    let renamed = renamed.iter().find(|(own, _)| *own == name);
+    renamed.map_or(name, |(_, keyword)| (*keyword).to_owned())
 }
 
 /// Changes of a link file as `--set` reads them: `{"segments.*.EI*": 4}` as `segments.*.EI*=4`.

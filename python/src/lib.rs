@@ -7,7 +7,7 @@
 //! | `messages` | errors and warnings as Python's |
 //! | `pool` | threads that survive a fork |
 //! | `link` | a link and its file |
-//! | `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
+//! | `motion`, `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
 //! | `arm` | the same of an arm |
 //! | `frequency`, `trajectory` | modes and responses; motions by profile |
 //! | `simulate`, `sweep`, `fit` | what the commands of these names do |
@@ -24,6 +24,7 @@ mod frequency;
 mod keywords;
 mod link;
 mod messages;
+mod motion;
 mod pool;
 mod simulate;
 mod solution;
@@ -45,6 +46,7 @@ use pyo3::prelude::*;
 /// Torques that make the tip of a flexible link follow a motion exactly.
 #[pymodule]
 mod _flexlink {
+    use std::env;
     use std::ffi::OsString;
     use std::io::{self, Write as _};
 
@@ -60,6 +62,8 @@ mod _flexlink {
     #[pymodule_export]
     use super::link::Link;
     #[pymodule_export]
+    use super::motion::Motion;
+    #[pymodule_export]
     use super::simulate::{PlayedLink, simulate};
     #[pymodule_export]
     use super::solution::Solution;
@@ -69,12 +73,25 @@ mod _flexlink {
     use super::stored::{ArmRun, Run, read};
     #[pymodule_export]
     use super::sweep::sweep;
+    use super::terminal::allocator::keep_freed_memory;
     #[pymodule_export]
     use super::trajectory::trajectory;
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name of it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Keeps freed memory as the command does, unless the environment says otherwise: a solution takes and frees some
+    /// megabytes, and twice as long where the system hands out fresh pages each time.
+    #[pymodule_init]
+    #[expect(clippy::unnecessary_wraps, reason = "the signature that PyO3 wants")]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let settings = ["MALLOC_TRIM_THRESHOLD_", "MALLOC_MMAP_THRESHOLD_", "GLIBC_TUNABLES"];
+        if settings.iter().all(|name| env::var_os(name).is_none()) {
+            keep_freed_memory();
+        }
+        Ok(())
+    }
 
     /// Runs the command with `sys.argv`; returns its exit code.
     #[pyfunction]

@@ -20,10 +20,57 @@ impl From<Failure> for PyErr {
         };
         let made = |py: Python<'_>| -> PyResult<PyErr> {
             let class = py.import(CLASSES)?.getattr(class)?;
-            Ok(PyErr::from_value(class.call1((failure.message, failure.hint))?))
+            let hint = failure.hint.as_deref().map(in_python);
+            Ok(PyErr::from_value(class.call1((in_python(&failure.message), hint))?))
         };
         Python::attach(|py| made(py).unwrap_or_else(|error| error))
     }
+}
+
+/// A text with keywords for options: `resample=STEP` for `--resample STEP`, and changes for `--set`.
+pub(crate) fn in_python(text: &str) -> String {
+    let mut rest = text;
+    let mut found = String::new();
+    while let Some(at) = rest.find("--") {
+        let (before, option) = (&rest[..at], &rest[at + 2..]);
+        let end = option.find(|c: char| !(c.is_ascii_lowercase() || c == '-'));
+        let (name, after) = option.split_at(end.unwrap_or(option.len()));
+        let begins = before.chars().next_back().is_none_or(|c| " '\"`(".contains(c));
+        found.push_str(before);
+        rest = after;
+        match name {
+            "set" if begins && after.starts_with(" '") => found.push_str("the change"),
+            "set" if begins => found.push_str("a change"),
+            _ if begins && name.starts_with(|c: char| c.is_ascii_lowercase()) => {
+                found.push_str(&name.replace('-', "_"));
+                let value = after.strip_prefix(' ').unwrap_or_default();
+                let value = value.split([' ', ';', ')', '`']).next().unwrap_or_default();
+                let value = value.trim_end_matches([',', '.']);
+                if let Some(value) = as_value(value) {
+                    found.push_str(&value.0);
+                    rest = &after[1 + value.1..];
+                }
+            }
+            _ => {
+                found.push_str("--");
+                found.push_str(name);
+            }
+        }
+    }
+    found + rest
+}
+
+/// The value of an option as that of a keyword, with the length that it had; none of a word of the sentence.
+fn as_value(word: &str) -> Option<(String, usize)> {
+    let is_placeholder = !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
+    let is_number = word.parse::<f64>().is_ok();
+    let is_text = word.find('=').is_some_and(|at| at > 0) || ["comma", "point"].contains(&word);
+    let shown = match () {
+        () if is_placeholder || is_number => format!("={word}"),
+        () if is_text => format!("={word:?}"),
+        () => return None,
+    };
+    Some((shown, word.len()))
 }
 
 /// A refusal of what a call was given.
@@ -70,7 +117,9 @@ pub(crate) fn objects<'py>(
     warnings: &[StoredWarning],
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let class = py.import(CLASSES)?.getattr("FlexlinkWarning")?;
-    let made = |own: &StoredWarning| class.call1((&own.message, &own.hint, &own.kind));
+    let made = |own: &StoredWarning| {
+        class.call1((in_python(&own.message), in_python(&own.hint), &own.kind))
+    };
     warnings.iter().map(made).collect()
 }
 

@@ -13,16 +13,16 @@ use flexlink::response::{
     Feedback, HistoryError, HubReference, Input, Interpolation, Play, PlayError, Simulation,
     Torque, simulate as played,
 };
-use flexlink::result::{PlayedMetrics, StoredWarning};
+use flexlink::result::{PlayedMetrics, StoredWarning, TipError};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary};
 
 use crate::arrays::{column, frame, rows, view};
-use crate::keywords;
-use crate::link::Link;
+use crate::keywords::{self, solve_options};
+use crate::link::{Link, described_by};
 use crate::messages::{notice, objects, usage, warn};
+use crate::motion::Motion;
 use crate::pool;
-use crate::solve::read_options;
 use crate::terminal::{Exit, Failure, memory};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
@@ -69,6 +69,12 @@ fn history(error: &HistoryError) -> Failure {
     Failure::new(Exit::InputRefused, error, error.hint())
 }
 
+/// Keywords of `simulate`, with blanks between.
+const KEYWORDS: &str = "torque hub_angle hub_rate hold until feedback reference reference_rate initial_tip periodic target";
+
+/// Keywords of `write`.
+const WRITING: [&str; 4] = ["nodes", "stations", "every", "digits"];
+
 /// How a torque goes on between its samples.
 fn interpolation(hold: &str) -> Result<Interpolation, Failure> {
     match hold {
@@ -82,7 +88,7 @@ fn interpolation(hold: &str) -> Result<Interpolation, Failure> {
     }
 }
 
-/// Takes the arrays of the call out of its keywords.
+/// Takes the arrays of the call out of its keywords, all that there are.
 fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Playing> {
     let take = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
         let Some(given) = keywords.get_item(name)? else { return Ok(None) };
@@ -131,7 +137,10 @@ fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Pla
     };
     match keywords.keys().iter().next() {
         None => Ok(playing),
-        Some(other) => Err(usage(&format!("unexpected keyword {other}"), None).into()),
+        Some(other) => {
+            let other = other.extract::<String>()?;
+            Err(keywords::unknown(&other, KEYWORDS.split(' ')).into())
+        }
     }
 }
 
@@ -140,7 +149,7 @@ fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Pla
 /// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``feedback``, a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with ``reference_rate``;
-/// ``initial_tip`` in m; ``periodic``.
+/// ``initial_tip`` in m; ``periodic``; ``target``, the wanted :class:`Motion` with which the tip is compared.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -149,8 +158,9 @@ fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Pla
 /// ... )
 /// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.88, step=0.002)
 /// >>> solution = flexlink.solve(link, **motion)
-/// >>> played = flexlink.simulate(link, solution.time, torque=solution.torque)
-/// >>> bool(abs(played.tip_displacement - solution.tip_displacement).max() < 1e-4)
+/// >>> wanted = flexlink.Motion(**motion)
+/// >>> played = flexlink.simulate(link, solution.time, torque=solution.torque, target=wanted)
+/// >>> played.tip_error["share"] < 1e-3  # of the largest distance from the start
 /// True
 #[pyfunction]
 #[pyo3(signature = (link, time, **keywords))]
@@ -160,11 +170,19 @@ pub(crate) fn simulate(
     time: &Bound<'_, PyAny>,
     keywords: Option<Bound<'_, PyDict>>,
 ) -> PyResult<PlayedLink> {
-    let link = &link.cast::<Link>()?.get().specification;
+    let link = &described_by::<Link>(link)?.get().specification;
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+    let target = keywords.get_item("target")?.filter(|given| !given.is_none());
+    if keywords.contains("target")? {
+        keywords.del_item("target")?;
+    }
+    let target = target.as_ref().map(described_by::<Motion>).transpose()?.map(Bound::get);
+    if let Some(target) = target {
+        target.refuse_other(&link.link)?;
+    }
     let is_large = link.analysis.second_order_of(&link.link) != SecondOrder::None;
     let playing = Playing { is_large, ..moving(time, &keywords)? };
-    let played = py.detach(|| pool::install(|| PlayedLink::of(link, playing)))?;
+    let played = py.detach(|| pool::install(|| PlayedLink::of(link, playing, target)))?;
     warn(py, &played.warnings)?;
     Ok(played)
 }
@@ -177,33 +195,53 @@ pub(crate) struct PlayedLink {
     playing: Playing,
     simulation: Simulation,
     error: Option<PlayError>,
+    tip_error: Option<TipError>,
     warnings: Vec<StoredWarning>,
 }
 
 impl PlayedLink {
-    fn of(specification: &Specification, playing: Playing) -> Result<Self, Failure> {
+    fn of(
+        specification: &Specification,
+        playing: Playing,
+        target: Option<&Motion>,
+    ) -> Result<Self, Failure> {
         let (link, play) = (&specification.link, playing.play());
         let simulation = played(link, &specification.mesh, &play)?;
         let error = PlayError::of(&simulation, link, &play)?;
+        let grid = &simulation.grid;
+        let target = target.map(|motion| motion.target(grid.time_s(0), grid.end_s()));
+        let compared = target.map(|target| TipError::of(&simulation, &target));
+        let tip_error = compared.transpose()?;
         let coarse = error.as_ref().and_then(|error| error.warning(&simulation));
         let warnings = simulation.warnings.iter().copied().chain(coarse);
-        let warnings = warnings.map(|own| notice(own.kind(), &own, own.hint())).collect();
-        Ok(Self { link: link.clone(), playing, simulation, error, warnings })
+        let warnings = warnings.map(|own| notice(own.kind(), &own, own.hint()));
+        let late = tip_error.and_then(|error| error.late);
+        let late = late.map(|own| notice(own.kind(), &own, own.hint()));
+        let warnings = warnings.chain(late).collect();
+        Ok(Self { link: link.clone(), playing, simulation, error, tip_error, warnings })
+    }
+
+    fn summary(&self, arguments: Vec<String>) -> Summary {
+        let findings = PlayFindings {
+            error: self.error.as_ref(),
+            tip_error: self.tip_error.as_ref(),
+            ..PlayFindings::default()
+        };
+        Summary::of_simulation(
+            RunInputs::of_arguments(arguments),
+            (&self.link, &self.playing.play()),
+            &self.simulation,
+            &PlayedMetrics::of(&self.simulation),
+            &findings,
+        )
     }
 
     fn write_into(&self, folder: &Path, keywords: &[String]) -> Result<(), Failure> {
-        let options = read_options(keywords)?;
+        let options = solve_options(keywords)?;
         let (simulation, outputs) = (&self.simulation, options.outputs());
         options.nodes.check(&simulation.mesh)?;
         memory::check_nodes(outputs.simulation_bytes(simulation), memory::available())?;
-        let findings = PlayFindings { error: self.error.as_ref(), ..PlayFindings::default() };
-        let summary = Summary::of_simulation(
-            RunInputs::default(),
-            (&self.link, &self.playing.play()),
-            simulation,
-            &PlayedMetrics::of(simulation),
-            &findings,
-        );
+        let summary = self.summary(options.arguments());
         let folder = OutputFolder::stage(folder, &|_| {})?;
         Ok(outputs.write_simulation(folder, &self.link, simulation, &summary)?)
     }
@@ -291,14 +329,34 @@ impl PlayedLink {
         Ok(Some(found))
     }
 
+    /// Peaks, as in summary.json.
+    #[getter]
+    fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.summary_of(py)?.get_item("results")
+    }
+
+    /// Distance of the tip from its ``target``, as in summary.json: ``worst_m``, ``share`` of the largest distance from the
+    /// start, ``time_s``, ``rms_m``, ``final_m``; None without a target.
+    #[getter]
+    fn tip_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.summary_of(py)?.get_item("tip_error")
+    }
+
+    /// What summary.json of a run holds.
+    #[getter(summary)]
+    fn summary_of<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = py.detach(|| pool::install(|| Ok(self.summary(Vec::new()).to_json())));
+        py.import("json")?.call_method1("loads", (text?,))
+    }
+
     /// What the user must know: warnings that were given to Python's filters, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.warnings)
     }
 
-    /// Writes the files of ``flexlink simulate`` into a folder, all or none. Keywords are its options ``nodes``, ``every``,
-    /// ``digits``.
+    /// Writes the files of ``flexlink simulate`` into a folder, all or none. Keywords are its options ``nodes``, ``stations``,
+    /// ``every``, ``digits``.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -306,7 +364,7 @@ impl PlayedLink {
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let keywords = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
+        let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, &keywords)))?)
     }
 

@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
@@ -16,12 +17,12 @@ use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 
 use crate::arrays::{frame, rows, view};
 use crate::cli::solve::run::SolveOptions;
-use crate::keywords;
+use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source};
 use crate::messages::{objects, of_limit, of_remark, of_solution};
+use crate::motion::Given;
 use crate::options::inputs::remarks;
 use crate::pool;
-use crate::solve::{Given, read_options};
 use crate::terminal::{Failure, memory};
 
 /// Columns of a data frame.
@@ -37,6 +38,9 @@ const HISTORIES: [&str; 9] = [
     "tip_deflection",
 ];
 
+/// Keywords of `write`.
+const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
+
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 #[expect(clippy::struct_field_names, reason = "the library's solution")]
@@ -46,7 +50,7 @@ type Array<'py> = Bound<'py, PyArray1<f64>>;
 pub(crate) struct Solution {
     source: Source,
     of_file: Vec<flexlink::result::Remark>,
-    given: Given,
+    given: Arc<Given>,
     /// How its file was read.
     reading: Vec<StoredWarning>,
     /// The keywords of the call, as options.
@@ -61,7 +65,7 @@ pub(crate) struct Solution {
 impl Solution {
     pub(crate) fn new(
         link: &Link,
-        (given, reading): (Given, Vec<StoredWarning>),
+        (given, reading): (Arc<Given>, Vec<StoredWarning>),
         keywords: Vec<String>,
         solution: LibrarySolution,
     ) -> Self {
@@ -85,13 +89,13 @@ impl Solution {
         }
     }
 
-    /// What a run of the command would record, none where link or motion are of no file.
+    /// What a run of the command would record, of link and motion that are no files the arguments alone.
     fn inputs(&self, options: &SolveOptions) -> RunInputs {
         match self.given.file() {
             Some(motion) if self.source.is_file => {
                 RunInputs::of_solve(&self.source.file, motion, options.arguments())
             }
-            _ => RunInputs::default(),
+            _ => RunInputs::of_arguments(options.arguments()),
         }
     }
 
@@ -99,7 +103,7 @@ impl Solution {
     fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
         let changes =
             self.source.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-        read_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
+        solve_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
     }
 
     fn summary(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
@@ -310,7 +314,8 @@ impl Solution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if link and
-    /// motion are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``.
+    /// motion are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``, ``golden``, and
+    /// ``stations``, places in m of nodes: :func:`solve` with the same keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -318,7 +323,7 @@ impl Solution {
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let more = keywords.as_ref().map(keywords::arguments).transpose()?.unwrap_or_default();
+        let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
     }
 

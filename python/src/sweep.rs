@@ -1,13 +1,15 @@
 //! `sweep`: many cases in parallel, as the columns of the command's table.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
+use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict};
 
 use flexlink::csv::PathTable;
 use flexlink::inverse::{Resources, invert_with};
@@ -17,14 +19,14 @@ use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
 use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind, in_order};
 
 use crate::arm::{Arm, GivenPath};
-use crate::arrays::dictionary;
 use crate::cli::arm::ArmAndPath;
 use crate::cli::solve::run::SolveOptions;
-use crate::keywords;
+use crate::cli::sweep::tally::{Notice, Tally};
+use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source, described_by};
-use crate::messages::usage;
+use crate::messages::{in_python, notice, usage, warn};
+use crate::motion::{Call, Given};
 use crate::pool;
-use crate::solve::{Given, read_options};
 use crate::terminal::{Exit, Failure, memory};
 
 /// Between two looks whether Ctrl-C was pressed.
@@ -53,8 +55,8 @@ impl Case {
     }
 }
 
-/// What came of a case: its numbers, and the kinds of its warnings; or why it has none.
-type Row = Result<(CaseNumbers, Vec<&'static str>), Failure>;
+/// What came of a case: its numbers, and its warnings; or why it has none.
+type Row = Result<(CaseNumbers, Vec<Notice>), Failure>;
 
 /// All that the cases share.
 struct Shared {
@@ -75,14 +77,14 @@ enum Problem {
 
 /// A motion as it was given, that of the link as it is, and its periods, which most cases have.
 struct OfLink {
-    given: Given,
+    given: Arc<Given>,
     length_m: f64,
     motion: TipMotion,
     periods: Periods,
 }
 
 impl Shared {
-    fn of_link(link: &Link, given: Given, options: SolveOptions) -> Result<Self, Failure> {
+    fn of_link(link: &Link, given: Arc<Given>, options: SolveOptions) -> Result<Self, Failure> {
         let own = &link.specification.link;
         let (motion, _) = given.motion(own, &options)?;
         let periods = Periods::of(&motion);
@@ -144,10 +146,10 @@ impl Shared {
         let metrics = Metrics::of(&solution);
         let first_rad_s = solution.natural_frequencies_rad_s(1).first().copied();
         let found = SolvedCase { solution: &solution, metrics: &metrics, first_rad_s };
-        let limits = limits.exceeded(&metrics);
-        let limits = limits.iter().map(|_| flexlink::result::Exceeded::KIND);
-        let kinds = solution.warnings.iter().map(flexlink::inverse::Warning::kind).chain(limits);
-        Ok((self.kind.solved(&found), kinds.collect()))
+        let exceeded = limits.exceeded(&metrics);
+        let limits = exceeded.iter().map(Notice::of_limit);
+        let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
+        Ok((self.kind.solved(&found), own.chain(limits).collect()))
     }
 
     fn solve_arm(&self, specification: Box<ArmSpecification>, case: &Case) -> Row {
@@ -160,17 +162,20 @@ impl Shared {
         let solved =
             ArmAndPath::of((&self.source.file, specification), path)?.solve(self.memory_bytes)?;
         let (solution, metrics) = (&solved.solution, &solved.metrics);
-        let limits = solved.exceeded.iter().map(|_| flexlink::result::Exceeded::KIND);
-        let kinds = solution.warnings.iter().map(flexlink::inverse::ArmWarning::kind).chain(limits);
-        Ok((self.kind.of_arm(&ArmCase { solution, metrics }), kinds.collect()))
+        let limits = solved.exceeded.iter().map(Notice::of_joint);
+        let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
+        Ok((self.kind.of_arm(&ArmCase { solution, metrics }), own.chain(limits).collect()))
     }
 }
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary:
-/// arrays of numbers, not a number where a case has none, and the lists ``warnings``, the kinds of each case, and
-/// ``error``, why it has no numbers, or None.
+/// the values of each key that cases change, then arrays of numbers, not a number where a case has none, and the lists
+/// ``warnings``, the kinds of each case, and ``error``, why it has no numbers, or None. Each kind of warning is given to
+/// Python's filters once, with the number of cases and the first of them.
 ///
 /// A case is a dictionary of changes as those of :meth:`Link.changed`; ``distance*`` and ``duration*`` scale the motion.
+/// Values that are all numbers are an array, not a number where a case does not change the key; others are a list, with
+/// None there.
 /// The motion is given as to ``solve``. Cases run on ``threads``, by default as many as cores; Ctrl-C ends the sweep after
 /// the cases at work.
 ///
@@ -184,8 +189,8 @@ impl Shared {
 /// >>> table = flexlink.sweep(link, cases, **motion)
 /// >>> bool((table["period_1_s"][:-1] / table["period_1_s"][1:] - 2 < 1e-6).all())  # four times as stiff, half the period
 /// True
-/// >>> table["error"]
-/// [None, None, None]
+/// >>> table["segments.*.EI*"], table["error"]
+/// (array([ 1.,  4., 16.]), [None, None, None])
 #[pyfunction]
 #[pyo3(signature = (link, cases, time, *, threads=None, **keywords))]
 pub(crate) fn sweep<'py>(
@@ -197,6 +202,7 @@ pub(crate) fn sweep<'py>(
     keywords: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+    let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
     if threads == Some(0) {
         return Err(PyValueError::new_err("threads = 0, but must be above 0"));
@@ -204,14 +210,41 @@ pub(crate) fn sweep<'py>(
     let shared = if let Ok(arm) = link.cast::<Arm>() {
         let arm = arm.get();
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
-        Shared::of_arm(arm, &given, read_options(&keywords::arguments(&keywords)?)?)?
+        Shared::of_arm(arm, &given, solve_options(&keywords::arguments(&keywords)?)?)?
     } else {
         let link = described_by::<Link>(link)?.get();
-        let given = Given::take(time, &keywords)?;
-        Shared::of_link(link, given, read_options(&keywords::arguments(&keywords)?)?)?
+        let Call { given, arguments, motion } = Call::take(time, &keywords)?;
+        if let Some(motion) = motion {
+            motion.refuse_other(&link.specification.link)?;
+        }
+        Shared::of_link(link, given, solve_options(&arguments)?)?
     };
     let rows = py.detach(|| interruptible(|stop| all_rows(&shared, &cases, threads, stop)))?;
-    table(py, shared.kind, rows)
+    table(varied, shared.kind, rows)
+}
+
+/// The values of each key that cases change, in the order in which the keys come.
+fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<'py, PyDict>> {
+    let table = PyDict::new(py);
+    for case in cases {
+        for key in case.keys() {
+            if table.contains(&key)? {
+                continue;
+            }
+            let values = cases.iter().map(|case| case.get_item(&key));
+            let values = values.collect::<PyResult<Vec<Option<Bound<'_, PyAny>>>>>()?;
+            let number = |value: &Option<Bound<'_, PyAny>>| match value {
+                None => Some(f64::NAN),
+                Some(value) if value.is_instance_of::<PyBool>() => None,
+                Some(value) => value.extract().ok(),
+            };
+            match values.iter().map(number).collect() {
+                Some(numbers) => table.set_item(key, PyArray1::<f64>::from_vec(py, numbers))?,
+                None => table.set_item(key, values)?,
+            }
+        }
+    }
+    Ok(table)
 }
 
 /// The rows of all cases, or of those that were done when `stop` turned true.
@@ -272,23 +305,37 @@ fn check_signals(py: Python<'_>) -> PyResult<()> {
     py.check_signals()
 }
 
-fn table(py: Python<'_>, kind: SweepKind, rows: Vec<Row>) -> PyResult<Bound<'_, PyDict>> {
-    let names = kind.names();
+/// Adds the columns of numbers, warnings and errors to those of the `varied` values.
+fn table(
+    varied: Bound<'_, PyDict>,
+    kind: SweepKind,
+    rows: Vec<Row>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let (py, table) = (varied.py(), varied);
+    let (names, mut tally) = (kind.names(), Tally::default());
     let mut columns = vec![Vec::with_capacity(rows.len()); names.len()];
     let (mut warnings, mut errors) = (Vec::new(), Vec::new());
-    for row in rows {
-        let (numbers, kinds, error) = match row {
-            Ok((numbers, kinds)) => (numbers, kinds, None),
-            Err(failure) => (vec![None; names.len()], Vec::new(), Some(failure.message)),
+    for (row, case) in rows.into_iter().zip(1..) {
+        let (numbers, notices, error) = match row {
+            Ok((numbers, notices)) => (numbers, notices, None),
+            Err(failure) => {
+                (vec![None; names.len()], Vec::new(), Some(in_python(&failure.message)))
+            }
         };
+        warnings.push(notices.iter().map(|own| own.kind.clone()).collect::<Vec<_>>());
+        tally.add(case, error.as_ref(), notices, &[]);
         for (column, number) in columns.iter_mut().zip(numbers) {
             column.push(number.unwrap_or(f64::NAN));
         }
-        warnings.push(kinds);
         errors.push(error);
     }
-    let table = dictionary(py, names.into_iter().zip(columns))?;
+    for (name, column) in names.into_iter().zip(columns) {
+        table.set_item(name, PyArray1::from_vec(py, column))?;
+    }
     table.set_item("warnings", warnings)?;
     table.set_item("error", errors)?;
+    let told = tally.warnings(|case| format!("cases[{}]", case - 1));
+    let told = told.iter().map(|own| notice(&own.kind, &own.words, own.hint));
+    warn(py, &told.collect::<Vec<_>>())?;
     Ok(table)
 }

@@ -23,6 +23,9 @@ struct Keywords {
 /// Options that are given once for each element of a list.
 const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
 
+/// `from` is a word of Python.
+const RENAMED: [(&str, &str); 1] = [("from", "start")];
+
 /// Columns by name.
 type Columns = Vec<(String, Vec<f64>)>;
 
@@ -45,10 +48,7 @@ pub(crate) fn trajectory<'py>(
     keywords: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    if let Some(value) = keywords.get_item("start")? {
-        keywords.del_item("start")?;
-        keywords.set_item("from", value)?;
-    }
+    keywords::rename(&keywords, &RENAMED)?;
     let mut repeated = Vec::new();
     for name in REPEATED {
         let Some(values) = keywords.get_item(name)? else { continue };
@@ -64,7 +64,8 @@ pub(crate) fn trajectory<'py>(
     let mut arguments = keywords::arguments(&keywords)?;
     arguments.extend(repeated);
     arguments.push(profile.to_owned());
-    let read = Keywords::try_parse_from(arguments).map_err(|error| keywords::refused(&error))?;
+    let read = Keywords::try_parse_from(arguments)
+        .map_err(|error| keywords::refused::<Trajectory>(&error, &[], &RENAMED))?;
     let columns = py.detach(|| pool::install(|| columns(&read.trajectory)))?;
     dictionary(py, columns)
 }

@@ -81,7 +81,7 @@ def test_a_sweep_has_the_numbers_of_the_command(command: Command, tmp_path: Path
     cases = [{"segments.*.EI*": factor} for factor in factors]
     table = flexlink.sweep(flexlink.Link.read(LINK), cases, MOTION, threads=2)
     theirs = columns(tmp_path / "s.csv")
-    assert set(table) == set(theirs) - {"segments.*.EI*"}
+    assert list(table) == list(theirs)
     for name in set(table) - {"warnings", "error"}:
         # The command writes twelve digits or more.
         np.testing.assert_allclose(table[name], [float(x) for x in theirs[name]], rtol=1e-11)

@@ -12,7 +12,7 @@ mod report;
 mod setup;
 mod simulate;
 pub(crate) mod solve;
-mod sweep;
+pub(crate) mod sweep;
 pub(crate) mod trajectory;
 mod verify;
 

@@ -1,4 +1,6 @@
-//! Motions and paths whose samples a program has as numbers: no file, no lines, the same checks and remedies.
+//! Motions and paths whose samples a program has as numbers: no file, no lines, the same checks, digits and remedies.
+
+use std::fmt::Write as _;
 
 use super::format::Reading;
 use super::motion::MotionTable;
@@ -6,11 +8,13 @@ use super::path::PathTable;
 use super::place::Place;
 use super::rows::TableError;
 use super::samples::MIN_SAMPLES;
-use crate::motion::{Ends, MotionColumns, PathColumns, Recording};
+use crate::motion::{Ends, MotionColumns, PathColumns, Recording, Uncertainty};
+use crate::recording::{Digits, Rounding};
 
 impl MotionTable {
     /// The table of samples that a program has, with which it can do what it does with a file: make times uniform, say
-    /// what noise the samples carry. Errors call it `name`.
+    /// what noise the samples carry. Errors call it `name`. Displacements have the decimals of the shortest text that
+    /// reads back to each, as in a file of these texts.
     ///
     /// ```
     /// use flexlink::csv::MotionTable;
@@ -35,15 +39,20 @@ impl MotionTable {
         ];
         let given = given.into_iter().filter_map(|(own, values)| Some((own, values.as_deref()?)));
         check(name, time_s, given.collect())?;
-        Ok(Self {
+        let uncertainty = columns.displacement_m.as_deref().and_then(|own| rounded(own, 1.0));
+        Ok(Self::of_checked(name, columns, uncertainty))
+    }
+
+    fn of_checked(name: &str, columns: MotionColumns, uncertainty: Option<Uncertainty>) -> Self {
+        Self {
             columns,
             name: name.to_owned(),
             lines: Vec::new(),
             reading: Reading::default(),
-            recording: Recording::default(),
+            recording: Recording { uncertainty, ..Recording::default() },
             first_angle_rad: None,
             ends: Ends::default(),
-        })
+        }
     }
 
     /// The same of the angle of the tip, whose arc is the displacement.
@@ -60,22 +69,41 @@ impl MotionTable {
         let displacement_m = Some(angle_rad.iter().map(|angle| angle * link_length_m).collect());
         let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
         let first_angle_rad = angle_rad.first().copied();
-        Ok(Self { first_angle_rad, ..Self::of_columns(name, columns)? })
+        let uncertainty = rounded(angle_rad, link_length_m);
+        Ok(Self { first_angle_rad, ..Self::of_checked(name, columns, uncertainty) })
     }
 }
 
 impl PathTable {
-    /// The table of samples that a program has. Errors call it `name`.
+    /// The table of samples that a program has, with decimals as those of [`MotionTable::of_columns`]. Errors call it
+    /// `name`.
     ///
     /// # Errors
     /// As [`MotionTable::of_columns`].
-    pub fn of_columns(name: &str, columns: PathColumns) -> Result<Self, TableError> {
+    pub fn of_columns(name: &str, mut columns: PathColumns) -> Result<Self, TableError> {
         let given = columns.tip.iter().flatten().chain(columns.angles.iter().flatten());
         let given = given.map(|column| (column.name.as_str(), &column.values[..]));
         check(name, &columns.time_s, given.collect())?;
+        for own in columns.tip.iter_mut().flatten().chain(columns.angles.iter_mut().flatten()) {
+            own.rounded = own.rounded.or_else(|| rounded(&own.values, 1.0));
+        }
         let reading = Reading::default();
         Ok(Self { columns, name: name.to_owned(), lines: Vec::new(), reading })
     }
+}
+
+/// To which decimal numbers are rounded, by the shortest text of each that reads back to it.
+fn rounded(values: &[f64], metres_per_value: f64) -> Option<Uncertainty> {
+    let mut digits = Digits::default();
+    let mut text = String::new();
+    for value in values {
+        text.clear();
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{value}");
+        digits.count(&text, *value);
+    }
+    let Rounding { decimals, step } = digits.rounding()?;
+    Some(Uncertainty::Rounded { decimals, step_m: step * metres_per_value })
 }
 
 /// Refuses samples of which a reader of files would have refused the row.
@@ -110,6 +138,7 @@ fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), T
 
 #[cfg(test)]
 mod tests {
+    use super::super::motion::read_motion_table;
     use super::*;
 
     fn refused(time_s: &[f64], displacement_m: &[f64]) -> String {
@@ -129,6 +158,31 @@ mod tests {
         assert_eq!(not_a_number, "motion: displacement[1] = NaN, but must be a finite number");
         let turned = refused(&[0.0, 0.2, 0.1, 0.3], &[0.0; 4]);
         assert_eq!(turned, "motion: time[2] = 0.1 s, but must be above time[1], 0.2 s");
+    }
+
+    #[test]
+    fn numbers_have_the_decimals_of_a_file_of_them() {
+        let wave = |k: u32| 0.5 - 0.5 * libm::cos(f64::from(k) / 10.0);
+        for unit in [1e4, 1e17] {
+            let values: Vec<f64> = (0..=31).map(|k| (wave(k) * unit).round() / unit).collect();
+            let time_s: Vec<f64> = (0..=31).map(f64::from).collect();
+            let rows = time_s.iter().zip(&values).map(|(t, x)| format!("{t},{x}\n"));
+            let rows: String = rows.collect();
+            let read = |head: &str| {
+                let file = format!("{head}{rows}");
+                read_motion_table("motion", file.as_bytes(), 1.5).unwrap().recording
+            };
+            let displacement_m = Some(values.clone());
+            let columns = MotionColumns {
+                time_s: time_s.clone(),
+                displacement_m,
+                ..MotionColumns::default()
+            };
+            let given = MotionTable::of_columns("motion", columns).unwrap();
+            assert_eq!(given.recording, read("time,displacement\n"));
+            let given = MotionTable::of_angle("motion", time_s, &values, 1.5).unwrap();
+            assert_eq!(given.recording, read("time,angle\n"));
+        }
     }
 
     #[test]

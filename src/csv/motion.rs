@@ -43,6 +43,11 @@ impl MotionTable {
         self.lines.get(sample).copied()
     }
 
+    /// True if the displacement is made of angles, and so is that of one link.
+    pub fn is_of_angle(&self) -> bool {
+        self.first_angle_rad.is_some()
+    }
+
     /// The samples.
     pub fn columns(&self) -> &MotionColumns {
         &self.columns

@@ -101,18 +101,26 @@ impl NodeArgs {
     /// Returns an error if a node is not one of the mesh, or named twice.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
         let nodes_m = mesh.nodes_m();
-        if let Some(at_m) = self.stations_m.iter().find(|at_m| node_at(nodes_m, **at_m).is_none()) {
-            let message = format!("{STATIONS} = {at_m} m, but must be a node of the mesh");
-            let hint = "what is solved with stations has nodes there";
-            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-        }
+        self.check_stations(&[nodes_m])?;
         self.check_up_to(nodes_m.len() - 1, "nodes of the mesh")
     }
 
     /// Returns an error if no link of an arm has a node, or one is named twice.
     pub(crate) fn check_arm(&self, solution: &ArmSolution) -> Result<(), Failure> {
-        let most = solution.links.iter().map(|link| link.nodes_m.len()).max();
+        let links_m: Vec<&[f64]> = solution.links.iter().map(|link| &link.nodes_m[..]).collect();
+        self.check_stations(&links_m)?;
+        let most = links_m.iter().map(|nodes_m| nodes_m.len()).max();
         self.check_up_to(most.unwrap_or(1) - 1, "nodes of a link")
+    }
+
+    fn check_stations(&self, links_nodes_m: &[&[f64]]) -> Result<(), Failure> {
+        let is_node = |at_m: f64| links_nodes_m.iter().any(|nodes| node_at(nodes, at_m).is_some());
+        let Some(at_m) = self.stations_m.iter().find(|at_m| !is_node(**at_m)) else {
+            return Ok(());
+        };
+        let message = format!("{STATIONS} = {at_m} m, but must be a node of the mesh");
+        let hint = "what is solved with stations has nodes there";
+        Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
     /// The line of the summary that says which nodes the stations are, of each link; empty without stations.

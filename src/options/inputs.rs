@@ -190,6 +190,11 @@ impl ResampleArgs {
             Some(gravity) => table.with_gravity(gravity, link.length_m())?,
             None => table,
         };
+        self.motion_in_plane(table)
+    }
+
+    /// The same without gravity.
+    pub(crate) fn motion_in_plane(&self, table: MotionTable) -> Result<TipMotion, Failure> {
         let table = table.with_ends(self.ends());
         let table = match self.resample {
             Some(step_s) => table.resampled(step_s)?,

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::value::Count;
 use crate::link::ParameterError;
-use crate::text::{excerpt, visible};
+use crate::text::{did_you_mean, excerpt, visible};
 
 /// Hint for a missing or wrong damping ratio.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
@@ -232,18 +232,6 @@ impl From<Misfit> for Fault {
     }
 }
 
-/// Hint at the candidate with the spelling nearest to `word`, if one is near.
-pub(super) fn did_you_mean<'a>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
-    let scores =
-        candidates.into_iter().map(|candidate| (candidate, strsim::jaro_winkler(word, candidate)));
-    let best = scores.reduce(|best, next| if next.1 > best.1 { next } else { best });
-    let near = best.filter(|(_, score)| *score > 0.75);
-    near.map(|(candidate, _)| format!("did you mean `{candidate}`?"))
-}
-
 /// `a`, `a and b`, `a, b and c`, with `joint` for `and`.
 pub(super) fn listed<T: AsRef<str>>(words: &[T], joint: &str) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
@@ -257,15 +245,6 @@ pub(super) fn listed<T: AsRef<str>>(words: &[T], joint: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_misspelt_word_is_near_the_meant_one_and_a_strange_one_near_none() {
-        let known = ["length", "mass_per_length", "EI", "elements"];
-        let meant = |word: &str| Some(format!("did you mean `{word}`?"));
-        assert_eq!(did_you_mean("lenght", known), meant("length"));
-        assert_eq!(did_you_mean("mass_per_lenght", known), meant("mass_per_length"));
-        assert_eq!(did_you_mean("colour", known), None);
-    }
 
     #[test]
     fn a_list_reads_like_a_sentence() {

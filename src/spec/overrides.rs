@@ -1,10 +1,10 @@
 use std::str::FromStr;
 
 use super::choices::PROPERTIES;
-use super::error::{Fault, SpecError, did_you_mean};
+use super::error::{Fault, SpecError};
 use super::tree::{Kind, Node, Place};
 use crate::numeric::split_number;
-use crate::text::{excerpt, visible};
+use crate::text::{did_you_mean, excerpt, visible};
 
 /// Most steps of a path; link files are less deep.
 const MOST_STEPS: usize = 16;

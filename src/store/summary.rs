@@ -53,7 +53,7 @@ pub struct Summary {
 /// What a run was given: its input files, and its arguments in order, as the program takes them: `--set`,
 /// `payload.mass=0`.
 ///
-/// A program that has link and motion from numbers has no files, [`RunInputs::default`]: its run cannot be
+/// A program that has link and motion from numbers has no files, [`RunInputs::of_arguments`]: its run cannot be
 /// repeated from summary.json.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunInputs {
@@ -96,6 +96,11 @@ impl RunInputs {
     pub fn of_solve(link: &InputFile, motion: &InputFile, arguments: Vec<String>) -> Self {
         let [link, motion] = [link, motion].map(|file| Some(Fingerprint::of(file)));
         Self { link, motion, arguments, ..Self::default() }
+    }
+
+    /// The inputs of a program without files.
+    pub fn of_arguments(arguments: Vec<String>) -> Self {
+        Self { arguments, ..Self::default() }
     }
 
     /// The inputs of `simulate`.

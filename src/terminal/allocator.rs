@@ -72,7 +72,7 @@ fn end(bytes: usize) -> ! {
 /// Makes glibc keep what the program frees, up to 64 MB an arena, and give blocks of up to 32 MB out of it. A
 /// sweep allocates the same blocks for every case: it takes a third longer where the system hands out fresh
 /// pages each time. Call it before the program starts threads.
-pub(super) fn keep_freed_memory() {
+pub(crate) fn keep_freed_memory() {
     const M_TRIM_THRESHOLD: i32 = -1;
     const M_MMAP_THRESHOLD: i32 = -3;
     mallopt(M_TRIM_THRESHOLD, 1 << 26);

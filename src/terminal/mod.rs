@@ -1,7 +1,7 @@
 //! The terminal and the process: what is printed and how, which files a run may write, how the program
 //! ends, how much memory and how many threads it may take.
 
-mod allocator;
+pub(crate) mod allocator;
 pub(crate) mod console;
 mod exit;
 pub(crate) mod files;

@@ -3,7 +3,7 @@
 mod cases;
 mod first;
 mod table;
-mod tally;
+pub(crate) mod tally;
 mod work;
 
 use std::path::{Path, PathBuf};

@@ -13,8 +13,8 @@ const NAMED: &str = "the columns warnings and error name them";
 pub(crate) struct Notice {
     /// The kind, as the table has it.
     pub(crate) kind: String,
-    words: String,
-    hint: &'static str,
+    pub(crate) words: String,
+    pub(crate) hint: &'static str,
 }
 
 impl Notice {
@@ -61,6 +61,13 @@ struct Counted {
     last: usize,
     /// That of the first case.
     notice: Notice,
+}
+
+impl Counted {
+    fn line(&self, rows: usize, named: impl Fn(usize) -> String) -> String {
+        let Self { cases, first, notice: Notice { words, .. }, .. } = self;
+        format!("{cases} of {rows} cases, the first is {}: {words}", named(*first))
+    }
 }
 
 /// Counts the warnings or remarks of a case, numbered from 1: each kind once.
@@ -148,21 +155,25 @@ impl Tally {
 
     /// Prints remarks and warnings, each kind once.
     pub(crate) fn warn(&self) {
-        let rows = self.rows;
-        let line = |of: &Counted| {
-            let Counted { cases, first, notice: Notice { words, .. }, .. } = of;
-            format!("{cases} of {rows} cases, the first is case {first}: {words}")
-        };
+        let named = |case| format!("case {case}");
         for of in &self.remarks {
-            console::remark(&line(of), of.notice.hint);
+            console::remark(&of.line(self.rows, named), of.notice.hint);
         }
-        if let Some((first, message)) = &self.failure {
-            let failed = format!("{} of {rows} cases failed", self.failed);
-            let text = format!("{failed}, the first is case {first}: {message}");
-            console::warning(text, "the column error says why");
+        for Notice { words, hint, .. } in self.warnings(named) {
+            console::warning(words, hint);
         }
-        for of in &self.warnings {
-            console::warning(line(of), of.notice.hint);
-        }
+    }
+
+    /// The failures, then each kind of warning once; `named` is the name of a case by its number from 1.
+    pub(crate) fn warnings(&self, named: impl Fn(usize) -> String) -> Vec<Notice> {
+        let failure = self.failure.as_ref().map(|(first, message)| {
+            let failed = format!("{} of {} cases failed", self.failed, self.rows);
+            let words = format!("{failed}, the first is {}: {message}", named(*first));
+            Notice::new("failed", &words, "the column error says why")
+        });
+        let of_kind = |of: &Counted| {
+            Notice::new(&of.notice.kind, &of.line(self.rows, &named), of.notice.hint)
+        };
+        failure.into_iter().chain(self.warnings.iter().map(of_kind)).collect()
     }
 }

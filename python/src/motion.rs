@@ -1,0 +1,285 @@
+//! A motion of a tip: its arrays or its file as a call gives them, and what is read of them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use flexlink::csv::{InputFile, MotionTable, read_motion_table_as};
+use flexlink::link::{Gravity, Link as LibraryLink};
+use flexlink::motion::{MotionColumns, Periods, TipMotion, TipTarget};
+use flexlink::result::StoredWarning;
+
+use crate::arrays::column;
+use crate::cli::solve::run::SolveOptions;
+use crate::keywords;
+use crate::link::{Link, described_by};
+use crate::messages::{of_reading, usage};
+use crate::pool;
+use crate::terminal::{Exit, Failure};
+
+/// What messages call samples that are from no file.
+pub(crate) const MOTION: &str = "motion";
+
+/// Keywords that hold samples of a motion.
+pub(crate) const COLUMNS: [&str; 4] = ["acceleration", "velocity", "displacement", "angle"];
+
+/// A motion as a call gives it.
+pub(crate) enum Given {
+    File(InputFile),
+    Samples(Box<MotionColumns>),
+    Angle { time_s: Vec<f64>, angle_rad: Vec<f64> },
+}
+
+impl Given {
+    /// Takes the samples out of the keywords; `time` may be the path of a file instead.
+    fn take(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let mut samples = COLUMNS.map(|_| None);
+        for (name, own) in COLUMNS.into_iter().zip(&mut samples) {
+            if let Some(given) = keywords.get_item(name)? {
+                keywords.del_item(name)?;
+                *own = if given.is_none() { None } else { Some(column(name, &given)?) };
+            }
+        }
+        if let Some(path) = path_of(time)? {
+            if let Some(at) = samples.iter().position(Option::is_some) {
+                let message = format!("{} is given beside a file", COLUMNS[at]);
+                return Err(usage(&message, Some("leave one of them out")).into());
+            }
+            return Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?));
+        }
+        let time_s = column("time", time)?;
+        Ok(match samples {
+            [None, None, None, Some(angle_rad)] => Self::Angle { time_s, angle_rad },
+            [_, _, _, Some(_)] => {
+                let hint =
+                    Some("an angle stands for the displacement, and has no columns beside it");
+                return Err(usage(&"angle is given beside another column", hint).into());
+            }
+            [acceleration_m_s2, velocity_m_s, displacement_m, None] => {
+                let columns =
+                    MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
+                Self::Samples(Box::new(columns))
+            }
+        })
+    }
+
+    /// The table of the tip of a link of this length, and how its file was read.
+    fn table(
+        &self,
+        length_m: f64,
+        options: &SolveOptions,
+    ) -> Result<(MotionTable, Vec<StoredWarning>), Failure> {
+        if !matches!(self, Self::File(_)) {
+            refuse_reading(options)?;
+        }
+        let table = match self {
+            Self::File(InputFile { shown, bytes, .. }) => {
+                let table = read_motion_table_as(shown, bytes, length_m, &options.read.format())?;
+                let reading = of_reading(shown, table.reading());
+                return Ok((table, reading));
+            }
+            Self::Samples(columns) => MotionTable::of_columns(MOTION, (**columns).clone())?,
+            Self::Angle { time_s, angle_rad } => {
+                MotionTable::of_angle(MOTION, time_s.clone(), angle_rad, length_m)?
+            }
+        };
+        Ok((table, Vec::new()))
+    }
+
+    /// The motion of a link's tip, and how its file was read.
+    pub(crate) fn motion(
+        &self,
+        link: &LibraryLink,
+        options: &SolveOptions,
+    ) -> Result<(TipMotion, Vec<StoredWarning>), Failure> {
+        let (table, reading) = self.table(link.length_m(), options)?;
+        let motion = options.resample.motion_in(table, link)?;
+        Ok((options.scale.scaled(motion)?, reading))
+    }
+
+    pub(crate) fn file(&self) -> Option<&InputFile> {
+        if let Self::File(file) = self { Some(file) } else { None }
+    }
+}
+
+/// Refuses what says how a file is read, where the samples are arrays in SI.
+pub(crate) fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
+    match options.read.arguments().first() {
+        None => Ok(()),
+        Some(option) => {
+            let option = option.split('=').next().unwrap_or_default();
+            let hint = Some("arrays are in SI; multiply them");
+            Err(usage(&format!("{option} is for files, and the motion is arrays"), hint))
+        }
+    }
+}
+
+/// The path that a text or a path-like object names.
+pub(crate) fn path_of(given: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
+    if given.is_instance_of::<PyString>() || given.hasattr("__fspath__")? {
+        return Ok(Some(given.extract::<PathBuf>()?));
+    }
+    Ok(None)
+}
+
+/// A motion in a call, and its options.
+pub(crate) struct Call<'a> {
+    pub(crate) given: Arc<Given>,
+    pub(crate) arguments: Vec<String>,
+    /// Set where the call gives an object for it.
+    pub(crate) motion: Option<&'a Motion>,
+}
+
+impl<'a> Call<'a> {
+    /// Takes the motion out of the keywords; `time` may be a [`Motion`], or the path of a file.
+    pub(crate) fn take(time: &'a Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Self> {
+        keywords::refuse_commands(keywords)?;
+        let Ok(motion) = time.cast::<Motion>() else {
+            let given = Arc::new(Given::take(time, keywords)?);
+            return Ok(Self { given, arguments: keywords::arguments(keywords)?, motion: None });
+        };
+        let motion = motion.get();
+        let is_given = |name: &&&str| keywords.contains(**name).unwrap_or_default();
+        let column = COLUMNS.iter().find(is_given).map(|name| (*name).to_owned());
+        let own = keywords::arguments(keywords)?;
+        let beside = match column {
+            Some(name) => Some(name),
+            None => of_motion(&keywords::solve_options(&own)?).into_iter().next(),
+        };
+        if let Some(name) = beside {
+            let name = name.split('=').next().unwrap_or_default();
+            let message = format!("{name} is given beside a Motion, but must be given to it");
+            return Err(usage(&message, None).into());
+        }
+        let arguments = motion.arguments.iter().cloned().chain(own).collect();
+        Ok(Self { given: Arc::clone(&motion.given), arguments, motion: Some(motion) })
+    }
+}
+
+/// The options that say what the motion is, as arguments.
+fn of_motion(options: &SolveOptions) -> Vec<String> {
+    [options.resample.arguments(), options.scale.arguments(), options.read.arguments()].concat()
+}
+
+/// The motion of a tip, read once and solved for many links: :func:`solve` and :func:`sweep` take it in place of time and
+/// columns, with the same results.
+///
+/// It takes the arrays or the file of :func:`solve`, and the keywords that say what the motion is, from ``resample`` to
+/// ``decimal``. Angles are arcs of a link's length: they need ``link``, and are those of links of that length. The object
+/// keeps the cut-off and the last two spectra that were computed of the motion, so that a loop over links does not compute
+/// them again.
+///
+/// >>> import flexlink, numpy
+/// >>> time = numpy.linspace(0, 0.88, 881)
+/// >>> motion = flexlink.Motion(time, acceleration=4 * numpy.sin(2 * numpy.pi * time / 0.88))
+/// >>> motion
+/// Motion(samples=881, travel=0.493)
+/// >>> strip = {"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}
+/// >>> link = flexlink.Link(segments=[strip], hub={"inertia": 0.1}, damping={"ratio": 0.02})
+/// >>> stiffer = [link.changed({"segments.*.EI*": factor}) for factor in (1, 2, 4)]
+/// >>> peaks = [abs(flexlink.solve(own, motion).torque).max() for own in stiffer]
+/// >>> bool(peaks[0] < peaks[1] < peaks[2])
+/// True
+#[pyclass(frozen, module = "flexlink")]
+pub(crate) struct Motion {
+    given: Arc<Given>,
+    arguments: Vec<String>,
+    pub(crate) reading: Vec<StoredWarning>,
+    pub(crate) tip: TipMotion,
+    pub(crate) periods: Periods,
+    /// Length in m and gravity of the link whose arcs are given by angles.
+    arcs_of: Option<(f64, Option<Gravity>)>,
+}
+
+impl Motion {
+    fn read(
+        given: Given,
+        arguments: Vec<String>,
+        link: Option<&LibraryLink>,
+    ) -> Result<Self, Failure> {
+        let options = keywords::solve_options(&arguments)?;
+        let own = of_motion(&options);
+        let is_other = |option: &String| option.starts_with("--") && !own.contains(option);
+        if let Some(option) = options.arguments().into_iter().find(is_other) {
+            return Err(usage(
+                &format!("{option} is given to a Motion, but must be given to solve"),
+                None,
+            ));
+        }
+        let (table, reading) = given.table(link.map_or(1.0, LibraryLink::length_m), &options)?;
+        let is_of_angle = table.is_of_angle();
+        let tip = match link {
+            Some(link) => options.resample.motion_in(table, link)?,
+            None if is_of_angle => {
+                let message =
+                    "link = nothing, but must be given for angles: they are arcs of its length";
+                return Err(usage(&message, None));
+            }
+            None => options.resample.motion_in_plane(table)?,
+        };
+        let tip = options.scale.scaled(tip)?;
+        let arcs_of = link.filter(|_| is_of_angle);
+        let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));
+        let (given, periods) = (Arc::new(given), Periods::of(&tip));
+        Ok(Self { given, arguments, reading, tip, periods, arcs_of })
+    }
+
+    /// Refuses a link of which the angles are not the arcs.
+    pub(crate) fn refuse_other(&self, link: &LibraryLink) -> Result<(), Failure> {
+        let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
+        let is_same = length_m.total_cmp(&link.length_m()).is_eq();
+        if is_same && gravity.as_ref() == link.gravity() {
+            return Ok(());
+        }
+        let message =
+            "the motion is angles of a link of another length or gravity, but must be of this link";
+        Err(Failure::new(Exit::InputRefused, &message, Some("make a Motion with link=… of it")))
+    }
+
+    /// The displacement of the tip between two times in s.
+    pub(crate) fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
+        self.tip.target(from_s, until_s)
+    }
+}
+
+#[pymethods]
+impl Motion {
+    #[new]
+    #[pyo3(signature = (time, *, link=None, **keywords))]
+    fn new(
+        py: Python<'_>,
+        time: &Bound<'_, PyAny>,
+        link: Option<&Bound<'_, PyAny>>,
+        keywords: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+        let link = link.map(described_by::<Link>).transpose()?;
+        let link = link.map(|link| &link.get().specification.link);
+        keywords::refuse_commands(&keywords)?;
+        let given = Given::take(time, &keywords)?;
+        let arguments = keywords::arguments(&keywords)?;
+        Ok(py.detach(|| pool::install(|| Self::read(given, arguments, link)))?)
+    }
+
+    /// Times in s, evenly spaced.
+    #[getter]
+    fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let grid = self.tip.grid();
+        PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
+    }
+
+    /// Displacement of the tip in m along its arc, computed by each call.
+    #[getter]
+    fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let grid = self.tip.grid();
+        let find = || Ok(self.target(grid.time_s(0), grid.end_s()).displacement_m().to_vec());
+        Ok(PyArray1::from_vec(py, py.detach(|| pool::install(find))?))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Motion(samples={}, travel={:.3})", self.tip.grid().len, self.tip.travel_m())
+    }
+}
