@@ -1,12 +1,10 @@
 use super::mesh::Mesh;
 use super::plan::{MeshPlan, pieces, root_m};
+use super::stations::nearest_node;
 use crate::link::{Link, ParameterError};
 
 /// Largest distance of a given node from the mesh's own, as a share of the link's length.
 const NODE_TOLERANCE: f64 = 1e-6;
-
-/// Largest distance of a node from a place where a mesh has one, as a share of the link's length.
-const PLACE_TOLERANCE: f64 = 1e-8;
 
 impl MeshPlan {
     /// The plan whose mesh has nodes at these distances from the axis in m, as tables give them with
@@ -45,19 +43,6 @@ impl MeshPlan {
         check(nodes_m, &Mesh::planned(link, &plan))?;
         Ok(plan)
     }
-}
-
-/// Number of the node at a distance from the axis in m, if there is one.
-pub fn node_at(nodes_m: &[f64], at_m: f64) -> Option<usize> {
-    let node = nearest_node(nodes_m, at_m);
-    let tip_m = nodes_m.last()?;
-    ((nodes_m[node] - at_m).abs() <= PLACE_TOLERANCE * tip_m).then_some(node)
-}
-
-/// Number of the node nearest to a place; 0 without nodes.
-pub(crate) fn nearest_node(nodes_m: &[f64], place_m: f64) -> usize {
-    let distance = |node: &usize| (nodes_m[*node] - place_m).abs();
-    (0..nodes_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
 }
 
 fn check(nodes_m: &[f64], mesh: &Mesh) -> Result<(), ParameterError> {

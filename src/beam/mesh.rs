@@ -1,10 +1,10 @@
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
 use super::element::{Element, RelativeElement};
-use super::given_nodes::nearest_node;
 use super::inertia::Inertia;
 use super::plan::MeshPlan;
 use super::rigid_limit::{limit_stiffness, rigid_lambda};
+use super::stations::nearest_node;
 use crate::link::{Link, ParameterError};
 use crate::numeric::Scalar;
 

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `element`, `timoshenko` | K and M of one element, and in relative coordinates; with shear and rotary inertia |
-//! | `plan`, `given_nodes` | number of elements of each piece of the link; from given nodes |
+//! | `plan`, `given_nodes`, `stations` | number of elements of each piece of the link; from given nodes; nodes at places |
 //! | `inertia` | apparent inertia A, and the 2×2 system of one element |
 //! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
 //! | `recursion` | from tip to hub: torque, hub angle, tip; back from hub to tip: deflections and moments at the nodes |
@@ -22,14 +22,13 @@ mod pivoted;
 mod plan;
 mod recursion;
 mod rigid_limit;
+mod stations;
 mod timoshenko;
 mod transfer;
 
 pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_displacements_m};
 pub use batch::{nodal_transfers, tip_transfers};
 pub use element::{Element, RelativeElement};
-pub(crate) use given_nodes::nearest_node;
-pub use given_nodes::node_at;
 pub use inertia::{Gain, Inertia};
 pub use loaded::{LoadedMotion, Loads, loaded_motion};
 pub use mesh::Mesh;
@@ -38,6 +37,8 @@ pub use plan::{ElementCount, MeshPlan, Piece};
 pub use recursion::{
     HubResponse, NodalHistories, NodalQuantity, Step, condense, hub_response, tip_displacement_m,
 };
+pub(crate) use stations::nearest_node;
+pub use stations::node_at;
 pub use transfer::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
 
 /// A link for the tests of the recursion: with everything that a mesh can carry, and undamped, so that

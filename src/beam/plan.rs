@@ -23,7 +23,7 @@ pub struct Piece {
 /// The number of elements of each part of a link, checked against the link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshPlan {
-    shares: Vec<(Piece, usize)>,
+    pub(super) shares: Vec<(Piece, usize)>,
     automatic: bool,
     tolerance: f64,
 }
@@ -127,28 +127,6 @@ impl MeshPlan {
         Self { shares: self.shares.iter().map(halved).collect(), automatic: false, ..*self }
     }
 
-    /// The plan with a node at each of these distances from the axis in m: they divide its pieces as lumped
-    /// masses do.
-    ///
-    /// # Errors
-    /// [`ParameterError`] names the first place that is not on the link.
-    pub fn with_nodes_at(
-        mut self,
-        link: &Link,
-        stations_m: &[f64],
-    ) -> Result<Self, ParameterError> {
-        self.check(link)?;
-        let slack_m = POSITION_TOLERANCE * link.length_m();
-        let mut sorted_m = stations_m.to_vec();
-        sorted_m.sort_by(f64::total_cmp);
-        for at_m in sorted_m {
-            link.check_place("stations", at_m)?;
-            let cut = |(piece, count)| cut(link, (piece, count), at_m, slack_m);
-            self.shares = self.shares.into_iter().flat_map(cut).collect();
-        }
-        Ok(self)
-    }
-
     /// Refuses a link whose pieces are not those that the plan divides.
     pub(super) fn check(&self, link: &Link) -> Result<(), ParameterError> {
         let mut own = self.shares.iter().map(|(piece, _)| piece);
@@ -246,32 +224,6 @@ pub(super) fn pieces(link: &Link) -> Vec<Piece> {
     pieces
 }
 
-/// A piece and its number of elements, in two parts where a place lies in it. No element gets longer.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of the elements is a whole number"
-)]
-fn cut(
-    link: &Link,
-    (piece, count): (Piece, usize),
-    at_m: f64,
-    slack_m: f64,
-) -> Vec<(Piece, usize)> {
-    let length_m = link.segments()[piece.segment].length_m;
-    let at = (at_m - root_m(link, piece.segment)) / length_m;
-    let slack = slack_m / length_m;
-    if at <= piece.from + slack || at >= piece.to - slack {
-        return vec![(piece, count)];
-    }
-    let element = (piece.to - piece.from) / count as f64;
-    // Where a node is there already, every element stays as it is.
-    let elements = |from: f64, to: f64| ((to - from - slack) / element).ceil() as usize;
-    let inner = Piece { to: at, ..piece };
-    let outer = Piece { from: at, ..piece };
-    [inner, outer].map(|own| (own, elements(own.from, own.to))).into()
-}
-
 /// Distributes `total` elements over the pieces, at least one each, by their length in bending wavelengths.
 ///
 /// Each next element goes to the piece whose elements are longest in wavelengths; this makes the longest
@@ -320,7 +272,6 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::Mesh;
     use crate::link::{LinkParts, LumpedMass, Taper, uniform, uniform_segment};
 
     fn link(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
@@ -410,42 +361,5 @@ mod tests {
             MeshPlan::new(&divided, &[Some(2)], None, 1e-6).unwrap_err().to_string(),
             "segments.0.elements = 2, but must be at least 3: lumped masses divide the segment"
         );
-    }
-
-    #[test]
-    fn a_station_gets_a_node_and_no_element_gets_longer() {
-        let link = link(&[5.0, 50.0], &[0.2]);
-        let plan = MeshPlan::new(&link, &[Some(5), Some(4)], None, 1e-6).unwrap();
-        let mesh = Mesh::new(&link, &plan).unwrap();
-        let at = |stations_m: &[f64]| {
-            Mesh::new(&link, &plan.clone().with_nodes_at(&link, stations_m).unwrap()).unwrap()
-        };
-        for (stations_m, elements) in [
-            (mesh.nodes_m(), 9),
-            (&[0.33], 10),
-            (&[0.99, 0.01], 11),
-            (&[0.55, 0.56, 0.33, 0.55], 12),
-        ] {
-            let cut = at(stations_m);
-            assert_eq!(cut.elements().len(), elements, "{stations_m:?}");
-            for station_m in stations_m {
-                let off_m = |x_m: &f64| (x_m - station_m).abs();
-                assert!(cut.nodes_m().iter().map(off_m).fold(1.0, f64::min) < 1e-15, "{station_m}");
-            }
-            let longest =
-                |mesh: &Mesh| mesh.elements().iter().fold(0.0, |m, e| f64::max(m, e.length_m));
-            assert!(longest(&cut) <= longest(&mesh) * (1.0 + 1e-7));
-        }
-    }
-
-    #[test]
-    fn a_station_beside_the_link_is_refused() {
-        let link = link(&[5.0], &[]);
-        for at_m in [-0.1, 0.501, f64::NAN] {
-            let refused =
-                MeshPlan::automatic(&link).with_nodes_at(&link, &[0.2, at_m]).unwrap_err();
-            let must = "must lie on the link, from 0 m to 0.5 m from the axis";
-            assert_eq!(refused.to_string(), format!("stations = {at_m} m, but {must}"));
-        }
     }
 }

@@ -300,9 +300,7 @@ impl Warning {
             Self::TipMissed { shortfall: Shortfall::Noise, .. } => {
                 "an analysis.tip_tolerance above the noise, or a motion written with more digits"
             }
-            Self::InexactWindow { .. } => {
-                "longer rests around the motion, analysis.lead and lag, or a looser analysis.tolerance"
-            }
+            Self::InexactWindow { .. } => "a longer analysis.lead and lag, or a looser tolerance",
             Self::CoarseStep { .. } => "an analysis.tip_tolerance above 0, or a smoother motion",
             Self::UnsettledTorque { .. } => {
                 "a smoother motion, a motion written with more digits, or a larger \

@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::damping::Damping;
-use super::parts::{Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload, not_negative};
+use super::parts::{
+    Drive, Gravity, Hub, Joint, LumpedMass, POSITION_TOLERANCE, ParameterError, Payload,
+    not_negative,
+};
 use super::segment::Segment;
-
-/// Positions closer than this share of the link's length are one: a sum of segment lengths is
-/// not always the decimal number that a user writes for `at`.
-pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// All that makes a link, before it is checked. What is not named is left out.
 ///
@@ -98,7 +97,10 @@ impl Link {
         parts.hub.check()?;
         let link = Self { parts: parts.clone() };
         for (index, mass) in parts.masses.iter().enumerate() {
-            link.check_mass(index, mass)?;
+            let path = |key: &str| format!("masses.{index}.{key}");
+            link.check_place(&path("at"), mass.at_m)?;
+            not_negative(&path("mass"), mass.mass_kg, "kg")?;
+            not_negative(&path("inertia"), mass.inertia_kg_m2, "kg m^2")?;
         }
         let Payload { mass_kg, inertia_kg_m2, offset_m } = parts.payload;
         not_negative("payload.mass", mass_kg, "kg")?;
@@ -112,13 +114,6 @@ impl Link {
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Ok(Self { parts })
-    }
-
-    fn check_mass(&self, index: usize, mass: &LumpedMass) -> Result<(), ParameterError> {
-        let path = |key: &str| format!("masses.{index}.{key}");
-        self.check_place(&path("at"), mass.at_m)?;
-        not_negative(&path("mass"), mass.mass_kg, "kg")?;
-        not_negative(&path("inertia"), mass.inertia_kg_m2, "kg m^2")
     }
 
     /// A finite, positive rigid inertia: else no torque would be needed, or none would do.
@@ -188,20 +183,14 @@ impl Link {
         self.parts.hub.radius_m + beam
     }
 
-    /// True if a distance from the axis in m is one of a point of the link.
-    pub fn has_place(&self, at_m: f64) -> bool {
-        let slack_m = POSITION_TOLERANCE * self.length_m();
-        (self.hub().radius_m - slack_m..=self.length_m() + slack_m).contains(&at_m)
-    }
-
-    /// Refuses a distance from the axis in m that no point of the link has.
-    pub(crate) fn check_place(&self, name: &str, at_m: f64) -> Result<(), ParameterError> {
-        if self.has_place(at_m) {
-            return Ok(());
-        }
+    /// # Errors
+    /// [`ParameterError`] if the distance `name` from the axis in m is that of no point of the link.
+    pub fn check_place(&self, name: &str, at_m: f64) -> Result<(), ParameterError> {
         let (root_m, tip_m) = (self.hub().radius_m, self.length_m());
+        let slack_m = POSITION_TOLERANCE * tip_m;
+        let is_there = (root_m - slack_m..=tip_m + slack_m).contains(&at_m);
         let must = format!("must lie on the link, from {root_m} m to {tip_m} m from the axis");
-        Err(ParameterError::new(name, at_m, "m", must))
+        is_there.then_some(()).ok_or_else(|| ParameterError::new(name, at_m, "m", must))
     }
 
     /// First moment of mass about the axis in kg m: gravity across the link times it holds the link.

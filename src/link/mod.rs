@@ -16,11 +16,10 @@ pub(crate) use arm::MOST_LINKS;
 pub use arm::{Arm, ArmLink, ArmParts, Elbow};
 pub use damping::Damping;
 pub(crate) use damping::in_unit_interval;
-pub(crate) use link::POSITION_TOLERANCE;
 pub use link::{Link, LinkParts};
 #[cfg(test)]
 pub(crate) use link::{uniform, uniform_segment};
 pub use parts::{Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload};
-pub(crate) use parts::{not_negative, positive};
+pub(crate) use parts::{POSITION_TOLERANCE, not_negative, positive};
 pub use section::Section;
 pub use segment::{CrossSection, Segment, Taper, Timoshenko};

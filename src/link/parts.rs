@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+/// Positions closer than this share of the link's length are one: a sum of segment lengths is
+/// not always the decimal number that a user writes for `at`.
+pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
+
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 

@@ -7,7 +7,7 @@ use super::samples::{Ends, MotionColumns, Source};
 use super::spectrum::Cutoff;
 use super::tip_motion::{EndVelocity, TipMotion};
 use crate::link::ParameterError;
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length};
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length, largest};
 
 /// Samples of the cycles beside its own through which the spline of a cycle goes: the effect of a spline's end falls by
 /// 3.7 from one sample to the next.
@@ -29,6 +29,11 @@ impl Default for MotionScale {
 }
 
 impl TipMotion {
+    /// Largest acceleration of the samples in m/s², of displacements the largest of their second differences.
+    pub fn largest_acceleration_m_s2(&self) -> f64 {
+        largest(self.samples().forcing_m_s2())
+    }
+
     /// The same motion over another distance and duration: as many samples, the step and the rests
     /// scaled with the duration.
     ///

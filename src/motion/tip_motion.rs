@@ -8,7 +8,7 @@ use super::samples::{
     Ends, FEW_DIGITS, MotionColumns, Samples, Source, at_rest, can_be_transformed,
 };
 use super::spectrum::Cutoff;
-use crate::numeric::{TimeGrid, largest};
+use crate::numeric::TimeGrid;
 
 /// End velocity over peak velocity that is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -267,11 +267,6 @@ impl TipMotion {
     /// sample less the first, and of a periodic motion that of one cycle.
     pub fn travel_m(&self) -> f64 {
         self.samples.travel_m
-    }
-
-    /// Largest acceleration of the samples in m/s², of displacements the largest of their second differences.
-    pub fn largest_acceleration_m_s2(&self) -> f64 {
-        largest(self.samples.forcing_m_s2())
     }
 
     /// Numbers of the last sample at rest before the motion and of the first one after it.

@@ -67,7 +67,7 @@ impl NodeArgs {
     pub(crate) fn meshes(&self, arm: &Arm, meshes: &mut [MeshPlan]) -> Result<(), Failure> {
         let mut elsewhere_m = self.stations_m.clone();
         for (mesh, own) in meshes.iter_mut().zip(arm.links()) {
-            let is_there = |at_m: &f64| own.link.has_place(*at_m);
+            let is_there = |at_m: &f64| own.link.check_place(STATIONS, *at_m).is_ok();
             let stations_m: Vec<f64> = self.stations_m.iter().copied().filter(is_there).collect();
             elsewhere_m.retain(|at_m| !is_there(at_m));
             *mesh = mesh.clone().with_nodes_at(&own.link, &stations_m)?;

@@ -253,10 +253,34 @@ pub(crate) fn quantity_pattern(sign: &str) -> String {
     format!(r"^\s*{sign}{NUMBER}\s*(/\s*)?({factor}(\s*[*/·⋅]\s*(?=\S)|\s+|$))+$")
 }
 
+/// True for a rate such as `1/min` or `Hz`, by which motors are said to make turns; `1/s` is one of radians.
+pub(super) fn may_count_turns(unit: &str) -> bool {
+    let words = || unit.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
+    let has_angle = words().any(|word| ["rad", "mrad", "deg", "rpm"].contains(&word));
+    !has_angle && words().any(|word| word != "s")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::Unit;
+    use super::super::{Unit, parse_quantity};
     use super::*;
+
+    #[test]
+    fn a_rate_that_may_count_turns_is_refused() {
+        for unit in ["1/min", "/min", "min^-1", "Hz", "1/h", "1/ms"] {
+            let refused = parse_quantity(&format!("3000 {unit}"), Dimension::RATE).unwrap_err();
+            assert_eq!(
+                refused.to_string(),
+                format!("is in {unit}, which may count turns or radians")
+            );
+            assert!(refused.hint().unwrap().starts_with("write rpm for turns a minute"));
+        }
+        let rate = |text: &str| parse_quantity(text, Dimension::RATE).unwrap();
+        for (text, exact) in [("6 rad/min", 0.1), ("2 s⁻¹", 2.0), ("1 mrad/ms", 1.0)] {
+            assert!((rate(text) - exact).abs() < 1e-15, "{text}");
+        }
+        assert!((rate("30 rpm") - rate("180 deg/s")).abs() < 1e-15);
+    }
 
     #[test]
     fn the_si_unit_of_each_dimension_has_that_dimension_and_factor_one() {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::known::{Dimension, known, nearest, run_together};
+use super::known::{Dimension, known, may_count_turns, nearest, run_together};
 use crate::text::{excerpt, visible};
 
 /// A unit, such as `N m^2` or `kg/m`: a factor to SI and a dimension.
@@ -155,13 +155,6 @@ pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError>
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite) }
 }
 
-/// True for a rate such as `1/min` or `Hz`, by which motors are said to make turns; `1/s` is one of radians.
-fn may_count_turns(unit: &str) -> bool {
-    let words = || unit.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
-    let has_angle = words().any(|word| ["rad", "mrad", "deg", "rpm"].contains(&word));
-    !has_angle && words().any(|word| word != "s")
-}
-
 /// The decimal number that `text` begins with, and the rest; `None` where there is no number or
 /// it goes on in a way that leaves doubt, as in `1,5` and `1_000`.
 pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {
@@ -291,20 +284,6 @@ mod tests {
     fn refusal(text: &str, expected: Dimension) -> (String, Option<String>) {
         let error = parse_quantity(text, expected).unwrap_err();
         (error.to_string(), error.hint())
-    }
-
-    #[test]
-    fn a_rate_that_may_count_turns_is_refused() {
-        for unit in ["1/min", "/min", "min^-1", "Hz", "1/h", "1/ms"] {
-            let (message, hint) = refusal(&format!("3000 {unit}"), Dimension::RATE);
-            assert_eq!(message, format!("is in {unit}, which may count turns or radians"));
-            assert!(hint.unwrap().starts_with("write rpm for turns a minute"));
-        }
-        let rate = |text: &str| parse_quantity(text, Dimension::RATE).unwrap();
-        for (text, exact) in [("6 rad/min", 0.1), ("2 s⁻¹", 2.0), ("1 mrad/ms", 1.0)] {
-            assert!((rate(text) - exact).abs() < 1e-15, "{text}");
-        }
-        assert!((rate("30 rpm") - rate("180 deg/s")).abs() < 1e-15);
     }
 
     #[test]
