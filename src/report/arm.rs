@@ -3,12 +3,14 @@
 use std::fmt::Write as _;
 
 use super::axis::{Axis, TIME, is_extreme};
-use super::bending::{Interpolation, map};
+use super::bending::{Interpolation, deflections, map, with_colour};
 use super::figure::{Curve, Figure, Figures, Stroke};
+use super::limited::{LIMITED, Turning};
 use super::view::{inside, lead_and_lag, start_and_stop};
+use super::words::formula;
 use crate::motion::Prescribed;
 use crate::numeric::largest;
-use crate::result::{StoredArm, StoredJoint, StoredNodes};
+use crate::result::{StoredArm, StoredJoint};
 use crate::text::significant;
 
 /// Time shown before and after the path, in multiples of the largest lead and lag, and over its duration at least.
@@ -29,7 +31,12 @@ pub(super) fn arm_figures(arms: &[StoredArm]) -> Figures {
     joints.clone().for_each(|joint| figures.add(Ok(shown.torque(joint))));
     figures.add(Ok(shown.tip()));
     shown.strays().into_iter().for_each(|figure| figures.add(Ok(figure)));
-    joints.clone().for_each(|joint| figures.add(Ok(shown.angle(joint))));
+    for joint in joints.clone() {
+        figures.add(Ok(shown.angle(joint)));
+        for figure in shown.limited(joint) {
+            figures.add(Ok(figure));
+        }
+    }
     figures.add(shown.bent_angles());
     joints.for_each(|link| figures.add(shown.waves(link)));
     figures.add(shown.root_moments());
@@ -159,20 +166,29 @@ impl<'a> Shown<'a> {
             let _ = write!(caption, " Were the links rigid, it would be {} N m.", peak(rigid));
         }
         let mut curves = self.of_joint(joint, |j| &j.torque_n_m, |j| j.rigid_torque_n_m.as_ref());
-        if let Some(motor) = &own.motor_torque_n_m {
-            curves.push(self.curve("motor", Stroke::Solid(4), &self.first.times_s, motor));
-            let motor = peak(motor);
+        if let Some(motor) = &own.motor {
+            let (times_s, torque) = (&self.first.times_s, &motor.torque_n_m);
+            curves.push(self.curve("motor", Stroke::Solid(4), times_s, torque));
+            let motor = peak(torque);
             let _ = write!(caption, " On its side of the drive the motor gives up to {motor} N m.");
         }
-        for (limit, colour) in [(own.limits.torque_n_m, 1), (own.limits.motor_torque_n_m, 4)] {
-            caption.push_str(&Curve::add_limit(&mut curves, limit, "N m", colour));
+        let limits = &own.limits;
+        for (limit, whose, colour) in
+            [(limits.torque_n_m, "", 1), (limits.motor_torque_n_m, "motor's", 4)]
+        {
+            caption.push_str(&Curve::add_limit(&mut curves, limit, (whose, "N m"), colour));
         }
         let title = format!("Torque of joint {}{}", joint + 1, self.name_of(joint));
         let id = format!("torque-{}", joint + 1);
         let figure = self.figure(id, &title, caption, ("torque", "N m"), curves);
         let timing = ["lead_s", "lag_s"].map(|name| own.reading(name));
         let spans = self.first.moving_s.map(|moving_s| lead_and_lag(moving_s, timing));
-        Figure { spans: spans.unwrap_or_default(), ..figure }
+        let formula = if self.first.moving_s.is_some() {
+            formula::ARM_TORQUE
+        } else {
+            formula::TORQUE_PLAYED
+        };
+        Figure { spans: spans.unwrap_or_default(), ..figure }.by(formula)
     }
 
     fn angle(&self, joint: usize) -> Figure {
@@ -180,7 +196,27 @@ impl<'a> Shown<'a> {
         let against = if joint == 0 { "x" } else { "the tip of the link before" };
         let caption = format!("Angle that an encoder sees: of the link's root against {against}.");
         let title = format!("Angle of joint {}{}", joint + 1, self.name_of(joint));
-        self.figure(format!("angle-{}", joint + 1), &title, caption, ("angle", "rad"), curves)
+        let id = format!("angle-{}", joint + 1);
+        let figure = self.figure(id, &title, caption, ("angle", "rad"), curves);
+        figure.by(formula::JOINT_ANGLE)
+    }
+
+    /// What else of a joint and its motor has a limit.
+    fn limited(&self, joint: usize) -> Vec<Figure> {
+        let what = format!("joint {}{}", joint + 1, self.name_of(joint));
+        let limits = &self.first.joints[joint].limits;
+        let drawn = LIMITED.iter().filter_map(|topic| {
+            let limit = (topic.limit)(limits)?;
+            let own = |(run, (arm, name)): (usize, (&'a StoredArm, String))| {
+                let history = (topic.of)(&Turning::from(&arm.joints[joint]))?;
+                Some(self.curve(&name, run_stroke(run), &arm.times_s, &history))
+            };
+            let curves: Vec<Curve> =
+                self.named("flexible arm").enumerate().filter_map(own).collect();
+            let id = format!("{}-{}", topic.id, joint + 1);
+            Some(topic.figure((id, &what), self.time_axis(), curves, limit))
+        });
+        drawn.collect()
     }
 
     /// What bending adds to the joint angles.
@@ -199,7 +235,9 @@ impl<'a> Shown<'a> {
              the links bend{weight}."
         );
         let title = "What bending adds to the joint angles";
-        Ok(self.figure("bending-angles".to_owned(), title, caption, ("angle", "mrad"), curves))
+        let quantity = ("angle", "mrad");
+        let figure = self.figure("bending-angles".to_owned(), title, caption, quantity, curves);
+        Ok(figure.by(formula::BENDING_ANGLES))
     }
 
     fn tip(&self) -> Figure {
@@ -207,7 +245,9 @@ impl<'a> Shown<'a> {
         let curves = self.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
         let way_m = significant(largest(&from_start_m(self.first)), 4);
         let caption = format!("Place of the tip; it gets up to {way_m} m away from its start.");
-        self.figure("tip".to_owned(), "Place of the tip", caption, ("place", "m"), curves)
+        let figure =
+            self.figure("tip".to_owned(), "Place of the tip", caption, ("place", "m"), curves);
+        figure.by(formula::ARM_TIP)
     }
 
     /// How far the tips of the other runs are from the place that the path of one run wants. The tip of that run is not
@@ -235,16 +275,20 @@ impl<'a> Shown<'a> {
         };
         let caption = format!("Distance of the tip from {from}, at most: {}.", worst.join(", "));
         let title = "How far the tip strays";
-        Some(self.figure("tip-error".to_owned(), title, caption, ("distance", "m"), curves))
+        let figure = self.figure("tip-error".to_owned(), title, caption, ("distance", "m"), curves);
+        Some(figure.by(formula::ARM_TIP_ERROR))
     }
 
     /// Waves along a link: the bending moment, or the deflection where it was not written.
     fn waves(&self, link: usize) -> Result<Figure, String> {
         let arm = self.first;
         let own = &arm.links[link];
-        let (name, unit, what, mut nodes) = match own.moments_n_m.clone() {
-            Some(moments) => ("moment", "N m", "bending moment", moments),
-            None => ("deflection", "m", "deflection from the chord", deflections(arm, link)),
+        let (name, unit, what, formula, mut nodes) = if let Some(moments) = own.moments_n_m.clone()
+        {
+            ("moment", "N m", "bending moment", formula::ARM_MOMENT, moments)
+        } else {
+            let what = "deflection from the chord";
+            ("deflection", "m", what, formula::ARM_DEFLECTION, deflections(arm, link))
         };
         let words = format!("link {}{}", link + 1, self.name_of(link));
         if nodes.times_s.len() < 2 {
@@ -275,24 +319,33 @@ impl<'a> Shown<'a> {
         let figure =
             Figure::new(format!("waves-{}", link + 1), &title, caption, self.time_axis(), x);
         let marks = arm.moving_s.map(start_and_stop).unwrap_or_default();
-        Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure })
+        Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure }
+            .by(with_colour(formula, name)))
     }
 
     /// The bending moment at the root of each link.
     fn root_moments(&self) -> Result<Figure, String> {
-        let curves = self.each(&self.numbered("link"), |arm, link| {
+        let mut curves = self.each(&self.numbered("link"), |arm, link| {
             let moments = arm.links[link].moments_n_m.as_ref()?;
             Some((&moments.times_s, moments.histories[0].clone()))
         });
         if curves.is_empty() {
             return Err(
-                "bending moments, since they were not written: `solve --moments`".to_owned()
+                "bending moments, since they were not written: solve --moments writes them"
+                    .to_owned(),
             );
         }
-        let caption =
+        let mut caption =
             "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
+        for (link, joint) in self.first.joints.iter().enumerate() {
+            let (whose, limit) = (format!("link {}:", link + 1), joint.limits.bending_moment_n_m);
+            let colour = 1 + link % COLOURS;
+            caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
+        }
         let title = "Bending moments at the roots";
-        Ok(self.figure("root-moments".to_owned(), title, caption, ("moment", "N m"), curves))
+        let quantity = ("moment", "N m");
+        let figure = self.figure("root-moments".to_owned(), title, caption, quantity, curves);
+        Ok(figure.by(formula::ROOT_MOMENTS))
     }
 }
 
@@ -343,45 +396,4 @@ pub(super) fn rigid_tip_m(arm: &StoredArm) -> Option<[Vec<f64>; 2]> {
         tip_m.iter_mut().zip(at).for_each(|(axis, at)| axis.push(at));
     }
     Some(tip_m)
-}
-
-/// The chord of a link at one moment.
-pub(super) struct Chord {
-    /// Its joint in m.
-    pub(super) start_m: [f64; 2],
-    /// Its direction in rad, from −π to π.
-    pub(super) angle_rad: f64,
-    pub(super) length_m: f64,
-}
-
-impl Chord {
-    /// That of a link at a row of the nodes' places.
-    pub(super) fn of(arm: &StoredArm, link: usize, row: usize) -> Self {
-        let tip = |link: usize| {
-            let places = &arm.links[link].positions_m;
-            places[places.len() - 1].each_ref().map(|axis| axis[row])
-        };
-        let start_m = link.checked_sub(1).map_or([0.0; 2], tip);
-        let [along_x, along_y] = [0, 1].map(|axis| tip(link)[axis] - start_m[axis]);
-        let angle_rad = libm::atan2(along_y, along_x);
-        Self { start_m, angle_rad, length_m: libm::hypot(along_x, along_y) }
-    }
-
-    /// Distance of a place from the chord in m, to its left.
-    fn deflection_m(&self, place_m: [f64; 2]) -> f64 {
-        let [x, y] = [0, 1].map(|axis| place_m[axis] - self.start_m[axis]);
-        y * libm::cos(self.angle_rad) - x * libm::sin(self.angle_rad)
-    }
-}
-
-/// Deflections of a link's nodes from its chord in m.
-pub(super) fn deflections(arm: &StoredArm, link: usize) -> StoredNodes {
-    let times_s = arm.nodal_times_s.clone();
-    let chords: Vec<Chord> = (0..times_s.len()).map(|row| Chord::of(arm, link, row)).collect();
-    let of = |places: &[Vec<f64>; 2]| {
-        let at = |row: usize| chords[row].deflection_m(places.each_ref().map(|axis| axis[row]));
-        (0..chords.len()).map(at).collect()
-    };
-    let histories: Vec<Vec<f64>> = arm.links[link].positions_m.iter().map(of).collect();
-    StoredNodes { nodes: (0..histories.len()).collect(), times_s, histories }
 }

@@ -6,10 +6,9 @@ use std::fmt::Write as _;
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
-use super::arm::{
-    Chord, Shown, deflections, has_weight, rigid_directions_rad, rigid_tip_m, run_stroke,
-};
+use super::arm::{Shown, has_weight, rigid_directions_rad, rigid_tip_m, run_stroke};
 use super::axis::is_extreme;
+use super::bending::{Chord, deflections};
 use super::figure::evenly;
 use super::link::{FRAMES, NODES, exaggeration, given, largest_stiffness, short, thickness};
 use super::view::{inside, nearest};

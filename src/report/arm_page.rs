@@ -8,7 +8,6 @@ use super::figure::Figures;
 use super::link::given;
 use super::page::{FILES, Section, advice, animation, document, inputs, made_by, parted_figures};
 use super::tables::{checks, link_readings, readings, results, table, words_and_unit};
-use super::words::Kind;
 use crate::result::{StoredArm, StoredWarning};
 use crate::text::significant;
 
@@ -33,7 +32,7 @@ pub(super) fn arm_page(arms: &[StoredArm], figures: &Figures) -> Markup {
     let note = format!(
         "Over time the figures show {from} … {until} s of the {start} … {end} s that were computed."
     );
-    let [leading, more] = parted_figures("Torques, tip and joints", Kind::Arm, figures, &note);
+    let [leading, more] = parted_figures("Torques, tip and joints", figures, &note);
     sections.extend(leading);
     if let Some(motion) = &motion {
         let (heading, class) = ("The arm in motion", Some("needs-script"));
@@ -107,7 +106,7 @@ fn joints(arm: &StoredArm) -> Markup {
         }
     }
     let head = (1..=arm.joints.len()).map(|number| format!("joint {number}"));
-    let head: Vec<String> = ["number".to_owned()].into_iter().chain(head).collect();
+    let head: Vec<String> = ["quantity".to_owned()].into_iter().chain(head).collect();
     let rows = html! {
         @for name in &names {
             @let (words, unit) = words_and_unit(name);

@@ -1,12 +1,14 @@
-//! Bending along the link: moments estimated where a run did not write them, and the figure of waves.
+//! Bending along the link: moments estimated where a run did not write them, deflections of an arm's links from their
+//! chords, and the figure of waves.
 
 use super::axis::{Axis, is_extreme};
 use super::colour_map::{ColourMap, Colours};
 use super::figure::{Figure, Stroke};
 use super::view::{View, inside, nearest};
+use super::words::formula;
 use crate::beam::Mesh;
 use crate::numeric::largest;
-use crate::result::{StoredNodes, StoredRun};
+use crate::result::{StoredArm, StoredNodes, StoredRun};
 use crate::text::significant;
 
 /// Columns of the map, one for each pixel; the step of accelerations is at most one column.
@@ -143,15 +145,18 @@ pub(super) const ROWS: usize = 120;
 /// Waves along the link: the bending moment, or the deflection if too few displacements were written
 /// for it.
 pub(super) fn waves(view: &View) -> Result<Figure, String> {
-    let (name, unit, what, nodes) = if let Some(moments) = bending_moments(view) {
-        let estimated = "bending moment, estimated from the displacements,";
-        let what = if moments.is_written { "bending moment" } else { estimated };
-        ("moment", "N m", what, moments.nodes)
+    let (name, unit, what, formula, nodes) = if let Some(moments) = bending_moments(view) {
+        let (what, formula) = if moments.is_written {
+            ("bending moment", formula::MOMENT)
+        } else {
+            ("bending moment, estimated from the displacements,", formula::MOMENT_ESTIMATED)
+        };
+        ("moment", "N m", what, formula, moments.nodes)
     } else {
         let none = "waves and animation, since no node between root and tip was written, or but one \
                     moment";
         let nodes = view.deflections().ok_or(none)?;
-        ("deflection", "m", "deflection from the hub's tangent line", nodes)
+        ("deflection", "m", "deflection from the hub's tangent line", formula::DEFLECTION, nodes)
     };
     if is_extreme(nodes.peak()) {
         let why = "waves and animation, since what bends is too large or too small to be drawn";
@@ -175,7 +180,14 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     let (map, x) = map(view.span_s(), &nodes, view.run.mesh.nodes_m(), (name, unit));
     let figure = Figure::new("waves", "Waves along the link", caption, view.time_axis(), x);
     let marks = view.start_and_stop();
-    Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure })
+    Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure }
+        .by(with_colour(formula, name)))
+}
+
+/// The formula of a map's quantity, with that of its colours.
+pub(super) fn with_colour(formula: &str, name: &str) -> String {
+    let letter = if name == "moment" { "m" } else { "w" };
+    format!("{formula} Colour: sign({letter}) √(|{letter}| / max |{letter}|) of what is drawn.")
 }
 
 /// A map over the time shown, linear between times and between nodes, which are at `nodes_m`, and its axis along the
@@ -227,4 +239,45 @@ impl Interpolation {
         let (a, b) = (of(self.before), of(self.before + 1));
         a + self.share * (b - a)
     }
+}
+
+/// The chord of a link at one moment.
+pub(super) struct Chord {
+    /// Its joint in m.
+    pub(super) start_m: [f64; 2],
+    /// Its direction in rad, from −π to π.
+    pub(super) angle_rad: f64,
+    pub(super) length_m: f64,
+}
+
+impl Chord {
+    /// That of a link at a row of the nodes' places.
+    pub(super) fn of(arm: &StoredArm, link: usize, row: usize) -> Self {
+        let tip = |link: usize| {
+            let places = &arm.links[link].positions_m;
+            places[places.len() - 1].each_ref().map(|axis| axis[row])
+        };
+        let start_m = link.checked_sub(1).map_or([0.0; 2], tip);
+        let [along_x, along_y] = [0, 1].map(|axis| tip(link)[axis] - start_m[axis]);
+        let angle_rad = libm::atan2(along_y, along_x);
+        Self { start_m, angle_rad, length_m: libm::hypot(along_x, along_y) }
+    }
+
+    /// Distance of a place from the chord in m, to its left.
+    fn deflection_m(&self, place_m: [f64; 2]) -> f64 {
+        let [x, y] = [0, 1].map(|axis| place_m[axis] - self.start_m[axis]);
+        y * libm::cos(self.angle_rad) - x * libm::sin(self.angle_rad)
+    }
+}
+
+/// Deflections of a link's nodes from its chord in m.
+pub(super) fn deflections(arm: &StoredArm, link: usize) -> StoredNodes {
+    let times_s = arm.nodal_times_s.clone();
+    let chords: Vec<Chord> = (0..times_s.len()).map(|row| Chord::of(arm, link, row)).collect();
+    let of = |places: &[Vec<f64>; 2]| {
+        let at = |row: usize| chords[row].deflection_m(places.each_ref().map(|axis| axis[row]));
+        (0..chords.len()).map(at).collect()
+    };
+    let histories: Vec<Vec<f64>> = arm.links[link].positions_m.iter().map(of).collect();
+    StoredNodes { nodes: (0..histories.len()).collect(), times_s, histories }
 }

@@ -9,7 +9,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::axis::{Axis, drawn_points, in_unit};
 use super::colour_map::{ColourMap, Fields};
-use crate::text::{plain, significant, visible_document};
+use crate::text::{given, plain, significant, visible_document};
 
 /// The content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
 #[derive(Debug, Clone, Default)]
@@ -20,6 +20,8 @@ pub struct Figure {
     pub(super) title: String,
     /// Text below the figure.
     pub(super) caption: String,
+    /// The formula behind it.
+    pub(super) formula: Cow<'static, str>,
     pub(super) x: Axis,
     pub(super) y: Axis,
     /// Shaded ranges of x.
@@ -91,11 +93,11 @@ impl Curve {
     pub(super) fn add_limit(
         curves: &mut Vec<Self>,
         limit: Option<f64>,
-        unit: &str,
+        (whose, unit): (&str, &str),
         colour: usize,
     ) -> String {
         let Some(limit) = limit else { return String::new() };
-        let name = format!("limit {} {unit}", plain(limit));
+        let name = format!("{whose} limit {} {unit}", plain(limit)).trim_start().to_owned();
         let Some(line) = Self::limit((limit, &name), colour, curves) else {
             return format!(" The {name} is beyond the figure.");
         };
@@ -175,8 +177,9 @@ const ROWS: usize = 16;
 /// Rows of a map over time that its table shows.
 const MAP_ROWS: usize = 5;
 
-/// Digits of the table's numbers.
+/// Digits of the table's numbers; of a map of fields those of its CSV file.
 const DIGITS: usize = 4;
+const FIELD_DIGITS: usize = 6;
 
 impl Figure {
     /// A figure without content.
@@ -204,9 +207,14 @@ impl Figure {
         Self { curves, ..Self::new(id, title, caption, x, y) }
     }
 
-    /// True if a page of a run shows it first: torque, tip and hub, or joints.
+    /// The figure with the formula behind it.
+    pub(super) fn by(self, formula: impl Into<Cow<'static, str>>) -> Self {
+        Self { formula: formula.into(), ..self }
+    }
+
+    /// True if a page of a run shows it first: torque, tip, hub and motor, or joints.
     pub(super) fn leads(&self) -> bool {
-        const FIRST: [&str; 4] = ["torque", "tip", "hub", "angle"];
+        const FIRST: [&str; 7] = ["torque", "tip", "hub", "motor", "angle", "rate", "power"];
         let is_first = FIRST.iter().any(|first| self.id.starts_with(first));
         is_first && self.id != "tip-under-rigid-torque"
     }
@@ -228,18 +236,18 @@ impl Figure {
     /// Headings and rows of a table: some values of x at even distances, and the value of each line there; of a map
     /// all fields, or some rows.
     pub(super) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let (mut lines, unit, most) = match &self.map {
-            Some(map) if self.curves.is_empty() => {
-                let most = if map.fields.is_some() { usize::MAX } else { ROWS };
-                (self.map_lines(map), "", most)
+        let (mut lines, unit, most, digits) = match &self.map {
+            Some(map) if map.fields.is_some() => {
+                (self.map_lines(map), "", usize::MAX, FIELD_DIGITS)
             }
-            _ => (thinned(&self.curves), self.y.unit.as_str(), ROWS),
+            Some(map) if self.curves.is_empty() => (self.map_lines(map), "", ROWS, DIGITS),
+            _ => (thinned(&self.curves), self.y.unit.as_str(), ROWS, DIGITS),
         };
         lines.retain(|line| line.stroke.has_values());
         let Some(first) = lines.first() else { return (vec![], vec![]) };
         let text = |value: f64| {
-            let digits = value.is_finite().then(|| significant(value, DIGITS).replace('-', "−"));
-            digits.unwrap_or_default()
+            let text = value.is_finite().then(|| significant(value, digits).replace('-', "−"));
+            text.unwrap_or_default()
         };
         let mut head = vec![self.x.title()];
         head.extend(lines.iter().map(|line| in_unit(&line.name, unit)));
@@ -254,7 +262,8 @@ impl Figure {
     /// All rows of a map of fields, or some of one over time, as lines.
     fn map_lines(&self, map: &ColourMap) -> Vec<Curve> {
         let line = |at: f64, points: Vec<(f64, f64)>| {
-            let place = format!("{} = {} {}", self.y.name, significant(at, 3), self.y.unit);
+            let at = if map.fields.is_some() { given(at) } else { significant(at, 3) };
+            let place = format!("{} = {at} {}", self.y.name, self.y.unit);
             let name = in_unit(&format!("{} at {}", map.name, place.trim_end()), &map.unit);
             Curve { name, stroke: Stroke::Solid(1), points }
         };
@@ -352,13 +361,14 @@ mod tests {
         let curve =
             |values: &[f64]| vec![Curve::new("torque", Stroke::Solid(1), &[0.0, 1.0], values)];
         let mut curves = curve(&[-1.0, 1.5]);
-        assert_eq!(Curve::add_limit(&mut curves, Some(2.0), "N m", 1), "");
+        assert_eq!(Curve::add_limit(&mut curves, Some(2.0), ("", "N m"), 1), "");
         let limit = &curves[1];
         let heights: Vec<f64> =
             limit.points.iter().map(|(_, y)| *y).filter(|y| y.is_finite()).collect();
         assert_eq!((heights, &limit.name[..]), (vec![2.0, 2.0, -2.0, -2.0], "limit 2 N m"));
         assert_eq!(Curve::limit((2.0, "a"), 1, &curve(&[0.0, 1.5])).unwrap().points.len(), 2);
-        let told = Curve::add_limit(&mut curves, Some(20.0), "N m", 1);
-        assert_eq!((told.as_str(), curves.len()), (" The limit 20 N m is beyond the figure.", 2));
+        let told = Curve::add_limit(&mut curves, Some(20.0), ("motor's", "N m"), 1);
+        let beyond = " The motor's limit 20 N m is beyond the figure.";
+        assert_eq!((told.as_str(), curves.len()), (beyond, 2));
     }
 }

@@ -1,5 +1,6 @@
 //! All figures of a result and its page; figures of a run over time, 3 to 9 of Bayo (1987) for its links.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::arm::arm_figures;
@@ -8,10 +9,13 @@ use super::axis::is_extreme;
 use super::bending::waves;
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::frequency::{shapes, transfer};
+use super::limited::limited_of_link;
 use super::page::run_page;
 use super::sweep::sweep_figures;
 use super::sweep_page::sweep_page;
 use super::view::{View, inside};
+use super::words::formula;
+use crate::elastica::SecondOrder;
 use crate::link::Damping;
 use crate::numeric::largest;
 use crate::response::{Play, Torque, simulate_on};
@@ -46,8 +50,8 @@ fn run_figures(run: &StoredRun) -> Figures {
     for figure in [torque(view), displacement, acceleration, hub(view)] {
         figures.add(Ok(figure));
     }
-    if let Some(figure) = hub_rate(view) {
-        figures.add(Ok(figure));
+    for figure in limited_of_link(view) {
+        figures.add(figure);
     }
     figures.add(waves(view));
     if let Some(solved) = &run.solved {
@@ -114,17 +118,15 @@ fn cited(run: &StoredRun, figures: [Option<u8>; 2]) -> String {
 
 /// Acceleration and displacement of the tip.
 fn motion(view: &View) -> [Figure; 2] {
-    let tip = &view.run.tip;
-    let wanted = view.run.solved.is_some();
+    let run = view.run;
+    let tip = &run.tip;
+    let wanted = run.solved.is_some();
     let what = if wanted { "The wanted motion" } else { "The motion that the torque makes" };
     let peak = significant(largest(&tip.acceleration_m_s2), 3);
     let acceleration = view.figure(
         "tip-acceleration",
         "Acceleration of the tip",
-        format!(
-            "{what}: tip acceleration, at most {peak} m/s²{}.",
-            cited(view.run, [Some(3), None])
-        ),
+        format!("{what}: tip acceleration, at most {peak} m/s²{}.", cited(run, [Some(3), None])),
         ("acceleration", "m/s²"),
         vec![view.curve("tip", Stroke::Solid(3), &tip.acceleration_m_s2)],
     );
@@ -135,12 +137,13 @@ fn motion(view: &View) -> [Figure; 2] {
         "Displacement of the tip",
         format!(
             "{what}: tip displacement along the arc; it ends {ends} m from where it began{}.",
-            cited(view.run, [Some(4), None])
+            cited(run, [Some(4), None])
         ),
         ("displacement", "m"),
         vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)],
     );
-    [acceleration, displacement]
+    let formula = motion_formula(run, formula::TIP);
+    [acceleration.by(formula.clone()), displacement.by(formula)]
 }
 
 /// Torque at the hub, flexible against rigid.
@@ -157,19 +160,46 @@ fn torque(view: &View) -> Figure {
         // Writing to a string cannot fail.
         let paper = cited(run, [Some(5), Some(7)]);
         let _ = write!(caption, " Were the link rigid, it would be {rigid} N m{paper}.");
-        if let Some(motor) = &solved.motor_torque_n_m {
-            curves.push(view.curve("motor", Stroke::Solid(4), motor));
-            let motor = significant(largest(motor), 4);
+        if let Some(motor) = &solved.motor {
+            curves.push(view.curve("motor", Stroke::Solid(4), &motor.torque_n_m));
+            let motor = significant(largest(&motor.torque_n_m), 4);
             let _ = write!(caption, " On its side of the drive the motor gives up to {motor} N m.");
         }
         caption.push_str(&timing_words(solved));
     }
     let (limits, unit) = (&run.limits, "N m");
-    for (limit, colour) in [(limits.torque_n_m, 1), (limits.motor_torque_n_m, 4)] {
-        caption.push_str(&Curve::add_limit(&mut curves, limit, unit, colour));
+    for (limit, whose, colour) in
+        [(limits.torque_n_m, "", 1), (limits.motor_torque_n_m, "motor's", 4)]
+    {
+        caption.push_str(&Curve::add_limit(&mut curves, limit, (whose, unit), colour));
     }
     let figure = view.figure("torque", "Torque at the hub", caption, ("torque", unit), curves);
-    Figure { spans: view.lead_and_lag(), ..figure }
+    Figure { spans: view.lead_and_lag(), ..figure }.by(torque_formula(run))
+}
+
+/// The formula of a torque: of a solution with what it counts.
+fn torque_formula(run: &StoredRun) -> Cow<'static, str> {
+    let Some(solved) = &run.solved else { return formula::TORQUE_PLAYED.into() };
+    let mut words = formula::TORQUE.to_owned();
+    let is_bent = run.second_order != SecondOrder::None || run.link.has_weight();
+    for (more, counts) in
+        [(formula::SECOND_ORDER, is_bent), (formula::MOTOR, solved.motor.is_some())]
+    {
+        if counts {
+            // Writing to a string cannot fail.
+            let _ = write!(words, " {more}");
+        }
+    }
+    words.into()
+}
+
+/// The formula of a motion: what a solution has, or what makes it in a simulation.
+fn motion_formula(run: &StoredRun, solved: &'static str) -> Cow<'static, str> {
+    match run.second_order {
+        _ if run.solved.is_some() => solved.into(),
+        SecondOrder::None => formula::MODES_PLAYED.into(),
+        SecondOrder::First | SecondOrder::Full => formula::ELASTICA_PLAYED.into(),
+    }
 }
 
 /// Velocity of the tip at the start, over its peak, from which on a motion does not start at rest.
@@ -211,18 +241,7 @@ fn hub(view: &View) -> Figure {
     }
     let (title, quantity) = ("Rotation of the hub", ("angle", "rad"));
     let figure = view.figure("hub-angle", title, caption, quantity, curves);
-    Figure { spans: view.lead_and_lag(), ..figure }
-}
-
-/// Rate of the hub, where it has a limit.
-fn hub_rate(view: &View) -> Option<Figure> {
-    let limit = view.run.limits.hub_rate_rad_s?;
-    let history = &view.run.hub_rate_rad_s;
-    let mut curves = vec![view.curve("flexible link", Stroke::Solid(1), history)];
-    let mut caption =
-        format!("Rate of the hub, at most {} rad/s.", significant(largest(history), 4));
-    caption.push_str(&Curve::add_limit(&mut curves, Some(limit), "rad/s", 1));
-    Some(view.figure("hub-rate", "Rate of the hub", caption, ("rate", "rad/s"), curves))
+    Figure { spans: view.lead_and_lag(), ..figure }.by(motion_formula(run, formula::HUB))
 }
 
 /// The tip when the rigid link's torque is played on the flexible link.
@@ -255,7 +274,7 @@ fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure
         _ => "",
     };
     let strays_m = significant(strays_m, 3);
-    Ok(view.figure(
+    let figure = view.figure(
         "tip-under-rigid-torque",
         "Tip under the rigid link's torque",
         format!(
@@ -269,5 +288,7 @@ fn tip_under_rigid_torque(view: &View, solved: &StoredSolution) -> Result<Figure
             view.curve("wanted", Stroke::Solid(3), wanted),
             view.curve("rigid link's torque", Stroke::Dashed(2), tip),
         ],
-    ))
+    );
+    let is_bent = run.link.has_weight();
+    Ok(figure.by(if is_bent { formula::ELASTICA_PLAYED } else { formula::RIGID_TORQUE_PLAYED }))
 }

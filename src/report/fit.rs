@@ -6,7 +6,7 @@ use super::axis::Axis;
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::page::{Section, all_figures, document, inputs, made_by};
 use super::tables::table;
-use super::words::Kind;
+use super::words::formula;
 use crate::fit::{
     Coordinate, FitOutcome, FittedValue, HubEnd, Observable, Overlay, Replaced, Residual, Spacing,
 };
@@ -44,7 +44,7 @@ pub fn fit_page(report: &FitReport) -> String {
         sections.push(Section::new("undetermined", "Not determined", undetermined(outcome)));
     }
     let figures = figures(outcome);
-    sections.push(all_figures(Kind::Fit, &figures));
+    sections.push(all_figures(&figures));
     sections.push(Section::glossary());
     let values = html! { (values(outcome)) (replacements(replaced, *written)) };
     sections.push(Section::new("values", "Values", values));
@@ -363,7 +363,8 @@ fn differences(outcome: &FitOutcome) -> Figure {
     // Room for the names of the marks at the top.
     let range = figure.y.range.clone();
     let high = range.end + 0.15 * (range.end - range.start);
-    Figure { marks, y: Axis { range: range.start..high, ..figure.y.clone() }, ..figure }
+    let y = Axis { range: range.start..high, ..figure.y.clone() };
+    Figure { y, marks, ..figure }.by(formula::DIFFERENCES)
 }
 
 /// Measured as dots, fitted as a line.
@@ -376,7 +377,7 @@ fn over_each_other(overlay: &Overlay, number: usize) -> Figure {
     let x = axis(&overlay.x, &[places]);
     let y = axis(&overlay.y, &[measured, fitted]);
     let id = format!("overlay-{number}");
-    Figure { curves, ..Figure::new(id, name, DOTS.to_owned(), x, y) }
+    Figure { curves, ..Figure::new(id, name, DOTS.to_owned(), x, y) }.by(formula::OVERLAY)
 }
 
 /// An axis that holds these numbers.

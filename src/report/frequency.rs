@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Mark, Stroke};
+use super::words::formula;
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use crate::model::{FrequencyResponse, KeptModes, model_of};
@@ -98,7 +99,8 @@ pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
         ],
         marks,
         ..Figure::new("transfer", "Torque per tip acceleration", caption, x, y)
-    })
+    }
+    .by(formula::TRANSFER))
 }
 
 /// First and last frequency in Hz: from a tenth of the first mode to the end of the motion's spectrum,
@@ -177,7 +179,8 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     let caption = "Displacement along the link, from the hub's axis to the tip, while it vibrates freely \
                    about its hub; each shape over its largest value. The slope at the hub is the hub's \
                    own turning.";
-    Ok(Figure { curves, ..Figure::new("mode-shapes", "Mode shapes", caption.to_owned(), x, y) })
+    let figure = Figure::new("mode-shapes", "Mode shapes", caption.to_owned(), x, y);
+    Ok(Figure { curves, ..figure }.by(formula::MODE_SHAPES))
 }
 
 /// Points (x, v) of a shape by the elements' cubics, from the axis outward: the hub's radius is rigid. With shear

@@ -148,8 +148,8 @@ pub(super) fn given(value: f64, unit: &str) -> String {
 pub(super) const FRAMES: usize = 600;
 pub(super) const NODES: usize = 61;
 
-/// Significant digits of the numbers.
-const DIGITS: usize = 5;
+/// Significant digits of the numbers, which the CSV file of a map has too.
+const DIGITS: usize = 6;
 
 /// The motion over the time shown as JSON; none if no nodes were written, or if its numbers are too large
 /// or too small to be drawn.

@@ -11,6 +11,7 @@ mod figure;
 mod figures;
 mod fit;
 mod frequency;
+mod limited;
 mod link;
 mod page;
 mod sweep;

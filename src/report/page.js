@@ -26,7 +26,7 @@ const nearest = (list, v) => least([...list.keys()], (i) => Math.abs(list[i] - v
 const number = (v, step) => {
 	const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-6));
 	const text = decimals > 6 || Math.abs(v) >= 1e6 ? v.toExponential(3) : v.toFixed(decimals);
-	return text.replace(/^-(?=[0.]+(e|$))/, "").replace("-", "−");
+	return text.replace(/^-(?=[0.]+(e|$))/, "").replaceAll("-", "−");
 };
 const niceStep = (raw) => {
 	const power = 10 ** Math.floor(Math.log10(raw));
@@ -213,7 +213,7 @@ function bringToLife(figure) {
 			const head = link.nodes_m.map((x) => inUnit(`${unit === "m" ? "deflection" : "moment"} at x = ${x} m`, unit));
 			return [[inUnit(X.name, X.unit), ...head], ...motion.times_s.map((t, i) => [t, ...bending[i]])];
 		}
-		if (map) return [...figure.querySelectorAll(".numbers tr")].map(({ cells }) => [...cells].map((cell) => cell.textContent.replace("−", "-")));
+		if (map) return [...figure.querySelectorAll(".numbers tr")].map(({ cells }) => [...cells].map((cell) => cell.textContent.replaceAll("−", "-")));
 		const rows = new Map();
 		series.forEach(({ points: { xs, ys }, axis }, column) => xs.forEach((u, i) => {
 			if (ys[i] !== ys[i]) return;

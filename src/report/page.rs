@@ -9,7 +9,7 @@ use super::figure::{self, Figure, Figures};
 use super::link::{given, link_drawing, motion_data};
 use super::tables::{checks, errors, link_readings, modes, readings, results, table};
 use super::view::View;
-use super::words::{Kind, formula, glossary};
+use super::words::glossary;
 use crate::result::{Origin, StoredRun, StoredWarning};
 
 const STYLE: &str = include_str!("page.css");
@@ -115,17 +115,16 @@ pub(super) fn made_by(origin: &Origin) -> Markup {
     html! { "flexlink " (origin.version) " " (origin.command) " · " (files) }
 }
 
-/// Figures of a page of this `kind`, and what is not shown.
+/// Figures of a page, and what is not shown.
 fn figures_section(
     (id, name): (&'static str, &'static str),
-    kind: Kind,
     figures: &[&Figure],
     omitted: &[String],
     note: &str,
 ) -> Section {
     let content = html! {
         @if !note.is_empty() { p { (note) } }
-        @for figure in figures { (figure_markup(figure, kind)) }
+        @for figure in figures { (figure_markup(figure)) }
         @if !omitted.is_empty() {
             div {
                 p { "Not shown:" }
@@ -137,24 +136,22 @@ fn figures_section(
 }
 
 /// All figures in one section.
-pub(super) fn all_figures(kind: Kind, figures: &Figures) -> Section {
+pub(super) fn all_figures(figures: &Figures) -> Section {
     let drawn: Vec<&Figure> = figures.drawn.iter().collect();
-    figures_section(("figures", "Figures"), kind, &drawn, &figures.omitted, "")
+    figures_section(("figures", "Figures"), &drawn, &figures.omitted, "")
 }
 
 /// The section of the figures that a page shows first, and that of the others; none without figures.
 pub(super) fn parted_figures(
     first: &'static str,
-    kind: Kind,
     figures: &Figures,
     note: &str,
 ) -> [Option<Section>; 2] {
     let (leading, other): (Vec<&Figure>, Vec<&Figure>) =
         figures.drawn.iter().partition(|figure| figure.leads());
     let omitted = &figures.omitted;
-    let section = |name, figures: &[&Figure], omitted, note| {
-        figures_section(name, kind, figures, omitted, note)
-    };
+    let section =
+        |name, figures: &[&Figure], omitted, note| figures_section(name, figures, omitted, note);
     [
         (!leading.is_empty()).then(|| section(("first", first), &leading, &[], note)),
         (!other.is_empty() || !omitted.is_empty())
@@ -162,7 +159,7 @@ pub(super) fn parted_figures(
     ]
 }
 
-fn figure_markup(figure: &Figure, kind: Kind) -> Markup {
+fn figure_markup(figure: &Figure) -> Markup {
     let (head, rows) = figure.table();
     let cells = html! { @for row in &rows { tr { @for cell in row { td { (cell) } } } } };
     html! {
@@ -170,9 +167,7 @@ fn figure_markup(figure: &Figure, kind: Kind) -> Markup {
             h3 { (figure.title) }
             (figure.svg())
             figcaption { (figure.caption) }
-            @if let Some(formula) = formula(kind, &figure.id) {
-                details class="formula" { summary { "Formula" } p { (formula) } }
-            }
+            details class="formula" { summary { "Formula" } p { (figure.formula) } }
             @if !rows.is_empty() {
                 details class="numbers" {
                     summary { "Numbers" }
@@ -222,14 +217,13 @@ pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
     };
     let view = View::of(run);
     let data = motion_data(&view);
-    let kind = if run.solved.is_some() { Kind::Solved } else { Kind::Played };
     let (from, until) = view.span_s();
     let [from, until, first, last] =
         [from, until, run.times_s[0], run.times_s[run.times_s.len() - 1]].map(|t| given(t, ""));
     let note = format!(
         "Over time the figures show {from} … {until} s of the {first} … {last} s that were computed."
     );
-    let [first, more] = parted_figures("Torque, tip and hub", kind, figures, &note);
+    let [first, more] = parted_figures("Torque, tip and hub", figures, &note);
     let mut sections = Vec::new();
     if !run.warnings.is_empty() {
         sections.push(Section::warnings(advice(&run.warnings, true)));

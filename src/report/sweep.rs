@@ -90,6 +90,7 @@ fn figure(drawn: &Drawn, x: &Varied, lines: Vec<Line>) -> Figure {
     let Drawn { topic, id, title, .. } = drawn;
     let caption = topic.caption.to_owned();
     Figure::of_curves(id.clone(), title, caption, x.axis(0.03), topic.quantity, curves)
+        .by(topic.formula)
 }
 
 /// A line for each column.
@@ -135,7 +136,7 @@ fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
         map.range_words()
     );
     let figure = Figure::new(drawn.id.clone(), &title, caption, field_axis(x), field_axis(y));
-    Figure { map: Some(map), ..figure }
+    Figure { map: Some(map), ..figure }.by(topic.formula)
 }
 
 /// The axis of a heat map reaches half a field beyond the first and the last level.
@@ -193,6 +194,7 @@ struct Topic {
     /// Columns of the table, between whose parts an arm has the joint's number, each with its name in the legend.
     columns: &'static [([&'static str; 2], &'static str)],
     caption: &'static str,
+    formula: &'static str,
 }
 
 /// One figure of a topic.
@@ -237,6 +239,7 @@ const TOPICS: [Topic; 8] = [
         columns: &[(["torque_ratio", ""], "ratio")],
         caption: "Peak torque of the flexible link over that of the rigid one. It tends to 1 where the \
                   link is stiff for this motion.",
+        formula: "max |T(t)| / max |T_rigid(t)|.",
     },
     Topic {
         id: "lead",
@@ -244,6 +247,8 @@ const TOPICS: [Topic; 8] = [
         quantity: ("lead", "s"),
         columns: &[(["lead", "_s"], "lead")],
         caption: "How long before the tip moves the torque begins, at the 2 % level.",
+        formula: "Start of the tip's motion less the first t with |T(t)| > 0.02 max |T|; of an \
+                  arm and under gravity with |T(t) − T(start)| > 0.02 (max T − min T).",
     },
     Topic {
         id: "lag",
@@ -251,6 +256,8 @@ const TOPICS: [Topic; 8] = [
         quantity: ("lag", "s"),
         columns: &[(["lag", "_s"], "lag")],
         caption: "How long the torque goes on after the tip has stopped, at the 2 % level.",
+        formula: "The last t with |T(t)| > 0.02 max |T| less the end of the tip's motion; of an \
+                  arm and under gravity with |T(t) − T(end)| > 0.02 (max T − min T).",
     },
     Topic {
         id: "peak-torque",
@@ -258,6 +265,7 @@ const TOPICS: [Topic; 8] = [
         quantity: ("torque", "N m"),
         columns: &[(["peak_torque", "_n_m"], "flexible"), (["peak_rigid_torque", "_n_m"], "rigid")],
         caption: "Largest torque at the hub, or at the joint of an arm.",
+        formula: "max |T(t)|.",
     },
     Topic {
         id: "peak-motor-torque",
@@ -265,6 +273,8 @@ const TOPICS: [Topic; 8] = [
         quantity: ("torque", "N m"),
         columns: &[(["peak_motor_torque", "_n_m"], "motor")],
         caption: "Largest torque of the motor, on its own side of the gear.",
+        formula: "max |T_m(t)|; T_m: what the hub's torque and the rotor's inertia take, over \
+                  the gear.",
     },
     Topic {
         id: "residual",
@@ -272,6 +282,7 @@ const TOPICS: [Topic; 8] = [
         quantity: ("amplitude", "m"),
         columns: &[(["residual", "_m"], "residual")],
         caption: "How far the tip vibrates after the torque's last sample.",
+        formula: "max |v(t) − mean of v| after the last sample of the torque.",
     },
     Topic {
         id: "tip-error",
@@ -279,6 +290,7 @@ const TOPICS: [Topic; 8] = [
         quantity: ("error", "m"),
         columns: &[(["tip_error", "_m"], "largest error")],
         caption: "How far the tip strays from the wanted motion, at most.",
+        formula: "max |v(t) − v_wanted(t)|.",
     },
     Topic {
         id: "deflection",
@@ -286,5 +298,7 @@ const TOPICS: [Topic; 8] = [
         quantity: ("deflection", "m"),
         columns: &[(["peak_deflection", "_m"], "tip")],
         caption: "Largest deflection of the tip from the hub's tangent line.",
+        formula: "max |v(t) − L θ(t)|; of an arm, and of a link that bends far, the distance \
+                  from the tangent line at the root.",
     },
 ];

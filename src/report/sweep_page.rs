@@ -8,7 +8,7 @@ use super::figure::Figures;
 use super::link::link_drawing;
 use super::page::{FILES, Section, all_figures, document, inputs, made_by};
 use super::tables::{link_readings, readings, table};
-use super::words::{Kind, warning_meaning};
+use super::words::warning_meaning;
 use crate::compare::{Cell, TableColumn};
 use crate::link::Link;
 use crate::result::StoredSweep;
@@ -36,7 +36,7 @@ pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     if !kinds.is_empty() {
         sections.push(Section::warnings(warnings(&kinds, sweep)));
     }
-    sections.push(all_figures(Kind::Sweep, figures));
+    sections.push(all_figures(figures));
     sections.extend(
         (!sweep.links.is_empty()).then(|| Section::new("link", "Link", links(&sweep.links))),
     );

@@ -148,9 +148,12 @@ pub(super) fn modes(run: &StoredRun) -> Markup {
             h3 { "Modes, the hub free" @if run.link.has_weight() { ", without gravity" } }
             (table(&["mode", "frequency in Hz", "period in s", "damping ratio"], &rows))
         }
-        @if !zeros.is_empty() { p { "Zeros of torque → tip: " (zeros.join(", ")) " 1/s." } }
+        @if !zeros.is_empty() { p { "Real zeros of torque → tip: " (zeros.join(", ")) " 1/s." } }
     }
 }
+
+/// Heading of the tip's error, which is of no kind: what it is off by is known at every moment.
+const WANTED: &str = "from the wanted motion";
 
 /// Kinds of errors, the last part of their names.
 const KINDS: [&str; 7] = ["mesh", "window", "step", "iteration", "modes", "input", "refinement"];
@@ -162,7 +165,7 @@ pub(super) fn errors(run: &StoredRun) -> Markup {
     for (name, error) in &run.readings {
         let Some(name) = name.strip_suffix(ERROR) else { continue };
         let of_kind = |kind: &&&str| name.ends_with(&format!("_{kind}"));
-        let kind = KINDS.iter().find(of_kind).copied().unwrap_or("all");
+        let kind = KINDS.iter().find(of_kind).copied().unwrap_or(WANTED);
         let quantity =
             name.strip_suffix(kind).map_or(name, |quantity| quantity.trim_end_matches('_'));
         if !kinds.contains(&kind) {

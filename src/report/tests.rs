@@ -2,20 +2,22 @@
 
 use std::num::NonZeroUsize;
 
-use super::arm::{deflections, rigid_tip_m};
-use super::bending::{COLUMNS, Moments, ROWS, bending_moments, waves};
+use super::Figures;
+use super::arm::rigid_tip_m;
+use super::bending::{COLUMNS, Moments, ROWS, bending_moments, deflections, waves};
 use super::link::exaggeration;
 use super::sweep::{FINE, sweep_figures};
 use super::view::View;
 use crate::beam::{Mesh, MeshPlan};
 use crate::compare::{Cell, Table, TableColumn};
+use crate::elastica::SecondOrder;
 use crate::inverse::{Analysis, Solution, invert};
 use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use crate::motion::{Profile, TipMotion};
 use crate::numeric::largest;
 use crate::result::{
     Limits, Metrics, Origin, StoredArm, StoredArmLink, StoredInput, StoredJoint, StoredNodes,
-    StoredRun, StoredSolution, StoredSweep, StoredWarning,
+    StoredResult, StoredRun, StoredSolution, StoredSweep, StoredWarning,
 };
 
 /// The paper's first example with a small mass and a payload, its title full of traps.
@@ -69,6 +71,7 @@ pub(super) fn run() -> StoredRun {
             }],
             arguments: vec!["--set".to_owned(), "title=<u>".to_owned()],
         },
+        second_order: SecondOrder::None,
         kept_modes: None,
         torque_n_m: solution.torque_n_m.clone(),
         origin_rad: 0.0,
@@ -78,7 +81,7 @@ pub(super) fn run() -> StoredRun {
         solved: Some(StoredSolution {
             rigid_torque_n_m: solution.rigid_torque_n_m.clone(),
             rigid_hub_angle_rad: solution.rigid_hub_angle_rad.clone(),
-            motor_torque_n_m: None,
+            motor: None,
             moving_s: (
                 solution.grid.time_s(solution.moving.0),
                 solution.grid.time_s(solution.moving.1),
@@ -189,6 +192,28 @@ fn the_tip_is_known_without_its_node() {
     run.deflections_m.as_mut().unwrap().histories.clear();
     assert_eq!(View::of(&run).deflections(), None);
     assert!(waves(&View::of(&run)).is_err());
+}
+
+#[test]
+fn the_formula_of_the_waves_is_that_of_what_they_draw() {
+    let estimated = run();
+    let (mut written, mut deflected) = (estimated.clone(), estimated.clone());
+    written.moments_n_m.clone_from(&estimated.deflections_m);
+    let nodes = deflected.deflections_m.as_mut().unwrap();
+    for k in (0..nodes.nodes.len()).rev().filter(|k| ![0, 5].contains(k)) {
+        nodes.nodes.remove(k);
+        nodes.histories.remove(k);
+    }
+    for (run, begins, holds) in [
+        (estimated, "m(x, t) = ∫", "second differences"),
+        (written, "m(x, t) = EI", "√(|m|"),
+        (deflected, "w(x, t)", "√(|w|"),
+    ] {
+        let figures = Figures::of(&StoredResult::Run(Box::new(run))).drawn;
+        assert!(figures.iter().all(|figure| !figure.formula.is_empty()));
+        let formula = &figures.iter().find(|figure| figure.id == "waves").unwrap().formula;
+        assert!(formula.starts_with(begins) && formula.contains(holds), "{formula}");
+    }
 }
 
 /// A sweep whose columns after the varied ones are the ratio and its cases' order.
@@ -303,9 +328,10 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
     let joints = (0..2).map(|joint| StoredJoint {
         torque_n_m: vec![0.0; 3],
         angle_rad: vec![0.0; 3],
+        rate_rad_s: vec![0.0; 3],
         rigid_torque_n_m: None,
         rigid_angle_rad: Some(rigid(joint)),
-        motor_torque_n_m: None,
+        motor: None,
         readings: vec![],
         errors: vec![],
         limits: Limits::default(),

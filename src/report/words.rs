@@ -2,32 +2,22 @@
 
 use maud::{Markup, html};
 
-/// What a page is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Solved,
-    Played,
-    Arm,
-    Sweep,
-    Fit,
-}
-
 const GLOSSARY: [(&str, &str); 4] = [
     (
         "zero",
-        "A number s = ±z, in 1/s, at which a torque that goes as exp(st) leaves the tip at rest. Those of a link \
-         that is moved at its hub are real and come in pairs: the one above 0 is why no torque that begins with \
-         the motion can make the tip follow it. The torque begins earlier, and grows as exp(zt) until the tip \
-         sets out: the smaller the first z, the longer the lead.",
+        "A number s, in 1/s, at which a torque that goes as exp(st) leaves the tip at rest. The page lists the real \
+         ones, which come in pairs ±z: the one above 0 is why no torque that begins with the motion can make the tip \
+         follow it. The torque begins earlier, and grows as exp(zt) until the tip sets out: the smaller the first z, \
+         the longer the lead. Points of mass on a slender link without damping have real zeros alone. Rotary inertia, \
+         a payload beyond the tip or shear can make some complex, ±a ± ib, or imaginary, ±ib: at that frequency, b \
+         in the figure of torque per tip acceleration, no torque moves the tip. Damping moves all of them a little.",
     ),
     (
         "lead",
-        "How long before the tip sets out the torque acts: from when it first exceeds 2 % of its peak.",
+        "How long before the tip sets out the torque acts: from when it first exceeds 2 % of its peak or, of an arm and \
+         under gravity, differs from what it is at rest by more than 2 % of its range.",
     ),
-    (
-        "lag",
-        "How long after the tip has stopped the torque acts: until it is last above 2 % of its peak.",
-    ),
+    ("lag", "How long after the tip has stopped the torque acts: until it last does so."),
     (
         "hysteretic",
         "Damping that takes the same share of a vibration's energy in each cycle, whatever its frequency: the \
@@ -46,136 +36,180 @@ pub(super) fn glossary() -> Markup {
     }
 }
 
-/// The formula behind the figure with this `id`.
-pub(super) fn formula(kind: Kind, id: &str) -> Option<&'static str> {
-    // Numbers of joints, links and measurements do not matter.
-    let id = id.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('-');
-    let id = id.trim_end_matches("-joint");
-    match kind {
-        Kind::Solved => of_solved(id).or_else(|| of_link(id)),
-        Kind::Played => of_played(id).or_else(|| of_link(id)),
-        Kind::Arm => of_arm(id),
-        Kind::Sweep => of_sweep(id),
-        Kind::Fit => of_fit(id),
-    }
+/// Formulas behind figures; a figure brings its own.
+pub(super) mod formula {
+    /// Of a solution.
+    pub(in crate::report) const TORQUE: &str = "\
+        T(t) = 1/2π ∫ H(ω) A(ω) exp(iωt) dω. A: spectrum of the tip's acceleration; H = T/a: solution of (K + \
+        iωC − ω²M) u = T e with a = −ω² v(L), where e is 1 at the hub's angle and 0 elsewhere. With hysteretic \
+        damping K(1 + 2iξ) takes the place of K + iωC. Rigid link: T = (I a + c v̇)/L with its inertia I about \
+        the hub and the friction c of the hub, and under gravity the moment of its weight.";
+    pub(in crate::report) const TIP: &str = "\
+        a(t) = d²v/dt², v: displacement of the tip along its arc, both as given; the solution follows them up to \
+        the frequency that the tolerance of the tip needs.";
+    pub(in crate::report) const HUB: &str = "\
+        θ(t) = 1/2π ∫ G(ω) A(ω) exp(iωt) dω, G = θ/a of the equations of the torque. Rigid link: θ = v/L. \
+        Bending of the tip: w = v − Lθ.";
+    pub(in crate::report) const MOTOR: &str = "\
+        Motor: T_m = T/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
+        inertia J and the stiffness k of the joint.";
+    /// What a solution with a second order or with weight adds to its formulas.
+    pub(in crate::report) const SECOND_ORDER: &str = "\
+        What large slopes, axial and centripetal forces and the weight add acts as further loads, repeated until \
+        the torque no longer changes.";
+    pub(in crate::report) const RIGID_TORQUE_PLAYED: &str = "\
+        M d²u/dt² + C du/dt + K u = T(t) e with the torque T of the rigid link, from rest, each mode by its \
+        exact solution between two samples.";
+    /// Of a simulation.
+    pub(in crate::report) const TORQUE_PLAYED: &str =
+        "T(t): what is played, or what moves the hub as it is played.";
+    pub(in crate::report) const MODES_PLAYED: &str = "\
+        M d²u/dt² + C du/dt + K u = T(t) e, where e is 1 at the hub's angle and 0 elsewhere; v = u at the tip, θ \
+        = u at the hub, a = d²v/dt².";
+    pub(in crate::report) const ELASTICA_PLAYED: &str = "\
+        Lagrange's equations of a chain that approximates the inextensible elastica, refined until tip and hub \
+        no longer change; v: displacement of the tip along its arc, θ: direction of the hub's tangent line, a = \
+        d²v/dt².";
+    /// Of the waves along a link or a link of an arm.
+    pub(in crate::report) const MOMENT: &str =
+        "m(x, t) = EI ∂²w/∂x², w: deflection; with shear EI ∂ψ/∂x, ψ: rotation of the section.";
+    pub(in crate::report) const MOMENT_ESTIMATED: &str = "\
+        m(x, t) = ∫ m̄ (s − x) ∂²v/∂t² ds + Σ [M (x_M − x) ∂²v/∂t² + J ∂²φ/∂t²] over all that lies outboard of \
+        x: mass per length m̄, masses M, their inertia J and rotation φ, the payload. ∂²/∂t²: second differences \
+        of the displacements v = w + xθ that were written.";
+    pub(in crate::report) const DEFLECTION: &str = "\
+        w(x, t): distance of the link from the hub's tangent line; v − xθ of a link that bends little, v: its \
+        displacement at x.";
+    pub(in crate::report) const TRANSFER: &str = "\
+        |T/a| at ω = 2πf, of (K + iωC − ω²M) u = T e and a = −ω² v(L). Rigid link: |I + c/(iω)|/L. Modes: det(K \
+        − ω²M) = 0 with the hub free. Zeros: v(L) = 0 at ω = ±iz.";
+    pub(in crate::report) const MODE_SHAPES: &str =
+        "K φ = ω² M φ with the hub free, f = ω/2π; drawn is φ / max |φ|.";
+    /// Of an arm.
+    pub(in crate::report) const ARM_TORQUE: &str = "\
+        Of each link (K + iωC − ω²M) u = loads, in the frame of its chord, whose motion follows from the path; \
+        the loads are the torques and forces of the joints, and those of large angles, of centripetal and axial \
+        forces and of the weight, repeated until the torques no longer change. Rigid arm: T = M(q) d²q/dt² + \
+        h(q, dq/dt) + g(q).";
+    pub(in crate::report) const JOINT_ANGLE: &str = "\
+        q = direction of the link's root less that of the tip of the link before; each is the direction of the \
+        chord and the slope of the deflection there.";
+    pub(in crate::report) const BENDING_ANGLES: &str =
+        "q(t) of the flexible arm less q(t) of the rigid arm.";
+    pub(in crate::report) const ARM_TIP: &str = "x and y of the outer end of the last chord.";
+    pub(in crate::report) const ARM_TIP_ERROR: &str = "√((x − x_wanted)² + (y − y_wanted)²).";
+    pub(in crate::report) const ARM_MOMENT: &str = "\
+        m(x, t) − m(x, t₀) with m = EI ∂²w/∂x², w: deflection from the chord, t₀: the first moment; with shear \
+        EI ∂ψ/∂x, ψ: rotation of the section.";
+    pub(in crate::report) const ARM_DEFLECTION: &str =
+        "w(x, t) − w(x, t₀), w: distance of the link from its chord, t₀: the first moment.";
+    pub(in crate::report) const ROOT_MOMENTS: &str =
+        "m(0, t) = EI ∂²w/∂x² at the root; with shear EI ∂ψ/∂x.";
+    /// Of what has a limit.
+    pub(in crate::report) const RATE: &str = "dθ/dt of the hub, dq/dt of a joint.";
+    pub(in crate::report) const POWER: &str = "P = T dθ/dt, of a joint T dq/dt.";
+    pub(in crate::report) const MOTOR_RATE: &str = "\
+        dφ/dt, φ = n (θ + T/k): angle of the rotor, with the gear ratio n and the stiffness k of the joint.";
+    pub(in crate::report) const MOTOR_POWER: &str =
+        "P = T_m dφ/dt, T_m: torque of the motor, φ: angle of the rotor.";
+    pub(in crate::report) const TIP_DEFLECTION: &str = "\
+        w(L, t): distance of the tip from the hub's tangent line; v − Lθ of a link that bends little.";
+    /// Of a fit.
+    pub(in crate::report) const DIFFERENCES: &str = "(fitted − measured) / measured.";
+    pub(in crate::report) const OVERLAY: &str = "\
+        The fit makes the sum of the squared differences smallest, each over its uncertainty where that is \
+        known.";
 }
 
-fn of_solved(id: &str) -> Option<&'static str> {
-    Some(match id {
-        "torque" => {
-            "T(t) = 1/2π ∫ H(ω) A(ω) exp(iωt) dω. A: spectrum of the tip's acceleration; H = T/a: solution of \
-             (K + iωC − ω²M) u = T e with a = −ω² v(L), where e is 1 at the hub's angle and 0 elsewhere. With \
-             hysteretic damping K(1 + 2iξ) takes the place of K + iωC. Rigid link: T = (I a + c v̇)/L with its \
-             inertia I about the hub and the friction c of the hub."
-        }
-        "tip-displacement" | "tip-acceleration" => {
-            "a(t) = d²v/dt², v: displacement of the tip along its arc, both as given; the solution follows them up \
-             to the frequency that the tolerance of the tip needs."
-        }
-        "hub-angle" | "hub-rate" => {
-            "θ(t) = 1/2π ∫ G(ω) A(ω) exp(iωt) dω, G = θ/a of the equations of the torque. Rigid link: θ = v/L. \
-             Bending of the tip: w = v − Lθ."
-        }
-        "tip-under-rigid-torque" => {
-            "M d²u/dt² + C du/dt + K u = T(t) e with the torque T of the rigid link, from rest, each mode by its \
-             exact solution between two samples."
-        }
-        _ => return None,
-    })
-}
-
-fn of_played(id: &str) -> Option<&'static str> {
-    Some(match id {
-        "torque" => "T(t): what is played, or what moves the hub as it is played.",
-        "tip-displacement" | "tip-acceleration" | "hub-angle" | "hub-rate" => {
-            "M d²u/dt² + C du/dt + K u = T(t) e, where e is 1 at the hub's angle and 0 elsewhere; v = u at the tip, \
-             θ = u at the hub, a = d²v/dt²."
-        }
-        _ => return None,
-    })
-}
-
-/// Figures that solutions and simulations have.
-fn of_link(id: &str) -> Option<&'static str> {
-    Some(match id {
-        "waves" => {
-            "m(x, t) = EI ∂²w/∂x², w: deflection from the hub's tangent line. By what lies outboard: \
-             m(x) = ∫ m̄ (s − x) ∂²v/∂t² ds + Σ m (x_m − x) ∂²v/∂t² over the masses and the payload. \
-             Colour: sign(m) √(|m| / max |m|)."
-        }
-        "transfer" => {
-            "|T/a| at ω = 2πf, of (K + iωC − ω²M) u = T e and a = −ω² v(L). Rigid link: |I + c/(iω)|/L. Modes: \
-             det(K − ω²M) = 0 with the hub free. Zeros: v(L) = 0 at ω = ±iz."
-        }
-        "mode-shapes" => "K φ = ω² M φ with the hub free, f = ω/2π; drawn is φ / max |φ|.",
-        _ => return None,
-    })
-}
-
-fn of_arm(id: &str) -> Option<&'static str> {
-    Some(match id {
-        "torque" => {
-            "Of each link (K + iωC − ω²M) u = loads, in the frame of its chord, whose motion follows from the path; \
-             the loads are the torques and forces of the joints, and those of large angles, of centripetal and \
-             axial forces and of the weight, repeated until the torques no longer change. Rigid arm: \
-             T = M(q) d²q/dt² + h(q, dq/dt) + g(q)."
-        }
-        "angle" => {
-            "q = direction of the link's root less that of the tip of the link before; each is the direction of the \
-             chord and the slope of the deflection there."
-        }
-        "bending-angles" => "q(t) of the flexible arm less q(t) of the rigid arm.",
-        "tip" => "x and y of the outer end of the last chord.",
-        "tip-error" => "√((x − x_wanted)² + (y − y_wanted)²).",
-        "waves" => {
-            "m(x, t) − m(x, t₀) with m = EI ∂²w/∂x², w: deflection from the chord, t₀: the first moment. \
-             Colour: sign(m) √(|m| / max |m|)."
-        }
-        "root-moments" => "m(0, t) = EI ∂²w/∂x² at the root.",
-        _ => return None,
-    })
-}
-
-fn of_sweep(id: &str) -> Option<&'static str> {
-    Some(match id {
-        "torque-ratio" => "max |T(t)| / max |T_rigid(t)|.",
-        "lead" => "Start of the tip's motion less the first t with |T(t)| > 0.02 max |T|.",
-        "lag" => "The last t with |T(t)| > 0.02 max |T| less the end of the tip's motion.",
-        "peak-torque" => "max |T(t)|.",
-        "peak-motor-torque" => {
-            "max |T_m(t)|; T_m: what the hub's torque and the rotor's inertia take, over the gear."
-        }
-        "residual" => "max |v(t) − mean of v| after the last sample of the torque.",
-        "tip-error" => "max |v(t) − v_wanted(t)|.",
-        "deflection" => "max |v(t) − L θ(t)|.",
-        _ => return None,
-    })
-}
-
-fn of_fit(id: &str) -> Option<&'static str> {
-    Some(match id {
-        "differences" => "(fitted − measured) / measured.",
-        _ if id.starts_with("overlay") => {
-            "The fit makes the sum of the squared differences smallest, each over its uncertainty where that is known."
-        }
-        _ => return None,
-    })
-}
+/// What the kinds of warnings of a sweep's cases say.
+const WARNINGS: [(&str, &str); 33] = [
+    ("failed", "The case has no numbers; the column error says why."),
+    ("limit_exceeded", "A value exceeds its limit in the link file."),
+    ("end_velocity_corrected", "The samples leave the tip moving at the end, which was taken out."),
+    ("tip_missed", "The samples of the motion do not bring the tip within its tolerance."),
+    ("inexact_window", "The time computed is too short for the tolerance."),
+    (
+        "coarse_step",
+        "The step is too long: a shorter one would change the answer, or show vibration that this hides.",
+    ),
+    (
+        "unsettled_torque",
+        "The motion does not determine the torque: its peak depends on the tip's tolerance.",
+    ),
+    ("uncertain_input", "The digits or the noise of the samples leave the torque uncertain."),
+    ("torque_cut", "The torque still acts outside the time that was written."),
+    ("wrap_around", "The torque has not decayed when the computed period ends."),
+    ("long_window", "The torque hardly decays, so that the time computed is long."),
+    ("blocked_tip", "The motion contains a frequency at which no torque moves the tip."),
+    ("near_nyquist", "The motion has jumps or noise that its step does not resolve."),
+    ("above_mesh", "The torque has frequencies above those that the mesh resolves."),
+    ("large_deflection", "The link bends further than the linear theory holds."),
+    ("slow_iteration", "The second-order terms hardly converge."),
+    ("inexact_iteration", "The second-order terms are not as exact as the tolerance asks."),
+    ("second_order_left_out", "Second-order terms, which are left out, would change the torque."),
+    ("thick_link", "Shear and rotary inertia, which are left out, would change the answer."),
+    (
+        "fast_hub",
+        "The hub turns so fast that centrifugal stiffening, which is left out, moves the tip.",
+    ),
+    ("coarse_mesh", "Halved elements would change the answer by more than a little."),
+    ("few_modes", "The modes that are left out would change the answer."),
+    (
+        "nearly_stretched",
+        "The arm is nearly stretched or folded, so that small errors turn its joints far.",
+    ),
+    (
+        "fell_back_to_first_order",
+        "The second-order terms do not converge: only those of first order are counted.",
+    ),
+    ("begins_with_jump", "The torque does not begin at zero: it jumps there."),
+    ("ends_with_jump", "The torque does not end at zero: it drops there."),
+    ("hub_begins_moving", "The hub moves at once, but the link is taken to start at rest."),
+    (
+        "rough_torque",
+        "The torque that moves the hub is rough: digits or noise of the hub's angle make it.",
+    ),
+    ("begins_unheld", "The torque does not begin with what holds the link where it starts."),
+    ("reference_apart", "The reference does not begin where the hub stands."),
+    ("state_cut", "The modes leave out a part of the state from which the link goes on."),
+    ("unsettled", "A finer computation still changes the answer."),
+    ("late_target", "The target begins after the tip has begun to move."),
+];
 
 /// What a kind of warning says.
 pub(super) fn warning_meaning(kind: &str) -> Option<&'static str> {
     let (kind, _) = kind.split_once(':').unwrap_or((kind, ""));
-    Some(match kind {
-        "failed" => "The case has no numbers; the column error says why.",
-        "limit_exceeded" => "A value exceeds its limit in the link file.",
-        "large_deflection" => "The link bends further than the linear theory holds.",
-        "coarse_mesh" => "Halved elements would change the answer by more than the tolerance.",
-        "above_mesh" => "The motion has frequencies above those that the mesh resolves.",
-        "thick_link" => "Shear and rotary inertia, which are left out, would change the answer.",
-        "tip_missed" => "The samples of the motion do not bring the tip within its tolerance.",
-        "inexact_window" | "unsettled_torque" | "wrap_around" => {
-            "The time computed is too short for the tolerance."
+    WARNINGS.into_iter().find(|(own, _)| *own == kind).map(|(_, meaning)| meaning)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result::Exceeded;
+
+    /// The kinds are read from the sources of all warnings that a case of a sweep can have.
+    #[test]
+    fn every_kind_of_warning_of_a_sweep_has_a_sentence() {
+        let sources = [
+            include_str!("../inverse/warning.rs"),
+            include_str!("../inverse/arm/warning.rs"),
+            include_str!("../response/error.rs"),
+            include_str!("../result/tip_error.rs"),
+        ];
+        let mut kinds = vec!["failed", Exceeded::KIND];
+        for source in sources {
+            let body = source.split("pub fn kind(&self)").nth(1).unwrap();
+            let body = body.split("    pub fn ").next().unwrap();
+            let quoted = body.split('"').skip(1).step_by(2);
+            let before = kinds.len();
+            kinds.extend(quoted);
+            assert!(kinds.len() > before, "{body}");
         }
-        _ => return None,
-    })
+        assert!(kinds.len() > 30, "{kinds:?}");
+        for kind in &kinds {
+            assert!(warning_meaning(kind).is_some(), "{kind}");
+        }
+        let known = |(kind, _): &&(&str, &str)| !kinds.contains(kind);
+        assert_eq!(WARNINGS.iter().find(known), None, "a kind that no warning has");
+    }
 }

@@ -30,8 +30,8 @@ pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub use stored::{
     LineDifference, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredCheck,
-    StoredInput, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
-    StoredWarning, line_difference,
+    StoredInput, StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution,
+    StoredSweep, StoredWarning, line_difference,
 };
 pub use tip_error::{LateTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::limits::Limits;
 use crate::beam::Mesh;
 use crate::compare::Table;
+use crate::elastica::SecondOrder;
+use crate::inverse::MotorHistories;
 use crate::link::Link;
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
@@ -32,6 +34,8 @@ pub struct StoredRun {
     pub link: Link,
     /// The mesh that the answer was computed on.
     pub mesh: Mesh,
+    /// What is counted of the second order; of a simulation all, where it is of the elastica.
+    pub second_order: SecondOrder,
     /// How many flexible modes the link was reduced to; none where all are kept.
     pub kept_modes: Option<usize>,
     /// Times of all histories in s, evenly spaced.
@@ -104,12 +108,14 @@ pub struct StoredJoint {
     pub torque_n_m: Vec<f64>,
     /// Angle in rad of its link's root against the tip of the link before, of the first joint against x.
     pub angle_rad: Vec<f64>,
+    /// Rate of that angle in rad/s.
+    pub rate_rad_s: Vec<f64>,
     /// Torque in N m that the rigid arm would need, if it was written.
     pub rigid_torque_n_m: Option<Vec<f64>>,
     /// Angle in rad of the rigid arm's joint, if it was written.
     pub rigid_angle_rad: Option<Vec<f64>>,
-    /// Torque in N m of its motor, where it has a drive.
-    pub motor_torque_n_m: Option<Vec<f64>>,
+    /// Its motor, where it has a drive.
+    pub motor: Option<StoredMotor>,
     /// Its numbers by name, which ends in the unit: `peak_torque_n_m`.
     pub readings: Vec<(String, f64)>,
     /// For each quantity, `torque`, what it may be off by, by kind: `mesh`.
@@ -174,8 +180,8 @@ pub struct StoredSolution {
     pub rigid_torque_n_m: Vec<f64>,
     /// Hub angle in rad of the rigid link.
     pub rigid_hub_angle_rad: Vec<f64>,
-    /// Torque in N m of the motor, where a drive sits between it and the hub.
-    pub motor_torque_n_m: Option<Vec<f64>>,
+    /// The motor, where a drive sits between it and the hub.
+    pub motor: Option<StoredMotor>,
     /// Times in s between which the tip moves.
     pub moving_s: (f64, f64),
     /// How long before the tip's motion the torque exceeds 2 % of its peak, in s; none of a
@@ -183,6 +189,21 @@ pub struct StoredSolution {
     pub lead_s: Option<f64>,
     /// How long after it, in s.
     pub lag_s: Option<f64>,
+}
+
+/// A motor, on its own side of the gear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredMotor {
+    /// Torque in N m.
+    pub torque_n_m: Vec<f64>,
+    /// Rate of the rotor in rad/s.
+    pub rate_rad_s: Vec<f64>,
+}
+
+impl From<&MotorHistories> for StoredMotor {
+    fn from(motor: &MotorHistories) -> Self {
+        Self { torque_n_m: motor.torque_n_m.clone(), rate_rad_s: motor.rate_rad_s.clone() }
+    }
 }
 
 /// A quantity at some nodes over time.

@@ -51,12 +51,20 @@ pub(super) fn joint_angle(joint: usize) -> String {
     format!("joint{joint}_rad")
 }
 
+pub(super) fn joint_rate(joint: usize) -> String {
+    format!("joint{joint}_rate_rad_s")
+}
+
 pub(super) fn rigid_joint_angle(joint: usize) -> String {
     format!("rigid_joint{joint}_rad")
 }
 
 pub(super) fn motor_torque(joint: usize) -> String {
     format!("motor{joint}_torque_n_m")
+}
+
+pub(super) fn motor_rate(joint: usize) -> String {
+    format!("motor{joint}_rate_rad_s")
 }
 
 pub(super) fn position(axis: &str, link: usize, node: usize) -> String {
@@ -146,7 +154,7 @@ impl RunOutputs {
         for (number, (joint, link)) in (1..).zip(joints.iter().zip(links)) {
             let [angle, rate, acceleration] = &joint.angle;
             angles.push(one(joint_angle(number), angle));
-            angles.push(one(format!("joint{number}_rate_rad_s"), rate));
+            angles.push(one(joint_rate(number), rate));
             angles.push(one(format!("joint{number}_acceleration_rad_s2"), acceleration));
             angles.push(one(rigid_joint_angle(number), &joint.rigid_angle_rad));
             let [angle, rate, acceleration] = &link.chord;
@@ -161,7 +169,7 @@ impl RunOutputs {
                 let MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w } = motor;
                 motors.push(one(motor_torque(number), torque_n_m));
                 motors.push(one(format!("motor{number}_angle_rad"), angle_rad));
-                motors.push(one(format!("motor{number}_rate_rad_s"), rate_rad_s));
+                motors.push(one(motor_rate(number), rate_rad_s));
                 motors.push(one(format!("motor{number}_power_w"), power_w));
             }
         }

@@ -5,7 +5,8 @@ use std::num::NonZeroUsize;
 use serde_json::Value;
 
 use super::arm_run::{
-    joint_angle, moment, motor_torque, position, rigid_joint_angle, rigid_torque, torque,
+    joint_angle, joint_rate, moment, motor_rate, motor_torque, position, rigid_joint_angle,
+    rigid_torque, torque,
 };
 use super::read_tables::{RunFolder, TIME, Table, check_window, read_number, stride, times_s};
 use super::run_tables::{
@@ -17,7 +18,7 @@ use crate::csv::{InputFile, Place, TableError, quoted, read_rows};
 use crate::inverse::ArmSolution;
 use crate::link::{Drive, Link};
 use crate::motion::Prescribed;
-use crate::result::{StoredArm, StoredArmLink, StoredJoint, StoredNodes};
+use crate::result::{StoredArm, StoredArmLink, StoredJoint, StoredMotor, StoredNodes};
 
 /// The histories of a run of an arm.
 struct Histories {
@@ -28,12 +29,11 @@ struct Histories {
     tip_m: [Vec<f64>; 2],
 }
 
-/// Those of one joint: torque, angle, and where they are known torque and angle of the rigid arm, and the motor's
-/// torque.
+/// Those of one joint: torque, angle, rate, and where they are known torque and angle of the rigid arm, and the motor.
 struct JointHistories {
-    own: [Vec<f64>; 2],
+    own: [Vec<f64>; 3],
     rigid: [Option<Vec<f64>>; 2],
-    motor_torque_n_m: Option<Vec<f64>>,
+    motor: Option<StoredMotor>,
 }
 
 /// Reads all that a run of an arm with this summary, which is at `place`, has left.
@@ -68,19 +68,26 @@ pub(super) fn read_arm(
     let there = |file: &str, columns: Vec<String>| {
         folder.has(file).then(|| read(file, &columns)).transpose()
     };
-    let mut angles = read(JOINT_ANGLES, &each(joint_angle))?;
+    let mut angles = read(JOINT_ANGLES, &[each(joint_angle), each(joint_rate)].concat())?;
     let mut tip = read(TIP.0, &["x_m", "y_m"].map(str::to_owned))?;
     let mut rigid = there(RIGID_TORQUES, each(rigid_torque))?;
     let mut motor = there(MOTOR.0, vec![])?;
     // A column that is not there is empty.
     let some = |column: Vec<f64>| Some(column).filter(|column| column.len() == times_s.len());
     let joints = numbers.clone().map(|number| JointHistories {
-        own: [torques.take(&torque(number)), angles.take(&joint_angle(number))],
+        own: [
+            torques.take(&torque(number)),
+            angles.take(&joint_angle(number)),
+            angles.take(&joint_rate(number)),
+        ],
         rigid: [
             rigid.as_mut().map(|rigid| rigid.take(&rigid_torque(number))),
             some(angles.take(&rigid_joint_angle(number))),
         ],
-        motor_torque_n_m: motor.as_mut().and_then(|own| some(own.take(&motor_torque(number)))),
+        motor: motor.as_mut().and_then(|own| {
+            let torque_n_m = some(own.take(&motor_torque(number)))?;
+            Some(StoredMotor { torque_n_m, rate_rad_s: some(own.take(&motor_rate(number)))? })
+        }),
     });
     let joints = joints.collect();
 
@@ -178,14 +185,15 @@ fn stored(summary: &Summary, name: String, histories: Histories) -> StoredArm {
     let joint = |(k, histories): (usize, JointHistories)| {
         let errors = values["errors"]["joints"][k].as_object().into_iter().flatten();
         let errors = errors.map(|(quantity, kinds)| (quantity.clone(), numbers_in(kinds, "")));
-        let [torque_n_m, angle_rad] = histories.own;
+        let [torque_n_m, angle_rad, rate_rad_s] = histories.own;
         let [rigid_torque_n_m, rigid_angle_rad] = histories.rigid;
         StoredJoint {
             torque_n_m,
             angle_rad,
+            rate_rad_s,
             rigid_torque_n_m,
             rigid_angle_rad,
-            motor_torque_n_m: histories.motor_torque_n_m,
+            motor: histories.motor,
             readings: numbers_in(&values["results"]["joints"][k], ""),
             errors: errors.filter(|(_, kinds)| !kinds.is_empty()).collect(),
             limits: Summary::limits(&values["limits"][k]),
@@ -224,9 +232,9 @@ impl RunOutputs {
             values.iter().step_by(self.every.get()).copied().collect()
         };
         let joints = solution.joints.iter().map(|joint| JointHistories {
-            own: [joint.torque_n_m.clone(), joint.angle[0].clone()],
+            own: [joint.torque_n_m.clone(), joint.angle[0].clone(), joint.angle[1].clone()],
             rigid: [Some(joint.rigid_torque_n_m.clone()), Some(joint.rigid_angle_rad.clone())],
-            motor_torque_n_m: joint.motor.as_ref().map(|motor| motor.torque_n_m.clone()),
+            motor: joint.motor.as_ref().map(StoredMotor::from),
         });
         let links = solution.arm.links().iter().zip(&solution.links).enumerate();
         let links = links.map(|(k, (own, shape))| StoredArmLink {

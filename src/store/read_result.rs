@@ -25,7 +25,7 @@ use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::inverse::{NodalTable, Solution};
 use crate::link::Link;
 use crate::motion::TipMotionHistories;
-use crate::result::{StoredArm, StoredNodes, StoredResult, StoredRun, StoredSolution};
+use crate::result::{StoredArm, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution};
 
 /// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a
 /// folder with one such table.
@@ -166,7 +166,10 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         Ok(StoredSolution {
             rigid_torque_n_m: rigid.take(RIGID_TORQUE.1[0]),
             rigid_hub_angle_rad: hub.take(SOLVED_HUB[3]),
-            motor_torque_n_m: motor.map(|mut motor| motor.take(MOTOR.1[0])),
+            motor: motor.map(|mut motor| StoredMotor {
+                torque_n_m: motor.take(MOTOR.1[0]),
+                rate_rad_s: motor.take(MOTOR.1[2]),
+            }),
             moving_s,
             lead_s,
             lag_s,
@@ -191,6 +194,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         origin: summary.origin(),
         link,
         mesh,
+        second_order: summary.second_order(),
         kept_modes: summary.kept_modes(),
         times_s,
         torque_n_m: torque.take(TORQUE.1[0]),
@@ -261,7 +265,7 @@ impl RunOutputs {
         let solved = StoredSolution {
             rigid_torque_n_m: solution.rigid_torque_n_m.clone(),
             rigid_hub_angle_rad: solution.rigid_hub_angle_rad.clone(),
-            motor_torque_n_m: solution.motor.as_ref().map(|motor| motor.torque_n_m.clone()),
+            motor: solution.motor.as_ref().map(StoredMotor::from),
             moving_s,
             lead_s,
             lag_s,
@@ -271,6 +275,7 @@ impl RunOutputs {
             origin: summary.origin(),
             link: solution.link().clone(),
             mesh: solution.mesh().clone(),
+            second_order: summary.second_order(),
             kept_modes: summary.kept_modes(),
             times_s: times_s(&solution.grid.thinned(NonZeroUsize::MIN)),
             torque_n_m: solution.torque_n_m.clone(),

@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
 use crate::csv::{InputFile, Place, TableError, quoted};
+use crate::elastica::SecondOrder;
 use crate::link::{
     Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
@@ -249,6 +250,14 @@ impl Summary {
     /// Limits as they are stored; none where nothing is there.
     pub(super) fn limits(stored: &Value) -> Limits {
         serde_json::from_value(stored.clone()).unwrap_or_default()
+    }
+
+    /// What a run of one link counts of the second order.
+    pub(super) fn second_order(&self) -> SecondOrder {
+        if self.values["elastica"].is_object() {
+            return SecondOrder::Full;
+        }
+        serde_json::from_value(self.values["second_order"]["order"].clone()).unwrap_or_default()
     }
 
     /// How many modes a solution keeps; none if it keeps all.

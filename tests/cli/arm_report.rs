@@ -101,11 +101,33 @@ fn figures_of_an_arm_show_the_numbers_of_its_tables() {
     let angle = of("joint_angles.csv", "joint2_rad");
     let bent: Vec<f64> = angle.iter().zip(rigid).map(|(own, rigid)| 1e3 * (own - rigid)).collect();
     assert_line(&bench, ("bending-angles", "joint 2"), (&times_s, &bent));
+    // What has a limit is drawn with it, of each joint and of each link.
+    let limits = "links.fore.limits={hub_rate=2, power=10, bending_moment=5}";
+    solved(&bench, "out", &["--moments", "--set", limits]);
+    done(&bench, &["report", "out", "--svg", "figures"]);
+    let rate = of("joint_angles.csv", "joint2_rate_rad_s");
+    let torque = of("torques.csv", "torque2_n_m");
+    let power: Vec<f64> = torque.iter().zip(&rate).map(|(torque, rate)| torque * rate).collect();
+    assert_line(&bench, ("rate-2", "flexible arm"), (&times_s, &rate));
+    assert_line(&bench, ("power-2", "flexible arm"), (&times_s, &power));
+    for (figure, limit) in [
+        ("rate-2", "limit 2 rad/s"),
+        ("power-2", "limit 10 W"),
+        ("root-moments", "link 2: limit 5 N m"),
+    ] {
+        let line = format!("class=\"limit s{}\"", if figure == "root-moments" { 2 } else { 1 });
+        let svg = bench.read(&format!("figures/{figure}.svg"));
+        assert!(svg.contains(limit) && svg.contains(&line), "{figure}");
+    }
+    assert!(!bench.names("figures").contains(&"rate-1.svg".to_owned()), "it has no limit");
     // Without moments the waves are those of the deflection, and the page says what is missing.
     solved(&bench, "out", &["--every", "8"]);
     done(&bench, &["report", "out"]);
     let page = bench.read("out/report.html");
     assert!(page.contains("deflection from the chord") && !page.contains("fig-root-moments"));
+    assert!(
+        page.contains("w: distance of the link from its chord") && !page.contains("EI ∂²w/∂x²")
+    );
     assert!(page.contains("bending moments, since they were not written"));
 }
 

@@ -117,7 +117,7 @@ async function order(page, name) {
     const early = await page.$$eval("main section:is(#warnings, #undetermined, #first, #animation, #figures) .scroll table", (all) => all.filter((table) => !table.closest("details")).length);
     must(!early, `${early} tables stand before the end`);
     const first = await page.$$eval("#first figure", (all) => all.map((figure) => figure.id));
-    must(!first.length || (first[0].startsWith("fig-torque") && first.every((id) => /^fig-(torque|tip|hub|angle)/.test(id))), first.join(", "));
+    must(!first.length || (first[0].startsWith("fig-torque") && first.every((id) => /^fig-(torque|tip|hub|motor|angle|rate|power)/.test(id))), first.join(", "));
     return ids.join(", ");
   });
   await check("the paper is named for its own link and motion alone", async () => {
@@ -130,6 +130,8 @@ async function order(page, name) {
   await check("every figure has its formula in a fold, and the glossary its words", async () => {
     const folds = await page.$$eval("figure.chart", (all) => all.map((figure) => [figure.id, figure.querySelector("details.formula p")?.textContent || "", figure.querySelector("details.formula")?.open]));
     for (const [id, text, open] of folds) must(text.length > 8 && open === false, `${id}: ${open} ${text}`);
+    const maps = await page.$$eval("figure.chart:has(svg[data-x-axis=time] image)", (all) => all.map((figure) => [figure.id, figure.querySelector(".legend").textContent, figure.querySelector("details.formula p").textContent]));
+    for (const [id, legend, text] of maps) must(text.startsWith(legend.includes("deflection in m") ? "w(x, t)" : "m(x, t)"), `${id}: ${legend}, but ${text}`);
     const words = await page.$$eval("#glossary details dt", (all) => all.map((word) => word.textContent));
     must(words.join() === "zero,lead,lag,hysteretic", words.join());
   });
@@ -172,7 +174,9 @@ async function files(page) {
       const [head, ...lines] = text.trim().split("\n").map(fieldsOf);
       must(lines.length > 1 && lines.every((line) => line.length === head.length), `${id}: ${lines.length} rows, ${head}`);
       rows += lines.length;
-      must(!/NaN|undefined|Infinity/.test(text), `${id}: no numbers`);
+      must(!/NaN|undefined|Infinity|−/.test(text), `${id}: no numbers`);
+      const digits = Math.max(...lines.flat().map((field) => field.replace(/e.*$/, "").replace(/[-.]/g, "").replace(/^0+/, "").length));
+      must(digits >= 6, `${id}: numbers of at most ${digits} digits`);
       const isMapOverTime = await page.$eval(`#${id}`, (figure) => !!figure.querySelector("svg[data-x-axis=time] image"));
       if (isMapOverTime) {
         must(head.slice(1).every((column) => /^(moment|deflection) at x = [\d.e-]+ m in (N m|m)$/.test(column)), `${id}: ${head}`);
@@ -238,13 +242,17 @@ async function particulars(page, name) {
   const seen = (selector) => page.$$eval(selector, (all) => all.filter((node) => node.checkVisibility({ visibilityProperty: true })).map((node) => node.textContent));
   if (name === "paper/report.html") await check("limits are lines in the figures, and the waves have a scale in N m", async () => {
     const limits = await page.$$eval(".zoom .limit", (all) => all.map((line) => `${line.closest("figure").id} ${line.dataset.name}`));
-    must(limits.join() === "fig-torque limit 2 N m,fig-hub-rate limit 0.5 rad/s", limits.join());
+    must(limits.join() === "fig-torque limit 2 N m,fig-hub-rate limit 0.5 rad/s,fig-tip-deflection limit 0.1 m", limits.join());
     must((await seen("#fig-torque .key")).join().includes("limit 2 N m"), "the key does not name the limit");
     const scale = await seen("#fig-waves .legend text");
     must(scale.some((text) => text === "moment in N m") && scale.filter((text) => /^−?[\d.]+$/.test(text)).length === 3, scale.join(" | "));
     must(/hub_rate/.test((await seen("#warnings")).join()), "the exceeded limit is no warning");
     for (const text of ["1.900", "damping ratio", "hysteretic, ratio 0.02", "the tip's travel", "the peak of the torque"])
       must((await seen("#results")).join().includes(text), `the tables lack ${text}`);
+  });
+  if (name === "arms.html") await check("limits of joints and links are lines in the figures", async () => {
+    const limits = await page.$$eval(".zoom .limit", (all) => all.map((line) => `${line.closest("figure").id} ${line.dataset.name}`));
+    must(limits.join() === "fig-rate-2 limit 3 rad/s,fig-root-moments link 2: limit 5 N m", limits.join());
   });
   if (name === "sweep.html") await check("a map of fields has their numbers, and the page tells link, inputs and warnings", async () => {
     for (const id of await figuresOf(page)) must((await seen(`#${id} .fields text`)).length === 15, `${id}: ${await seen(`#${id} .fields text`)}`);

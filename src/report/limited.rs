@@ -1,0 +1,234 @@
+//! Figures of what has a limit and no other figure over time: rates, powers, deflection, moment at the root.
+
+use super::axis::Axis;
+use super::bending::bending_moments;
+use super::figure::{Curve, Figure, Stroke};
+use super::view::{View, inside};
+use super::words::formula;
+use crate::result::{Limits, StoredJoint, StoredMotor, StoredRun};
+use crate::text::significant;
+
+/// What turns at a hub or at a joint.
+pub(super) struct Turning<'a> {
+    torque_n_m: &'a [f64],
+    rate_rad_s: &'a [f64],
+    motor: Option<&'a StoredMotor>,
+}
+
+impl<'a> From<&'a StoredRun> for Turning<'a> {
+    fn from(run: &'a StoredRun) -> Self {
+        let motor = run.solved.as_ref().and_then(|solved| solved.motor.as_ref());
+        Self { torque_n_m: &run.torque_n_m, rate_rad_s: &run.hub_rate_rad_s, motor }
+    }
+}
+
+impl<'a> From<&'a StoredJoint> for Turning<'a> {
+    fn from(joint: &'a StoredJoint) -> Self {
+        let StoredJoint { torque_n_m, rate_rad_s, motor, .. } = joint;
+        Self { torque_n_m, rate_rad_s, motor: motor.as_ref() }
+    }
+}
+
+/// A quantity of a hub or of a joint that may have a limit.
+pub(super) struct Limited {
+    pub(super) id: &'static str,
+    /// Its title, but for what it is of.
+    title: &'static str,
+    quantity: (&'static str, &'static str),
+    pub(super) limit: fn(&Limits) -> Option<f64>,
+    pub(super) of: fn(&Turning) -> Option<Vec<f64>>,
+    formula: &'static str,
+}
+
+/// Rate and power, at the joint and of its motor.
+pub(super) const LIMITED: [Limited; 4] = [
+    Limited {
+        id: "rate",
+        title: "Rate of",
+        quantity: ("rate", "rad/s"),
+        limit: |limits| limits.hub_rate_rad_s,
+        of: |turning| Some(turning.rate_rad_s.to_vec()),
+        formula: formula::RATE,
+    },
+    Limited {
+        id: "power",
+        title: "Power at",
+        quantity: ("power", "W"),
+        limit: |limits| limits.power_w,
+        of: |turning| Some(power_w(turning.torque_n_m, turning.rate_rad_s)),
+        formula: formula::POWER,
+    },
+    Limited {
+        id: "motor-rate",
+        title: "Rate of the motor at",
+        quantity: ("rate", "rad/s"),
+        limit: |limits| limits.motor_rate_rad_s,
+        of: |turning| Some(turning.motor?.rate_rad_s.clone()),
+        formula: formula::MOTOR_RATE,
+    },
+    Limited {
+        id: "motor-power",
+        title: "Power of the motor at",
+        quantity: ("power", "W"),
+        limit: |limits| limits.motor_power_w,
+        of: |turning| turning.motor.map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
+        formula: formula::MOTOR_POWER,
+    },
+];
+
+fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Vec<f64> {
+    torque_n_m.iter().zip(rate_rad_s).map(|(torque, rate)| torque * rate).collect()
+}
+
+impl Limited {
+    /// Its figure with the limit, of `what`.
+    pub(super) fn figure(
+        &self,
+        (id, what): (String, &str),
+        time: Axis,
+        curves: Vec<Curve>,
+        limit: f64,
+    ) -> Figure {
+        let title = format!("{} {what}", self.title);
+        figure((id, &title), time, self.quantity, (curves, limit)).by(self.formula)
+    }
+}
+
+/// A figure of lines with a limit; the caption says how far the first line gets.
+fn figure(
+    (id, title): (String, &str),
+    time: Axis,
+    (name, unit): (&str, &str),
+    (mut curves, limit): (Vec<Curve>, f64),
+) -> Figure {
+    let values = curves.first().into_iter().flat_map(|curve| &curve.points);
+    let peak = values.fold(0.0_f64, |peak, (_, value)| peak.max(value.abs()));
+    let mut caption = format!("{title}, at most {} {unit}.", significant(peak, 4));
+    caption.push_str(&Curve::add_limit(&mut curves, Some(limit), ("", unit), 1));
+    Figure::of_curves(id, title, caption, time, (name, unit), curves)
+}
+
+/// What of a link has a limit, but for torques.
+pub(super) fn limited_of_link(view: &View) -> Vec<Result<Figure, String>> {
+    let run = view.run;
+    let turning = LIMITED.iter().filter_map(|topic| {
+        let (limit, history) = ((topic.limit)(&run.limits)?, (topic.of)(&Turning::from(run))?);
+        let (id, name) = if topic.id.starts_with("motor") {
+            (topic.id.to_owned(), "motor")
+        } else {
+            (format!("hub-{}", topic.id), "flexible link")
+        };
+        let curves = vec![view.curve(name, Stroke::Solid(1), &history)];
+        Some(Ok(topic.figure((id, "the hub"), view.time_axis(), curves, limit)))
+    });
+    let deflection = run.limits.deflection_m.map(|limit| {
+        let curves = vec![deflection(view)];
+        let title = "Deflection of the tip from the hub's tangent line";
+        let head = ("tip-deflection".to_owned(), title);
+        Ok(figure(head, view.time_axis(), ("deflection", "m"), (curves, limit))
+            .by(formula::TIP_DEFLECTION))
+    });
+    let moment = run.limits.bending_moment_n_m.map(|limit| root_moment(view, limit));
+    turning.chain(deflection).chain(moment).collect()
+}
+
+/// The deflection of the tip as it was written, or `v − Lθ`.
+fn deflection(view: &View) -> Curve {
+    let run = view.run;
+    let tip = run.mesh.nodes_m().len() - 1;
+    let written = run.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
+    if let Some(history) = written.and_then(|own| Some((&own.times_s, own.histories.last()?))) {
+        return over_time(view, history);
+    }
+    let length_m = run.mesh.length_m();
+    let pairs = run.tip.displacement_m.iter().zip(&run.hub_angle_rad);
+    let bent = pairs.map(|(v, angle)| v - length_m * (angle - run.origin_rad)).collect();
+    over_time(view, (&run.times_s, &bent))
+}
+
+fn over_time(view: &View, (times_s, history): (&Vec<f64>, &Vec<f64>)) -> Curve {
+    let (from_s, until_s) = view.span_s();
+    let samples = inside(times_s, from_s, until_s);
+    let (times_s, history) = (&times_s[samples.clone()], &history[samples]);
+    Curve::new("flexible link", Stroke::Solid(1), times_s, history)
+}
+
+/// The bending moment at the root, if it is known.
+fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
+    let moments = bending_moments(view).filter(|moments| moments.nodes.nodes.first() == Some(&0));
+    let moments = moments.ok_or(
+        "the bending moment at the root, since it was not written: solve --moments writes it",
+    )?;
+    let curves = vec![over_time(view, (&moments.nodes.times_s, &moments.nodes.histories[0]))];
+    let (title, formula) = if moments.is_written {
+        ("Bending moment at the root", formula::ROOT_MOMENTS)
+    } else {
+        ("Bending moment at the root, estimated", formula::MOMENT_ESTIMATED)
+    };
+    let head = ("hub-moment".to_owned(), title);
+    Ok(figure(head, view.time_axis(), ("moment", "N m"), (curves, limit)).by(formula))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::largest;
+    use crate::report::Figures;
+    use crate::report::tests::{run, solution};
+    use crate::result::StoredResult;
+
+    #[test]
+    fn every_limit_of_a_history_is_a_line_in_its_figure() {
+        let mut run = run();
+        let solved = run.solved.as_mut().unwrap();
+        solved.motor = Some(StoredMotor {
+            torque_n_m: run.torque_n_m.iter().map(|torque| 0.5 * torque).collect(),
+            rate_rad_s: run.hub_rate_rad_s.iter().map(|rate| 2.0 * rate).collect(),
+        });
+        let drawn = |run: &StoredRun| Figures::of(&StoredResult::Run(Box::new(run.clone()))).drawn;
+        assert!(!drawn(&run).iter().any(|figure| figure.id == "hub-power"), "there is no limit");
+        let half = |history: &[f64]| Some(0.5 * largest(history));
+        let power: Vec<f64> = run
+            .torque_n_m
+            .iter()
+            .zip(&run.hub_rate_rad_s)
+            .map(|(torque, rate)| torque * rate)
+            .collect();
+        run.limits = Limits {
+            torque_n_m: half(&run.torque_n_m),
+            hub_rate_rad_s: half(&run.hub_rate_rad_s),
+            power_w: half(&power),
+            deflection_m: half(run.deflections_m.as_ref().unwrap().histories.last().unwrap()),
+            bending_moment_n_m: half(&solution().root_moment_n_m),
+            motor_torque_n_m: half(
+                &run.solved.as_ref().unwrap().motor.as_ref().unwrap().torque_n_m,
+            ),
+            motor_rate_rad_s: half(
+                &run.solved.as_ref().unwrap().motor.as_ref().unwrap().rate_rad_s,
+            ),
+            motor_power_w: half(&power),
+            ..Limits::default()
+        };
+        let figures = drawn(&run);
+        for (id, line, limit) in [
+            ("torque", "flexible link", run.limits.torque_n_m),
+            ("torque", "motor", run.limits.motor_torque_n_m),
+            ("hub-rate", "flexible link", run.limits.hub_rate_rad_s),
+            ("hub-power", "flexible link", run.limits.power_w),
+            ("motor-rate", "motor", run.limits.motor_rate_rad_s),
+            ("motor-power", "motor", run.limits.motor_power_w),
+            ("tip-deflection", "flexible link", run.limits.deflection_m),
+            ("hub-moment", "flexible link", run.limits.bending_moment_n_m),
+        ] {
+            let figure = figures.iter().find(|figure| figure.id == id).unwrap();
+            let curve = figure.curves.iter().find(|curve| curve.name == line).unwrap();
+            let peak = curve.points.iter().fold(0.0_f64, |peak, (_, value)| peak.max(value.abs()));
+            // The moment is estimated.
+            assert!((0.5 * peak / limit.unwrap() - 1.0).abs() < 0.02, "{id}: {peak}, {limit:?}");
+            let is_limit = |curve: &&Curve| matches!(curve.stroke, Stroke::Limit(_));
+            let mut lines = figure.curves.iter().filter(is_limit);
+            let is_drawn = lines.any(|curve| (curve.points[0].1 - limit.unwrap()).abs() < 1e-15);
+            assert!(is_drawn, "{id} lacks the limit of {line}");
+        }
+    }
+}
