@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-/// Positions closer than this share of the link's length are one: a sum of segment lengths is
-/// not always the decimal number that a user writes for `at`.
-pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
-
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
 use crate::text::plain;
+
+/// Positions closer than this share of the link's length are one: a sum of segment lengths is
+/// not always the decimal number that a user writes for `at`.
+pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Characters of a number that is written with all its digits.
 const LONGEST_NUMBER: usize = 24;

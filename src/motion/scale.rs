@@ -13,6 +13,9 @@ use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length, largest};
 /// 3.7 from one sample to the next.
 const AROUND: usize = 30;
 
+/// Share of the largest acceleration that an acceleration jumps by.
+const JUMP: f64 = 0.4;
+
 /// Factors on a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionScale {
@@ -29,6 +32,25 @@ impl Default for MotionScale {
 }
 
 impl TipMotion {
+    /// True if accelerations are given that jump: a sample is far from the next but one, while those before and after
+    /// hardly change.
+    pub fn jumps(&self) -> bool {
+        let own = self.samples().forcing_m_s2();
+        let least = JUMP * largest(own);
+        // The tip that rests is not accelerated.
+        let beside: &[f64] = if self.ends() == Ends::AtRest { &[0.0; 3] } else { &[] };
+        let samples = [beside, own, beside].concat();
+        let is_jump = |a: &[f64]| {
+            let jump = (a[3] - a[1]).abs();
+            let beside = (a[1] - a[0]).abs().max((a[4] - a[3]).abs());
+            // The sample of a jump has either value, or their mean.
+            let values = [a[1], 0.5 * (a[1] + a[3]), a[3]];
+            let off = values.iter().map(|value| (a[2] - value).abs()).fold(jump, f64::min);
+            jump > least && beside < 0.1 * jump && off < 0.05 * jump
+        };
+        !self.is_from_displacement() && samples.windows(5).any(is_jump)
+    }
+
     /// Largest acceleration of the samples in m/s², of displacements the largest of their second differences.
     pub fn largest_acceleration_m_s2(&self) -> f64 {
         largest(self.samples().forcing_m_s2())

@@ -26,9 +26,10 @@ pub(crate) struct NodeArgs {
     #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',', value_parser = node)]
     pub(crate) list: Option<Vec<usize>>,
 
-    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); of an arm from each link's
-    /// joint. The mesh gets a node there, unless it has one.
+    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); of an arm that is solved
+    /// from each link's joint. The mesh gets a node there, unless it has one.
     #[arg(long = "stations", value_name = "LIST", value_delimiter = ',', value_parser = metres)]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) stations_m: Vec<f64>,
 
     /// Write every K-th row of the nodal tables.

@@ -9,7 +9,7 @@ use resvg::{tiny_skia, usvg};
 
 use super::axis::{Axis, drawn_points, in_unit};
 use super::colour_map::{ColourMap, Fields};
-use crate::text::{given, plain, significant, visible_document};
+use crate::text::{given, significant, visible_document};
 
 /// The content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
 #[derive(Debug, Clone, Default)]
@@ -97,7 +97,8 @@ impl Curve {
         colour: usize,
     ) -> String {
         let Some(limit) = limit else { return String::new() };
-        let name = format!("{whose} limit {} {unit}", plain(limit)).trim_start().to_owned();
+        let name =
+            format!("{whose} limit {} {unit}", significant(limit, 6)).trim_start().to_owned();
         let Some(line) = Self::limit((limit, &name), colour, curves) else {
             return format!(" The {name} is beyond the figure.");
         };

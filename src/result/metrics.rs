@@ -78,9 +78,15 @@ impl Metrics {
             _ => &solution.hub_angle_rad[..],
         };
         let ends = solution.motion.ends();
-        // A cycle begins anywhere: its hub turns by the range of the angle.
-        let from_rad = if ends == Ends::Periodic { extremes(counted)[0] } else { counted[0] };
-        let travelled: Vec<f64> = counted.iter().map(|angle| angle - from_rad).collect();
+        let turned =
+            |from_rad: f64| peak(&counted.iter().map(|angle| angle - from_rad).collect::<Vec<_>>());
+        let mut peak_hub_angle_rad = turned(counted[0]);
+        if ends == Ends::Periodic {
+            // A cycle begins anywhere: its hub turns by the range of the angle, both of whose ends lie between samples.
+            let [low, high] = extremes(counted);
+            peak_hub_angle_rad = turned(low);
+            peak_hub_angle_rad.value += turned(high).value - (high - low);
+        }
         // With gravity, or against friction, the torque acts where it differs from what it is at the ends.
         let acts = |torque: &[f64], peak: Peak| match ends {
             Ends::Periodic => Acting::always(torque),
@@ -98,7 +104,7 @@ impl Metrics {
             torque_ratio: peak_torque_n_m.value / peak_rigid_torque_n_m.value,
             lead_s: timed(grid.time_s(solution.moving.0) - acting.start_s(grid)),
             lag_s: timed(acting.end_s(grid) - grid.time_s(solution.moving.1)),
-            peak_hub_angle_rad: peak(&travelled),
+            peak_hub_angle_rad,
             peak_hub_rate_rad_s: peak(&solution.hub_rate_rad_s),
             peak_power_w: peaks.of_product(torque, &solution.hub_rate_rad_s),
             peak_root_moment_n_m: peak(&solution.root_moment_n_m),

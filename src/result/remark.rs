@@ -180,8 +180,8 @@ pub enum Remark {
     },
     /// An acceleration that jumps: what follows it in a band of frequencies overshoots.
     #[error(
-        "the acceleration jumps: followed to {} Hz it peaks at {} m/s², {:.0} % above its samples, and the torque of the \
-         rigid link likewise",
+        "the acceleration jumps: followed to {} Hz it peaks at {} m/s², {:.0} % above its samples; that of the rigid link \
+         has the same peak",
         significant(*cutoff_hz, 3),
         significant(*peak_m_s2, 3),
         100.0 * share
@@ -252,7 +252,7 @@ impl Remark {
 
     /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
     pub fn on_jumps(solution: &Solution) -> Option<Self> {
-        let cutoff_hz = solution.band.cutoff_hz?;
+        let cutoff_hz = solution.band.cutoff_hz.filter(|_| solution.motion.jumps())?;
         let peak_m_s2 = Peaks::of_solution(solution).of(&solution.tip.acceleration_m_s2).value;
         let share = peak_m_s2 / solution.motion.largest_acceleration_m_s2() - 1.0;
         (share > OVERSHOOT).then_some(Self::Jumps { cutoff_hz, peak_m_s2, share })

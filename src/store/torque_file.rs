@@ -169,8 +169,9 @@ impl TorqueFile<'_> {
              /* Time in s */\nstatic const double {stem}_time_s[{macros}_LENGTH] = {{\n"
         );
         let middle = format!(
-            "}};\n\n/* Torque at each joint in N m, the inner one first */\n\
-             static const double {stem}_n_m[{macros}_LENGTH]{columns} = {{\n"
+            "}};\n\n/* {} */\n\
+             static const double {stem}_n_m[{macros}_LENGTH]{columns} = {{\n",
+            self.what()
         );
         let (times, torques) = (self.times(C_NUMBER), self.torques(signs));
         [head.as_bytes(), &times, middle.as_bytes(), &torques, b"};\n\n#endif\n"].concat()
@@ -211,12 +212,19 @@ impl TorqueFile<'_> {
         self.table.interpolation() == Interpolation::Zero
     }
 
+    /// What the columns beside the time are.
+    fn what(&self) -> &'static str {
+        match self.table.torques_n_m().len() {
+            1 => "Torque at the hub in N m",
+            _ => "Torque at each joint in N m, the inner one first",
+        }
+    }
+
     /// What the file says of itself, line by line.
     fn comment(&self) -> Vec<String> {
         let origin = self.summary.origin();
         let mut lines = vec![origin.title];
-        lines
-            .push(format!("Torque at each joint in N m, computed by flexlink {}:", origin.version));
+        lines.push(format!("{}, computed by flexlink {}:", self.what(), origin.version));
         let names = origin.inputs.iter().map(|input| input.name.clone());
         let words = ["flexlink", "solve"].map(str::to_owned).into_iter().chain(names);
         let words = words.chain(origin.arguments).chain(self.summary.table_arguments());

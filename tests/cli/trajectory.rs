@@ -295,7 +295,7 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     // The versine is shorter, at a step that is too long for its jumps.
     assert!(
         told.contains(
-            "note: the best without a warning is septic: 0.7 s, the shortest duration within"
+            "note: the best without a warning or jump is septic: 0.7 s, the shortest duration within"
         ),
         "{told}"
     );

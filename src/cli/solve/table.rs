@@ -8,6 +8,7 @@ use flexlink::beam::MeshPlan;
 use flexlink::csv::Digits;
 use flexlink::inverse::{ArmSolution, Solution};
 use flexlink::motion::Ends;
+use flexlink::response::Interpolation;
 use flexlink::result::{StoredWarning, TorqueTable};
 use flexlink::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
 use flexlink::text::{plain, significant};
@@ -330,7 +331,8 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     let TableError { tip, change_m, feedback } = error;
     let [worst, time, of] =
         [tip.worst_m, table.time_s(tip.time_s), tip.share].map(|number| significant(number, 3));
-    let mut lines = vec![format!("tip off by up to {worst} m, {of} of its travel, at {time} s")];
+    let mut lines =
+        vec![format!("tip off at the rows by up to {worst} m, {of} of its travel, at {time} s")];
     if *change_m > KNOWN * tip.worst_m {
         let change = significant(*change_m, 1);
         lines.push(format!(
@@ -342,6 +344,11 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
         let falls = "the arm falls from a pose: played with feedback around its joints,";
         lines.push(falls.to_owned());
         lines.push(format!("{} (N m/rad and N m s/rad of each)", gains.join(",")));
+        if table.interpolation() == Interpolation::Zero {
+            lines.push(
+                "with a reference that is corrected for the hold as the torques are".to_owned(),
+            );
+        }
     }
     lines
 }

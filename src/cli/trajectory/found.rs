@@ -244,11 +244,11 @@ impl Search<'_> {
         let found = format!("{duration_s} s{of}, {}", found_text(fit, values));
         match self.profile {
             Choice::Best if warnings == 0 => {
-                console::note(&format!("the best without a warning is {profile}: {found}"));
+                console::note(&format!("the best without a warning or jump is {profile}: {found}"));
             }
             Choice::Best => {
                 console::note(&format!(
-                    "none is without a warning, the shortest is {profile}: {found}"
+                    "none is without a warning or jump, the shortest is {profile}: {found}"
                 ));
             }
             Choice::Profile(_) => console::note(&format!("{found}{}", binding_text(fit))),
