@@ -97,8 +97,7 @@ impl Curve {
         colour: usize,
     ) -> String {
         let Some(limit) = limit else { return String::new() };
-        let name =
-            format!("{whose} limit {} {unit}", significant(limit, 6)).trim_start().to_owned();
+        let name = format!("{whose} limit {} {unit}", given(limit)).trim_start().to_owned();
         let Some(line) = Self::limit((limit, &name), colour, curves) else {
             return format!(" The {name} is beyond the figure.");
         };

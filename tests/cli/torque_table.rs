@@ -61,7 +61,7 @@ fn a_cut_table_begins_and_ends_at_rest_and_its_cost_is_that_of_a_simulation() {
     for k in [1, torque.len() - 2] {
         assert!((0.005..0.006).contains(&(torque[k].abs() / peak)), "{}", torque[k] / peak);
     }
-    let worst_m = before(text.split("off by").nth(1).unwrap(), " m, ");
+    let worst_m = before(text.split("at the rows by").nth(1).unwrap(), " m, ");
     let end_s = column(&bench, "out/tip.csv", "time_s").last().unwrap().to_string();
     let link = repository(LINK);
     let simulate = [&["simulate", &link, "cut.csv"][..], &damped].concat();
@@ -98,7 +98,7 @@ fn values_for_a_converter_move_the_tip_far_less_off_than_samples_of_the_torque()
     let damped = ["--set", "damping={model='rayleigh',beta=1e-3}"];
     let run = [&damped[..], &["-o", "out", "--write", "held.csv", "--hold", "zero"]].concat();
     let text = told(&bench, &run);
-    let printed = before(text.split("off by").nth(1).unwrap(), " m, ");
+    let printed = before(text.split("at the rows by").nth(1).unwrap(), " m, ");
     let link = repository(LINK);
     let worst_m = |table: &str| {
         let simulate = [&["simulate", &link, table][..], &damped].concat();
@@ -167,7 +167,7 @@ fn a_matlab_script_has_a_row_for_each_time_and_makes_a_timeseries() {
 /// The tip's largest error in m that is printed.
 #[track_caller]
 fn printed_m(text: &str) -> f64 {
-    before(text.split("off by").nth(1).expect(text), " m, ")
+    before(text.split("at the rows by").nth(1).expect(text), " m, ")
 }
 
 /// `solve` of the arm of the bench into `out`; must succeed, warned or not.
