@@ -189,7 +189,7 @@ pub(crate) struct Motion {
     arguments: Vec<String>,
     pub(crate) reading: Vec<StoredWarning>,
     pub(crate) tip: TipMotion,
-    pub(crate) periods: Periods,
+    pub(crate) periods: Arc<Periods>,
     /// Length in m and gravity of the link whose arcs are given by angles.
     arcs_of: Option<(f64, Option<Gravity>)>,
 }
@@ -223,7 +223,7 @@ impl Motion {
         let tip = options.scale.scaled(tip)?;
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));
-        let (given, periods) = (Arc::new(given), Periods::of(&tip));
+        let (given, periods) = (Arc::new(given), Arc::new(Periods::of(&tip)));
         Ok(Self { given, arguments, reading, tip, periods, arcs_of })
     }
 

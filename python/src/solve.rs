@@ -72,7 +72,7 @@ fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
     };
     let resources = Resources {
         memory_bytes: memory::available(),
-        periods: read.map(|read| &read.periods),
+        periods: read.map(|read| &*read.periods),
         ..Resources::default()
     };
     let mesh = options.nodes.mesh(own, mesh.clone())?;

@@ -25,7 +25,7 @@ use crate::cli::sweep::tally::{Notice, Tally};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source, described_by};
 use crate::messages::{in_python, notice, usage, warn};
-use crate::motion::{Call, Given};
+use crate::motion::{Call, Given, Motion};
 use crate::pool;
 use crate::terminal::{Exit, Failure, memory};
 
@@ -80,14 +80,24 @@ struct OfLink {
     given: Arc<Given>,
     length_m: f64,
     motion: TipMotion,
-    periods: Periods,
+    periods: Arc<Periods>,
 }
 
 impl Shared {
-    fn of_link(link: &Link, given: Arc<Given>, options: SolveOptions) -> Result<Self, Failure> {
+    fn of_link(
+        link: &Link,
+        (given, read): (Arc<Given>, Option<&Motion>),
+        options: SolveOptions,
+    ) -> Result<Self, Failure> {
         let own = &link.specification.link;
-        let (motion, _) = given.motion(own, &options)?;
-        let periods = Periods::of(&motion);
+        let (motion, periods) = if let Some(read) = read {
+            read.refuse_other(own)?;
+            (read.tip.clone(), Arc::clone(&read.periods))
+        } else {
+            let (motion, _) = given.motion(own, &options)?;
+            let periods = Arc::new(Periods::of(&motion));
+            (motion, periods)
+        };
         let kind = if own.drive().is_some() { SweepKind::Driven } else { SweepKind::Solved };
         let problem =
             Problem::Link(Box::new(OfLink { given, length_m: own.length_m(), motion, periods }));
@@ -214,10 +224,7 @@ pub(crate) fn sweep<'py>(
     } else {
         let link = described_by::<Link>(link)?.get();
         let Call { given, arguments, motion } = Call::take(time, &keywords)?;
-        if let Some(motion) = motion {
-            motion.refuse_other(&link.specification.link)?;
-        }
-        Shared::of_link(link, given, solve_options(&arguments)?)?
+        Shared::of_link(link, (given, motion), solve_options(&arguments)?)?
     };
     let rows = py.detach(|| interruptible(|stop| all_rows(&shared, &cases, threads, stop)))?;
     table(varied, shared.kind, rows)

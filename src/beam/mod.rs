@@ -58,6 +58,19 @@ mod test_links {
         }
     }
 
+    /// Segments of half a metre with these stiffnesses, and masses at these places in m.
+    pub(super) fn of_stiffnesses(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
+        let segment = |ei: &f64| Segment {
+            length_m: 0.5,
+            bending_stiffness_n_m2: Taper::constant(*ei),
+            ..uniform_segment()
+        };
+        let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
+        let segments = stiffnesses.iter().map(segment).collect();
+        let masses = masses_at_m.iter().map(mass).collect();
+        Link::new(LinkParts { segments, masses, ..uniform() }).unwrap()
+    }
+
     const SI: Units = Units { length: 1.0, mass: 1.0 };
 
     /// The link on this many elements.

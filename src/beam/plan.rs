@@ -272,19 +272,7 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{LinkParts, LumpedMass, Taper, uniform, uniform_segment};
-
-    fn link(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
-        let segment = |ei: &f64| Segment {
-            length_m: 0.5,
-            bending_stiffness_n_m2: Taper::constant(*ei),
-            ..uniform_segment()
-        };
-        let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
-        let segments = stiffnesses.iter().map(segment).collect();
-        let masses = masses_at_m.iter().map(mass).collect();
-        Link::new(LinkParts { segments, masses, ..uniform() }).unwrap()
-    }
+    use crate::beam::test_links::of_stiffnesses as link;
 
     fn counts(link: &Link, own: &[Option<usize>], count: Option<ElementCount>) -> Vec<usize> {
         let plan = MeshPlan::new(link, own, count, 1e-6).unwrap();

@@ -73,19 +73,7 @@ pub(crate) fn nearest_node(nodes_m: &[f64], place_m: f64) -> usize {
 mod tests {
     use super::*;
     use crate::beam::Mesh;
-    use crate::link::{LinkParts, LumpedMass, Segment, Taper, uniform, uniform_segment};
-
-    fn link(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
-        let segment = |ei: &f64| Segment {
-            length_m: 0.5,
-            bending_stiffness_n_m2: Taper::constant(*ei),
-            ..uniform_segment()
-        };
-        let mass = |at_m: &f64| LumpedMass { at_m: *at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 };
-        let segments = stiffnesses.iter().map(segment).collect();
-        let masses = masses_at_m.iter().map(mass).collect();
-        Link::new(LinkParts { segments, masses, ..uniform() }).unwrap()
-    }
+    use crate::beam::test_links::of_stiffnesses as link;
 
     #[test]
     fn a_station_gets_a_node_and_no_element_gets_longer() {

@@ -35,6 +35,9 @@ impl TipMotion {
     /// True if accelerations are given that jump: a sample is far from the next but one, while those before and after
     /// hardly change.
     pub fn jumps(&self) -> bool {
+        if self.is_from_displacement() {
+            return false;
+        }
         let own = self.samples().forcing_m_s2();
         let least = JUMP * largest(own);
         // The tip that rests is not accelerated.
@@ -48,7 +51,7 @@ impl TipMotion {
             let off = values.iter().map(|value| (a[2] - value).abs()).fold(jump, f64::min);
             jump > least && beside < 0.1 * jump && off < 0.05 * jump
         };
-        !self.is_from_displacement() && samples.windows(5).any(is_jump)
+        samples.windows(5).any(is_jump)
     }
 
     /// Largest acceleration of the samples in m/s², of displacements the largest of their second differences.

@@ -32,6 +32,8 @@ impl<'a> From<&'a StoredJoint> for Turning<'a> {
 /// A quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
     pub(super) id: &'static str,
+    /// Whether it is the motor's.
+    is_of_motor: bool,
     /// Its title, but for what it is of.
     title: &'static str,
     quantity: (&'static str, &'static str),
@@ -44,6 +46,7 @@ pub(super) struct Limited {
 pub(super) const LIMITED: [Limited; 4] = [
     Limited {
         id: "rate",
+        is_of_motor: false,
         title: "Rate of",
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.hub_rate_rad_s,
@@ -52,6 +55,7 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "power",
+        is_of_motor: false,
         title: "Power at",
         quantity: ("power", "W"),
         limit: |limits| limits.power_w,
@@ -60,6 +64,7 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "motor-rate",
+        is_of_motor: true,
         title: "Rate of the motor at",
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.motor_rate_rad_s,
@@ -68,6 +73,7 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "motor-power",
+        is_of_motor: true,
         title: "Power of the motor at",
         quantity: ("power", "W"),
         limit: |limits| limits.motor_power_w,
@@ -113,7 +119,7 @@ pub(super) fn limited_of_link(view: &View) -> Vec<Result<Figure, String>> {
     let run = view.run;
     let turning = LIMITED.iter().filter_map(|topic| {
         let (limit, history) = ((topic.limit)(&run.limits)?, (topic.of)(&Turning::from(run))?);
-        let (id, name) = if topic.id.starts_with("motor") {
+        let (id, name) = if topic.is_of_motor {
             (topic.id.to_owned(), "motor")
         } else {
             (format!("hub-{}", topic.id), "flexible link")

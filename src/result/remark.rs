@@ -26,7 +26,7 @@ const FIRST_FREQUENCIES_HZ: RangeInclusive<f64> = 0.02..=1e5;
 /// Durations of motions in s: motors are not faster, and slower motions bend no link.
 const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
 
-/// What the acceleration of a smooth motion never exceeds that of its samples by, as a share.
+/// Share by which an acceleration that jumps must exceed its samples to be told.
 const OVERSHOOT: f64 = 0.05;
 
 /// Usual travel of the tip relative to the length: a full turn.

@@ -303,7 +303,7 @@ impl RunOutputs {
     }
 
     /// The nodes to write of those at these distances: the list and the stations, three of a golden folder, or all.
-    pub fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
+    pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
         if self.golden {
             return nodes_at_thirds(nodes_m);
         }

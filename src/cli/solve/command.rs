@@ -102,13 +102,6 @@ impl Solve {
         let problem = self.load()?;
         let problem = match problem {
             OneOrSeveral::One(problem) => problem,
-            OneOrSeveral::Several(_) if self.report && self.options.nodes.chosen().is_some() => {
-                let option = self.options.nodes.chosen().unwrap_or_default();
-                let message = format!(
-                    "--report draws an arm with all its nodes, but {option} leaves some out"
-                );
-                return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
-            }
             OneOrSeveral::Several(problem) => return self.run_arm(&problem),
         };
         let motion = problem.motion();
@@ -189,6 +182,11 @@ impl Solve {
 
     /// Solves an arm of several links, writes and tells.
     fn run_arm(&self, problem: &ArmProblem<'_>) -> Result<Ending, Failure> {
+        if let Some(option) = self.options.nodes.chosen().filter(|_| self.report) {
+            let message =
+                format!("--report draws an arm with all its nodes, but {option} leaves some out");
+            return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
+        }
         self.table.check_motion(Ends::AtRest, problem.step_s())?;
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;

@@ -192,7 +192,10 @@ impl WriteArgs {
     /// A table with all that the options do to it, but for its start.
     fn shaped(&self, table: TorqueTable, ends: Ends) -> TorqueTable {
         let table = if self.hold.is_some() { table.held(ends) } else { table };
-        self.window.map_or(table.clone(), |share| table.cut(share))
+        match self.window {
+            Some(share) => table.cut(share),
+            None => table,
+        }
     }
 
     /// What playing a table finds, where it is not the torque itself.
@@ -216,7 +219,10 @@ impl WriteArgs {
         words: &Words,
         motor: Option<String>,
     ) -> WrittenTable {
-        let table = self.start_at.map_or(table.clone(), |start_s| table.starting_at(start_s));
+        let table = match self.start_at {
+            Some(start_s) => table.starting_at(start_s),
+            None => table,
+        };
         let warning = error.as_ref().and_then(|error| self.warning(error, tip_tolerance, words));
         let begins = format!("the motion begins at {} s", significant(table.moves_from_s(), 4));
         let size = if table.has_weight() { "range" } else { "peak" };

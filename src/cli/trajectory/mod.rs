@@ -55,8 +55,8 @@ Example:
 /// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
 /// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
 /// trapezoid (a third of the time accelerating, a third at speed), s-curve (the same with limited jerk),
-/// bang-bang, gaussian (bell of velocity); best (with --link: that of the shortest motion without a warning or a jump of the acceleration; the
-/// durations that all of them need are printed).
+/// bang-bang, gaussian (bell of velocity); best (with --link: that of the shortest motion without a warning
+/// or a jump of the acceleration; the durations that all of them need are printed).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Trajectory {
