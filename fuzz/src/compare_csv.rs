@@ -89,7 +89,7 @@ fn compared(expected: &Table, actual: &Table, tolerances: &Tolerances) -> TableC
         alone == 0 && !unmatched && found.failing().is_empty()
     });
     let outcome = FileOutcome::Compared(found.clone());
-    let files = vec![FileComparison { name: "t.csv".to_owned(), outcome }];
+    let files = vec![FileComparison { name: "t.csv".to_owned(), outcome, inputs: vec![] }];
     let json = comparison_json(&Comparison { files, not_compared: 0 }, None);
     let json: serde_json::Value = serde_json::from_str(&json).expect(&json);
     assert!(json.is_object());

@@ -240,6 +240,8 @@ pub struct FileComparison {
     pub name: String,
     /// The result.
     pub outcome: FileOutcome,
+    /// The inputs by which the runs of two summary.json differ, in words.
+    pub inputs: Vec<String>,
 }
 
 /// The result for one file.

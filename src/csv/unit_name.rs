@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::numeric::{Unit, UnitError};
+use crate::numeric::{Dimension, Unit, UnitError, may_count_turns};
 
 /// A unit as it was written.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,14 +45,18 @@ const SPELLINGS: [(&[&str], &str); 11] = [
     (&["microstrain", "µε", "με"], "um/m"),
 ];
 
-/// Reads a unit as headings spell it, `Nm` and `m/s2` included.
+/// Reads a unit as headings spell it, `Nm` and `m/s2` included; refuses a rate that may count turns.
 pub(super) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
-    Unit::parse(text).or_else(|error| {
-        let known = SPELLINGS.iter().find(|(spellings, _)| spellings.contains(&text));
-        let squared = || Some(format!("{}^2", text.strip_suffix('2')?));
-        let other = known.map(|(_, unit)| (*unit).to_owned()).or_else(squared);
-        other.and_then(|other| Unit::parse(&other).ok()).ok_or(error)
-    })
+    let known = SPELLINGS.iter().find(|(spellings, _)| spellings.contains(&text));
+    let text = known.map_or(text, |(_, unit)| unit);
+    let unit = Unit::parse(text).or_else(|error| {
+        let squared = text.strip_suffix('2').map(|base| Unit::parse(&format!("{base}^2")));
+        squared.and_then(Result::ok).ok_or(error)
+    })?;
+    if unit.dimension() == Dimension::RATE && may_count_turns(text) {
+        return Err(UnitError::TurnsOrRadians { unit: text.into() });
+    }
+    Ok(unit)
 }
 
 /// The name in front of a unit in brackets, and that unit.

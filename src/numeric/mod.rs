@@ -31,4 +31,4 @@ pub use scalar::{Scalar, Size};
 pub(crate) use spline::{CubicSpline, SplineEnds};
 pub use student::{NORMAL_95, student_95};
 pub use units::{Dimension, Unit, UnitError, parse_quantity};
-pub(crate) use units::{quantity_pattern, reads_as_unit, split_number};
+pub(crate) use units::{may_count_turns, quantity_pattern, reads_as_unit, split_number};

@@ -185,7 +185,7 @@ fn file_values(file: &FileComparison) -> Value {
         FileOutcome::OnlyExpected(_) => ("only in expected", None),
         FileOutcome::OnlyActual(_) => ("only in actual", None),
     };
-    object!({ "file": file.name, "outcome": outcome, "table": table.map(table_values) })
+    object!({ "file": file.name, "outcome": outcome, "table": table.map(table_values), "inputs": file.inputs })
 }
 
 fn table_values(table: &TableComparison) -> Value {

@@ -1,8 +1,10 @@
 //! Records as JSON: their text, their format, messages on damaged ones and those of other versions.
 
+use std::collections::BTreeSet;
+
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::compare::{Cell, Table, TableColumn};
 use crate::csv::{InputError, InputFile, Place, TableError};
@@ -191,8 +193,8 @@ fn without_controls(text: String) -> String {
     text.chars().map(escaped).collect()
 }
 
-/// Command and results of a run's summary.json as a table of one row, `results.peak_torque_n_m` and so on; none if it has
-/// none.
+/// What is compared of a run's summary.json, as a table of one row: its command, its results,
+/// `results.peak_torque_n_m` and so on, and the kinds of its warnings; none if it has no results.
 pub fn results_table(summary: &[u8]) -> Option<Table> {
     let record: Value = serde_json::from_slice(summary).ok()?;
     record.get("flexlink")?;
@@ -200,9 +202,50 @@ pub fn results_table(summary: &[u8]) -> Option<Table> {
     // The first column is no number: rows are not matched by it.
     add_columns(&mut columns, "command", record.get("command")?);
     add_columns(&mut columns, "results", record.get("results")?);
+    let warnings = record.get("warnings").and_then(Value::as_array);
+    let kinds = warnings.into_iter().flatten().filter_map(|warning| warning.get("kind")?.as_str());
+    for kind in kinds.collect::<BTreeSet<_>>() {
+        add_columns(&mut columns, &format!("warnings.{kind}"), &Value::from("told"));
+    }
     let before = summary.windows(9).position(|text| text == b"\"results\"")?;
     let line = summary[..before].split(|byte| *byte == b'\n').count() as u64;
     Some(Table { columns, lines: vec![line] })
+}
+
+/// The inputs by which two runs differ, told in words: `link: arm.toml with other content`.
+pub fn different_inputs(expected: &[u8], actual: &[u8]) -> Vec<String> {
+    let [expected, actual] = [expected, actual].map(inputs_of);
+    let names: BTreeSet<&String> = expected.keys().chain(actual.keys()).collect();
+    let differ = names.into_iter().filter(|name| expected.get(*name) != actual.get(*name));
+    differ
+        .map(|name| match [&expected, &actual].map(|inputs| input_in_words(inputs.get(name))) {
+            [own, other] if own == other => format!("{name}: {own} with other content"),
+            [own, other] => format!("{name}: {own} in EXPECTED, {other} in ACTUAL"),
+        })
+        .collect()
+}
+
+/// The inputs in a summary.json by their names there, and the version that wrote it.
+fn inputs_of(summary: &[u8]) -> Map<String, Value> {
+    let mut record: Map<String, Value> = serde_json::from_slice(summary).unwrap_or_default();
+    let mut inputs = match record.remove("inputs") {
+        Some(Value::Object(inputs)) => inputs,
+        _ => Map::new(),
+    };
+    inputs.extend(record.remove_entry("flexlink"));
+    inputs
+}
+
+/// The name of a file, or arguments as they were given.
+fn input_in_words(input: Option<&Value>) -> String {
+    let text = match input {
+        Some(Value::Array(arguments)) => {
+            arguments.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(" ")
+        }
+        Some(input) => input.get("name").unwrap_or(input).as_str().unwrap_or_default().to_owned(),
+        None => String::new(),
+    };
+    if text.is_empty() { "none".to_owned() } else { visible(&excerpt(&text)).into_owned() }
 }
 
 /// A column for each value within a value.

@@ -25,7 +25,9 @@ pub use frequency_tables::{
     modes_json, pose_modes_json, write_arm_modes, write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
-pub use json::{Fingerprint, FitInputs, fit_json, read_state, results_table, state_json};
+pub use json::{
+    Fingerprint, FitInputs, different_inputs, fit_json, read_state, results_table, state_json,
+};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};

@@ -167,6 +167,42 @@ result   1 equal, 1 different
 }
 
 #[test]
+fn a_new_warning_is_a_difference_and_inputs_that_differ_are_named() {
+    let summary = |hash: &str, arguments: &str, warnings: &str| {
+        format!(
+            r#"{{"flexlink": "0.1.0", "command": "solve", "inputs": {{"link": {{"name": "a.toml",
+            "sha256": "{hash}"}}, "arguments": [{arguments}]}},
+            "results": {{"peak": 1.0}}, "warnings": [{warnings}]}}"#
+        )
+    };
+    let warning = r#"{"kind": "short lead", "message": "lead = 0.1 s", "hint": ""}"#;
+    let told = |expected: &str, actual: &str, tolerances: &str| {
+        let golden =
+            [("a.csv", EXPECTED), ("summary.json", expected), ("tolerances.toml", tolerances)];
+        compared(&folders(&golden, &[("a.csv", EXPECTED), ("summary.json", actual)]), &[])
+    };
+    let golden = summary("12", "", "");
+    let warned = summary("34", r#""--set", "payload.mass=1""#, warning);
+    let output = told(&golden, &warned, "");
+    assert!(
+        different(&output).contains(
+            "\
+differs  summary.json: 2 columns, 1 row
+  only in ACTUAL: warnings.short lead
+  arguments: none in EXPECTED, --set payload.mass=1 in ACTUAL
+  link: a.toml with other content
+"
+        ),
+        "{output:?}"
+    );
+    let ignored = "[[columns]]\nfile = \"summary.json\"\ncolumn = \"warnings.*\"\nignore = true\n";
+    let output = told(&golden, &warned, ignored);
+    assert!(!equal(&output).contains("a.toml"), "other inputs alone are no difference");
+    let other = warned.replace("0.1 s", "0.2 s");
+    equal(&told(&warned, &other, ""));
+}
+
+#[test]
 fn blessing_makes_golden_files_that_are_not_there_yet() {
     let bench = folders(&[], &[("a.csv", EXPECTED), ("b/c.csv", EXPECTED)]);
     equal(&bench.run(&["compare", "tests/golden", "out", "--bless", "--quiet"]));

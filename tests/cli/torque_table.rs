@@ -47,6 +47,17 @@ fn the_torque_alone_is_that_of_the_folder_and_leaves_none() {
 }
 
 #[test]
+fn what_verify_finds_is_said_beside_a_printed_table() {
+    let bench = super::arms::bench();
+    let link = [repository(LINK), repository(MOTION)];
+    for [link, motion] in [link, ["arm.toml", "path.csv"].map(str::to_owned)] {
+        let output = bench.run(&["solve", &link, &motion, "--write", "-", "--verify"]);
+        assert!(stdout(&output).starts_with("time_s,torque"), "{link}");
+        assert!(stderr(&output).contains("found     at most   of\n"), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_cut_table_begins_and_ends_at_rest_and_its_cost_is_that_of_a_simulation() {
     let bench = Bench::new();
     // With a law of damping that has an equation in time a simulation of the table finds the same.

@@ -43,8 +43,9 @@ const QUIET: &str = "Print nothing but warnings and errors; the exit code says i
 /// Compare tables column by column, within a tolerance of the column's peak.
 ///
 /// EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in
-/// their subfolders, too, and the results in the summary.json of runs. A number may differ by atol + rtol x the largest absolute value that its column
-/// has in EXPECTED; words and empty fields may not differ. Columns are matched by name, rows by the first
+/// their subfolders, too, and the results and the kinds of warnings in the summary.json of runs. A number may
+/// differ by atol + rtol x the largest absolute value that its column has in EXPECTED; words and empty fields may
+/// not differ. Columns are matched by name, rows by the first
 /// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
 /// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before
 /// comments.

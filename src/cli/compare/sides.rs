@@ -7,7 +7,9 @@ use flexlink::compare::{
     Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
 use flexlink::csv::{InputError, InputFile, read_table};
-use flexlink::store::{CsvFolder, GoldenChanges, REPORT, SUMMARY, is_run, results_table};
+use flexlink::store::{
+    CsvFolder, GoldenChanges, REPORT, SUMMARY, different_inputs, is_run, results_table,
+};
 
 use crate::terminal::files::is_standard_input;
 use crate::terminal::{Exit, Failure, memory};
@@ -141,8 +143,8 @@ impl Sides {
     /// Reads and compares them, one pair at a time.
     pub(super) fn compare(&self, tolerances: &Tolerances) -> Result<Comparison, Failure> {
         let compared = self.pairs.iter().map(|pair| {
-            let outcome = pair.compare(tolerances)?;
-            Ok(FileComparison { name: pair.name.clone(), outcome })
+            let (outcome, inputs) = pair.compare(tolerances)?;
+            Ok(FileComparison { name: pair.name.clone(), outcome, inputs })
         });
         let files = compared.collect::<Result<_, Failure>>()?;
         Ok(Comparison { files, not_compared: self.not_compared })
@@ -166,20 +168,24 @@ impl Sides {
 }
 
 impl Pair {
-    fn compare(&self, tolerances: &Tolerances) -> Result<FileOutcome, Failure> {
+    /// Reads and compares both files; tells the inputs by which two runs differ, too.
+    fn compare(&self, tolerances: &Tolerances) -> Result<(FileOutcome, Vec<String>), Failure> {
         let compared = |expected: &Table, actual: &Table| {
             FileOutcome::Compared(compare_tables(&self.name, expected, actual, tolerances))
         };
         let (path, only): (_, fn(Vec<String>) -> FileOutcome) = match (&self.expected, &self.actual)
         {
             (Some(expected), Some(actual)) => {
-                let (expected, actual) = read_both(expected, actual)?;
-                // Of equal bytes one table was read.
-                return Ok(compared(&expected, actual.as_ref().unwrap_or(&expected)));
+                let [expected, actual] = [InputFile::read(expected)?, InputFile::read(actual)?];
+                let are_runs = [&expected, &actual].iter().all(|file| file.name == SUMMARY);
+                let inputs = are_runs.then(|| different_inputs(&expected.bytes, &actual.bytes));
+                let (expected, actual) = both_tables(&expected, &actual)?;
+                let outcome = compared(&expected, actual.as_ref().unwrap_or(&expected));
+                return Ok((outcome, inputs.unwrap_or_default()));
             }
             (Some(path), None) => (path, FileOutcome::OnlyExpected),
             (None, Some(path)) => (path, FileOutcome::OnlyActual),
-            (None, None) => return Ok(FileOutcome::OnlyActual(Vec::new())),
+            (None, None) => return Ok((FileOutcome::OnlyActual(Vec::new()), Vec::new())),
         };
         let file = InputFile::read(path)?;
         memory::check_tables(file.bytes.len(), TABLE_TIMES)?;
@@ -188,20 +194,22 @@ impl Pair {
         // A file of one side is no difference if all its columns are ignored.
         let is_ignored = |column: &String| tolerances.rule(&self.name, column) == Rule::Ignore;
         if !names.is_empty() && names.iter().all(is_ignored) {
-            return Ok(compared(&table, &table));
+            return Ok((compared(&table, &table), Vec::new()));
         }
-        Ok(only(names))
+        Ok((only(names), Vec::new()))
     }
 }
 
-/// Reads both tables at once, or one if their bytes are the same.
-fn read_both(expected: &Path, actual: &Path) -> Result<(Table, Option<Table>), Failure> {
-    let (expected, actual) = (InputFile::read(expected)?, InputFile::read(actual)?);
+/// Both tables; one if their bytes are the same.
+fn both_tables(
+    expected: &InputFile,
+    actual: &InputFile,
+) -> Result<(Table, Option<Table>), Failure> {
     memory::check_tables(expected.bytes.len() + actual.bytes.len(), TABLE_TIMES)?;
     if expected.bytes == actual.bytes {
-        return Ok((table_of(&expected)?, None));
+        return Ok((table_of(expected)?, None));
     }
-    let (expected, actual) = rayon::join(|| table_of(&expected), || table_of(&actual));
+    let (expected, actual) = rayon::join(|| table_of(expected), || table_of(actual));
     Ok((expected?, Some(actual?)))
 }
 

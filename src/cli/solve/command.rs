@@ -145,19 +145,23 @@ impl Solve {
         table.map_or(Ok(0), |table| self.table.deliver(table, summary, self.options.digits))
     }
 
-    /// Prints the summary; where standard output has the table, only what is said of it, to standard error.
+    /// Prints the summary; where standard output has the table, only what is said of it, and its `checks`, to
+    /// standard error.
     fn print(
         &self,
         summary: &Summary,
         text: impl FnOnce() -> String,
-        table: Option<&WrittenTable>,
+        table: Option<(&WrittenTable, &str)>,
     ) -> Result<(), Failure> {
-        let of_table = table.map(|table| self.table.text(table)).unwrap_or_default();
+        let (of_table, checks) = match table {
+            Some((table, checks)) => (self.table.text(table), checks),
+            None => (String::new(), ""),
+        };
         if !self.table.is_printed() {
             return self.print.print(|| summary.to_json(), || text() + &of_table);
         }
         if !self.print.quiet {
-            of_table.lines().for_each(console::plain);
+            checks.lines().chain(of_table.lines()).for_each(console::plain);
         }
         Ok(())
     }
@@ -204,14 +208,14 @@ impl Solve {
         let SolvedRun { solved, verification } = &solved;
         ArmProblem::warn(solved, self.strict);
         let SolvedArm { solution, metrics, exceeded, .. } = solved;
-        let checks = || verification.as_ref().map(verify_text).unwrap_or_default();
+        let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
             let written = self.written(&solution.grid, problem.files(solved));
             let nodes_m: Vec<&[f64]> = solution.links.iter().map(|own| &own.nodes_m[..]).collect();
             let stations = self.options.nodes.text(&nodes_m);
-            arm_text(solution, metrics, written) + &stations + &checks() + &self.page_line()
+            arm_text(solution, metrics, written) + &stations + &checks + &self.page_line()
         };
-        self.print(&summary, text, table.as_ref())?;
+        self.print(&summary, text, table.as_ref().map(|table| (table, &*checks)))?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
             let message = format!("joint {}: {limit}", joint + 1);
@@ -247,17 +251,14 @@ impl Solve {
         // With --strict the first is an error, printed at the end.
         let limits = exceeded.iter().skip(usize::from(self.strict));
         console::warnings(limits.map(|limit| (limit, limit.hint())));
+        let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
             let files = self.options.outputs().file_names(solution.link()).len();
             let written = self.written(&solution.grid, files);
-            let checks = verification.as_ref().map(verify_text).unwrap_or_default();
             let stations = self.options.nodes.text(&[solution.mesh().nodes_m()]);
             solve_text(solution, metrics, written) + &stations + &checks + &self.page_line()
         };
-        if let Some(checks) = verification.as_ref().filter(|_| self.table.is_printed()) {
-            verify_text(checks).lines().for_each(console::plain);
-        }
-        self.print(summary, text, table)
+        self.print(summary, text, table.map(|table| (table, &*checks)))
     }
 
     /// Returns an error if a check is out of its bound, or for limits and warnings where the options say

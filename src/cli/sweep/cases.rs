@@ -214,8 +214,8 @@ impl<'a> Cases<'a> {
         Err(Failure::new(Exit::InputRefused, &message, None))
     }
 
-    /// What is possible but rare in a case that need not be solved; of the digits of an arm's path its
-    /// solution alone tells.
+    /// What is possible but rare in a case that need not be solved; of jumps, and of
+    /// the digits of an arm's path, its solution alone tells.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
         let First::Link(first) = &self.first else {

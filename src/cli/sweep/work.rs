@@ -102,7 +102,8 @@ impl Cases<'_> {
         let of_modes = Remark::on_modes(link, solution.mesh(), &first_rad_s);
         let (travel_m, tolerance) = (solution.tip_travel_m(), analysis.tip_tolerance());
         let of_motion = Remark::on_motion(link, &motion, travel_m, tolerance);
-        let remarks = specification.remarks.iter().cloned().chain(of_modes).chain(of_motion);
+        let of_link = specification.remarks.iter().cloned().chain(of_modes);
+        let remarks = of_link.chain(of_motion).chain(Remark::on_jumps(&solution));
         Ok((numbers, own.chain(limits).collect(), remarks.collect()))
     }
 

@@ -254,7 +254,7 @@ pub(crate) fn quantity_pattern(sign: &str) -> String {
 }
 
 /// True for a rate such as `1/min` or `Hz`, by which motors are said to make turns; `1/s` is one of radians.
-pub(super) fn may_count_turns(unit: &str) -> bool {
+pub(crate) fn may_count_turns(unit: &str) -> bool {
     let words = || unit.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
     let has_angle = words().any(|word| ["rad", "mrad", "deg", "rpm"].contains(&word));
     !has_angle && words().any(|word| word != "s")

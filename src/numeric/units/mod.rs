@@ -4,6 +4,6 @@ mod known;
 mod unit;
 
 pub use known::Dimension;
-pub(crate) use known::{quantity_pattern, reads_as_unit};
+pub(crate) use known::{may_count_turns, quantity_pattern, reads_as_unit};
 pub(crate) use unit::split_number;
 pub use unit::{Unit, UnitError, parse_quantity};

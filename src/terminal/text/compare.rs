@@ -24,7 +24,13 @@ const LONGEST_KEY: usize = 10;
 
 /// A line for each file, and for one that differs a line for each column, the worst first.
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
-    let files = comparison.files.iter().map(file_text);
+    let is_equal = comparison.is_equal();
+    // Other inputs alone are no difference, but explain one, be it in a table.
+    let inputs_text = |file: &FileComparison| {
+        let inputs = file.inputs.iter().filter(|_| !is_equal);
+        inputs.fold(String::new(), |text, input| text + "  " + input + "\n")
+    };
+    let files = comparison.files.iter().map(|file| file_text(file) + &inputs_text(file));
     files.chain([result_line(comparison)]).collect()
 }
 
