@@ -109,10 +109,8 @@ fn of_link(py: Python<'_>, found: ModesResult) -> PyResult<Bound<'_, PyDict>> {
         ("nodes", found.nodes_m),
     ];
     let table = dictionary(py, columns)?;
-    if let Some(held) = found.held {
-        let hertz = held.omega_rad_s.iter().map(|omega| omega / TAU).collect();
-        table.set_item("held_hz", PyArray1::from_vec(py, hertz))?;
-    }
+    let held_hz = found.held.omega_rad_s.iter().map(|omega| omega / TAU).collect();
+    table.set_item("held_hz", PyArray1::from_vec(py, held_hz))?;
     // A row for each mode.
     table.set_item("shapes", rows(py, &found.shapes, nodes)?.call_method0("transpose")?)?;
     Ok(table)

@@ -43,14 +43,15 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 
 /// Natural frequencies, mode shapes and zeros of a link.
 ///
-/// Prints a table; with -o, writes modes.csv, mode_shapes.csv and zeros.csv into a folder. Modes are those
-/// of a hub that is free to turn; shapes are mass-normalised and positive at the tip. Zeros are those of
+/// Prints tables; with -o, writes modes.csv, mode_shapes.csv, zeros.csv and held_modes.csv into a folder. Modes are
+/// those of a hub that is free to turn, and, without shapes, of a hub that is held; shapes are mass-normalised and
+/// positive at the tip. Zeros are those of
 /// the transfer from hub torque to tip: they set how long before the tip the torque must start. An
 /// automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh error of each
 /// number is measured on elements of half the length; above 1 % there is a warning.
 ///
-/// For a link file with a [drive] the frequencies with the rotor held are printed, too: the hub is then on
-/// the joint's spring or, if the joint is stiff, clamped. With -o they are in held_modes.csv.
+/// Of a link file with a [drive] the rotor is held, not the hub: the hub is then on the joint's spring or, if the joint is
+/// stiff, clamped.
 ///
 /// Gravity changes frequencies with the direction of the link: --at gives those of one direction, hub free and
 /// held, by the weight that pulls along the straight link.
@@ -247,8 +248,8 @@ pub(crate) fn in_pose(
         };
         Ok::<_, Failure>(PoseSquares::of(&mesh, on(&mesh)?, &on(&finer)?))
     };
-    let spring = link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad);
-    let (free, held) = (found(PoseHub::Free, count + 1)?, found(PoseHub::Spring(spring), count)?);
+    let (free, held) =
+        (found(PoseHub::Free, count + 1)?, found(PoseHub::Spring(held_by(link)), count)?);
     let free = if is_across { free.with_neutral_swing() } else { free };
     Ok((mesh, PoseModes { angle_rad, outward_m_s2, free, held }))
 }
@@ -264,12 +265,11 @@ pub(crate) fn computed(
     check_shapes(omega_rad_s.len() * mesh.nodes_m().len())?;
     let finer = mesh.refined();
     let highest = omega_rad_s.last().copied().unwrap_or_default();
-    let held = link.drive().map(|drive| {
-        let joint_stiffness_n_m_rad = drive.joint_stiffness_n_m_rad;
-        let (omega_rad_s, mesh_errors) =
-            with_errors(&mesh, &|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
-        HeldModes { joint_stiffness_n_m_rad, omega_rad_s, mesh_errors }
-    });
+    let joint_stiffness_n_m_rad = held_by(link);
+    let (held_rad_s, held_errors) =
+        with_errors(&mesh, &|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
+    let held =
+        HeldModes { joint_stiffness_n_m_rad, omega_rad_s: held_rad_s, mesh_errors: held_errors };
     let result = ModesResult {
         damping_ratios: law.modal_ratios(&omega_rad_s),
         mesh_errors: mesh_errors(&mesh, &omega_rad_s, &natural_frequencies(&finer, count)),
@@ -280,6 +280,11 @@ pub(crate) fn computed(
         held,
     };
     Ok((mesh, result))
+}
+
+/// Stiffness in N m/rad of what is between the hub and what holds it.
+fn held_by(link: &Link) -> f64 {
+    link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad)
 }
 
 /// Refuses mode shapes of so many displacements that they do not fit into the memory.

@@ -114,8 +114,8 @@ pub struct ModesResult {
     pub nodes_m: Vec<f64>,
     /// Mass-normalised displacement of each node in 1/√kg, one list a mode.
     pub shapes: Vec<Vec<f64>>,
-    /// Modes with the rotor held, where the link has a drive.
-    pub held: Option<HeldModes>,
+    /// Modes with the hub held, or the rotor where the link has a drive.
+    pub held: HeldModes,
 }
 
 /// Zeros of one link's torque → tip.
@@ -131,10 +131,10 @@ pub struct LinkZeros {
     pub blocked_mesh_errors: Vec<f64>,
 }
 
-/// The modes of a link while the motor holds the rotor.
+/// The modes of a link while its hub is held, or the rotor of its drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldModes {
-    /// Stiffness of the joint between rotor and hub in N m/rad; infinite for a stiff joint.
+    /// Stiffness of the joint between rotor and hub in N m/rad; infinite for a stiff joint and without a drive.
     pub joint_stiffness_n_m_rad: f64,
     /// Natural frequencies in rad/s.
     pub omega_rad_s: Vec<f64>,
@@ -198,9 +198,8 @@ impl LinkZeros {
 impl ModesResult {
     /// Warnings of errors that the mesh causes.
     pub fn warnings(&self) -> Vec<CoarseMesh> {
-        let held = self.held.as_ref().map_or(&[][..], |held| &held.mesh_errors);
         let free = CoarseMesh::of("mode", &self.mesh_errors);
-        let held = CoarseMesh::of("mode with the rotor held", held);
+        let held = CoarseMesh::of("held mode", &self.held.mesh_errors);
         free.into_iter().chain(self.zeros.warnings()).chain(held).collect()
     }
 }

@@ -22,8 +22,7 @@ const HELD: &str = "held_modes.csv";
 const ZEROS: &str = "zeros.csv";
 
 impl ModesResult {
-    /// Writes modes.csv, `mode_shapes.csv` and zeros.csv, for a link with a drive also `held_modes.csv`:
-    /// all or none.
+    /// Writes modes.csv, `mode_shapes.csv`, `held_modes.csv` and zeros.csv: all or none.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -34,10 +33,8 @@ impl ModesResult {
         let shapes = names.iter().zip(&self.shapes).map(|(name, shape)| (&name[..], &shape[..]));
         let shapes: Vec<_> = [("x_m", &self.nodes_m[..])].into_iter().chain(shapes).collect();
         folder.file(SHAPES, |out| write_columns(out, None, &shapes, digits))?;
-        if let Some(held) = &self.held {
-            let own = [("mesh_error", &held.mesh_errors[..])];
-            folder.file(HELD, |out| write_modes(out, &held.omega_rad_s, &own, digits))?;
-        }
+        let own = [("mesh_error", &self.held.mesh_errors[..])];
+        folder.file(HELD, |out| write_modes(out, &self.held.omega_rad_s, &own, digits))?;
         let zeros = zero_columns(&self.zeros);
         let zeros: Vec<_> = zeros.iter().map(|(name, values)| (*name, &values[..])).collect();
         folder.file(ZEROS, |out| write_columns(out, None, &zeros, digits))?;
@@ -297,12 +294,10 @@ pub fn pose_modes_json(pose: &PoseModes) -> String {
 /// Modes and zeros as JSON; what is not known is null, as is the stiffness of a stiff joint.
 pub fn modes_json(result: &ModesResult) -> String {
     let hertz = |omegas: &[f64]| omegas.iter().map(|omega| omega / TAU).collect::<Vec<f64>>();
-    let held = result.held.as_ref().map(|held| {
-        json!({
-            "joint_stiffness_n_m_rad": held.joint_stiffness_n_m_rad,
-            "frequency_hz": hertz(&held.omega_rad_s),
-            "mesh_error": held.mesh_errors,
-        })
+    let held = json!({
+        "joint_stiffness_n_m_rad": result.held.joint_stiffness_n_m_rad,
+        "frequency_hz": hertz(&result.held.omega_rad_s),
+        "mesh_error": result.held.mesh_errors,
     });
     as_text(&json!({
         "frequency_hz": hertz(&result.omega_rad_s),

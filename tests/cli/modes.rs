@@ -20,7 +20,7 @@ fn modes_are_printed_and_tabled() {
     let text = printed(&bench, &["modes", &repository(LINK), "--count", "5", "-o", "m"]);
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     assert!(text.contains("0.52642512"), "{text}");
-    assert_eq!(bench.names("m"), ["mode_shapes.csv", "modes.csv", "zeros.csv"]);
+    assert_eq!(bench.names("m"), ["held_modes.csv", "mode_shapes.csv", "modes.csv", "zeros.csv"]);
     let modes = bench.table("m/modes.csv");
     let names: Vec<&str> = modes.iter().map(|(name, _)| name.as_str()).collect();
     let expected =
@@ -68,28 +68,19 @@ fn a_link_with_a_drive_also_has_the_modes_of_the_held_rotor() {
 }
 
 #[test]
-fn a_stiff_joint_clamps_the_hub_of_a_held_rotor() {
+fn a_held_hub_and_one_behind_a_stiff_joint_are_clamped() {
     let bench = Bench::new();
     let uniform = "segments = [{ length = 1, EI = 1, mass_per_length = 1 }]\nhub.inertia = 0.1\n";
-    bench.write("link.toml", &format!("{uniform}[drive]\n"));
-    let text = printed(&bench, &["modes", "link.toml", "--count", "3", "-o", "m"]);
-    assert!(text.contains("\nrotor held, stiff joint\nmode "), "{text}");
-    let omega = &bench.table("m/held_modes.csv")[1].1;
-    assert_eq!(omega.len(), 3);
-    for (omega, b) in omega.iter().zip([1.875_104_069, 4.694_091_133, 7.854_757_438_f64]) {
-        assert!((omega / (b * b) - 1.0).abs() < 1e-6, "{omega} is not {b}²");
+    for (drive, heading) in [("", "hub held"), ("[drive]\n", "rotor held, stiff joint")] {
+        bench.write("link.toml", &format!("{uniform}{drive}"));
+        let text = printed(&bench, &["modes", "link.toml", "--count", "3", "-o", "m"]);
+        assert!(text.contains(&format!("\n{heading}\nmode ")), "{text}");
+        let omega = &bench.table("m/held_modes.csv")[1].1;
+        assert_eq!(omega.len(), 3);
+        for (omega, b) in omega.iter().zip([1.875_104_069, 4.694_091_133, 7.854_757_438_f64]) {
+            assert!((omega / (b * b) - 1.0).abs() < 1e-6, "{omega} is not {b}²");
+        }
     }
-}
-
-#[test]
-fn without_a_drive_no_held_modes_are_left_from_the_run_before() {
-    let bench = Bench::new();
-    let (rome, bayo) = (repository("specs/rome_link.toml"), repository(LINK));
-    printed(&bench, &["modes", &rome, "-o", "m"]);
-    assert!(bench.path("m/held_modes.csv").exists());
-    let text = printed(&bench, &["modes", &bayo, "-o", "m"]);
-    assert_eq!(bench.names("m"), ["mode_shapes.csv", "modes.csv", "zeros.csv"]);
-    assert!(!text.contains("held"), "{text}");
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn residual_line(simulation: &Simulation) -> String {
     };
     let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
     let share = (residual.share < 1.0).then(|| significant(residual.share, 2));
-    let share = share.map(|share| format!(", {share} of its travel"));
+    let share = share.map(|share| format!(", {share} of its peak displacement"));
     let frequency = residual.frequency_hz.map(|hertz| significant(hertz, 4));
     let frequency = frequency.map(|hertz| format!(", at {hertz} Hz"));
     vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()

@@ -12,19 +12,16 @@ use flexlink::verify::{Check, Outcome, Verification};
 
 use super::runs::{link_line, title};
 
-/// Modes, zeros and the modes with the rotor held.
+/// Modes, zeros and the modes with the hub or the rotor held.
 pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {
     let mut lines = vec![link_line(link, mesh)];
-    if result.held.is_some() {
-        lines.push("hub free, without the rotor".to_owned());
-    }
+    let without = if link.drive().is_some() { ", without the rotor" } else { "" };
+    lines.push(format!("hub free{without}"));
     let ratios = Some(&result.damping_ratios[..]);
     lines.extend(mode_rows(&result.omega_rad_s, ratios, &result.mesh_errors));
     lines.extend(zero_rows(&result.zeros));
-    if let Some(held) = &result.held {
-        lines.push(rotor_held(held.joint_stiffness_n_m_rad));
-        lines.extend(mode_rows(&held.omega_rad_s, None, &held.mesh_errors));
-    }
+    lines.push(hub_held(link));
+    lines.extend(mode_rows(&result.held.omega_rad_s, None, &result.held.mesh_errors));
     title(link) + &lines.join("\n") + "\n"
 }
 
@@ -55,18 +52,19 @@ pub(crate) fn pose_text(link: &Link, mesh: &Mesh, pose: &PoseModes) -> String {
         "hub free; mode 0 is the swing of the whole link".to_owned(),
     ];
     lines.extend(pose_rows(0, &pose.free));
-    let drive = link.drive();
-    lines.push(drive.map_or("hub held".into(), |drive| rotor_held(drive.joint_stiffness_n_m_rad)));
+    lines.push(hub_held(link));
     lines.extend(pose_rows(1, &pose.held));
     title(link) + &lines.join("\n") + "\n"
 }
 
-/// What holds the hub where the motor holds its rotor.
-fn rotor_held(joint_stiffness_n_m_rad: f64) -> String {
-    if joint_stiffness_n_m_rad.is_finite() {
-        format!("rotor held, joint spring {} N m/rad", significant(joint_stiffness_n_m_rad, 4))
-    } else {
-        "rotor held, stiff joint".into()
+/// What holds the hub.
+fn hub_held(link: &Link) -> String {
+    match link.drive().map(|drive| drive.joint_stiffness_n_m_rad) {
+        None => "hub held".into(),
+        Some(stiffness) if stiffness.is_finite() => {
+            format!("rotor held, joint spring {} N m/rad", significant(stiffness, 4))
+        }
+        Some(_) => "rotor held, stiff joint".into(),
     }
 }
 
