@@ -63,6 +63,12 @@ impl PeriodicAnswer {
         PeriodicTorque { samples, before: spectrum.seam, reach: spectrum.seam_reach() }
     }
 
+    /// What is left of samples of the period where it meets the next, over their peak.
+    pub(super) fn left_of(&self, samples: &[f64]) -> f64 {
+        let periodic = self.periodic(samples);
+        periodic.at_seam().max(self.ringing(samples)) / periodic.peak()
+    }
+
     /// What is left of each quantity where one period meets the next, over its peak: what the finite
     /// period costs it. `tail` is the slow tail of the hub angle, where damping leaves one.
     pub(super) fn left_at_seam(
@@ -72,13 +78,9 @@ impl PeriodicAnswer {
         peaks: &PerQuantity<f64>,
     ) -> PerQuantity<f64> {
         let length_m = link.length_m();
-        let share = |samples: &[f64]| {
-            let periodic = self.periodic(samples);
-            periodic.at_seam().max(self.ringing(samples)) / periodic.peak()
-        };
         let hub = self.hub_left(tail, length_m);
         let [hub_rad, hub_rad_s] = [0, 1].map(&hub);
-        let moment = || share(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
+        let moment = || self.left_of(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = link.drive().map(|drive| {
             let torque_rate = self.derivative(&self.hub.torque_n_m, 1);
             let torque_rate =
@@ -87,7 +89,7 @@ impl PeriodicAnswer {
         });
         let over = |left: f64, peak: f64| if left == 0.0 { 0.0 } else { left / peak };
         PerQuantity {
-            torque: share(&self.torque_n_m),
+            torque: self.left_of(&self.torque_n_m),
             hub_angle: hub_rad / peaks.hub_angle,
             hub_rate: hub_rad_s / peaks.hub_rate,
             hub_acceleration: peaks.hub_acceleration.map(|peak| over(hub(2), peak)),
@@ -95,7 +97,7 @@ impl PeriodicAnswer {
             // more than the hub's turn moves a rigid link.
             displacement: peaks.displacement.map(|peak| over(hub_rad * length_m, peak)),
             bending_moment: peaks.bending_moment.map(|_| moment()),
-            motor_torque: self.motor_n_m.as_deref().map(share),
+            motor_torque: self.motor_n_m.as_deref().map(|samples| self.left_of(samples)),
             motor_rate: motor_rate.zip(peaks.motor_rate).map(|(left, peak)| over(left, peak)),
         }
     }

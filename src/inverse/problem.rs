@@ -90,15 +90,21 @@ impl<'a> Problem<'a> {
         }
         let initial = shortest.torque_n_m.len();
         let mut answer = shortest;
+        let tolerance = self.analysis.tolerance();
         loop {
-            let left = answer.left_at_seam(model.link(), hub_tail.as_ref(), peaks);
-            let (_, most) = left.worst();
-            let has_decayed = most <= self.analysis.tolerance();
-            let next = Padding::lengthened(answer.torque_n_m.len(), initial);
-            match next.filter(|_| !has_decayed) {
-                Some(len) => answer = self.answer(&**model, len)?,
-                None => return Ok((answer, left)),
+            let left = || answer.left_at_seam(model.link(), hub_tail.as_ref(), peaks);
+            let Some(len) = Padding::lengthened(answer.torque_n_m.len(), initial) else {
+                let left = left();
+                return Ok((answer, left));
+            };
+            // Where the torque has not decayed, nothing else need be looked at.
+            if answer.left_of(&answer.torque_n_m) <= tolerance {
+                let left = left();
+                if left.worst().1 <= tolerance {
+                    return Ok((answer, left));
+                }
             }
+            answer = self.answer(&**model, len)?;
         }
     }
 

@@ -6,7 +6,8 @@ use super::period::TipPeriod;
 use super::spectrum::Cutoff;
 use super::tip_motion::TipMotion;
 
-/// Number of periods kept: that of one case, and the longer one that the case may need.
+/// Samples of all periods that are kept, over those of the longest: the periods that a case tries are each twice as
+/// long as the one before.
 const KEPT: usize = 2;
 
 /// The last cut-off and the last periods of one motion, for the cases of a sweep.
@@ -40,7 +41,7 @@ impl Periods {
         }
     }
 
-    /// [`TipMotion::over_period`], computed unless it is one of the last two.
+    /// [`TipMotion::over_period`], computed unless it is one of the last.
     ///
     /// # Panics
     /// As [`TipMotion::over_period`].
@@ -67,7 +68,12 @@ impl Periods {
         let period = computed();
         let mut kept = kept();
         kept.insert(0, Arc::clone(&period));
-        kept.truncate(KEPT);
+        let longest = kept.iter().map(|own| own.spectrum.pair.len()).fold(len, usize::max);
+        let mut samples = 0;
+        kept.retain(|own| {
+            samples += own.spectrum.pair.len();
+            samples <= KEPT * longest
+        });
         period
     }
 }
@@ -93,6 +99,15 @@ mod tests {
             let other = over(&motion, len, seam);
             assert_eq!((other.spectrum.pair.len(), other.histories.before), (len, seam));
         }
+        let chain = [128, 256, 512].map(|len| over(&motion, len, 110));
+        for (len, own) in [128, 256, 512].into_iter().zip(&chain) {
+            assert!(Arc::ptr_eq(own, &over(&motion, len, 110)), "a case's periods are kept");
+        }
+        over(&motion, 500, 110);
+        let kept = periods.last.lock().unwrap();
+        let lens: Vec<usize> = kept.iter().map(|own| own.spectrum.pair.len()).collect();
+        assert_eq!(lens, [500, 512], "at most twice the longest");
+        drop(kept);
         let longer = motion.scaled(MotionScale { distance: 2.0, duration: 1.0 }).unwrap();
         assert!(over(&longer, 256, 200).spectrum.largest_m_s2 > 1.9 * period.spectrum.largest_m_s2);
     }
