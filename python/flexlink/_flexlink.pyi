@@ -61,24 +61,20 @@ class _Rows(TypedDict, total=False):
     every: int
     digits: int | Literal["full"]
 
-class _Golden(_Rows, total=False):
-    nodes: Sequence[int]
-    golden: bool
-
 class _PlayedOutputs(_Rows, total=False):
     nodes: Sequence[int]
     stations: Sequence[float | str]
 
-class _ArmOutputs(_Golden, total=False):
+class _Tables(_Rows, total=False):
+    nodes: Sequence[int]
+    deflections: bool
+    golden: bool
+
+class _Outputs(_Tables, total=False):
     stations: Sequence[float | str]
 
-class _Outputs(_ArmOutputs, total=False):
-    deflections: bool
-
-class _SweepOptions(_LinkOptions, _Golden, total=False):
-    deflections: bool
-
-class _ArmSweepOptions(_ArmOptions, _Golden, total=False): ...
+class _LinkSweepOptions(_LinkOptions, _Tables, total=False): ...
+class _ArmSweepOptions(_ArmOptions, _Tables, total=False): ...
 
 class _PlayOptions(TypedDict, total=False):
     torque: _Column
@@ -243,7 +239,7 @@ class ArmSolution:
     def warnings(self) -> list[FlexlinkWarning]: ...
     @property
     def remarks(self) -> list[FlexlinkWarning]: ...
-    def write(self, folder: _Path, **options: Unpack[_ArmOutputs]) -> None: ...
+    def write(self, folder: _Path, **options: Unpack[_Outputs]) -> None: ...
     def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
@@ -403,7 +399,7 @@ def sweep(
     *,
     threads: int | None = None,
     outputs: _Path | None = None,
-    **options: Unpack[_SweepOptions],
+    **options: Unpack[_LinkSweepOptions],
 ) -> dict[str, Any]: ...
 @overload
 def sweep(

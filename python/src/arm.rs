@@ -28,7 +28,7 @@ use crate::pool;
 use crate::terminal::{Exit, Failure, memory};
 
 /// Keywords of `write`.
-const WRITING: [&str; 5] = ["nodes", "stations", "every", "digits", "golden"];
+const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
 
 /// An arm of several flexible links, as an arm file describes it, or keywords that are the keys of one.
 #[pyclass(frozen, module = "flexlink")]
@@ -345,8 +345,8 @@ impl ArmSolution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
-    /// path are files. Keywords are its options ``nodes``, ``every``, ``digits``, ``golden``, and ``stations``, distances in
-    /// m from a link's joint: :func:`solve` with the same keyword puts nodes there.
+    /// path are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``, ``golden``, and ``stations``,
+    /// distances in m from a link's joint: :func:`solve` with the same keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,

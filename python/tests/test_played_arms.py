@@ -96,8 +96,8 @@ def test_constant_torque_turns_stiff_bars_as_one_rigid_body() -> None:
     kinetic = 0.5 * of_both * (alpha * time) ** 2
     assert abs(played.work - kinetic).max() < 1e-3 * kinetic.max()
     gained = played.energy - played.energy[0]
-    assert abs(played.work - gained - played.dissipated).max() < 1e-6 * kinetic.max()
-    assert played.errors["energy"] < 1e-3
+    missing = abs(played.work - gained - played.dissipated).max() / kinetic.max()
+    assert missing < 1e-5 and played.errors["energy"] == pytest.approx(missing, rel=1e-3)
     assert played.positions(1, every=100).shape == (6, arm_nodes(played), 2)
     assert abs(played.positions(1)[:, -1] - played.tip).max() < 1e-12
 

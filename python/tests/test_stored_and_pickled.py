@@ -18,6 +18,7 @@ from test_motions import MOVED, csv
 
 ARM = ROOT / "specs/arms/two_links.toml"
 PATH = ROOT / "trajectories/arms/line_1.5s.csv"
+STIFF = strip().changed({"segments.*.EI*": 10})
 
 
 def test_a_stored_run_has_the_nodes_that_were_written(tmp_path: Path) -> None:
@@ -59,10 +60,10 @@ def test_a_stored_link_with_weight_counts_from_where_it_starts(tmp_path: Path) -
     run = flexlink.read(tmp_path / "r")
     own = solution.displacements()
     assert abs(run.displacements() - own).max() < 1e-8 * abs(own).max()
-    played = flexlink.simulate(link, solution.time, torque=solution.torque)
+    played = flexlink.simulate(link, TIME[:21], torque=0.1 * np.sin(np.pi * TIME[:21] / 0.1) ** 2)
     played.write(tmp_path / "p")
-    of_play = flexlink.read(tmp_path / "p").displacements()
-    assert abs(of_play - played.displacements()).max() < 1e-8 * abs(own).max()
+    of_play, moved = flexlink.read(tmp_path / "p").displacements(), played.displacements()
+    assert abs(of_play - moved).max() < 1e-8 * abs(moved).max()
 
 
 def again(own: Any) -> Any:
@@ -103,7 +104,7 @@ def test_motions_and_solutions_of_files_are_pickled_with_their_files(tmp_path: P
 
 
 def test_a_solution_is_pickled_with_its_keywords_and_warnings() -> None:
-    link = strip(mesh={"elements": 3})
+    link = flexlink.Link.read(LINK, {"mesh.elements": 3})
     with pytest.warns(flexlink.FlexlinkWarning):
         solution = flexlink.solve(link, TIME, acceleration=ACCELERATION, stations=[0.77])
     read = again(solution)
@@ -140,10 +141,10 @@ def test_places_in_single_precision_count_as_a_file_of_their_decimals(
     values = (9.0 * MOVED).astype(np.float32)
     assert 0.5 < values.max() < 1.0
     of_file = csv(tmp_path / "m.csv", name, np.round(values.astype(float), 7))
-    by_file = flexlink.solve(strip(), of_file)
-    by_array = flexlink.solve(strip(), TIME, **{name: values})  # type: ignore[call-overload]
+    by_file = flexlink.solve(STIFF, of_file)
+    by_array = flexlink.solve(STIFF, TIME, **{name: values})  # type: ignore[call-overload]
     assert (by_array.torque == by_file.torque).all()
-    exact = flexlink.solve(strip(), TIME, **{name: 9.0 * MOVED})  # type: ignore[call-overload]
+    exact = flexlink.solve(STIFF, TIME, **{name: 9.0 * MOVED})  # type: ignore[call-overload]
     peak = abs(exact.torque).max()
     assert abs(by_array.torque - interpolated(exact, by_array.time)).max() < 1e-2 * peak
 
@@ -157,9 +158,9 @@ def test_noise_of_single_precision_is_not_followed() -> None:
     time = np.linspace(0, 1, 4001)
     share = np.clip((time - 0.1) / 0.8, 0, 1)
     moved = 0.9 * (share - np.sin(2 * np.pi * share) / (2 * np.pi))
-    exact = flexlink.solve(strip(), time, displacement=moved)
-    short = flexlink.solve(strip(), time, displacement=moved.astype(np.float32))
-    taken = flexlink.solve(strip(), time, displacement=moved.astype(np.float32).astype(float))
+    exact = flexlink.solve(STIFF, time, displacement=moved)
+    short = flexlink.solve(STIFF, time, displacement=moved.astype(np.float32))
+    taken = flexlink.solve(STIFF, time, displacement=moved.astype(np.float32).astype(float))
     peak = abs(exact.torque).max()
 
     def off(solution: flexlink.Solution) -> float:
