@@ -18,6 +18,7 @@ Numbers are SI: m, kg, s, rad, N m. The functions do what the commands of the sa
 from ._flexlink import (
     Arm,
     ArmRun,
+    ArmSimulation,
     ArmSolution,
     Fit,
     Link,
@@ -40,6 +41,7 @@ from ._messages import FlexlinkError, FlexlinkWarning, InputError, NotSolvableEr
 __all__ = [
     "Arm",
     "ArmRun",
+    "ArmSimulation",
     "ArmSolution",
     "Fit",
     "FlexlinkError",

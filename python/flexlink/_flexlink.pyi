@@ -5,7 +5,7 @@ from typing import Any, Literal, TypeAlias, TypedDict, final, overload
 import numpy as np
 import numpy.typing as npt
 import pandas
-from typing_extensions import Unpack
+from typing_extensions import Required, Unpack
 
 from ._messages import FlexlinkWarning
 
@@ -57,30 +57,49 @@ class _ArmOptions(_Reading, _Solving, total=False):
     angle8: _Column
     angle9: _Column
 
-class _PlayedOutputs(TypedDict, total=False):
-    nodes: Sequence[int]
-    stations: Sequence[float | str]
+class _Rows(TypedDict, total=False):
     every: int
     digits: int | Literal["full"]
 
-class _ArmOutputs(_PlayedOutputs, total=False):
+class _PlayedOutputs(_Rows, total=False):
+    nodes: Sequence[int]
+    stations: Sequence[float | str]
+
+class _Tables(_Rows, total=False):
+    nodes: Sequence[int]
+    deflections: bool
     golden: bool
 
-class _Outputs(_ArmOutputs, total=False):
-    deflections: bool
+class _Outputs(_Tables, total=False):
+    stations: Sequence[float | str]
+
+class _LinkSweepOptions(_LinkOptions, _Tables, total=False): ...
+class _ArmSweepOptions(_ArmOptions, _Tables, total=False): ...
 
 class _PlayOptions(TypedDict, total=False):
     torque: _Column
     hub_angle: _Column
     hub_rate: _Column | None
     hold: Literal["cubic", "linear", "zero"]
-    until: float
+    until: float | None
     feedback: tuple[float, float] | None
     reference: _Column | None
     reference_rate: _Column | None
-    initial_tip: float
+    initial_tip: float | None
     periodic: bool
     target: Motion | None
+    state: Simulation | _Path | None
+
+class _ArmPlayOptions(TypedDict, total=False):
+    torque: Required[npt.ArrayLike]
+    hold: Literal["cubic", "linear", "zero"]
+    until: float | None
+    feedback: tuple[float, float] | Sequence[tuple[float, float]] | None
+    reference: npt.ArrayLike | None
+    reference_rate: npt.ArrayLike | None
+    at: npt.ArrayLike | None
+    target: npt.ArrayLike | None
+    state: ArmSimulation | _Path | None
 
 class _FrfOptions(TypedDict, total=False):
     start: float
@@ -208,6 +227,8 @@ class ArmSolution:
     @property
     def joint_rate(self) -> _Array: ...
     @property
+    def chord_angle(self) -> _Array: ...
+    @property
     def tip(self) -> _Array: ...
     def positions(self, link: int) -> _Array: ...
     @property
@@ -218,7 +239,7 @@ class ArmSolution:
     def warnings(self) -> list[FlexlinkWarning]: ...
     @property
     def remarks(self) -> list[FlexlinkWarning]: ...
-    def write(self, folder: _Path, **options: Unpack[_ArmOutputs]) -> None: ...
+    def write(self, folder: _Path, **options: Unpack[_Outputs]) -> None: ...
     def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
@@ -253,6 +274,46 @@ class Simulation:
     @property
     def warnings(self) -> list[FlexlinkWarning]: ...
     def write(self, folder: _Path, **options: Unpack[_PlayedOutputs]) -> None: ...
+    def save_state(self, path: _Path) -> None: ...
+    def to_pandas(self) -> pandas.DataFrame: ...
+
+@final
+class ArmSimulation:
+    @property
+    def time(self) -> _Array: ...
+    @property
+    def torque(self) -> _Array: ...
+    @property
+    def joint_angle(self) -> _Array: ...
+    @property
+    def joint_rate(self) -> _Array: ...
+    @property
+    def joint_acceleration(self) -> _Array: ...
+    @property
+    def chord_angle(self) -> _Array: ...
+    @property
+    def tip(self) -> _Array: ...
+    @property
+    def energy(self) -> _Array: ...
+    @property
+    def work(self) -> _Array: ...
+    @property
+    def dissipated(self) -> _Array: ...
+    @property
+    def holding_torque(self) -> _Array: ...
+    def positions(self, link: int, every: int = 1) -> _Array: ...
+    @property
+    def summary(self) -> dict[str, Any]: ...
+    @property
+    def results(self) -> dict[str, Any]: ...
+    @property
+    def errors(self) -> dict[str, Any]: ...
+    @property
+    def tip_error(self) -> dict[str, float] | None: ...
+    @property
+    def warnings(self) -> list[FlexlinkWarning]: ...
+    def write(self, folder: _Path, **options: Unpack[_Rows]) -> None: ...
+    def save_state(self, path: _Path) -> None: ...
     def to_pandas(self) -> pandas.DataFrame: ...
 
 @final
@@ -278,7 +339,12 @@ class Run:
     @property
     def nodes(self) -> _Array: ...
     @property
-    def deflections(self) -> _Array | None: ...
+    def written_nodes(self) -> list[int]: ...
+    @property
+    def nodal_time(self) -> _Array: ...
+    def displacements(self, nodes: Sequence[int] | None = None) -> _Array: ...
+    def deflections(self, nodes: Sequence[int] | None = None) -> _Array: ...
+    def moments(self, nodes: Sequence[int] | None = None) -> _Array: ...
     @property
     def results(self) -> dict[str, float]: ...
     @property
@@ -332,7 +398,8 @@ def sweep(
     time: _Column | _Path | Motion,
     *,
     threads: int | None = None,
-    **options: Unpack[_LinkOptions],
+    outputs: _Path | None = None,
+    **options: Unpack[_LinkSweepOptions],
 ) -> dict[str, Any]: ...
 @overload
 def sweep(
@@ -341,9 +408,13 @@ def sweep(
     time: _Column | _Path,
     *,
     threads: int | None = None,
-    **options: Unpack[_ArmOptions],
+    outputs: _Path | None = None,
+    **options: Unpack[_ArmSweepOptions],
 ) -> dict[str, Any]: ...
+@overload
 def simulate(link: Link, time: _Column, **options: Unpack[_PlayOptions]) -> Simulation: ...
+@overload
+def simulate(link: Arm, time: _Column, **options: Unpack[_ArmPlayOptions]) -> ArmSimulation: ...
 def modes(
     link: Link | Arm, count: int = 10, *, at: float | Sequence[float] | None = None
 ) -> dict[str, _Array]: ...

@@ -1,6 +1,7 @@
 //! An arm of several links, its path and its solution.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -13,18 +14,21 @@ use flexlink::result::StoredWarning;
 use flexlink::spec::{ArmSpecification, Described};
 use flexlink::store::{OutputFolder, RunInputs};
 
-use crate::arrays::{column, frame, rows};
+use crate::arrays::{column, dictionary, frame, places, rows};
 use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
-use crate::link::{Source, python_text};
+use crate::link::{PickledSource, Source, python_text};
 use crate::messages::{objects, of_arm, of_limit, of_remark, usage};
-use crate::motion::{MOTION, Motion, path_of, refuse_reading};
+use crate::motion::{
+    MOTION, Motion, Pickled, PickledFile, path_of, pickled_file, refuse_reading, taken_time,
+    unpickled_file,
+};
 use crate::pool;
 use crate::terminal::{Exit, Failure, memory};
 
 /// Keywords of `write`.
-const WRITING: [&str; 5] = ["nodes", "stations", "every", "digits", "golden"];
+const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
 
 /// An arm of several flexible links, as an arm file describes it, or keywords that are the keys of one.
 #[pyclass(frozen, module = "flexlink")]
@@ -118,7 +122,7 @@ impl GivenPath {
         let take = |name: &str| -> PyResult<Option<PathColumn>> {
             let Some(given) = keywords.get_item(name)? else { return Ok(None) };
             keywords.del_item(name)?;
-            let values = column(name, &given)?;
+            let values = places(name, &given)?;
             Ok(Some(PathColumn { name: name.to_owned(), values, rounded: None }))
         };
         let (x, y) = (take("x")?, take("y")?);
@@ -151,6 +155,24 @@ impl GivenPath {
         };
         options.scale.scaled_path(&table)
     }
+
+    /// The arguments with which `unpickled` makes it again.
+    fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        let PathColumns { time_s, tip, angles } = match self {
+            Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),
+            Self::Samples(columns) => &**columns,
+        };
+        let columns = tip.iter().flatten().chain(angles.iter().flatten());
+        let columns = columns.map(|own| (own.name.as_str(), own.values.clone()));
+        Ok((None, dictionary(py, columns.chain([("time", time_s.clone())]))?))
+    }
+
+    fn unpickled((file, columns): Pickled<'_>, links: usize) -> PyResult<Self> {
+        match file {
+            Some(file) => Ok(Self::File(unpickled_file(file))),
+            None => Self::take(&taken_time(&columns)?, &columns, links),
+        }
+    }
 }
 
 /// The torques of all joints that make the tip of an arm follow its path. Arrays have a row for each of ``time`` and a
@@ -158,7 +180,7 @@ impl GivenPath {
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct ArmSolution {
     source: Source,
-    given: GivenPath,
+    given: Arc<GivenPath>,
     keywords: Vec<String>,
     solved: SolvedArm,
     pub(crate) warnings: Vec<StoredWarning>,
@@ -176,15 +198,24 @@ pub(crate) fn solved_arm(
     options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
     let problem = (&arm.source.file, specification);
     let solved = ArmAndPath::of(problem, given.table(&options)?)?.solve(memory::available())?;
-    let limits = solved.exceeded.iter().map(|(joint, exceeded)| {
-        let own = of_limit(exceeded);
-        StoredWarning { message: format!("joint {}: {}", joint + 1, own.message), ..own }
-    });
-    let warnings = solved.solution.warnings.iter().map(of_arm).chain(limits).collect();
-    Ok(ArmSolution { source: arm.source.clone(), given, keywords, solved, warnings })
+    Ok(ArmSolution::new(arm.source.clone(), Arc::new(given), keywords, solved))
 }
 
 impl ArmSolution {
+    pub(crate) fn new(
+        source: Source,
+        given: Arc<GivenPath>,
+        keywords: Vec<String>,
+        solved: SolvedArm,
+    ) -> Self {
+        let limits = solved.exceeded.iter().map(|(joint, exceeded)| {
+            let own = of_limit(exceeded);
+            StoredWarning { message: format!("joint {}: {}", joint + 1, own.message), ..own }
+        });
+        let warnings = solved.solution.warnings.iter().map(of_arm).chain(limits).collect();
+        Self { source, given, keywords, solved, warnings }
+    }
+
     fn of_joints<'py>(
         &self,
         py: Python<'py>,
@@ -203,7 +234,7 @@ impl ArmSolution {
 
     /// What a run of the command would record, of arm and path that are no files the arguments alone.
     fn inputs(&self, options: &SolveOptions) -> RunInputs {
-        match &self.given {
+        match &*self.given {
             GivenPath::File(path) if self.source.is_file => {
                 RunInputs::of_solve(&self.source.file, path, options.arguments())
             }
@@ -211,7 +242,7 @@ impl ArmSolution {
         }
     }
 
-    fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
+    pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
         let options = self.options(more)?;
         let (solution, outputs) = (&self.solved.solution, options.outputs());
         options.nodes.check_arm(solution)?;
@@ -252,6 +283,14 @@ impl ArmSolution {
     #[getter]
     fn joint_rate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.of_joints(py, |joint| &joint.angle[1])
+    }
+
+    /// Direction in rad of each link's chord, from joint to joint.
+    #[getter]
+    fn chord_angle<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let solution = &self.solved.solution;
+        let histories: Vec<&[f64]> = solution.links.iter().map(|own| &own.chord[0][..]).collect();
+        rows(py, &histories, solution.grid.len)
     }
 
     /// x and y of the tip in m.
@@ -306,8 +345,8 @@ impl ArmSolution {
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
-    /// path are files. Keywords are its options ``nodes``, ``every``, ``digits``, ``golden``, and ``stations``, distances in
-    /// m from a link's joint: :func:`solve` with the same keyword puts nodes there.
+    /// path are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``, ``golden``, and ``stations``,
+    /// distances in m from a link's joint: :func:`solve` with the same keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -322,6 +361,30 @@ impl ArmSolution {
     /// The histories as a `pandas.DataFrame` over the time, a column for each joint: ``torque1``, ``torque2``.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         frame(slf, &["torque", "rigid_torque", "joint_angle", "joint_rate", "tip"])
+    }
+
+    /// A pickle holds arm and path: they are solved again where it is read.
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let (file, columns) = own.given.pickled(py)?;
+        let arguments = (own.source.pickled(), file, columns, own.keywords.clone());
+        Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
+    }
+
+    #[staticmethod]
+    fn _unpickled(
+        py: Python<'_>,
+        arm: PickledSource,
+        file: Option<PickledFile>,
+        columns: Bound<'_, PyDict>,
+        arguments: Vec<String>,
+    ) -> PyResult<Self> {
+        let arm = Arm::of(Source::unpickled(arm))?;
+        let links = arm.specification.arm.links().len();
+        let given = GivenPath::unpickled((file, columns), links)?;
+        Ok(py.detach(|| pool::install(|| solved_arm(&arm, given, arguments)))?)
     }
 
     fn __repr__(&self) -> String {

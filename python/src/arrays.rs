@@ -16,6 +16,49 @@ use crate::messages::usage;
 /// The numbers of a column: an array of one dimension, or what NumPy makes one of. Whole numbers and those of other
 /// widths are converted, complex ones, texts and objects are refused.
 pub(crate) fn column(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
+    doubles(&array)
+}
+
+/// The same of places, which count with their decimals: a float of few digits has those of its largest number.
+pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
+    if !is_short(&array) || array.is_empty() {
+        return doubles(&array);
+    }
+    let numpy = given.py().import("numpy")?;
+    let largest = numpy.call_method1("abs", (&array,))?.call_method0("max")?;
+    // From one number of this type to the next.
+    let step: f64 = numpy.call_method1("spacing", (largest,))?.call_method0("item")?.extract()?;
+    let decimals = (-step.log10()).floor();
+    if !decimals.is_finite() {
+        return doubles(&array);
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number below 50")]
+    let rounded =
+        array.call_method1("astype", ("float64",))?.call_method1("round", (decimals as i32,))?;
+    doubles(&rounded.cast_into()?)
+}
+
+/// The numbers of so many columns: an array of as many rows as there are times.
+pub(crate) fn columns(
+    name: &str,
+    given: &Bound<'_, PyAny>,
+    (rows, count): (usize, usize),
+) -> PyResult<Vec<Vec<f64>>> {
+    let must = format!("the shape ({rows}, {count})");
+    let array = numbers(name, given, (&must, |shape| shape == [rows, count]))?;
+    let numbers = doubles(&array.call_method0("ravel")?.cast_into()?)?;
+    let column = |k: usize| numbers.iter().skip(k).step_by(count).copied().collect();
+    Ok((0..count).map(column).collect())
+}
+
+/// An array of real numbers of a shape.
+fn numbers<'py>(
+    name: &str,
+    given: &Bound<'py, PyAny>,
+    (must, has_shape): (&str, impl FnOnce(&[usize]) -> bool),
+) -> PyResult<Bound<'py, PyUntypedArray>> {
     let array = given.py().import("numpy")?.call_method1("asarray", (given,))?;
     let array = array.cast_into::<PyUntypedArray>()?;
     let kind = array.dtype().kind();
@@ -24,12 +67,24 @@ pub(crate) fn column(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>>
         let must = "must be real numbers";
         return Err(PyTypeError::new_err(format!("{name}: dtype = {found}, but {must}")));
     }
-    if array.ndim() != 1 {
+    if !has_shape(array.shape()) {
         let found = array.getattr("shape")?;
-        let message = format!("{name}: shape = {found}, but must have one dimension");
+        let message = format!("{name}: shape = {found}, but must have {must}");
         return Err(usage(&message, None).into());
     }
-    let array = array.call_method1("astype", ("float64",))?.cast_into::<PyArray1<f64>>()?;
+    Ok(array)
+}
+
+/// True of floats of half or single precision.
+fn is_short(array: &Bound<'_, PyUntypedArray>) -> bool {
+    array.dtype().kind() == b'f' && array.dtype().itemsize() < size_of::<f64>()
+}
+
+/// The numbers of an array of one dimension; each of a short float is the shortest text that reads back to it: 0.1 is 0.1.
+fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
+    let texts = is_short(array).then(|| array.call_method1("astype", ("str",))).transpose()?;
+    let given = texts.as_ref().unwrap_or(array.as_any());
+    let array = given.call_method1("astype", ("float64",))?.cast_into::<PyArray1<f64>>()?;
     Ok(array.readonly().as_array().to_vec())
 }
 

@@ -5,12 +5,13 @@
 //! | `arrays` | columns of numbers in, views of samples out |
 //! | `keywords` | keywords as the command's options, dictionaries as TOML |
 //! | `messages` | errors and warnings as Python's |
-//! | `pool` | threads that survive a fork |
+//! | `pool`, `interrupt` | threads that survive a fork; Ctrl-C |
 //! | `link` | a link and its file |
 //! | `motion`, `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
 //! | `arm` | the same of an arm |
 //! | `frequency`, `trajectory` | modes and responses; motions by profile |
-//! | `simulate`, `sweep`, `fit` | what the commands of these names do |
+//! | `simulate`, `simulate_arm`, `play` | torques played on links and arms, and what a call says of them |
+//! | `sweep`, `sweep_work`, `fit` | what the commands of these names do |
 //! | `stored` | results read back |
 //!
 //! The sources of the command are those of the program: what it prints and writes is the same to the byte.
@@ -21,16 +22,20 @@ mod arm;
 mod arrays;
 mod fit;
 mod frequency;
+mod interrupt;
 mod keywords;
 mod link;
 mod messages;
 mod motion;
+mod play;
 mod pool;
 mod simulate;
+mod simulate_arm;
 mod solution;
 mod solve;
 mod stored;
 mod sweep;
+mod sweep_work;
 mod trajectory;
 
 // Modules of the program, whose library has no command line.
@@ -65,6 +70,8 @@ mod _flexlink {
     use super::motion::Motion;
     #[pymodule_export]
     use super::simulate::{PlayedLink, simulate};
+    #[pymodule_export]
+    use super::simulate_arm::ArmSimulation;
     #[pymodule_export]
     use super::solution::Solution;
     #[pymodule_export]

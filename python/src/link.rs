@@ -27,6 +27,9 @@ pub(crate) struct Source {
     pub(crate) changes: Vec<String>,
 }
 
+/// A text that describes a link or an arm in a pickle.
+pub(crate) type PickledSource = (String, String, Vec<u8>, bool, Vec<String>);
+
 impl Source {
     pub(crate) fn read(path: &Path, changes: Vec<String>) -> Result<Self, Failure> {
         Ok(Self { file: InputFile::read_toml(path)?, is_file: true, changes })
@@ -63,14 +66,12 @@ impl Source {
     }
 
     /// The arguments with which `unpickled` makes it again.
-    pub(crate) fn pickled(&self) -> (String, String, Vec<u8>, bool, Vec<String>) {
+    pub(crate) fn pickled(&self) -> PickledSource {
         let InputFile { shown, name, bytes } = self.file.clone();
         (shown, name, bytes, self.is_file, self.changes.clone())
     }
 
-    pub(crate) fn unpickled(
-        (shown, name, bytes, is_file, changes): (String, String, Vec<u8>, bool, Vec<String>),
-    ) -> Self {
+    pub(crate) fn unpickled((shown, name, bytes, is_file, changes): PickledSource) -> Self {
         Self { file: InputFile { shown, name, bytes }, is_file, changes }
     }
 }
@@ -107,7 +108,7 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    fn of(source: Source) -> Result<Self, Failure> {
+    pub(crate) fn of(source: Source) -> Result<Self, Failure> {
         match source.described()? {
             Described::Link(specification) => Ok(Self { source, specification: *specification }),
             Described::Arm(_) => {

@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyDict, PyString, PyTuple};
 
 use flexlink::csv::{InputFile, MotionTable, read_motion_table_as};
 use flexlink::link::{Gravity, Link as LibraryLink};
 use flexlink::motion::{MotionColumns, Periods, TipMotion, TipTarget};
 use flexlink::result::StoredWarning;
 
-use crate::arrays::column;
+use crate::arrays::{column, dictionary, places};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords;
-use crate::link::{Link, described_by};
+use crate::link::{Link, PickledSource, Source, described_by};
 use crate::messages::{of_reading, usage};
 use crate::pool;
 use crate::terminal::{Exit, Failure};
@@ -40,7 +40,8 @@ impl Given {
         for (name, own) in COLUMNS.into_iter().zip(&mut samples) {
             if let Some(given) = keywords.get_item(name)? {
                 keywords.del_item(name)?;
-                *own = if given.is_none() { None } else { Some(column(name, &given)?) };
+                let read = if matches!(name, "displacement" | "angle") { places } else { column };
+                *own = if given.is_none() { None } else { Some(read(name, &given)?) };
             }
         }
         if let Some(path) = path_of(time)? {
@@ -103,6 +104,51 @@ impl Given {
     pub(crate) fn file(&self) -> Option<&InputFile> {
         if let Self::File(file) = self { Some(file) } else { None }
     }
+
+    /// The arguments with which `unpickled` makes it again.
+    pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        let columns = match self {
+            Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),
+            Self::Angle { time_s, angle_rad } => {
+                vec![("time", Some(time_s)), ("angle", Some(angle_rad))]
+            }
+            Self::Samples(own) => vec![
+                ("time", Some(&own.time_s)),
+                ("acceleration", own.acceleration_m_s2.as_ref()),
+                ("velocity", own.velocity_m_s.as_ref()),
+                ("displacement", own.displacement_m.as_ref()),
+            ],
+        };
+        let given = columns.into_iter().filter_map(|(name, own)| Some((name, own?.clone())));
+        Ok((None, dictionary(py, given)?))
+    }
+
+    pub(crate) fn unpickled((file, columns): Pickled<'_>) -> PyResult<Self> {
+        match file {
+            Some(file) => Ok(Self::File(unpickled_file(file))),
+            None => Self::take(&taken_time(&columns)?, &columns),
+        }
+    }
+}
+
+/// A motion or path in a pickle: its file, or its columns.
+pub(crate) type Pickled<'py> = (Option<PickledFile>, Bound<'py, PyDict>);
+
+pub(crate) type PickledFile = (String, String, Vec<u8>);
+
+pub(crate) fn pickled_file(InputFile { shown, name, bytes }: &InputFile) -> PickledFile {
+    (shown.clone(), name.clone(), bytes.clone())
+}
+
+pub(crate) fn unpickled_file((shown, name, bytes): PickledFile) -> InputFile {
+    InputFile { shown, name, bytes }
+}
+
+/// Takes the times out of columns.
+pub(crate) fn taken_time<'py>(columns: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
+    let time = columns.as_any().get_item("time")?;
+    columns.del_item("time")?;
+    Ok(time)
 }
 
 /// Refuses what says how a file is read, where the samples are arrays in SI.
@@ -190,16 +236,16 @@ pub(crate) struct Motion {
     pub(crate) reading: Vec<StoredWarning>,
     pub(crate) tip: TipMotion,
     pub(crate) periods: Arc<Periods>,
+    /// The link that was given with it.
+    link: Option<Source>,
     /// Length in m and gravity of the link whose arcs are given by angles.
     arcs_of: Option<(f64, Option<Gravity>)>,
 }
 
 impl Motion {
-    fn read(
-        given: Given,
-        arguments: Vec<String>,
-        link: Option<&LibraryLink>,
-    ) -> Result<Self, Failure> {
+    fn read(given: Given, arguments: Vec<String>, link: Option<&Link>) -> Result<Self, Failure> {
+        let source = link.map(|own| own.source.clone());
+        let link = link.map(|own| &own.specification.link);
         let options = keywords::solve_options(&arguments)?;
         let own = of_motion(&options);
         let is_other = |option: &String| option.starts_with("--") && !own.contains(option);
@@ -224,7 +270,7 @@ impl Motion {
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));
         let (given, periods) = (Arc::new(given), Arc::new(Periods::of(&tip)));
-        Ok(Self { given, arguments, reading, tip, periods, arcs_of })
+        Ok(Self { given, arguments, reading, tip, periods, link: source, arcs_of })
     }
 
     /// Refuses a link of which the angles are not the arcs.
@@ -256,8 +302,7 @@ impl Motion {
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-        let link = link.map(described_by::<Link>).transpose()?;
-        let link = link.map(|link| &link.get().specification.link);
+        let link = link.map(described_by::<Link>).transpose()?.map(Bound::get);
         keywords::refuse_commands(&keywords)?;
         let given = Given::take(time, &keywords)?;
         let arguments = keywords::arguments(&keywords)?;
@@ -277,6 +322,29 @@ impl Motion {
         let grid = self.tip.grid();
         let find = || Ok(self.target(grid.time_s(0), grid.end_s()).displacement_m().to_vec());
         Ok(PyArray1::from_vec(py, py.detach(|| pool::install(find))?))
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let (file, columns) = own.given.pickled(py)?;
+        let link = own.link.as_ref().map(Source::pickled);
+        let arguments = (file, columns, own.arguments.clone(), link).into_pyobject(py)?;
+        Ok((slf.get_type().getattr("_unpickled")?, arguments))
+    }
+
+    #[staticmethod]
+    fn _unpickled(
+        py: Python<'_>,
+        file: Option<PickledFile>,
+        columns: Bound<'_, PyDict>,
+        arguments: Vec<String>,
+        link: Option<PickledSource>,
+    ) -> PyResult<Self> {
+        let given = Given::unpickled((file, columns))?;
+        let link = link.map(|own| Link::of(Source::unpickled(own))).transpose()?;
+        Ok(py.detach(|| pool::install(|| Self::read(given, arguments, link.as_ref())))?)
     }
 
     fn __repr__(&self) -> String {

@@ -4,152 +4,48 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
 use flexlink::link::Link as LibraryLink;
-use flexlink::response::{
-    Feedback, HistoryError, HubReference, Input, Interpolation, Play, PlayError, Simulation,
-    Torque, simulate as played,
-};
+use flexlink::response::{PlayError, Simulation, simulate as played};
 use flexlink::result::{PlayedMetrics, StoredWarning, TipError};
 use flexlink::spec::Specification;
-use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary};
+use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
 
-use crate::arrays::{column, frame, rows, view};
+use crate::arm::Arm;
+use crate::arrays::{frame, rows, view};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
-use crate::messages::{notice, objects, usage, warn};
-use crate::motion::Motion;
+use crate::messages::{notice, objects, warn};
+use crate::motion::path_of;
+use crate::play::{Keywords, Playing};
 use crate::pool;
-use crate::terminal::{Exit, Failure, memory};
+use crate::simulate_arm::ArmSimulation;
+use crate::terminal::{Failure, console, memory};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
-
-/// What moves the link.
-enum Moving {
-    Torque(Torque),
-    HubAngle(HubReference),
-}
-
-/// What is played, and how.
-struct Playing {
-    moving: Moving,
-    interpolation: Interpolation,
-    until_s: Option<f64>,
-    feedback: Option<Feedback>,
-    initial_tip_m: f64,
-    is_large: bool,
-    is_periodic: bool,
-}
-
-impl Playing {
-    fn play(&self) -> Play<'_> {
-        let input = match &self.moving {
-            Moving::Torque(torque) => Input::Torque(torque),
-            Moving::HubAngle(hub) => Input::HubAngle(hub),
-        };
-        Play {
-            input,
-            interpolation: self.interpolation,
-            until_s: self.until_s,
-            feedback: self.feedback.as_ref(),
-            initial_tip_m: self.initial_tip_m,
-            memory_bytes: memory::available(),
-            is_large: self.is_large,
-            cycle_turn_rad: self.is_periodic.then_some(0.0),
-            state: None,
-            start_angle_rad: None,
-        }
-    }
-}
-
-fn history(error: &HistoryError) -> Failure {
-    Failure::new(Exit::InputRefused, error, error.hint())
-}
-
-/// Keywords of `simulate`, with blanks between.
-const KEYWORDS: &str = "torque hub_angle hub_rate hold until feedback reference reference_rate initial_tip periodic target";
 
 /// Keywords of `write`.
 const WRITING: [&str; 4] = ["nodes", "stations", "every", "digits"];
 
-/// How a torque goes on between its samples.
-fn interpolation(hold: &str) -> Result<Interpolation, Failure> {
-    match hold {
-        "zero" => Ok(Interpolation::Zero),
-        "linear" => Ok(Interpolation::Linear),
-        "cubic" => Ok(Interpolation::Cubic),
-        _ => {
-            let must = "must be \"zero\", \"linear\" or \"cubic\"";
-            Err(usage(&format!("hold = {hold:?}, but {must}"), None))
-        }
-    }
-}
-
-/// Takes the arrays of the call out of its keywords, all that there are.
-fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Playing> {
-    let take = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
-        let Some(given) = keywords.get_item(name)? else { return Ok(None) };
-        keywords.del_item(name)?;
-        Ok((!given.is_none()).then_some(given))
-    };
-    let array = |name: &str| take(name)?.map(|given| column(name, &given)).transpose();
-    let number = |name: &str| take(name)?.map(|given| given.extract::<f64>()).transpose();
-    let time_s = column("time", time)?;
-    let hub = |angle: Vec<f64>, rate: Option<Vec<f64>>| {
-        HubReference::new(&time_s, angle, rate).map_err(|error| history(&error))
-    };
-    let (rate, reference_rate) = (array("hub_rate")?, array("reference_rate")?);
-    let moving = match (array("torque")?, array("hub_angle")?, rate) {
-        (Some(torque), None, None) => {
-            Moving::Torque(Torque::new(&time_s, torque).map_err(|error| history(&error))?)
-        }
-        (None, Some(angle), rate) => Moving::HubAngle(hub(angle, rate)?),
-        _ => {
-            let must = "must be torque alone, or hub_angle with or without hub_rate";
-            return Err(usage(&format!("what is played, but {must}"), None).into());
-        }
-    };
-    let gains = take("feedback")?.map(|given| given.extract::<(f64, f64)>()).transpose()?;
-    let feedback = match (gains, array("reference")?) {
-        (None, None) => None,
-        (Some((kp, kd)), Some(angle)) => {
-            let feedback = Feedback::new(kp, kd, hub(angle, reference_rate)?);
-            Some(feedback.map_err(|error| usage(&format!("feedback: {error}"), None))?)
-        }
-        _ => {
-            let message = "one of feedback and reference, but must be both or none";
-            return Err(usage(&message, None).into());
-        }
-    };
-    let hold = take("hold")?.map(|given| given.extract::<String>()).transpose()?;
-    let is_periodic = take("periodic")?.map(|given| given.is_truthy()).transpose()?;
-    let playing = Playing {
-        moving,
-        interpolation: interpolation(hold.as_deref().unwrap_or("cubic"))?,
-        until_s: number("until")?,
-        feedback,
-        initial_tip_m: number("initial_tip")?.unwrap_or_default(),
-        is_large: false,
-        is_periodic: is_periodic.unwrap_or_default(),
-    };
-    match keywords.keys().iter().next() {
-        None => Ok(playing),
-        Some(other) => {
-            let other = other.extract::<String>()?;
-            Err(keywords::unknown(&other, KEYWORDS.split(' ')).into())
-        }
-    }
-}
-
-/// Plays a torque, or a motion of the hub, on a link at rest, as ``flexlink simulate``: independent of ``solve``.
+/// Plays a torque, or a motion of the hub, on a link at rest, or torques on an arm, as ``flexlink simulate``: independent of
+/// ``solve``.
 ///
 /// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``feedback``, a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with ``reference_rate``;
-/// ``initial_tip`` in m; ``periodic``; ``target``, the wanted :class:`Motion` with which the tip is compared.
+/// ``periodic``; ``target``, the wanted :class:`Motion` with which the tip is compared. The link starts where the target or
+/// the reference does, or with its tip at ``initial_tip`` in m, or as ``state`` says: an earlier simulation, or the file
+/// that its ``save_state`` wrote.
+///
+/// Of an arm ``torque``, ``reference`` and ``reference_rate`` have a column for each joint, as those of its solution, and
+/// ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each time. It starts at
+/// rest where the reference does, or with its chords in the directions ``at`` in rad, or where the target does, or from a
+/// ``state``. Ctrl-C ends it.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -164,27 +60,48 @@ fn moving(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Pla
 /// True
 #[pyfunction]
 #[pyo3(signature = (link, time, **keywords))]
-pub(crate) fn simulate(
-    py: Python<'_>,
-    link: &Bound<'_, PyAny>,
-    time: &Bound<'_, PyAny>,
-    keywords: Option<Bound<'_, PyDict>>,
-) -> PyResult<PlayedLink> {
-    let link = &described_by::<Link>(link)?.get().specification;
+pub(crate) fn simulate<'py>(
+    py: Python<'py>,
+    link: &Bound<'py, PyAny>,
+    time: &Bound<'py, PyAny>,
+    keywords: Option<Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    let target = keywords.get_item("target")?.filter(|given| !given.is_none());
-    if keywords.contains("target")? {
-        keywords.del_item("target")?;
+    let keywords = Keywords(&keywords);
+    if let Ok(arm) = link.cast::<Arm>() {
+        let played = ArmSimulation::play(py, arm.get(), time, &keywords)?;
+        warn(py, &played.warnings)?;
+        return Ok(Bound::new(py, played)?.into_any());
     }
-    let target = target.as_ref().map(described_by::<Motion>).transpose()?.map(Bound::get);
-    if let Some(target) = target {
-        target.refuse_other(&link.link)?;
-    }
+    let link = &described_by::<Link>(link)?.get().specification;
+    let of_run = |given: &Bound<'_, PyAny>| {
+        given.cast::<PlayedLink>().ok().map(|own| own.get().simulation.state())
+    };
+    let read = |file: &InputFile| read_state(&file.shown, &file.bytes);
+    let state = keywords.take("state")?.map(|given| state(&given, of_run, read)).transpose()?;
     let is_large = link.analysis.second_order_of(&link.link) != SecondOrder::None;
-    let playing = Playing { is_large, ..moving(time, &keywords)? };
-    let played = py.detach(|| pool::install(|| PlayedLink::of(link, playing, target)))?;
+    let playing = Playing::take(&link.link, time, &keywords, (state, is_large))?;
+    let played = py.detach(|| pool::install(|| PlayedLink::of(link, playing)))?;
     warn(py, &played.warnings)?;
-    Ok(played)
+    Ok(Bound::new(py, played)?.into_any())
+}
+
+/// The state with which an earlier simulation ended: that of the object, or of the file that `save_state` wrote.
+pub(crate) fn state<S>(
+    given: &Bound<'_, PyAny>,
+    of_run: impl FnOnce(&Bound<'_, PyAny>) -> Option<S>,
+    read: impl FnOnce(&InputFile) -> Result<S, TableError>,
+) -> PyResult<S> {
+    if let Some(state) = of_run(given) {
+        return Ok(state);
+    }
+    let Some(path) = path_of(given)? else {
+        let found = given.get_type();
+        let must = "must be an earlier simulation of the same kind, or the path of its state";
+        return Err(PyTypeError::new_err(format!("state = {found}, but {must}")));
+    };
+    let file = InputFile::read(&path).map_err(Failure::from)?;
+    Ok(read(&file).map_err(Failure::from)?)
 }
 
 /// The motion of a link on which a torque, or a motion of the hub, was played. Arrays are views that cannot be written to,
@@ -200,17 +117,11 @@ pub(crate) struct PlayedLink {
 }
 
 impl PlayedLink {
-    fn of(
-        specification: &Specification,
-        playing: Playing,
-        target: Option<&Motion>,
-    ) -> Result<Self, Failure> {
+    fn of(specification: &Specification, playing: Playing) -> Result<Self, Failure> {
         let (link, play) = (&specification.link, playing.play());
         let simulation = played(link, &specification.mesh, &play)?;
         let error = PlayError::of(&simulation, link, &play)?;
-        let grid = &simulation.grid;
-        let target = target.map(|motion| motion.target(grid.time_s(0), grid.end_s()));
-        let compared = target.map(|target| TipError::of(&simulation, &target));
+        let compared = playing.target.as_ref().map(|target| TipError::of(&simulation, target));
         let tip_error = compared.transpose()?;
         let coarse = error.as_ref().and_then(|error| error.warning(&simulation));
         let warnings = simulation.warnings.iter().copied().chain(coarse);
@@ -366,6 +277,12 @@ impl PlayedLink {
     ) -> PyResult<()> {
         let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::install(|| self.write_into(&folder, &keywords)))?)
+    }
+
+    /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
+    fn save_state(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let text = state_json(&self.simulation.state());
+        Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
     }
 
     /// The histories as a `pandas.DataFrame` over the time.

@@ -1,13 +1,13 @@
 //! The solution of a link.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::beam::NodalHistories;
 use flexlink::inverse::{Solution as LibrarySolution, Unwatched};
@@ -18,11 +18,12 @@ use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use crate::arrays::{frame, rows, view};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
-use crate::link::{Link, Source};
+use crate::link::{Link, PickledSource, Source};
 use crate::messages::{objects, of_limit, of_remark, of_solution};
-use crate::motion::Given;
+use crate::motion::{Call, Given, PickledFile};
 use crate::options::inputs::remarks;
 use crate::pool;
+use crate::solve::solved;
 use crate::terminal::{Failure, memory};
 
 /// Columns of a data frame.
@@ -118,7 +119,7 @@ impl Solution {
         Summary::of_solution(inputs, &self.solution, &self.metrics, &findings, outputs)
     }
 
-    fn write_into(&self, folder: &std::path::Path, more: Vec<String>) -> Result<(), Failure> {
+    pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
         let options = self.options(more)?;
         let outputs = options.outputs();
         options.nodes.check(self.solution.mesh())?;
@@ -330,6 +331,30 @@ impl Solution {
     /// The histories as a `pandas.DataFrame` over the time.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         frame(slf, &HISTORIES)
+    }
+
+    /// A pickle holds link and motion: they are solved again where it is read.
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let (file, columns) = own.given.pickled(py)?;
+        let arguments = (own.source.pickled(), file, columns, own.keywords.clone());
+        Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
+    }
+
+    #[staticmethod]
+    fn _unpickled(
+        py: Python<'_>,
+        link: PickledSource,
+        file: Option<PickledFile>,
+        columns: Bound<'_, PyDict>,
+        arguments: Vec<String>,
+    ) -> PyResult<Self> {
+        let link = Link::of(Source::unpickled(link))?;
+        let given = Arc::new(Given::unpickled((file, columns))?);
+        let call = Call { given, arguments, motion: None };
+        Ok(py.detach(|| pool::install(|| solved(&link, call)))?)
     }
 
     fn __repr__(&self) -> String {

@@ -59,7 +59,7 @@ pub(crate) fn solve<'py>(
     Ok(Bound::new(py, solution)?.into_any())
 }
 
-fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
+pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
     let Call { given, arguments, motion: read } = call;
     let options = solve_options(&arguments)?;
     let Specification { link: own, mesh, analysis, .. } = &link.specification;

@@ -8,12 +8,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use flexlink::compare::Cell;
-use flexlink::result::{StoredArm, StoredResult, StoredRun, StoredSweep};
+use flexlink::result::{StoredArm, StoredNodes, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
 use crate::arrays::{frame, rows, view};
-use crate::messages::objects;
+use crate::messages::{objects, usage};
 use crate::pool;
+use crate::terminal::{Exit, Failure};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
@@ -58,6 +59,64 @@ fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDic
 /// A run of ``solve`` or ``simulate``, read from its folder: arrays with as many digits as the files have.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Run(StoredRun);
+
+/// What a folder without the tables of nodes is, and one without moments.
+const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
+const NO_MOMENTS: &str =
+    "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
+
+/// A quantity at nodes, or the error that it is not there.
+fn written<'a>(
+    of: Option<&'a StoredNodes>,
+    what: &str,
+    hint: &str,
+) -> Result<&'a StoredNodes, Failure> {
+    let message = format!("{what} = nothing, but must have been written");
+    of.ok_or_else(|| Failure::new(Exit::InputRefused, &message, Some(hint)))
+}
+
+impl Run {
+    /// What is there of nodes.
+    fn nodal(&self) -> Option<&StoredNodes> {
+        self.0.deflections_m.as_ref().or(self.0.moments_n_m.as_ref())
+    }
+
+    /// Histories of nodes, all by default, each with an addend that depends on distance in m and hub angle in rad.
+    fn histories<'py>(
+        &self,
+        py: Python<'py>,
+        of: &StoredNodes,
+        (nodes, addend): (Option<Vec<usize>>, impl Fn(f64, f64) -> f64),
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let StoredRun { times_s, hub_angle_rad, origin_rad, mesh, .. } = &self.0;
+        // Both are ascending; times that were written once are the same numbers.
+        let mut hub = times_s.iter().zip(hub_angle_rad);
+        let turned = of.times_s.iter().map(|at_s| {
+            let found = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - self.half_a_step_s());
+            found.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
+        });
+        let turned: Vec<f64> = turned.collect();
+        let history = |node: usize| {
+            let Some(at) = of.nodes.iter().position(|own| *own == node) else {
+                let all: Vec<String> = of.nodes.iter().map(usize::to_string).collect();
+                let must = format!("must be one that was written: {}", all.join(", "));
+                return Err(usage(&format!("nodes = {node}, but {must}"), None));
+            };
+            let x_m = mesh.nodes_m()[node];
+            let both = of.histories[at].iter().zip(&turned);
+            Ok(both.map(|(value, angle_rad)| value + addend(x_m, *angle_rad)).collect())
+        };
+        let nodes = nodes.unwrap_or_else(|| of.nodes.clone());
+        let found = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
+        rows(py, &found, of.times_s.len())
+    }
+
+    /// Half of the step of the run's times in s.
+    fn half_a_step_s(&self) -> f64 {
+        let times_s = &self.0.times_s;
+        0.5 * (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1) as f64
+    }
+}
 
 #[pymethods]
 impl Run {
@@ -121,11 +180,50 @@ impl Run {
         view(slf, |own| own.0.mesh.nodes_m())
     }
 
-    /// Deflections in m from the hub's tangent line of the nodes that were written, a column each; None where none was.
+    /// Numbers of the nodes that were written, from 0 at the root.
     #[getter]
-    fn deflections<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let Some(own) = &self.0.deflections_m else { return Ok(None) };
-        Ok(Some(rows(py, &own.histories, own.times_s.len())?))
+    fn written_nodes(&self) -> Vec<usize> {
+        self.nodal().map(|own| own.nodes.clone()).unwrap_or_default()
+    }
+
+    /// Times in s of the nodes' histories: every so-many-th of ``time``, as they were written.
+    #[getter]
+    fn nodal_time<'py>(&self, py: Python<'py>) -> Array<'py> {
+        PyArray1::from_slice(py, self.nodal().map_or(&[], |own| &own.times_s))
+    }
+
+    /// Displacements of nodes in m, as those of a solution, of ``nodes`` that were written, by default of all: a row for each
+    /// of ``nodal_time``, a column for each node.
+    #[pyo3(signature = (nodes=None))]
+    fn displacements<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: Option<Vec<usize>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let own = written(self.0.deflections_m.as_ref(), "displacements", NO_NODES)?;
+        self.histories(py, own, (nodes, |x_m, angle_rad| x_m * angle_rad))
+    }
+
+    /// The same of the deflections in m from the hub's tangent line.
+    #[pyo3(signature = (nodes=None))]
+    fn deflections<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: Option<Vec<usize>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let own = written(self.0.deflections_m.as_ref(), "deflections", NO_NODES)?;
+        self.histories(py, own, (nodes, |_, _| 0.0))
+    }
+
+    /// The same of the bending moments in N m, which a run with ``moments`` has written.
+    #[pyo3(signature = (nodes=None))]
+    fn moments<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: Option<Vec<usize>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let own = written(self.0.moments_n_m.as_ref(), "moments", NO_MOMENTS)?;
+        self.histories(py, own, (nodes, |_, _| 0.0))
     }
 
     /// Numbers of summary.json by name: ``peak_torque_n_m``.

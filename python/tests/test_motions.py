@@ -69,7 +69,7 @@ def test_stations_of_arrays_are_read_back(command: Command, tmp_path: Path) -> N
     solution = flexlink.solve(strip(), TIME, acceleration=ACCELERATION, stations=[0.5, "70 cm"])
     solution.write(tmp_path / "s")
     run = flexlink.read(tmp_path / "s")
-    assert run.deflections.shape[1] == 2
+    assert run.deflections().shape[1] == 2
     nodes = solution.nodes.tolist()
     assert 0.5 in nodes and 0.7 in nodes
     repeated = command("solve", "--repeat", tmp_path / "s")

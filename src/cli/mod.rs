@@ -10,7 +10,7 @@ mod help;
 pub(crate) mod modes;
 mod report;
 mod setup;
-mod simulate;
+pub(crate) mod simulate;
 pub(crate) mod solve;
 pub(crate) mod sweep;
 pub(crate) mod trajectory;

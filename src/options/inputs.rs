@@ -266,7 +266,7 @@ pub(crate) struct ScaleArgs {
 }
 
 impl ScaleArgs {
-    fn scale(&self) -> MotionScale {
+    pub(crate) fn scale(&self) -> MotionScale {
         MotionScale { distance: self.scale_distance, duration: self.scale_duration }
     }
 

@@ -219,16 +219,8 @@ impl PlayArgs {
             Ok(reference)
         });
         let reference = reference.transpose()?;
-        // Without weight a link at rest is straight: the hub points to its tip.
-        let from_rad = link.gravity().and_then(|gravity| gravity.start_angle_rad).unwrap_or(0.0);
-        let pointed = |reference: &HubReference| {
-            let turned_rad = reference.angle_rad()[0] - from_rad;
-            if link.has_weight() { 0.0 } else { turned_rad * length_m }
-        };
-        let initial_tip_m = match &target {
-            Some((_, target)) => target.start_m(),
-            None => reference.as_ref().map(pointed).unwrap_or_default(),
-        };
+        let initial_tip_m =
+            initial_tip_m(link, target.as_ref().map(|(_, own)| own), reference.as_ref());
         let state = open(&self.state)?.map(|file| -> Result<_, Failure> {
             let state = read_state(&file.shown, &file.bytes)?;
             Ok((file, state))
@@ -350,6 +342,23 @@ impl Playing {
             state: self.state.as_ref().map(|(_, state)| state),
             start_angle_rad: self.target.as_ref().and_then(|(_, target)| target.start_angle_rad()),
         }
+    }
+}
+
+/// Displacement in m of the tip at the start: that of the target, else where the reference of the hub points to.
+pub(crate) fn initial_tip_m(
+    link: &Link,
+    target: Option<&TipTarget>,
+    reference: Option<&HubReference>,
+) -> f64 {
+    match (target, reference) {
+        (Some(target), _) => target.start_m(),
+        // Without weight a link at rest is straight: the hub points to its tip.
+        (None, Some(reference)) if !link.has_weight() => {
+            let from_rad = link.gravity().and_then(|gravity| gravity.start_angle_rad);
+            (reference.angle_rad()[0] - from_rad.unwrap_or(0.0)) * link.length_m()
+        }
+        _ => 0.0,
     }
 }
 

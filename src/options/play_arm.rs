@@ -2,7 +2,9 @@
 
 use flexlink::csv::{InputFile, read_joint_references, read_joint_torques, read_tip_places};
 use flexlink::link::Arm;
-use flexlink::response::{ArmPlay, ArmStart, ArmState, Feedback, Interpolation, Torque};
+use flexlink::response::{
+    ArmPlay, ArmStart, ArmState, Feedback, HubReference, Interpolation, Torque,
+};
 use flexlink::result::TipPlaces;
 use flexlink::store::read_state;
 
@@ -14,17 +16,23 @@ use crate::terminal::{Exit, Failure, memory};
 /// The files of an arm's simulation beside that of the arm, read.
 pub(crate) struct ArmPlaying {
     pub(crate) file: InputFile,
-    pub(crate) target: Option<(InputFile, TipPlaces)>,
+    pub(crate) target_file: Option<InputFile>,
     pub(crate) reference_file: Option<InputFile>,
     pub(crate) state_file: Option<InputFile>,
-    torques: Vec<Torque>,
-    feedback: Vec<Feedback>,
-    interpolation: Interpolation,
-    start: Start,
+    pub(crate) played: ArmTorques,
+}
+
+/// The torques of an arm, what acts beside them, and what the tip is compared with.
+pub(crate) struct ArmTorques {
+    pub(crate) torques: Vec<Torque>,
+    pub(crate) feedback: Vec<Feedback>,
+    pub(crate) interpolation: Interpolation,
+    pub(crate) start: Start,
+    pub(crate) target: Option<TipPlaces>,
 }
 
 /// Where the arm starts at rest.
-enum Start {
+pub(crate) enum Start {
     Joints(Vec<f64>),
     Chords(Vec<f64>),
     Tip([f64; 2]),
@@ -47,7 +55,7 @@ impl PlayArgs {
             tell(&file.shown, &reading);
             Ok((file, target))
         });
-        let target = target.transpose()?;
+        let (target_file, target) = target.transpose()?.unzip();
         let reference = self.reference.as_deref().map(|path| -> Result<_, Failure> {
             let file = InputFile::read(path)?;
             let (motion, reading) = read_joint_references(&file.shown, &file.bytes, links)?;
@@ -62,64 +70,72 @@ impl PlayArgs {
         });
         let (state_file, state) = state.transpose()?.unzip();
         let references = references.unwrap_or_default();
-        let first = references.iter().map(|own| own.angle_rad()[0]).collect::<Vec<f64>>();
-        let gains = self.gains_of(links)?;
-        let feedback = gains.into_iter().zip(references);
-        let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
-        let feedback =
-            feedback.collect::<Result<_, _>>().map_err(|error| Self::gains_refused(&error))?;
-        let start = match (state, &self.at, &target) {
-            (Some(state), _, _) => Start::State(state),
-            (None, Some(at), _) => Start::Chords(directions(Some(at), links)?),
-            (None, None, _) if !first.is_empty() => Start::Joints(first),
-            (None, None, Some((_, target))) if links == 2 && arm.elbow().is_some() => {
-                Start::Tip([0, 1].map(|axis: usize| target.at_m[axis][0]))
+        let feedback = feedback(self.feedback.as_deref(), references, links)?;
+        let start = Start::of(arm, state, self.at.as_deref(), (&feedback, target.as_ref()))?;
+        let interpolation = self.hold.interpolation();
+        let played = ArmTorques { torques, feedback, interpolation, start, target };
+        Ok(ArmPlaying { file, target_file, reference_file, state_file, played })
+    }
+}
+
+/// The feedback of each joint around its reference, with one pair of gains for all of them, or one each; none without
+/// gains.
+pub(crate) fn feedback(
+    gains: Option<&[(f64, f64)]>,
+    references: Vec<HubReference>,
+    links: usize,
+) -> Result<Vec<Feedback>, Failure> {
+    let gains = match gains {
+        None => Vec::new(),
+        Some([one]) => vec![*one; links],
+        Some(each) if each.len() == links => each.to_vec(),
+        Some(others) => {
+            let found = others.len();
+            let message = format!(
+                "--feedback = {found} pairs, but must be one for all joints, or one for each of {links}"
+            );
+            let hint = "KP1,KD1,KP2,KD2, from the inner joint on";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+    };
+    let of_joints = gains.into_iter().zip(references);
+    let of_joints = of_joints.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
+    of_joints.collect::<Result<_, _>>().map_err(|error| PlayArgs::gains_refused(&error))
+}
+
+impl Start {
+    /// Where a state is, else in these directions of the chords, else where feedback or target begins.
+    pub(crate) fn of(
+        arm: &Arm,
+        state: Option<ArmState>,
+        at: Option<&[f64]>,
+        (feedback, target): (&[Feedback], Option<&TipPlaces>),
+    ) -> Result<Self, Failure> {
+        let links = arm.links().len();
+        match (state, at, target) {
+            (Some(state), _, _) => Ok(Self::State(state)),
+            (None, Some(at), _) => Ok(Self::Chords(directions(Some(at), links)?)),
+            (None, None, _) if !feedback.is_empty() => {
+                let first = feedback.iter().map(|own| own.reference().angle_rad()[0]);
+                Ok(Self::Joints(first.collect()))
+            }
+            (None, None, Some(target)) if links == 2 && arm.elbow().is_some() => {
+                Ok(Self::Tip([0, 1].map(|axis: usize| target.at_m[axis][0])))
             }
             _ => {
                 let message = "--at = nothing, but must say where the arm starts";
                 let hint = "--at '30 deg,75 deg', the directions of its chords, as the first row of chord_angles.csv has them; or --feedback with --reference";
-                return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-            }
-        };
-        let interpolation = self.hold.interpolation();
-        Ok(ArmPlaying {
-            file,
-            target,
-            reference_file,
-            state_file,
-            torques,
-            feedback,
-            interpolation,
-            start,
-        })
-    }
-
-    /// The gains of each joint: one pair for all of them, or one each; none without feedback.
-    fn gains_of(&self, links: usize) -> Result<Vec<(f64, f64)>, Failure> {
-        match self.feedback.as_deref() {
-            None => Ok(Vec::new()),
-            Some([one]) => Ok(vec![*one; links]),
-            Some(each) if each.len() == links => Ok(each.to_vec()),
-            Some(others) => {
-                let found = others.len();
-                let message = format!(
-                    "--feedback = {found} pairs, but must be one for all joints, or one for each of {links}"
-                );
-                Err(Failure::new(
-                    Exit::Usage,
-                    &message,
-                    Some("KP1,KD1,KP2,KD2, from the inner joint on"),
-                ))
+                Err(Failure::new(Exit::Usage, &message, Some(hint)))
             }
         }
     }
 }
 
-impl ArmPlaying {
+impl ArmTorques {
     /// What to play until a time, or else as long as input and target last.
     pub(crate) fn play(&self, until_s: Option<f64>, tolerance: f64) -> ArmPlay<'_> {
         let end_s = self.torques[0].grid().end_s();
-        let both_s = self.target.as_ref().map(|(_, target)| target.grid.end_s().max(end_s));
+        let both_s = self.target.as_ref().map(|target| target.grid.end_s().max(end_s));
         let start = match &self.start {
             Start::State(state) => ArmStart::State(state),
             Start::Chords(chords) => ArmStart::Chords(chords),

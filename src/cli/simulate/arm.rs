@@ -4,6 +4,7 @@ use std::path::Path;
 
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::InputFile;
+use flexlink::link::ArmLink;
 use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
 use flexlink::result::{ArmPlayMetrics, TargetError, TipError};
 use flexlink::spec::ArmSpecification;
@@ -63,12 +64,13 @@ impl Simulate {
     fn compute_arm<'a>(&self, inputs: &'a ArmInputs) -> Result<Played<'a>, Failure> {
         let ArmSpecification { arm, meshes, .. } = &*inputs.specification;
         let tolerance = MeshPlan::smallest_tolerance(meshes);
-        let play = inputs.playing.play(self.play.until, tolerance);
+        let ArmPlaying { played, target_file, .. } = &inputs.playing;
+        let play = played.play(self.play.until, tolerance);
         let stages = StageBar::new();
         let simulated = simulate_arm(arm, meshes, &play, &|progress| stages.played(progress));
         drop(stages);
         let (motion, warnings) = simulated.map_err(|error| self.arm_refused(&error, inputs))?;
-        let target = inputs.playing.target.as_ref();
+        let target = target_file.as_ref().zip(played.target.as_ref());
         let tip_error = target.map(|(file, target)| {
             TipError::of_arm(&motion, target).map_err(|error| {
                 let (exit, place) = match (error, self.play.until) {
@@ -81,11 +83,7 @@ impl Simulate {
             })
         });
         let tip_error = tip_error.transpose()?;
-        let nodes =
-            arm.links().iter().zip(meshes).map(|(own, plan)| {
-                Ok::<_, Failure>(Mesh::new(&own.link, plan)?.nodes_m().to_vec())
-            });
-        let nodes_m = nodes.collect::<Result<_, _>>()?;
+        let nodes_m = nodes_m(&inputs.specification)?;
         let metrics = ArmPlayMetrics::of(&motion);
         Ok(Played { play, motion, metrics, warnings, tip_error, nodes_m })
     }
@@ -109,26 +107,8 @@ impl Simulate {
             }
             _ => (Exit::NotSolvable, String::new()),
         };
-        let hint = match error {
-            SimulationError::OtherTimes { .. } => {
-                Some("take joint_angles.csv and torques.csv of one run of solve")
-            }
-            SimulationError::NoRest => {
-                Some("a place within reach, stiffer links, or another pose: --at")
-            }
-            SimulationError::NotConverged { .. } => {
-                Some("a shorter step of the torques, smaller ones, or smaller gains")
-            }
-            SimulationError::State { .. } => {
-                Some("--save-state of a run of the same arm writes it")
-            }
-            _ => error.hint(),
-        };
-        if *error == SimulationError::NoRest {
-            let message = "the arm finds no shape at rest where it starts, but must begin at rest";
-            return Failure::new(exit, &message, hint);
-        }
-        Failure::new(exit, &format!("{place}{error}"), hint)
+        let (message, hint) = refusal(error);
+        Failure::new(exit, &format!("{place}{message}"), hint)
     }
 
     /// Writes all tables and summary.json. With --save-state it also writes the state at the end.
@@ -136,7 +116,7 @@ impl Simulate {
         let playing = &inputs.playing;
         let files = SimulateFiles {
             input: &playing.file,
-            target: playing.target.as_ref().map(|(file, _)| file),
+            target: playing.target_file.as_ref(),
             measured: None,
             reference: playing.reference_file.as_ref(),
             state: playing.state_file.as_ref(),
@@ -151,6 +131,33 @@ impl Simulate {
         }
         Ok(summary)
     }
+}
+
+/// Nodes of each link: distances in m from its joint.
+pub(crate) fn nodes_m(of: &ArmSpecification) -> Result<Vec<Vec<f64>>, Failure> {
+    let nodes =
+        |(own, plan): (&ArmLink, &MeshPlan)| Ok(Mesh::new(&own.link, plan)?.nodes_m().to_vec());
+    of.arm.links().iter().zip(&of.meshes).map(nodes).collect()
+}
+
+/// Why an arm is not simulated, and what to do about it.
+pub(crate) fn refusal(error: &SimulationError) -> (String, Option<&'static str>) {
+    let hint = match error {
+        SimulationError::OtherTimes { .. } => {
+            Some("take joint_angles.csv and torques.csv of one run of solve")
+        }
+        SimulationError::NoRest => {
+            let message = "the arm finds no shape at rest where it starts, but must begin at rest";
+            let hint = "a place within reach, stiffer links, or another pose: --at";
+            return (message.to_owned(), Some(hint));
+        }
+        SimulationError::NotConverged { .. } => {
+            Some("a shorter step of the torques, smaller ones, or smaller gains")
+        }
+        SimulationError::State { .. } => Some("--save-state of a run of the same arm writes it"),
+        _ => error.hint(),
+    };
+    (error.to_string(), hint)
 }
 
 impl<'a> Played<'a> {

@@ -1,6 +1,6 @@
 //! `simulate`: a torque played on a link, or torques on an arm.
 
-mod arm;
+pub(crate) mod arm;
 mod options;
 
 use std::path::Path;

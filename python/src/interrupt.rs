@@ -1,0 +1,44 @@
+//! Ctrl-C during long work.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::terminal::Failure;
+
+/// Between two looks whether Ctrl-C was pressed.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Does work in a thread while this one asks Python whether Ctrl-C was pressed; `stop` is then true, and the work ends.
+pub(crate) fn interruptible<T: Send>(
+    work: impl FnOnce(&AtomicBool) -> Result<T, Failure> + Send,
+) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    let (done, is_done) = channel();
+    thread::scope(|scope| {
+        scope.spawn(|| done.send(work(&stop)));
+        let mut pressed = None;
+        loop {
+            match is_done.recv_timeout(LOOK) {
+                Ok(found) => return pressed.map_or_else(|| Ok(found?), Err),
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(error) = Python::attach(check_signals) {
+                        stop.store(true, Ordering::Relaxed);
+                        pressed = Some(error);
+                    }
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(PyRuntimeError::new_err("the work has panicked"));
+                }
+            }
+        }
+    })
+}
+
+fn check_signals(py: Python<'_>) -> PyResult<()> {
+    py.check_signals()
+}

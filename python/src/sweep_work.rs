@@ -1,0 +1,285 @@
+//! The work of one case of a sweep: its link or arm, its solution, and the folder of its results.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use flexlink::csv::PathTable;
+use flexlink::inverse::{Resources, invert_with};
+use flexlink::motion::{MotionScale, Periods, TipMotion};
+use flexlink::result::Metrics;
+use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
+use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind};
+
+use crate::arm::{Arm, ArmSolution, GivenPath};
+use crate::cli::arm::ArmAndPath;
+use crate::cli::solve::run::SolveOptions;
+use crate::cli::sweep::tally::Notice;
+use crate::keywords::{self, solve_options};
+use crate::link::{Link, Source};
+use crate::messages::usage;
+use crate::motion::{Given, Motion};
+use crate::options::inputs::scale_arguments;
+use crate::solution::Solution;
+use crate::terminal::{Exit, Failure, memory};
+
+/// Factors on the motion among the changes of a case.
+const DISTANCE: &str = "distance*";
+const DURATION: &str = "duration*";
+
+/// The changes of one case.
+pub(crate) struct Case {
+    link: Vec<String>,
+    scale: MotionScale,
+}
+
+impl Case {
+    pub(crate) fn read(given: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let given = given.copy()?;
+        let take = |name: &str| -> PyResult<f64> {
+            let Some(factor) = given.get_item(name)? else { return Ok(1.0) };
+            given.del_item(name)?;
+            factor.extract()
+        };
+        let scale = MotionScale { distance: take(DISTANCE)?, duration: take(DURATION)? };
+        Ok(Self { link: keywords::changes(Some(&given))?, scale })
+    }
+}
+
+/// What came of a case: its numbers, and its warnings; or why it has none.
+pub(crate) type Row = Result<(CaseNumbers, Vec<Notice>), Failure>;
+
+/// The keywords of the call as options, and where the results of the cases go, a folder each.
+pub(crate) struct Outputs {
+    arguments: Vec<String>,
+    options: SolveOptions,
+    folder: Option<PathBuf>,
+    cases: usize,
+}
+
+/// Options that choose what is written.
+const WRITTEN: [&str; 7] =
+    ["--nodes", "--stations", "--every", "--deflections", "--moments", "--digits", "--golden"];
+
+impl Outputs {
+    /// Refuses options of results where none are written.
+    pub(crate) fn of(
+        arguments: Vec<String>,
+        folder: Option<PathBuf>,
+        cases: usize,
+    ) -> Result<Self, Failure> {
+        let options = solve_options(&arguments)?;
+        let names = arguments.iter().filter_map(|own| own.split('=').next());
+        if folder.is_none()
+            && let Some(option) = names.into_iter().find(|name| WRITTEN.contains(name))
+        {
+            let must = "must be given with outputs: the table of a sweep holds no histories";
+            let hint = "outputs=FOLDER writes the results of each case into a folder of its own";
+            return Err(usage(&format!("{option} without outputs, but {must}"), Some(hint)));
+        }
+        Ok(Self { arguments, options, folder, cases })
+    }
+
+    /// Folder of a case, from 0.
+    fn folder_of(&self, number: usize) -> Option<PathBuf> {
+        let width = self.cases.to_string().len();
+        self.folder.as_ref().map(|folder| folder.join(format!("{:0width$}", number + 1)))
+    }
+
+    /// The options of a case whose motion is scaled, for the record: both factors in one.
+    fn arguments_of(&self, case: &Case) -> Vec<String> {
+        let own = self.options.scale.scale();
+        let scale = MotionScale {
+            distance: own.distance * case.scale.distance,
+            duration: own.duration * case.scale.duration,
+        };
+        let mut kept = Vec::new();
+        let mut given = self.arguments.iter();
+        while let Some(argument) = given.next() {
+            if !argument.starts_with("--scale-d") {
+                kept.push(argument.clone());
+            } else if !argument.contains('=') {
+                given.next();
+            }
+        }
+        kept.into_iter().chain(scale_arguments(scale)).collect()
+    }
+}
+
+/// All that the cases share.
+pub(crate) struct Shared {
+    source: Source,
+    document: LinkDocument,
+    outputs: Outputs,
+    problem: Problem,
+    pub(crate) kind: SweepKind,
+    /// Memory in bytes that each of the cases solved at the same time may take.
+    memory_bytes: Option<usize>,
+}
+
+/// What is solved in each case.
+enum Problem {
+    Link(Box<OfLink>),
+    Arm { given: Arc<GivenPath>, path: Box<PathTable>, links: usize },
+}
+
+/// A motion as it was given, that of the link as it is, and its periods, which most cases have.
+struct OfLink {
+    given: Arc<Given>,
+    length_m: f64,
+    motion: TipMotion,
+    periods: Arc<Periods>,
+}
+
+impl Shared {
+    pub(crate) fn of_link(
+        link: &Link,
+        (given, read): (Arc<Given>, Option<&Motion>),
+        outputs: Outputs,
+    ) -> Result<Self, Failure> {
+        let own = &link.specification.link;
+        let (motion, periods) = if let Some(read) = read {
+            read.refuse_other(own)?;
+            (read.tip.clone(), Arc::clone(&read.periods))
+        } else {
+            let (motion, _) = given.motion(own, &outputs.options)?;
+            let periods = Arc::new(Periods::of(&motion));
+            (motion, periods)
+        };
+        let kind = if own.drive().is_some() { SweepKind::Driven } else { SweepKind::Solved };
+        let problem =
+            Problem::Link(Box::new(OfLink { given, length_m: own.length_m(), motion, periods }));
+        Self::of(&link.source, outputs, problem, kind)
+    }
+
+    /// Refuses a distance that cases scale, too: a path goes from place to place.
+    pub(crate) fn of_arm(
+        arm: &Arm,
+        given: GivenPath,
+        (outputs, cases): (Outputs, &[Case]),
+    ) -> Result<Self, Failure> {
+        outputs.options.refuse_for_arms()?;
+        let is_scaled = |case: &Case| case.scale.distance.total_cmp(&1.0).is_ne();
+        if let Some(number) = cases.iter().position(is_scaled) {
+            let message =
+                format!("cases[{number}]: {DISTANCE} is for one link, and the arm has several");
+            let hint = "duration* scales the times of a path, which goes from place to place";
+            return Err(usage(&message, Some(hint)));
+        }
+        let path = given.table(&outputs.options)?;
+        let arm_of = &arm.specification.arm;
+        path.path(&arm_of.lengths_m())?;
+        let joints = arm_of.links().len();
+        let is_driven = arm_of.links().iter().any(|own| own.link.drive().is_some());
+        let kind =
+            if is_driven { SweepKind::DrivenArm { joints } } else { SweepKind::Arm { joints } };
+        let problem = Problem::Arm { given: Arc::new(given), path: Box::new(path), links: joints };
+        Self::of(&arm.source, outputs, problem, kind)
+    }
+
+    fn of(
+        source: &Source,
+        outputs: Outputs,
+        problem: Problem,
+        kind: SweepKind,
+    ) -> Result<Self, Failure> {
+        let document = source.document()?;
+        let memory_bytes = memory::available().map(|bytes| bytes / rayon::current_num_threads());
+        Ok(Self { source: source.clone(), document, outputs, problem, kind, memory_bytes })
+    }
+
+    /// The row of a case, from 0. Results that cannot be written end the sweep.
+    pub(crate) fn row(&self, number: usize, case: &Case) -> Result<Row, Failure> {
+        match self.outcome(number, case) {
+            Err(failure) if matches!(failure.exit, Exit::CannotWrite) => Err(failure),
+            row => Ok(row),
+        }
+    }
+
+    fn outcome(&self, number: usize, case: &Case) -> Row {
+        let overrides = self.source.overrides(&case.link)?;
+        let folder = self.outputs.folder_of(number);
+        match self.document.described(&self.source.file.shown, &overrides)? {
+            Described::Link(specification) => self.solve(*specification, case, folder),
+            Described::Arm(specification) => self.solve_arm(specification, case, folder),
+        }
+    }
+
+    fn solve(&self, specification: Specification, case: &Case, folder: Option<PathBuf>) -> Row {
+        let Problem::Link(of) = &self.problem else {
+            return Err(usage(&"one link, but must be an arm as without the changes", None));
+        };
+        let OfLink { given, length_m, motion, periods } = &**of;
+        let options = &self.outputs.options;
+        let Specification { link, mesh, analysis, limits, .. } = &specification;
+        // Angles are arcs of the link's length, which may be what is varied, as may its start angle.
+        let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
+        let motion = if is_alike { motion.clone() } else { given.motion(link, options)?.0 };
+        let motion = motion
+            .scaled(case.scale)
+            .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
+        let resources = Resources {
+            memory_bytes: self.memory_bytes,
+            periods: Some(periods),
+            ..Resources::default()
+        };
+        let mesh = options.nodes.mesh(link, mesh.clone())?;
+        let analysis = match folder {
+            Some(_) => options.analysis(analysis),
+            None => analysis.without_tables(),
+        };
+        let solution = invert_with(link, &mesh, &motion, &analysis, &resources)?;
+        let metrics = Metrics::of(&solution);
+        let first_rad_s = solution.natural_frequencies_rad_s(1).first().copied();
+        let found = SolvedCase { solution: &solution, metrics: &metrics, first_rad_s };
+        let numbers = self.kind.solved(&found);
+        let exceeded = limits.exceeded(&metrics);
+        let limits = exceeded.iter().map(Notice::of_limit);
+        let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
+        let notices = own.chain(limits).collect();
+        if let Some(folder) = folder {
+            let link = Link { source: self.source.changed(case.link.clone()), specification };
+            let given = (Arc::clone(given), Vec::new());
+            let arguments = self.outputs.arguments_of(case);
+            Solution::new(&link, given, arguments, solution).write_into(&folder, Vec::new())?;
+        }
+        Ok((numbers, notices))
+    }
+
+    fn solve_arm(
+        &self,
+        mut specification: Box<ArmSpecification>,
+        case: &Case,
+        folder: Option<PathBuf>,
+    ) -> Row {
+        let Problem::Arm { given, path, links } = &self.problem else {
+            return Err(usage(&"an arm, but must be one link as without the changes", None));
+        };
+        let found = specification.arm.links().len();
+        if found != *links {
+            let must = format!("must be {links}, as many as without the changes");
+            return Err(usage(&format!("links = {found}, but {must}"), None));
+        }
+        let path = path
+            .slowed(case.scale.duration)
+            .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
+        let nodes = &self.outputs.options.nodes;
+        nodes.meshes(&specification.arm, &mut specification.meshes)?;
+        let solved =
+            ArmAndPath::of((&self.source.file, specification), path)?.solve(self.memory_bytes)?;
+        let (solution, metrics) = (&solved.solution, &solved.metrics);
+        let limits = solved.exceeded.iter().map(Notice::of_joint);
+        let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
+        let notices = own.chain(limits).collect();
+        let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
+        if let Some(folder) = folder {
+            let source = self.source.changed(case.link.clone());
+            let arguments = self.outputs.arguments_of(case);
+            let own = ArmSolution::new(source, Arc::clone(given), arguments, solved);
+            own.write_into(&folder, Vec::new())?;
+        }
+        Ok((numbers, notices))
+    }
+}
