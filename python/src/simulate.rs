@@ -13,7 +13,7 @@ use flexlink::response::{
     Feedback, HistoryError, HubReference, Input, Interpolation, Play, PlayError, Simulation,
     Torque, simulate as played,
 };
-use flexlink::result::{PlayedMetrics, StoredWarning, TipError};
+use flexlink::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary};
 
@@ -195,7 +195,8 @@ pub(crate) struct PlayedLink {
     playing: Playing,
     simulation: Simulation,
     error: Option<PlayError>,
-    tip_error: Option<TipError>,
+    limits: Limits,
+    target: Option<FollowedTarget>,
     warnings: Vec<StoredWarning>,
 }
 
@@ -210,21 +211,23 @@ impl PlayedLink {
         let error = PlayError::of(&simulation, link, &play)?;
         let grid = &simulation.grid;
         let target = target.map(|motion| motion.target(grid.time_s(0), grid.end_s()));
-        let compared = target.map(|target| TipError::of(&simulation, &target));
-        let tip_error = compared.transpose()?;
+        let compared = target.map(|target| FollowedTarget::of(&simulation, &target));
+        let target = compared.transpose()?;
         let coarse = error.as_ref().and_then(|error| error.warning(&simulation));
         let warnings = simulation.warnings.iter().copied().chain(coarse);
         let warnings = warnings.map(|own| notice(own.kind(), &own, own.hint()));
-        let late = tip_error.and_then(|error| error.late);
+        let late = target.as_ref().and_then(|target| target.tip_error.late);
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let warnings = warnings.chain(late).collect();
-        Ok(Self { link: link.clone(), playing, simulation, error, tip_error, warnings })
+        let (link, limits) = (link.clone(), specification.limits);
+        Ok(Self { link, playing, simulation, error, limits, target, warnings })
     }
 
     fn summary(&self, arguments: Vec<String>) -> Summary {
         let findings = PlayFindings {
             error: self.error.as_ref(),
-            tip_error: self.tip_error.as_ref(),
+            limits: self.limits,
+            target: self.target.as_ref(),
             ..PlayFindings::default()
         };
         Summary::of_simulation(
@@ -243,7 +246,8 @@ impl PlayedLink {
         memory::check_nodes(outputs.simulation_bytes(simulation), memory::available())?;
         let summary = self.summary(options.arguments());
         let folder = OutputFolder::stage(folder, &|_| {})?;
-        Ok(outputs.write_simulation(folder, &self.link, simulation, &summary)?)
+        let run = (&self.link, simulation);
+        Ok(outputs.write_simulation(folder, run, (self.target.as_ref(), &summary))?)
     }
 }
 

@@ -372,7 +372,7 @@ fn over_each_other(overlay: &Overlay, number: usize) -> Figure {
     let Overlay { name, places, measured, fitted, .. } = overlay;
     let curves = vec![
         Curve::new("measured", Stroke::Points(2), places, measured),
-        Curve::new("fitted", Stroke::Solid(1), places, fitted),
+        Curve::new("fitted", Stroke::Thin(1), places, fitted),
     ];
     let x = axis(&overlay.x, &[places]);
     let y = axis(&overlay.y, &[measured, fitted]);

@@ -5,6 +5,7 @@ use super::colour_map::{ColourMap, Colours, Fields};
 use super::figure::{Curve, Figure, Figures, Stroke};
 use crate::compare::{Table, TableColumn};
 use crate::result::StoredSweep;
+use crate::spec::unit_of_key;
 
 /// Most lines of a figure; more cannot be distinguished.
 const MOST_LINES: usize = 6;
@@ -13,11 +14,28 @@ const MOST_LINES: usize = 6;
 const MOST_TICKS: usize = 12;
 
 /// Ratio of the largest to the smallest value above which an axis is logarithmic.
-const WIDE: f64 = 12.0;
+const WIDE: f64 = 100.0;
+
+/// The same, where each value is the same multiple of the one before, and how far that may be off.
+const WIDE_IN_STEPS: f64 = 2.0;
+const SAME_STEP: f64 = 0.02;
+
+/// Name and unit of a varied value by the heading of its column: `segments.beam.I [cm^4]`, or a key of the link file, whose
+/// numbers are in SI. A factor, `segments.*.EI*`, has no unit.
+pub(super) fn name_and_unit(heading: &str) -> (String, String) {
+    let given = heading.strip_suffix(']').and_then(|heading| heading.split_once(" ["));
+    let (name, unit) = match given {
+        Some((name, unit)) => (name, unit.to_owned()),
+        None => (heading, unit_of_key(heading).unwrap_or_default()),
+    };
+    (name.to_owned(), unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴"))
+}
 
 /// A value that was varied: its heading and one number per case.
 struct Varied<'a> {
-    name: &'a str,
+    heading: &'a str,
+    name: String,
+    unit: String,
     values: Vec<f64>,
     /// The different numbers, ascending.
     levels: Vec<f64>,
@@ -30,19 +48,30 @@ impl<'a> Varied<'a> {
         levels.sort_by(f64::total_cmp);
         levels.dedup_by(|a, b| a.total_cmp(b).is_eq());
         let all = levels.iter().all(|value| value.is_finite()) && levels.len() > 1;
-        all.then(|| Self { name: column.name(), values, levels })
+        let (name, unit) = name_and_unit(column.name());
+        all.then(|| Self { heading: column.name(), name, unit, values, levels })
     }
 
     /// Its axis; `margin` relative to the range of its values.
     fn axis(&self, margin: f64) -> Axis {
         let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
-        if low > 0.0 && high / low > WIDE {
+        if self.is_wide() {
             let factor = libm::pow(high / low, margin);
-            Axis::logarithmic(self.name, "", low / factor..high * factor)
+            Axis::logarithmic(&self.name, &self.unit, low / factor..high * factor)
         } else {
             let more = margin * (high - low);
-            Axis::linear(self.name, "", low - more..high + more)
+            Axis::linear(&self.name, &self.unit, low - more..high + more)
         }
+    }
+
+    /// True if the values span decades, or go in equal factors.
+    fn is_wide(&self) -> bool {
+        let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
+        let steps = self.levels.windows(2).map(|pair| pair[1] / pair[0]);
+        let first = self.levels[1] / low;
+        let is_even = steps.into_iter().all(|step| (step / first - 1.0).abs() < SAME_STEP);
+        let is_stepped = self.levels.len() > 2 && high / low > WIDE_IN_STEPS && is_even;
+        low > 0.0 && (high / low > WIDE || is_stepped)
     }
 }
 
@@ -158,13 +187,34 @@ fn fields(varied: &Varied, count: usize) -> Vec<usize> {
     (0..count).map(nearest).collect()
 }
 
+/// A column of varied values with its name and unit.
+pub(super) struct Named<'a> {
+    column: &'a TableColumn,
+    name: String,
+    unit: String,
+}
+
+impl<'a> Named<'a> {
+    pub(super) fn of(column: &'a TableColumn) -> Self {
+        let (name, unit) = name_and_unit(column.name());
+        Self { column, name, unit }
+    }
+
+    /// A value of a case: `payload.mass = 0.05 kg`.
+    pub(super) fn value_words(&self, row: usize) -> String {
+        // A text has its unit.
+        let unit = if self.column.number(row).is_finite() { &self.unit[..] } else { "" };
+        format!("{} = {} {unit}", self.name, self.column.text(row)).trim_end().to_owned()
+    }
+}
+
 /// The first column: a line for each combination of the other values.
 fn over_many(drawn: &Drawn, x: &Varied, several: &[&TableColumn]) -> Result<Figure, String> {
     let column = drawn.columns[0].1;
+    let others = several.iter().filter(|other| other.name() != x.heading);
+    let others: Vec<Named> = others.map(|other| Named::of(other)).collect();
     let name = |row: usize| {
-        let others = several.iter().filter(|other| other.name() != x.name);
-        let value = |other: &&TableColumn| format!("{} = {}", other.name(), other.text(row));
-        others.map(value).collect::<Vec<_>>().join(", ")
+        others.iter().map(|other| other.value_words(row)).collect::<Vec<_>>().join(", ")
     };
     let mut lines: Vec<Line> = Vec::new();
     for row in 0..x.values.len() {

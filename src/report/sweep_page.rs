@@ -4,9 +4,11 @@ use std::collections::HashSet;
 
 use maud::{Markup, html};
 
+use super::axis::in_unit;
 use super::figure::Figures;
 use super::link::link_drawing;
 use super::page::{FILES, Section, all_figures, document, inputs, made_by};
+use super::sweep::{Named, name_and_unit};
 use super::tables::{link_readings, readings, table};
 use super::words::warning_meaning;
 use crate::compare::{Cell, TableColumn};
@@ -67,11 +69,9 @@ fn kinds_of_warnings(sweep: &StoredSweep) -> Vec<(String, usize, usize)> {
 
 fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
     let cases = sweep.table.lines.len();
-    let value =
-        |column: &TableColumn, row: usize| format!("{} = {}", column.name(), column.text(row));
+    let columns: Vec<Named> = sweep.table.columns[..sweep.varied].iter().map(Named::of).collect();
     let values = |row: usize| {
-        let columns = sweep.table.columns[..sweep.varied].iter();
-        columns.map(|column| value(column, row)).collect::<Vec<_>>().join(", ")
+        columns.iter().map(|column| column.value_words(row)).collect::<Vec<_>>().join(", ")
     };
     html! {
         ul { @for (kind, count, first) in kinds {
@@ -113,7 +113,8 @@ fn varied_values(sweep: &StoredSweep) -> Markup {
         let (listed, count) = (listed.join(", "), seen.len());
         let more =
             if count > MOST_VALUES { format!(", … ({count} values)") } else { String::new() };
-        (column.name().to_owned(), listed + &more)
+        let (name, unit) = name_and_unit(column.name());
+        (in_unit(&name, &unit), listed + &more)
     };
     let rows: Vec<_> = sweep.table.columns[..sweep.varied].iter().map(row).collect();
     readings("Values", &rows)

@@ -4,7 +4,9 @@ use std::num::NonZeroUsize;
 
 use super::Figures;
 use super::arm::rigid_tip_m;
-use super::bending::{COLUMNS, Moments, ROWS, bending_moments, deflections, waves};
+use super::bending::{
+    COLUMNS, Moments, ROWS, bending_moments, deflections, tip_deflection_m, waves,
+};
 use super::link::exaggeration;
 use super::sweep::{FINE, sweep_figures};
 use super::view::View;
@@ -89,6 +91,7 @@ pub(super) fn run() -> StoredRun {
             lead_s: metrics.lead_s,
             lag_s: metrics.lag_s,
         }),
+        target: None,
         deflections_m: Some(StoredNodes {
             nodes: all.clone(),
             times_s: times_s.clone(),
@@ -262,6 +265,20 @@ fn fields_reach_half_way_to_their_neighbours() {
 }
 
 #[test]
+fn equal_factors_and_decades_have_a_logarithmic_axis_and_keys_their_units() {
+    for (name, values, unit, scale) in [
+        ("payload.mass", &[0.5, 1.0, 2.0, 4.0, 8.0][..], "kg", "log"),
+        ("segments.beam.EI", &[0.1, 3.0, 11.0], "N m²", "log"),
+        ("segments.*.EI*", &[1.0, 7.0, 13.0], "", "linear"),
+        ("segments.beam.I [cm^4]", &[1.0, 90.0], "cm⁴", "linear"),
+        ("hub.inertia", &[0.0, 1.0, 1000.0], "kg m²", "linear"),
+    ] {
+        let axis = &sweep_figures(&sweep(&[(name, values)], &vec![0.5; values.len()])).drawn[0].x;
+        assert_eq!((&axis.unit[..], axis.scale.word()), (unit, scale), "{name}");
+    }
+}
+
+#[test]
 fn what_cannot_be_drawn_is_told() {
     let one = sweep(&[("a", &[1.0])], &[0.5]);
     let figures = sweep_figures(&one);
@@ -345,6 +362,7 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
         nodal_times_s: times_s.clone(),
         times_s,
         tip_m: [0, 1].map(|axis| (0..3).map(|k| tip(1, k)[axis]).collect()),
+        target: None,
         prescribed: None,
         moving_s: None,
         gravity_m_s2: [0.0; 2],
@@ -359,6 +377,10 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
             for (k, w) in history.iter().enumerate() {
                 assert!((w - bent(*x_m, k)).abs() < 1e-14, "link {link} at {x_m} m: {w}");
             }
+        }
+        for (k, w) in tip_deflection_m(&arm, link).iter().enumerate() {
+            let exact = -libm::sin(libm::atan(0.05 * std::f64::consts::PI * k as f64));
+            assert!((w - exact).abs() <= 0.01 * exact.abs(), "link {link}, {k}: {w}");
         }
     }
     let wanted = rigid_tip_m(&arm).unwrap();
