@@ -146,8 +146,7 @@ impl<'a> Shown<'a> {
     pub(super) fn torque(&self, joint: usize) -> Figure {
         let own = &self.first.joints[joint];
         let peak = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
-        let mut caption =
-            format!("Torque at most {} N m.", peak("peak_torque_n_m", &own.torque_n_m));
+        let mut caption = format!("At most {} N m.", peak("peak_torque_n_m", &own.torque_n_m));
         if let Some(rigid) = &own.rigid_torque_n_m {
             let rigid = peak("peak_rigid_torque_n_m", rigid);
             // Writing to a string cannot fail.

@@ -91,11 +91,8 @@ impl Shown<'_> {
     fn deflection(&self, link: usize) -> Option<Result<Figure, String>> {
         let joint = &self.first.joints[link];
         let limit = joint.limits.deflection_m?;
-        let title = format!(
-            "Deflection of the tip of link {}{} from the tangent line at its root",
-            link + 1,
-            self.name_of(link)
-        );
+        let title = format!("Deflection at the tip of link {}{}", link + 1, self.name_of(link));
+        let caption = "From the tangent line at the link's root, at most {}.";
         let known = joint.reading("peak_deflection_m");
         let own = largest(&tip_deflection_m(self.first, link));
         if known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
@@ -105,9 +102,9 @@ impl Shown<'_> {
             let history = tip_deflection_m(arm, link);
             self.curve(&name, run_stroke(run), &arm.nodal_times_s, &history)
         });
-        let head = (format!("tip-deflection-{}", link + 1), &title[..]);
+        let (id, words) = (format!("tip-deflection-{}", link + 1), (&title[..], caption));
         let lines = (curves.collect(), Some(limit));
-        let figure = figure(head, self.time_axis(), ("deflection", "m"), lines, known);
+        let figure = figure(id, words, self.time_axis(), ("deflection", "m"), lines, known);
         Some(Ok(figure.by(formula::LINK_DEFLECTION)))
     }
 

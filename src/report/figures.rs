@@ -124,7 +124,7 @@ fn motion(view: &View) -> [Figure; 2] {
     let run = view.run;
     let tip = &run.tip;
     let wanted = run.solved.is_some();
-    let what = if wanted { "The wanted motion" } else { "The motion that the torque makes" };
+    let what = if wanted { "The wanted motion" } else { "The simulated motion" };
     let peak = view.peak("peak_tip_acceleration_m_s2", &tip.acceleration_m_s2);
     let acceleration = view.figure(
         "tip-acceleration",
@@ -183,7 +183,7 @@ fn torque(view: &View) -> Figure {
     let own = if run.solved.is_some() { "flexible link" } else { "torque" };
     let mut curves = vec![view.curve(own, Stroke::Solid(1), &run.torque_n_m)];
     let peak = view.peak("peak_torque_n_m", &run.torque_n_m);
-    let mut caption = format!("Torque at the hub, at most {peak} N m.");
+    let mut caption = format!("At most {peak} N m.");
     if let Some(solved) = &run.solved {
         let rigid = &solved.rigid_torque_n_m;
         curves.push(view.curve("rigid link", Stroke::Dashed(2), rigid));
@@ -246,11 +246,11 @@ fn hub(view: &View) -> Figure {
     let run = view.run;
     let own = if run.solved.is_some() { "flexible link" } else { "hub" };
     let mut curves = vec![view.curve(own, Stroke::Solid(1), &run.hub_angle_rad)];
-    let mut caption = "Angle of the hub.".to_owned();
+    let mut caption = "What an encoder at the hub sees.".to_owned();
     if let Some(solved) = &run.solved {
         curves.push(view.curve("rigid link", Stroke::Dashed(2), &solved.rigid_hub_angle_rad));
         caption = format!(
-            "Angle of the hub; the hub of a rigid link would turn as the tip does{}. What lies between the two \
+            "What an encoder at the hub sees; the hub of a rigid link would turn as the tip does{}. What lies between the two \
              curves is bending.",
             cited(run, [Some(6), None])
         );

@@ -208,7 +208,7 @@ fn measured(outcome: &FitOutcome) -> Markup {
             td { (signed(residual.relative)) }
             @if let Some((u, off)) = residual.measured.uncertainty.zip(residual.uncertainties) {
                 td { (amount(residual, u, 2)) }
-                td { (format!("{off:+.1}").replace('-', "−"))
+                td { (format!("{:+.1}", (10.0 * off).round() / 10.0 + 0.0).replace('-', "−"))
                     @if residual.is_outlier { " " strong { "outlier" } } }
             }
         } }

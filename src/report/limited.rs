@@ -37,18 +37,24 @@ pub(super) struct Limited {
     is_of_motor: bool,
     /// Its title, but for what it is of.
     title: &'static str,
+    /// Its caption, with `{}` for its peak.
+    caption: &'static str,
     quantity: (&'static str, &'static str),
     pub(super) limit: fn(&Limits) -> Option<f64>,
     pub(super) of: fn(&Turning) -> Option<Vec<f64>>,
     formula: &'static str,
 }
 
+const AT_MOST: &str = "At most {}.";
+const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
+
 /// Torque of the motor, which has a figure without a limit, too.
 pub(super) const MOTOR_TORQUE: Limited = Limited {
     id: "motor-torque",
     readings: ["peak_motor_torque_n_m"; 2],
     is_of_motor: true,
-    title: "Torque of the motor at",
+    title: "Torque of the motor of",
+    caption: OF_MOTOR,
     quantity: ("torque", "N m"),
     limit: |limits| limits.motor_torque_n_m,
     of: |turning| Some(turning.motor?.torque_n_m.clone()),
@@ -62,6 +68,7 @@ pub(super) const LIMITED: [Limited; 4] = [
         readings: ["peak_hub_rate_rad_s", "peak_rate_rad_s"],
         is_of_motor: false,
         title: "Rate of",
+        caption: AT_MOST,
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.hub_rate_rad_s,
         of: |turning| Some(turning.rate_rad_s.to_vec()),
@@ -72,6 +79,7 @@ pub(super) const LIMITED: [Limited; 4] = [
         readings: ["peak_power_w"; 2],
         is_of_motor: false,
         title: "Power at",
+        caption: AT_MOST,
         quantity: ("power", "W"),
         limit: |limits| limits.power_w,
         of: |turning| Some(power_w(turning.torque_n_m, turning.rate_rad_s)),
@@ -81,7 +89,8 @@ pub(super) const LIMITED: [Limited; 4] = [
         id: "motor-rate",
         readings: ["peak_motor_rate_rad_s"; 2],
         is_of_motor: true,
-        title: "Rate of the motor at",
+        title: "Rate of the motor of",
+        caption: OF_MOTOR,
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.motor_rate_rad_s,
         of: |turning| Some(turning.motor?.rate_rad_s.clone()),
@@ -91,7 +100,8 @@ pub(super) const LIMITED: [Limited; 4] = [
         id: "motor-power",
         readings: ["peak_motor_power_w"; 2],
         is_of_motor: true,
-        title: "Power of the motor at",
+        title: "Power of the motor of",
+        caption: OF_MOTOR,
         quantity: ("power", "W"),
         limit: |limits| limits.motor_power_w,
         of: |turning| turning.motor.map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
@@ -114,13 +124,15 @@ impl Limited {
     ) -> Figure {
         let title = format!("{} {what}", self.title);
         let known = self.readings.iter().find_map(|name| reading(readings, name));
-        figure((id, &title), time, self.quantity, (curves, limit), known).by(self.formula)
+        let words = (&title[..], self.caption);
+        figure(id, words, time, self.quantity, (curves, limit), known).by(self.formula)
     }
 }
 
 /// A figure of lines with a limit; the caption says how far the first line gets, as the summary has it if it is `known`.
 pub(super) fn figure(
-    (id, title): (String, &str),
+    id: String,
+    (title, caption): (&str, &str),
     time: Axis,
     (name, unit): (&str, &str),
     (mut curves, limit): (Vec<Curve>, Option<f64>),
@@ -128,7 +140,8 @@ pub(super) fn figure(
 ) -> Figure {
     let values = curves.first().into_iter().flat_map(|curve| &curve.points);
     let values: Vec<f64> = values.map(|(_, value)| *value).collect();
-    let mut caption = format!("{title}, at most {} {unit}.", peak_words(known, &values));
+    let peak = format!("{} {unit}", peak_words(known, &values));
+    let mut caption = caption.replace("{}", &peak);
     caption.push_str(&Curve::add_limit(&mut curves, limit, ("", unit), 1));
     Figure::of_curves(id, title, caption, time, (name, unit), curves)
 }
@@ -161,10 +174,10 @@ pub(super) fn limited_of_link(view: &View) -> Vec<Result<Figure, String>> {
     let deflection = run.limits.deflection_m.map(|limit| {
         let curves = vec![deflection(view)];
         let title = "Deflection of the tip from the hub's tangent line";
-        let head = ("tip-deflection".to_owned(), title);
+        let (id, words) = ("tip-deflection".to_owned(), (title, AT_MOST));
         let lines = (curves, Some(limit));
         let known = view.reading("peak_deflection_m");
-        Ok(figure(head, view.time_axis(), ("deflection", "m"), lines, known)
+        Ok(figure(id, words, view.time_axis(), ("deflection", "m"), lines, known)
             .by(formula::TIP_DEFLECTION))
     });
     let moment = run.limits.bending_moment_n_m.map(|limit| root_moment(view, limit));
@@ -198,9 +211,9 @@ fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
     } else {
         ("Bending moment at the root, estimated", formula::MOMENT_ESTIMATED)
     };
-    let head = ("hub-moment".to_owned(), title);
+    let (id, words) = ("hub-moment".to_owned(), (title, AT_MOST));
     let (lines, known) = ((curves, Some(limit)), view.reading("peak_root_moment_n_m"));
-    Ok(figure(head, view.time_axis(), ("moment", "N m"), lines, known).by(formula))
+    Ok(figure(id, words, view.time_axis(), ("moment", "N m"), lines, known).by(formula))
 }
 
 #[cfg(test)]

@@ -113,15 +113,17 @@ pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
     rows
 }
 
-/// A damping law with its ratios, where it is given by them.
+/// A damping law with its numbers, where it is given by them.
 fn damping_words(damping: &Damping) -> String {
     let name = damping.name();
     let list = |ratios: &[f64]| ratios.iter().map(|r| given(*r, "")).collect::<Vec<_>>().join(", ");
     match damping {
         Damping::Hysteretic { ratio } => format!("{name}, ratio {}", given(*ratio, "")),
         Damping::Modal { ratios } => format!("{name}, ratios {}", list(ratios)),
-        Damping::None => name.to_owned(),
-        _ => format!("{name}, ratios beside the modes"),
+        Damping::Rayleigh { alpha_per_s, beta_s } => {
+            format!("{name}, α {}, β {}", given(*alpha_per_s, "1/s"), given(*beta_s, "s"))
+        }
+        _ => name.to_owned(),
     }
 }
 
