@@ -115,10 +115,12 @@ impl Shown<'_> {
             Some((&moments.times_s, moments.histories[0].clone()))
         });
         if curves.is_empty() {
-            return Err(
-                "bending moments, since they were not written: solve --moments writes them"
-                    .to_owned(),
-            );
+            let why = if self.first.moving_s.is_some() {
+                "they were not written: solve --moments writes them"
+            } else {
+                "a simulation does not write them"
+            };
+            return Err(format!("bending moments, since {why}"));
         }
         let mut caption =
             "Bending moment at the root of each link, where it is largest as a rule.".to_owned();

@@ -275,8 +275,8 @@ pub struct StoredSweep {
     pub origin: Option<Origin>,
     /// The link of the first case, or those of its arm; none without a record.
     pub links: Vec<Link>,
-    /// Columns that head the values varied, the first ones of the table.
-    pub varied: usize,
+    /// SI units of the values varied, which the first columns of the table hold; empty where a key has none.
+    pub units: Vec<String>,
     /// All of it: a row a case.
     pub table: Table,
 }

@@ -54,6 +54,7 @@ fn torques_of_an_arm_are_played_with_feedback_and_written() {
     assert!((worst / told.as_f64().unwrap() - 1.0).abs() < 1e-6, "{worst:e}, not {told}");
     assert!(bench.run(&["report", "simulated", "-q"]).status.success());
     let page = bench.read("simulated/report.html");
+    assert!(page.contains("bending moments, since a simulation does not write them"));
     for line in ["wanted x", "wanted y", "distance"] {
         assert!(page.contains(&format!("data-name=\"{line}\"")), "{line}");
     }
