@@ -24,8 +24,9 @@ pub(super) fn arm_figures(arms: &[StoredArm]) -> Figures {
     let mut figures = Figures::default();
     for joint in joints.clone() {
         figures.add(Ok(shown.torque(joint)));
-        let motor = shown.turning(joint, &MOTOR_TORQUE);
-        motor.into_iter().for_each(|figure| figures.add(Ok(figure)));
+        if let Some(motor) = shown.turning(joint, &MOTOR_TORQUE) {
+            figures.add(Ok(motor));
+        }
     }
     figures.add(Ok(shown.tip()));
     shown.strays().into_iter().for_each(|figure| figures.add(Ok(figure)));

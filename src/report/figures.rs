@@ -47,9 +47,13 @@ fn run_figures(run: &StoredRun) -> Figures {
     let [acceleration, displacement] = motion(view);
     let mut figures = Figures::default();
     figures.add(Ok(torque(view)));
-    motor_torque(view).into_iter().for_each(|figure| figures.add(Ok(figure)));
+    if let Some(motor) = motor_torque(view) {
+        figures.add(Ok(motor));
+    }
     figures.add(Ok(displacement));
-    tip_error(view).into_iter().for_each(|figure| figures.add(Ok(figure)));
+    if let Some(error) = tip_error(view) {
+        figures.add(Ok(error));
+    }
     for figure in [acceleration, hub(view)] {
         figures.add(Ok(figure));
     }
