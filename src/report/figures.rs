@@ -230,7 +230,7 @@ fn timing_words(solved: &StoredSolution) -> String {
     let Some((lead_s, lag_s)) = solved.lead_s.zip(solved.lag_s) else {
         return " This is one cycle, which the torque repeats.".to_owned();
     };
-    let size = |seconds: f64| significant(seconds.abs(), 3);
+    let size = |seconds: f64| significant(seconds.abs(), 4);
     if lead_s > 0.0 && lag_s > 0.0 {
         return format!(
             " Bending waves take time: it acts, at the 2 % level, from {} s before the tip moves \
