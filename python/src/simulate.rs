@@ -12,7 +12,7 @@ use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
 use flexlink::link::Link as LibraryLink;
 use flexlink::response::{PlayError, Simulation, simulate as played};
-use flexlink::result::{PlayedMetrics, StoredWarning, TipError};
+use flexlink::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
 
@@ -112,7 +112,8 @@ pub(crate) struct PlayedLink {
     playing: Playing,
     simulation: Simulation,
     error: Option<PlayError>,
-    tip_error: Option<TipError>,
+    limits: Limits,
+    target: Option<FollowedTarget>,
     warnings: Vec<StoredWarning>,
 }
 
@@ -121,21 +122,24 @@ impl PlayedLink {
         let (link, play) = (&specification.link, playing.play());
         let simulation = played(link, &specification.mesh, &play)?;
         let error = PlayError::of(&simulation, link, &play)?;
-        let compared = playing.target.as_ref().map(|target| TipError::of(&simulation, target));
-        let tip_error = compared.transpose()?;
+        let compared = playing.target.as_ref();
+        let compared = compared.map(|target| FollowedTarget::of(&simulation, target));
+        let target = compared.transpose()?;
         let coarse = error.as_ref().and_then(|error| error.warning(&simulation));
         let warnings = simulation.warnings.iter().copied().chain(coarse);
         let warnings = warnings.map(|own| notice(own.kind(), &own, own.hint()));
-        let late = tip_error.and_then(|error| error.late);
+        let late = target.as_ref().and_then(|target| target.tip_error.late);
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let warnings = warnings.chain(late).collect();
-        Ok(Self { link: link.clone(), playing, simulation, error, tip_error, warnings })
+        let (link, limits) = (link.clone(), specification.limits);
+        Ok(Self { link, playing, simulation, error, limits, target, warnings })
     }
 
     fn summary(&self, arguments: Vec<String>) -> Summary {
         let findings = PlayFindings {
             error: self.error.as_ref(),
-            tip_error: self.tip_error.as_ref(),
+            limits: self.limits,
+            target: self.target.as_ref(),
             ..PlayFindings::default()
         };
         Summary::of_simulation(
@@ -154,7 +158,8 @@ impl PlayedLink {
         memory::check_nodes(outputs.simulation_bytes(simulation), memory::available())?;
         let summary = self.summary(options.arguments());
         let folder = OutputFolder::stage(folder, &|_| {})?;
-        Ok(outputs.write_simulation(folder, &self.link, simulation, &summary)?)
+        let run = (&self.link, simulation);
+        Ok(outputs.write_simulation(folder, run, (self.target.as_ref(), &summary))?)
     }
 }
 

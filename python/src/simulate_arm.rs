@@ -15,7 +15,7 @@ use flexlink::numeric::TimeGrid;
 use flexlink::response::{
     ArmPlayWarning, HubReference, Interpolation, PlayedArm, Torque, simulate_arm,
 };
-use flexlink::result::{ArmPlayMetrics, StoredWarning, TipError, TipPlaces};
+use flexlink::result::{ArmPlayMetrics, FollowedTarget, StoredWarning, TipPlaces};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Summary, read_state, state_json};
 
@@ -127,7 +127,7 @@ pub(crate) struct ArmSimulation {
     motion: PlayedArm,
     metrics: ArmPlayMetrics,
     of_motion: Vec<ArmPlayWarning>,
-    tip_error: Option<TipError>,
+    target: Option<FollowedTarget>,
     nodes_m: Vec<Vec<f64>>,
     pub(crate) warnings: Vec<StoredWarning>,
 }
@@ -171,15 +171,16 @@ impl ArmSimulation {
             let (message, hint) = refusal(&error);
             Failure::new(Exit::NotSolvable, &message, hint)
         })?;
-        let compared = given.played.target.as_ref().map(|own| TipError::of_arm(&motion, own));
-        let tip_error = compared.transpose()?;
+        let compared = given.played.target.as_ref();
+        let compared = compared.map(|own| FollowedTarget::of_arm(&motion, own));
+        let target = compared.transpose()?;
         let warnings = of_motion.iter().map(|own| notice(own.kind(), own, own.hint()));
-        let late = tip_error.and_then(|error| error.late);
+        let late = target.as_ref().and_then(|target| target.tip_error.late);
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let warnings = warnings.chain(late).collect();
         let nodes_m = nodes_m(&specification)?;
         let metrics = ArmPlayMetrics::of(&motion);
-        Ok(Self { specification, given, motion, metrics, of_motion, tip_error, nodes_m, warnings })
+        Ok(Self { specification, given, motion, metrics, of_motion, target, nodes_m, warnings })
     }
 
     fn of_joints<'py>(
@@ -208,7 +209,8 @@ impl ArmSimulation {
             play: &self.given.played.play(self.given.until_s, tolerance),
             played: &self.motion,
             metrics: &self.metrics,
-            tip_error: self.tip_error.as_ref(),
+            limits: &self.specification.limits,
+            target: self.target.as_ref(),
             warnings: &self.of_motion,
             nodes_m: &self.nodes_m,
         };

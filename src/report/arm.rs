@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::axis::{Axis, TIME, is_extreme};
-use super::bending::{Interpolation, deflections, map, with_colour};
-use super::figure::{Curve, Figure, Figures, Stroke};
-use super::limited::{LIMITED, Turning};
-use super::view::{inside, lead_and_lag, start_and_stop};
+use super::axis::{Axis, TIME};
+use super::bending::Interpolation;
+use super::figure::{Curve, Figure, Stroke};
+use super::limited::{LIMITED, Limited, Turning};
+use super::view::{inside, lead_and_lag, peak_words, reading};
 use super::words::formula;
 use crate::motion::Prescribed;
 use crate::numeric::largest;
@@ -18,30 +18,10 @@ const AROUND: f64 = 1.7;
 const SHORTEST: f64 = 0.15;
 
 /// Colours of the style sheet.
-const COLOURS: usize = 6;
+pub(super) const COLOURS: usize = 6;
 
 /// Colours of the runs beside the first one; those before are of torques.
 const BESIDE: [usize; 3] = [3, 5, 6];
-
-/// All figures of an arm's runs.
-pub(super) fn arm_figures(arms: &[StoredArm]) -> Figures {
-    let shown = Shown::of(arms);
-    let joints = 0..shown.first.joints.len();
-    let mut figures = Figures::default();
-    joints.clone().for_each(|joint| figures.add(Ok(shown.torque(joint))));
-    figures.add(Ok(shown.tip()));
-    shown.strays().into_iter().for_each(|figure| figures.add(Ok(figure)));
-    for joint in joints.clone() {
-        figures.add(Ok(shown.angle(joint)));
-        for figure in shown.limited(joint) {
-            figures.add(Ok(figure));
-        }
-    }
-    figures.add(shown.bent_angles());
-    joints.for_each(|link| figures.add(shown.waves(link)));
-    figures.add(shown.root_moments());
-    figures
-}
 
 /// Runs of one arm, and the time that their figures show.
 pub(super) struct Shown<'a> {
@@ -88,13 +68,19 @@ impl<'a> Shown<'a> {
     }
 
     /// A line over the time shown.
-    fn curve(&self, name: &str, stroke: Stroke, times_s: &[f64], history: &[f64]) -> Curve {
+    pub(super) fn curve(
+        &self,
+        name: &str,
+        stroke: Stroke,
+        times_s: &[f64],
+        history: &[f64],
+    ) -> Curve {
         let samples = inside(times_s, self.span_s.0, self.span_s.1);
         Curve::new(name, stroke, &times_s[samples.clone()], &history[samples])
     }
 
     /// A line for each run and each of the `names`, of which there is something: times in s and values.
-    fn each(
+    pub(super) fn each(
         &self,
         names: &[String],
         of: impl Fn(&'a StoredArm, usize) -> Option<(&'a [f64], Vec<f64>)>,
@@ -113,7 +99,7 @@ impl<'a> Shown<'a> {
         curves
     }
 
-    fn figure(
+    pub(super) fn figure(
         &self,
         id: String,
         title: &str,
@@ -124,12 +110,12 @@ impl<'a> Shown<'a> {
         Figure::of_curves(id, title, caption, self.time_axis(), quantity, curves)
     }
 
-    fn time_axis(&self) -> Axis {
+    pub(super) fn time_axis(&self) -> Axis {
         Axis::linear(TIME, "s", self.span_s.0..self.span_s.1)
     }
 
     /// `joint 1`, `joint 2`, ….
-    fn numbered(&self, what: &str) -> Vec<String> {
+    pub(super) fn numbered(&self, what: &str) -> Vec<String> {
         (1..=self.first.joints.len()).map(|number| format!("{what} {number}")).collect()
     }
 
@@ -157,27 +143,17 @@ impl<'a> Shown<'a> {
         curves
     }
 
-    fn torque(&self, joint: usize) -> Figure {
+    pub(super) fn torque(&self, joint: usize) -> Figure {
         let own = &self.first.joints[joint];
-        let peak = |history: &[f64]| significant(largest(history), 4);
-        let mut caption = format!("Torque at most {} N m.", peak(&own.torque_n_m));
+        let peak = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
+        let mut caption = format!("At most {} N m.", peak("peak_torque_n_m", &own.torque_n_m));
         if let Some(rigid) = &own.rigid_torque_n_m {
+            let rigid = peak("peak_rigid_torque_n_m", rigid);
             // Writing to a string cannot fail.
-            let _ = write!(caption, " Were the links rigid, it would be {} N m.", peak(rigid));
+            let _ = write!(caption, " Were the links rigid, it would be {rigid} N m.");
         }
         let mut curves = self.of_joint(joint, |j| &j.torque_n_m, |j| j.rigid_torque_n_m.as_ref());
-        if let Some(motor) = &own.motor {
-            let (times_s, torque) = (&self.first.times_s, &motor.torque_n_m);
-            curves.push(self.curve("motor", Stroke::Solid(4), times_s, torque));
-            let motor = peak(torque);
-            let _ = write!(caption, " On its side of the drive the motor gives up to {motor} N m.");
-        }
-        let limits = &own.limits;
-        for (limit, whose, colour) in
-            [(limits.torque_n_m, "", 1), (limits.motor_torque_n_m, "motor's", 4)]
-        {
-            caption.push_str(&Curve::add_limit(&mut curves, limit, (whose, "N m"), colour));
-        }
+        caption.push_str(&Curve::add_limit(&mut curves, own.limits.torque_n_m, ("", "N m"), 1));
         let title = format!("Torque of joint {}{}", joint + 1, self.name_of(joint));
         let id = format!("torque-{}", joint + 1);
         let figure = self.figure(id, &title, caption, ("torque", "N m"), curves);
@@ -191,7 +167,7 @@ impl<'a> Shown<'a> {
         Figure { spans: spans.unwrap_or_default(), ..figure }.by(formula)
     }
 
-    fn angle(&self, joint: usize) -> Figure {
+    pub(super) fn angle(&self, joint: usize) -> Figure {
         let curves = self.of_joint(joint, |j| &j.angle_rad, |j| j.rigid_angle_rad.as_ref());
         let against = if joint == 0 { "x" } else { "the tip of the link before" };
         let caption = format!("Angle that an encoder sees: of the link's root against {against}.");
@@ -202,25 +178,28 @@ impl<'a> Shown<'a> {
     }
 
     /// What else of a joint and its motor has a limit.
-    fn limited(&self, joint: usize) -> Vec<Figure> {
-        let what = format!("joint {}{}", joint + 1, self.name_of(joint));
+    pub(super) fn limited(&self, joint: usize) -> Vec<Figure> {
         let limits = &self.first.joints[joint].limits;
-        let drawn = LIMITED.iter().filter_map(|topic| {
-            let limit = (topic.limit)(limits)?;
-            let own = |(run, (arm, name)): (usize, (&'a StoredArm, String))| {
-                let history = (topic.of)(&Turning::from(&arm.joints[joint]))?;
-                Some(self.curve(&name, run_stroke(run), &arm.times_s, &history))
-            };
-            let curves: Vec<Curve> =
-                self.named("flexible arm").enumerate().filter_map(own).collect();
-            let id = format!("{}-{}", topic.id, joint + 1);
-            Some(topic.figure((id, &what), self.time_axis(), curves, limit))
-        });
-        drawn.collect()
+        let has_limit = |topic: &&Limited| (topic.limit)(limits).is_some();
+        LIMITED.iter().filter(has_limit).filter_map(|topic| self.turning(joint, topic)).collect()
+    }
+
+    /// A quantity of a joint or its motor, where the first run has it.
+    pub(super) fn turning(&self, joint: usize, topic: &Limited) -> Option<Figure> {
+        let first = &self.first.joints[joint];
+        (topic.of)(&Turning::from(first))?;
+        let own = |(run, (arm, name)): (usize, (&'a StoredArm, String))| {
+            let history = (topic.of)(&Turning::from(&arm.joints[joint]))?;
+            Some(self.curve(&name, run_stroke(run), &arm.times_s, &history))
+        };
+        let curves: Vec<Curve> = self.named("flexible arm").enumerate().filter_map(own).collect();
+        let what = format!("joint {}{}", joint + 1, self.name_of(joint));
+        let (id, limit) = (format!("{}-{}", topic.id, joint + 1), (topic.limit)(&first.limits));
+        Some(topic.figure((id, &what), self.time_axis(), (curves, limit), &first.readings))
     }
 
     /// What bending adds to the joint angles.
-    fn bent_angles(&self) -> Result<Figure, String> {
+    pub(super) fn bent_angles(&self) -> Result<Figure, String> {
         let why = "what bending adds to the joint angles, since the rigid arm's were not written";
         let rigid = self.rigid().ok_or(why)?;
         let curves = self.each(&self.numbered("joint"), |arm, joint| {
@@ -240,11 +219,21 @@ impl<'a> Shown<'a> {
         Ok(figure.by(formula::BENDING_ANGLES))
     }
 
-    fn tip(&self) -> Figure {
+    pub(super) fn tip(&self) -> Figure {
         let names = ["x", "y"].map(str::to_owned);
-        let curves = self.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
-        let way_m = significant(largest(&from_start_m(self.first)), 4);
-        let caption = format!("Place of the tip; it gets up to {way_m} m away from its start.");
+        let mut curves =
+            self.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
+        let way_m = reading(&self.first.readings, "way_m");
+        let way_m = peak_words(way_m, &from_start_m(self.first));
+        let mut caption = format!("Place of the tip; it gets up to {way_m} m away from its start.");
+        if let Some(target) = &self.first.target {
+            for (axis, history) in names.iter().zip(&target.wanted_m) {
+                let name = format!("wanted {axis}");
+                let colour = 3 + curves.len() % COLOURS;
+                curves.push(self.curve(&name, Stroke::Dashed(colour), &target.times_s, history));
+            }
+            caption.push_str(" Dashed: the target.");
+        }
         let figure =
             self.figure("tip".to_owned(), "Place of the tip", caption, ("place", "m"), curves);
         figure.by(formula::ARM_TIP)
@@ -252,8 +241,8 @@ impl<'a> Shown<'a> {
 
     /// How far the tips of the other runs are from the place that the path of one run wants. The tip of that run is not
     /// drawn: its error is among the errors of the run.
-    fn strays(&self) -> Option<Figure> {
-        let rigid = self.rigid()?;
+    pub(super) fn strays(&self) -> Option<Figure> {
+        let Some(rigid) = self.rigid() else { return self.off_target() };
         let wanted = rigid_tip_m(rigid)?;
         let mut worst = Vec::new();
         let runs = self.named("").enumerate().filter(|(_, (arm, _))| !std::ptr::eq(*arm, rigid));
@@ -279,73 +268,15 @@ impl<'a> Shown<'a> {
         Some(figure.by(formula::ARM_TIP_ERROR))
     }
 
-    /// Waves along a link: the bending moment, or the deflection where it was not written.
-    fn waves(&self, link: usize) -> Result<Figure, String> {
-        let arm = self.first;
-        let own = &arm.links[link];
-        let (name, unit, what, formula, mut nodes) = if let Some(moments) = own.moments_n_m.clone()
-        {
-            ("moment", "N m", "bending moment", formula::ARM_MOMENT, moments)
-        } else {
-            let what = "deflection from the chord";
-            ("deflection", "m", what, formula::ARM_DEFLECTION, deflections(arm, link))
-        };
-        let words = format!("link {}{}", link + 1, self.name_of(link));
-        if nodes.times_s.len() < 2 {
-            return Err(format!("waves along {words}, since but one moment was written"));
-        }
-        if is_extreme(nodes.peak()) {
-            let why = "since what bends is too large or too small to be drawn";
-            return Err(format!("waves along {words}, {why}"));
-        }
-        for history in &mut nodes.histories {
-            let rest = history[0];
-            for value in history {
-                *value -= rest;
-            }
-        }
-        let peak = significant(nodes.peak(), 3);
-        let rest = if has_weight(arm) { ", less what it is at rest at first," } else { "" };
-        let caption = format!(
-            "The {what}{rest} over time (to the right) and along the link (up, from its joint), below the tip's \
-             distance from where it begins; it reaches {peak} {unit}. Colours go by the square root, so that weak waves \
-             are seen too."
-        );
-        let tip =
-            self.curve("tip from its start", Stroke::Solid(6), &arm.times_s, &from_start_m(arm));
-        let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
-        let (map, x) = map(self.span_s, &nodes, &own.nodes_m, (name, unit));
-        let title = format!("Waves along {words}");
-        let figure =
-            Figure::new(format!("waves-{}", link + 1), &title, caption, self.time_axis(), x);
-        let marks = arm.moving_s.map(start_and_stop).unwrap_or_default();
-        Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure }
-            .by(with_colour(formula, name)))
-    }
-
-    /// The bending moment at the root of each link.
-    fn root_moments(&self) -> Result<Figure, String> {
-        let mut curves = self.each(&self.numbered("link"), |arm, link| {
-            let moments = arm.links[link].moments_n_m.as_ref()?;
-            Some((&moments.times_s, moments.histories[0].clone()))
-        });
-        if curves.is_empty() {
-            return Err(
-                "bending moments, since they were not written: solve --moments writes them"
-                    .to_owned(),
-            );
-        }
-        let mut caption =
-            "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
-        for (link, joint) in self.first.joints.iter().enumerate() {
-            let (whose, limit) = (format!("link {}:", link + 1), joint.limits.bending_moment_n_m);
-            let colour = 1 + link % COLOURS;
-            caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
-        }
-        let title = "Bending moments at the roots";
-        let quantity = ("moment", "N m");
-        let figure = self.figure("root-moments".to_owned(), title, caption, quantity, curves);
-        Ok(figure.by(formula::ROOT_MOMENTS))
+    /// How far the tip of a simulation is from its target.
+    fn off_target(&self) -> Option<Figure> {
+        let (target, first) = (self.first.target.as_ref()?, &self.first.readings);
+        let worst_m = peak_words(reading(first, "tip_error_worst_m"), &target.error_m);
+        let caption = format!("Distance of the tip from its target, at most {worst_m} m.");
+        let error = self.curve("distance", Stroke::Solid(4), &target.times_s, &target.error_m);
+        let (id, title) = ("tip-error".to_owned(), "How far the tip is from its target");
+        let figure = self.figure(id, title, caption, ("distance", "m"), vec![error]);
+        Some(figure.by(formula::ARM_TIP_ERROR))
     }
 }
 
@@ -369,7 +300,7 @@ fn at_times(times_s: &[f64], (own_s, history): (&[f64], &[f64])) -> Vec<f64> {
 }
 
 /// Distance of the tip from its first place in m.
-fn from_start_m(arm: &StoredArm) -> Vec<f64> {
+pub(super) fn from_start_m(arm: &StoredArm) -> Vec<f64> {
     let [x, y] = &arm.tip_m;
     x.iter().zip(y).map(|(at_x, at_y)| libm::hypot(at_x - x[0], at_y - y[0])).collect()
 }

@@ -1,15 +1,141 @@
-//! The page of an arm: what stands in it beside its figures.
+//! The page of an arm: its figures in order, of bending too, and what stands beside them.
 
 use maud::{Markup, html};
 
-use super::arm::{Shown, has_weight};
+use super::arm::{COLOURS, Shown, from_start_m, has_weight, run_stroke};
 use super::arm_motion::Motion;
-use super::figure::Figures;
+use super::axis::{Axis, is_extreme};
+use super::bending::{TRUSTED, deflections, map, tip_deflection_m, with_colour};
+use super::figure::{Curve, Figure, Figures, Stroke};
+use super::limited::{MOTOR_TORQUE, figure};
 use super::link::given;
 use super::page::{FILES, Section, advice, animation, document, inputs, made_by, parted_figures};
 use super::tables::{checks, link_readings, readings, results, table, words_and_unit};
+use super::view::start_and_stop;
+use super::words::formula;
+use crate::numeric::largest;
 use crate::result::{StoredArm, StoredWarning};
 use crate::text::significant;
+
+/// All figures of an arm's runs.
+pub(super) fn arm_figures(arms: &[StoredArm]) -> Figures {
+    let shown = Shown::of(arms);
+    let joints = 0..shown.first.joints.len();
+    let mut figures = Figures::default();
+    for joint in joints.clone() {
+        figures.add(Ok(shown.torque(joint)));
+        if let Some(motor) = shown.turning(joint, &MOTOR_TORQUE) {
+            figures.add(Ok(motor));
+        }
+    }
+    figures.add(Ok(shown.tip()));
+    shown.strays().into_iter().for_each(|figure| figures.add(Ok(figure)));
+    for joint in joints.clone() {
+        figures.add(Ok(shown.angle(joint)));
+        for figure in shown.limited(joint) {
+            figures.add(Ok(figure));
+        }
+        shown.deflection(joint).into_iter().for_each(|figure| figures.add(figure));
+    }
+    figures.add(shown.bent_angles());
+    joints.for_each(|link| figures.add(shown.waves(link)));
+    figures.add(shown.root_moments());
+    figures
+}
+
+impl Shown<'_> {
+    /// Waves along a link: the bending moment, or the deflection where it was not written.
+    fn waves(&self, link: usize) -> Result<Figure, String> {
+        let arm = self.first;
+        let own = &arm.links[link];
+        let (name, unit, what, formula, mut nodes) = if let Some(moments) = own.moments_n_m.clone()
+        {
+            ("moment", "N m", "bending moment", formula::ARM_MOMENT, moments)
+        } else {
+            let what = "deflection from the chord";
+            ("deflection", "m", what, formula::ARM_DEFLECTION, deflections(arm, link))
+        };
+        let words = format!("link {}{}", link + 1, self.name_of(link));
+        if nodes.times_s.len() < 2 {
+            return Err(format!("waves along {words}, since but one moment was written"));
+        }
+        if is_extreme(nodes.peak()) {
+            let why = "since what bends is too large or too small to be drawn";
+            return Err(format!("waves along {words}, {why}"));
+        }
+        for history in &mut nodes.histories {
+            let rest = history[0];
+            for value in history {
+                *value -= rest;
+            }
+        }
+        let peak = significant(nodes.peak(), 4);
+        let rest = if has_weight(arm) { ", less what it is at rest at first," } else { "" };
+        let caption = format!(
+            "The {what}{rest} over time (to the right) and along the link (up, from its joint), below the tip's \
+             distance from where it begins; it reaches {peak} {unit}. Colours go by the square root, so that weak waves \
+             are seen too."
+        );
+        let tip =
+            self.curve("tip from its start", Stroke::Solid(6), &arm.times_s, &from_start_m(arm));
+        let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
+        let (map, x) = map(self.span_s, &nodes, &own.nodes_m, (name, unit));
+        let title = format!("Waves along {words}");
+        let figure =
+            Figure::new(format!("waves-{}", link + 1), &title, caption, self.time_axis(), x);
+        let marks = arm.moving_s.map(start_and_stop).unwrap_or_default();
+        Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure }
+            .by(with_colour(formula, name)))
+    }
+
+    /// Deflection of a link's tip from the tangent line at its root, where it has a limit.
+    fn deflection(&self, link: usize) -> Option<Result<Figure, String>> {
+        let joint = &self.first.joints[link];
+        let limit = joint.limits.deflection_m?;
+        let title = format!("Deflection at the tip of link {}{}", link + 1, self.name_of(link));
+        let caption = "From the tangent line at the link's root, at most {}.";
+        let known = joint.reading("peak_deflection_m");
+        let own = largest(&tip_deflection_m(self.first, link));
+        if known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
+            return Some(Err(format!("{title}, since the nodes that were written do not tell it")));
+        }
+        let curves = self.named("flexible arm").enumerate().map(|(run, (arm, name))| {
+            let history = tip_deflection_m(arm, link);
+            self.curve(&name, run_stroke(run), &arm.nodal_times_s, &history)
+        });
+        let (id, words) = (format!("tip-deflection-{}", link + 1), (&title[..], caption));
+        let lines = (curves.collect(), Some(limit));
+        let figure = figure(id, words, self.time_axis(), ("deflection", "m"), lines, known);
+        Some(Ok(figure.by(formula::LINK_DEFLECTION)))
+    }
+
+    /// The bending moment at the root of each link.
+    fn root_moments(&self) -> Result<Figure, String> {
+        let mut curves = self.each(&self.numbered("link"), |arm, link| {
+            let moments = arm.links[link].moments_n_m.as_ref()?;
+            Some((&moments.times_s, moments.histories[0].clone()))
+        });
+        if curves.is_empty() {
+            let why = if self.first.moving_s.is_some() {
+                "they were not written: solve --moments writes them"
+            } else {
+                "a simulation does not write them"
+            };
+            return Err(format!("bending moments, since {why}"));
+        }
+        let mut caption =
+            "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
+        for (link, joint) in self.first.joints.iter().enumerate() {
+            let (whose, limit) = (format!("link {}:", link + 1), joint.limits.bending_moment_n_m);
+            let colour = 1 + link % COLOURS;
+            caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
+        }
+        let title = "Bending moments at the roots";
+        let quantity = ("moment", "N m");
+        let figure = self.figure("root-moments".to_owned(), title, caption, quantity, curves);
+        Ok(figure.by(formula::ROOT_MOMENTS))
+    }
+}
 
 /// The page of the first of an arm's runs, with the others beside it.
 pub(super) fn arm_page(arms: &[StoredArm], figures: &Figures) -> Markup {

@@ -125,7 +125,11 @@ impl Axis {
         let decimals = usize::try_from(-libm::floor(libm::log10(step * 1.001)) as i32).unwrap_or(0);
         let label = |value: f64| {
             if !(1e-4..1e6).contains(&start.abs().max(end.abs())) {
-                return format!("{:e}", rounded(value, 6));
+                return if value == 0.0 {
+                    "0".to_owned()
+                } else {
+                    format!("{:e}", rounded(value, 6))
+                };
             }
             let text = format!("{value:.decimals$}");
             let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
@@ -217,6 +221,7 @@ mod tests {
         assert_eq!(labels(&axis(0.0..0.05)), ["0.00", "0.01", "0.02", "0.03", "0.04", "0.05"]);
         assert_eq!(labels(&axis(0.0..0.6)), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
         assert_eq!(labels(&axis(97.0..412.0)), ["100", "200", "300", "400"]);
+        assert_eq!(labels(&axis(0.0..3e-7))[..2], ["0", "5e-8"]);
         assert_eq!(labels(&axis(0.0..3e-7)).last().unwrap(), "3e-7");
     }
 

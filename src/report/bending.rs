@@ -4,12 +4,11 @@
 use super::axis::{Axis, is_extreme};
 use super::colour_map::{ColourMap, Colours};
 use super::figure::{Figure, Stroke};
-use super::view::{View, inside, nearest};
+use super::view::{View, inside, nearest, peak_words};
 use super::words::formula;
 use crate::beam::Mesh;
 use crate::numeric::largest;
 use crate::result::{StoredArm, StoredNodes, StoredRun};
-use crate::text::significant;
 
 /// Columns of the map, one for each pixel; the step of accelerations is at most one column.
 pub(super) const COLUMNS: usize = 680;
@@ -21,7 +20,7 @@ const FEWEST: usize = 5;
 const COARSEST: f64 = 0.05;
 
 /// Largest relative difference of the estimated root moment from that of the summary.
-const TRUSTED: f64 = 0.1;
+pub(super) const TRUSTED: f64 = 0.1;
 
 /// Bending moments in N m.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,11 +168,18 @@ pub(super) fn waves(view: &View) -> Result<Figure, String> {
     } else {
         ""
     };
+    // At the root or the tip the summary knows it, also between samples.
+    let (end, known) = if name == "moment" {
+        ((nodes.nodes[0] == 0).then_some(0), view.reading("peak_root_moment_n_m"))
+    } else {
+        (nodes.histories.len().checked_sub(1), view.reading("peak_deflection_m"))
+    };
+    let is_there = end.is_some_and(|end| largest(&nodes.histories[end]) >= nodes.peak());
+    let peak = peak_words(known.filter(|_| is_there), &[nodes.peak()]);
     let caption = format!(
         "The {what} over time (to the right) and along the link (up, from the root), below the tip's \
-         displacement; it reaches {} {unit}. Colours go by the square root, so that weak waves are seen \
-         too.{story}",
-        significant(nodes.peak(), 3)
+         displacement; it reaches {peak} {unit}. Colours go by the square root, so that weak waves are seen \
+         too.{story}"
     );
     let tip = view.curve("tip displacement", Stroke::Solid(6), &view.run.tip.displacement_m);
     let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
@@ -280,4 +286,28 @@ pub(super) fn deflections(arm: &StoredArm, link: usize) -> StoredNodes {
     };
     let histories: Vec<Vec<f64>> = arm.links[link].positions_m.iter().map(of).collect();
     StoredNodes { nodes: (0..histories.len()).collect(), times_s, histories }
+}
+
+/// Nodes from whose deflections the slope at a root is found.
+const AT_ROOT: usize = 5;
+
+/// Deflection in m of a link's tip from the tangent line at its root: by the slope there of the polynomial through the
+/// first nodes, or of the rigid piece that leads to them.
+pub(super) fn tip_deflection_m(arm: &StoredArm, link: usize) -> Vec<f64> {
+    let own = &arm.links[link];
+    let nodes = deflections(arm, link);
+    let x_m = &own.nodes_m[..own.nodes_m.len().min(AT_ROOT)];
+    let slope = |row: usize| {
+        if x_m[0] > 0.0 {
+            return nodes.histories[0][row] / x_m[0];
+        }
+        let weight = |j: usize| {
+            let others = (1..x_m.len()).filter(|m| *m != j);
+            others.fold(1.0 / x_m[j], |weight, m| weight * x_m[m] / (x_m[m] - x_m[j]))
+        };
+        (1..x_m.len()).map(|j| weight(j) * nodes.histories[j][row]).sum()
+    };
+    let deflection =
+        |row: usize| -Chord::of(arm, link, row).length_m * libm::sin(libm::atan(slope(row)));
+    (0..nodes.times_s.len()).map(deflection).collect()
 }

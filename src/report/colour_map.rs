@@ -73,10 +73,12 @@ impl ColourMap {
         if !low.is_finite() {
             return String::new();
         }
-        let text = |value: f64| significant(value, 5).replace('-', "−");
+        let is_narrow = self.colours == Colours::Sequential && (first < low || last > high);
+        let digits = if is_narrow { 5 } else { 4 };
+        let text = |value: f64| significant(value, digits).replace('-', "−");
         let unit = format!(" {}", self.unit);
         let range = format!(" From {} to {}{}", text(low), text(high), unit.trim_end());
-        if self.colours == Colours::Sequential && (first < low || last > high) {
+        if is_narrow {
             let text = |value: f64| significant(value, 3).replace('-', "−");
             return format!(
                 "{range}; the colours span {} to {}, as the numbers hardly differ.",

@@ -42,6 +42,8 @@ pub struct Figure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stroke {
     Solid(usize),
+    /// A line that leaves the dots below it to be seen.
+    Thin(usize),
     Dashed(usize),
     /// A line with a dot at each point.
     Dotted(usize),
@@ -58,6 +60,7 @@ impl Stroke {
     pub(super) fn classes(self) -> String {
         match self {
             Self::Solid(colour) | Self::Dotted(colour) => format!("line s{colour}"),
+            Self::Thin(colour) => format!("line s{colour} thin"),
             Self::Dashed(colour) => format!("line s{colour} dashed"),
             Self::Points(colour) => format!("line s{colour} points"),
             Self::Bars(colour) => format!("bars s{colour}"),

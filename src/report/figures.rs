@@ -3,13 +3,12 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use super::arm::arm_figures;
-use super::arm_page::arm_page;
+use super::arm_page::{arm_figures, arm_page};
 use super::axis::is_extreme;
 use super::bending::waves;
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::frequency::{shapes, transfer};
-use super::limited::limited_of_link;
+use super::limited::{limited_of_link, motor_torque};
 use super::page::run_page;
 use super::sweep::sweep_figures;
 use super::sweep_page::sweep_page;
@@ -20,7 +19,7 @@ use crate::link::Damping;
 use crate::numeric::largest;
 use crate::response::{Play, Torque, simulate_on};
 use crate::result::{StoredResult, StoredRun, StoredSolution};
-use crate::text::{significant, visible_document};
+use crate::text::{given, significant, visible_document};
 
 impl Figures {
     /// All figures of a result.
@@ -47,7 +46,15 @@ fn run_figures(run: &StoredRun) -> Figures {
     let view = &View::of(run);
     let [acceleration, displacement] = motion(view);
     let mut figures = Figures::default();
-    for figure in [torque(view), displacement, acceleration, hub(view)] {
+    figures.add(Ok(torque(view)));
+    if let Some(motor) = motor_torque(view) {
+        figures.add(Ok(motor));
+    }
+    figures.add(Ok(displacement));
+    if let Some(error) = tip_error(view) {
+        figures.add(Ok(error));
+    }
+    for figure in [acceleration, hub(view)] {
         figures.add(Ok(figure));
     }
     for figure in limited_of_link(view) {
@@ -121,8 +128,8 @@ fn motion(view: &View) -> [Figure; 2] {
     let run = view.run;
     let tip = &run.tip;
     let wanted = run.solved.is_some();
-    let what = if wanted { "The wanted motion" } else { "The motion that the torque makes" };
-    let peak = significant(largest(&tip.acceleration_m_s2), 3);
+    let what = if wanted { "The wanted motion" } else { "The simulated motion" };
+    let peak = view.peak("peak_tip_acceleration_m_s2", &tip.acceleration_m_s2);
     let acceleration = view.figure(
         "tip-acceleration",
         "Acceleration of the tip",
@@ -130,20 +137,48 @@ fn motion(view: &View) -> [Figure; 2] {
         ("acceleration", "m/s²"),
         vec![view.curve("tip", Stroke::Solid(3), &tip.acceleration_m_s2)],
     );
-    let ends = tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
-    let ends = significant(ends, 3).replace('-', "−");
+    let name = if wanted { "tip_travel_m" } else { "travel_m" };
+    let ends = || tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
+    let travel = view.reading(name).unwrap_or_else(ends);
+    let travel = significant(travel, 4).replace('-', "−");
+    let mut curves = vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)];
+    let mut beside = "";
+    if let Some(target) = &run.target {
+        let wanted = (&target.times_s, &target.wanted_m[0]);
+        curves.push(view.over_time("wanted", Stroke::Dashed(2), wanted));
+        beside = " Dashed: the target.";
+    }
     let displacement = view.figure(
         "tip-displacement",
         "Displacement of the tip",
         format!(
-            "{what}: tip displacement along the arc; it ends {ends} m from where it began{}.",
+            "{what}: tip displacement along the arc; it ends {travel} m from where it began{}.{beside}",
             cited(run, [Some(4), None])
         ),
         ("displacement", "m"),
-        vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)],
+        curves,
     );
     let formula = motion_formula(run, formula::TIP);
     [acceleration.by(formula.clone()), displacement.by(formula)]
+}
+
+/// How far the tip of a simulation is from its target.
+fn tip_error(view: &View) -> Option<Figure> {
+    let target = view.run.target.as_ref()?;
+    let (worst_m, at) =
+        (view.peak("tip_error_worst_m", &target.error_m), view.reading("tip_error_time_s"));
+    let at = at.map(|at| format!(" at {} s", given(at))).unwrap_or_default();
+    let rms = view.reading("tip_error_rms_m");
+    let rms = rms.map(|rms| format!("; root mean square {} m", significant(rms, 4)));
+    let caption = format!(
+        "Displacement of the tip less that of the target, at most {worst_m} m{at}{}.",
+        rms.unwrap_or_default()
+    );
+    let error = (&target.times_s, &target.error_m);
+    let curves = vec![view.over_time("simulated less wanted", Stroke::Solid(4), error)];
+    let title = "How far the tip is from its target";
+    let figure = view.figure("tip-error", title, caption, ("error", "m"), curves);
+    Some(figure.by(formula::TIP_ERROR))
 }
 
 /// Torque at the hub, flexible against rigid.
@@ -151,46 +186,31 @@ fn torque(view: &View) -> Figure {
     let run = view.run;
     let own = if run.solved.is_some() { "flexible link" } else { "torque" };
     let mut curves = vec![view.curve(own, Stroke::Solid(1), &run.torque_n_m)];
-    let mut caption =
-        format!("Torque at the hub, at most {} N m.", significant(largest(&run.torque_n_m), 4));
+    let peak = view.peak("peak_torque_n_m", &run.torque_n_m);
+    let mut caption = format!("At most {peak} N m.");
     if let Some(solved) = &run.solved {
         let rigid = &solved.rigid_torque_n_m;
         curves.push(view.curve("rigid link", Stroke::Dashed(2), rigid));
-        let rigid = significant(largest(rigid), 4);
+        let rigid = view.peak("peak_rigid_torque_n_m", rigid);
         // Writing to a string cannot fail.
         let paper = cited(run, [Some(5), Some(7)]);
         let _ = write!(caption, " Were the link rigid, it would be {rigid} N m{paper}.");
-        if let Some(motor) = &solved.motor {
-            curves.push(view.curve("motor", Stroke::Solid(4), &motor.torque_n_m));
-            let motor = significant(largest(&motor.torque_n_m), 4);
-            let _ = write!(caption, " On its side of the drive the motor gives up to {motor} N m.");
-        }
         caption.push_str(&timing_words(solved));
     }
-    let (limits, unit) = (&run.limits, "N m");
-    for (limit, whose, colour) in
-        [(limits.torque_n_m, "", 1), (limits.motor_torque_n_m, "motor's", 4)]
-    {
-        caption.push_str(&Curve::add_limit(&mut curves, limit, (whose, unit), colour));
-    }
+    let unit = "N m";
+    caption.push_str(&Curve::add_limit(&mut curves, run.limits.torque_n_m, ("", unit), 1));
     let figure = view.figure("torque", "Torque at the hub", caption, ("torque", unit), curves);
     Figure { spans: view.lead_and_lag(), ..figure }.by(torque_formula(run))
 }
 
 /// The formula of a torque: of a solution with what it counts.
 fn torque_formula(run: &StoredRun) -> Cow<'static, str> {
-    let Some(solved) = &run.solved else { return formula::TORQUE_PLAYED.into() };
-    let mut words = formula::TORQUE.to_owned();
     let is_bent = run.second_order != SecondOrder::None || run.link.has_weight();
-    for (more, counts) in
-        [(formula::SECOND_ORDER, is_bent), (formula::MOTOR, solved.motor.is_some())]
-    {
-        if counts {
-            // Writing to a string cannot fail.
-            let _ = write!(words, " {more}");
-        }
+    match &run.solved {
+        None => formula::TORQUE_PLAYED.into(),
+        Some(_) if is_bent => format!("{} {}", formula::TORQUE, formula::SECOND_ORDER).into(),
+        Some(_) => formula::TORQUE.into(),
     }
-    words.into()
 }
 
 /// The formula of a motion: what a solution has, or what makes it in a simulation.
@@ -210,7 +230,7 @@ fn timing_words(solved: &StoredSolution) -> String {
     let Some((lead_s, lag_s)) = solved.lead_s.zip(solved.lag_s) else {
         return " This is one cycle, which the torque repeats.".to_owned();
     };
-    let size = |seconds: f64| significant(seconds.abs(), 3);
+    let size = |seconds: f64| significant(seconds.abs(), 4);
     if lead_s > 0.0 && lag_s > 0.0 {
         return format!(
             " Bending waves take time: it acts, at the 2 % level, from {} s before the tip moves \
@@ -230,11 +250,11 @@ fn hub(view: &View) -> Figure {
     let run = view.run;
     let own = if run.solved.is_some() { "flexible link" } else { "hub" };
     let mut curves = vec![view.curve(own, Stroke::Solid(1), &run.hub_angle_rad)];
-    let mut caption = "Angle of the hub.".to_owned();
+    let mut caption = "What an encoder at the hub sees.".to_owned();
     if let Some(solved) = &run.solved {
         curves.push(view.curve("rigid link", Stroke::Dashed(2), &solved.rigid_hub_angle_rad));
         caption = format!(
-            "Angle of the hub; the hub of a rigid link would turn as the tip does{}. What lies between the two \
+            "What an encoder at the hub sees; the hub of a rigid link would turn as the tip does{}. What lies between the two \
              curves is bending.",
             cited(run, [Some(6), None])
         );

@@ -208,7 +208,7 @@ fn measured(outcome: &FitOutcome) -> Markup {
             td { (signed(residual.relative)) }
             @if let Some((u, off)) = residual.measured.uncertainty.zip(residual.uncertainties) {
                 td { (amount(residual, u, 2)) }
-                td { (format!("{off:+.1}").replace('-', "−"))
+                td { (format!("{:+.1}", (10.0 * off).round() / 10.0 + 0.0).replace('-', "−"))
                     @if residual.is_outlier { " " strong { "outlier" } } }
             }
         } }
@@ -372,7 +372,7 @@ fn over_each_other(overlay: &Overlay, number: usize) -> Figure {
     let Overlay { name, places, measured, fitted, .. } = overlay;
     let curves = vec![
         Curve::new("measured", Stroke::Points(2), places, measured),
-        Curve::new("fitted", Stroke::Solid(1), places, fitted),
+        Curve::new("fitted", Stroke::Thin(1), places, fitted),
     ];
     let x = axis(&overlay.x, &[places]);
     let y = axis(&overlay.y, &[measured, fitted]);

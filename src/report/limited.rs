@@ -1,12 +1,11 @@
-//! Figures of what has a limit and no other figure over time: rates, powers, deflection, moment at the root.
+//! Figures of what may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
 
 use super::axis::Axis;
 use super::bending::bending_moments;
 use super::figure::{Curve, Figure, Stroke};
-use super::view::{View, inside};
+use super::view::{View, peak_words, reading};
 use super::words::formula;
 use crate::result::{Limits, StoredJoint, StoredMotor, StoredRun};
-use crate::text::significant;
 
 /// What turns at a hub or at a joint.
 pub(super) struct Turning<'a> {
@@ -32,22 +31,44 @@ impl<'a> From<&'a StoredJoint> for Turning<'a> {
 /// A quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
     pub(super) id: &'static str,
+    /// Its peak in the summary of a link, and of a joint.
+    readings: [&'static str; 2],
     /// Whether it is the motor's.
     is_of_motor: bool,
     /// Its title, but for what it is of.
     title: &'static str,
+    /// Its caption, with `{}` for its peak.
+    caption: &'static str,
     quantity: (&'static str, &'static str),
     pub(super) limit: fn(&Limits) -> Option<f64>,
     pub(super) of: fn(&Turning) -> Option<Vec<f64>>,
     formula: &'static str,
 }
 
-/// Rate and power, at the joint and of its motor.
+const AT_MOST: &str = "At most {}.";
+const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
+
+/// Torque of the motor, which has a figure without a limit, too.
+pub(super) const MOTOR_TORQUE: Limited = Limited {
+    id: "motor-torque",
+    readings: ["peak_motor_torque_n_m"; 2],
+    is_of_motor: true,
+    title: "Torque of the motor of",
+    caption: OF_MOTOR,
+    quantity: ("torque", "N m"),
+    limit: |limits| limits.motor_torque_n_m,
+    of: |turning| Some(turning.motor?.torque_n_m.clone()),
+    formula: formula::MOTOR,
+};
+
+/// Rate and power, at the joint and of its motor: drawn where they have a limit.
 pub(super) const LIMITED: [Limited; 4] = [
     Limited {
         id: "rate",
+        readings: ["peak_hub_rate_rad_s", "peak_rate_rad_s"],
         is_of_motor: false,
         title: "Rate of",
+        caption: AT_MOST,
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.hub_rate_rad_s,
         of: |turning| Some(turning.rate_rad_s.to_vec()),
@@ -55,8 +76,10 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "power",
+        readings: ["peak_power_w"; 2],
         is_of_motor: false,
         title: "Power at",
+        caption: AT_MOST,
         quantity: ("power", "W"),
         limit: |limits| limits.power_w,
         of: |turning| Some(power_w(turning.torque_n_m, turning.rate_rad_s)),
@@ -64,8 +87,10 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "motor-rate",
+        readings: ["peak_motor_rate_rad_s"; 2],
         is_of_motor: true,
-        title: "Rate of the motor at",
+        title: "Rate of the motor of",
+        caption: OF_MOTOR,
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.motor_rate_rad_s,
         of: |turning| Some(turning.motor?.rate_rad_s.clone()),
@@ -73,8 +98,10 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "motor-power",
+        readings: ["peak_motor_power_w"; 2],
         is_of_motor: true,
-        title: "Power of the motor at",
+        title: "Power of the motor of",
+        caption: OF_MOTOR,
         quantity: ("power", "W"),
         limit: |limits| limits.motor_power_w,
         of: |turning| turning.motor.map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
@@ -87,51 +114,70 @@ fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Vec<f64> {
 }
 
 impl Limited {
-    /// Its figure with the limit, of `what`.
+    /// Its figure, of `what` in a run of a link or an arm, with the limit if there is one.
     pub(super) fn figure(
         &self,
         (id, what): (String, &str),
         time: Axis,
-        curves: Vec<Curve>,
-        limit: f64,
+        (curves, limit): (Vec<Curve>, Option<f64>),
+        readings: &[(String, f64)],
     ) -> Figure {
         let title = format!("{} {what}", self.title);
-        figure((id, &title), time, self.quantity, (curves, limit)).by(self.formula)
+        let known = self.readings.iter().find_map(|name| reading(readings, name));
+        let words = (&title[..], self.caption);
+        figure(id, words, time, self.quantity, (curves, limit), known).by(self.formula)
     }
 }
 
-/// A figure of lines with a limit; the caption says how far the first line gets.
-fn figure(
-    (id, title): (String, &str),
+/// A figure of lines with a limit; the caption says how far the first line gets, as the summary has it if it is `known`.
+pub(super) fn figure(
+    id: String,
+    (title, caption): (&str, &str),
     time: Axis,
     (name, unit): (&str, &str),
-    (mut curves, limit): (Vec<Curve>, f64),
+    (mut curves, limit): (Vec<Curve>, Option<f64>),
+    known: Option<f64>,
 ) -> Figure {
     let values = curves.first().into_iter().flat_map(|curve| &curve.points);
-    let peak = values.fold(0.0_f64, |peak, (_, value)| peak.max(value.abs()));
-    let mut caption = format!("{title}, at most {} {unit}.", significant(peak, 4));
-    caption.push_str(&Curve::add_limit(&mut curves, Some(limit), ("", unit), 1));
+    let values: Vec<f64> = values.map(|(_, value)| *value).collect();
+    let peak = format!("{} {unit}", peak_words(known, &values));
+    let mut caption = caption.replace("{}", &peak);
+    caption.push_str(&Curve::add_limit(&mut curves, limit, ("", unit), 1));
     Figure::of_curves(id, title, caption, time, (name, unit), curves)
+}
+
+/// The torque of the motor, where there is one.
+pub(super) fn motor_torque(view: &View) -> Option<Figure> {
+    of_hub(view, &MOTOR_TORQUE, view.run.limits.motor_torque_n_m)
+}
+
+/// A quantity of the hub or of its motor.
+fn of_hub(view: &View, topic: &Limited, limit: Option<f64>) -> Option<Figure> {
+    let run = view.run;
+    let history = (topic.of)(&Turning::from(run))?;
+    let (id, name) = if topic.is_of_motor {
+        (topic.id.to_owned(), "motor")
+    } else {
+        (format!("hub-{}", topic.id), if run.solved.is_some() { "flexible link" } else { "hub" })
+    };
+    let curves = vec![view.curve(name, Stroke::Solid(1), &history)];
+    Some(topic.figure((id, "the hub"), view.time_axis(), (curves, limit), &run.readings))
 }
 
 /// What of a link has a limit, but for torques.
 pub(super) fn limited_of_link(view: &View) -> Vec<Result<Figure, String>> {
     let run = view.run;
     let turning = LIMITED.iter().filter_map(|topic| {
-        let (limit, history) = ((topic.limit)(&run.limits)?, (topic.of)(&Turning::from(run))?);
-        let (id, name) = if topic.is_of_motor {
-            (topic.id.to_owned(), "motor")
-        } else {
-            (format!("hub-{}", topic.id), "flexible link")
-        };
-        let curves = vec![view.curve(name, Stroke::Solid(1), &history)];
-        Some(Ok(topic.figure((id, "the hub"), view.time_axis(), curves, limit)))
+        let limit = (topic.limit)(&run.limits)?;
+        of_hub(view, topic, Some(limit)).map(Ok)
     });
     let deflection = run.limits.deflection_m.map(|limit| {
         let curves = vec![deflection(view)];
         let title = "Deflection of the tip from the hub's tangent line";
-        let head = ("tip-deflection".to_owned(), title);
-        Ok(figure(head, view.time_axis(), ("deflection", "m"), (curves, limit))
+        let (id, words) = ("tip-deflection".to_owned(), (title, AT_MOST));
+        let lines = (curves, Some(limit));
+        let known = view.reading("peak_deflection_m");
+        Ok(figure(id, words, view.time_axis(), ("deflection", "m"), lines, known)
             .by(formula::TIP_DEFLECTION))
     });
     let moment = run.limits.bending_moment_n_m.map(|limit| root_moment(view, limit));
@@ -144,35 +190,33 @@ fn deflection(view: &View) -> Curve {
     let tip = run.mesh.nodes_m().len() - 1;
     let written = run.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
     if let Some(history) = written.and_then(|own| Some((&own.times_s, own.histories.last()?))) {
-        return over_time(view, history);
+        return view.over_time("flexible link", Stroke::Solid(1), history);
     }
     let length_m = run.mesh.length_m();
     let pairs = run.tip.displacement_m.iter().zip(&run.hub_angle_rad);
-    let bent = pairs.map(|(v, angle)| v - length_m * (angle - run.origin_rad)).collect();
-    over_time(view, (&run.times_s, &bent))
-}
-
-fn over_time(view: &View, (times_s, history): (&Vec<f64>, &Vec<f64>)) -> Curve {
-    let (from_s, until_s) = view.span_s();
-    let samples = inside(times_s, from_s, until_s);
-    let (times_s, history) = (&times_s[samples.clone()], &history[samples]);
-    Curve::new("flexible link", Stroke::Solid(1), times_s, history)
+    let bent: Vec<f64> = pairs.map(|(v, angle)| v - length_m * (angle - run.origin_rad)).collect();
+    view.over_time("flexible link", Stroke::Solid(1), (&run.times_s, &bent))
 }
 
 /// The bending moment at the root, if it is known.
 fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
     let moments = bending_moments(view).filter(|moments| moments.nodes.nodes.first() == Some(&0));
-    let moments = moments.ok_or(
-        "the bending moment at the root, since it was not written: solve --moments writes it",
-    )?;
-    let curves = vec![over_time(view, (&moments.nodes.times_s, &moments.nodes.histories[0]))];
+    let why = if view.run.solved.is_some() {
+        "it was not written: solve --moments writes it"
+    } else {
+        "a simulation does not write it"
+    };
+    let moments = moments.ok_or_else(|| format!("the bending moment at the root, since {why}"))?;
+    let history = (&moments.nodes.times_s, &moments.nodes.histories[0]);
+    let curves = vec![view.over_time("flexible link", Stroke::Solid(1), history)];
     let (title, formula) = if moments.is_written {
         ("Bending moment at the root", formula::ROOT_MOMENTS)
     } else {
         ("Bending moment at the root, estimated", formula::MOMENT_ESTIMATED)
     };
-    let head = ("hub-moment".to_owned(), title);
-    Ok(figure(head, view.time_axis(), ("moment", "N m"), (curves, limit)).by(formula))
+    let (id, words) = ("hub-moment".to_owned(), (title, AT_MOST));
+    let (lines, known) = ((curves, Some(limit)), view.reading("peak_root_moment_n_m"));
+    Ok(figure(id, words, view.time_axis(), ("moment", "N m"), lines, known).by(formula))
 }
 
 #[cfg(test)]
@@ -182,6 +226,38 @@ mod tests {
     use crate::report::Figures;
     use crate::report::tests::{run, solution};
     use crate::result::StoredResult;
+    use crate::text::significant;
+
+    /// A peak between samples is larger than all of them.
+    #[test]
+    fn captions_have_the_peaks_of_the_summary() {
+        let mut run = run();
+        let motor = StoredMotor {
+            torque_n_m: run.torque_n_m.clone(),
+            rate_rad_s: run.hub_rate_rad_s.clone(),
+        };
+        run.solved.as_mut().unwrap().motor = Some(motor);
+        run.limits.hub_rate_rad_s = Some(2.0);
+        run.limits.deflection_m = Some(0.2);
+        let moment_n_m = 1.01 * largest(&solution().root_moment_n_m);
+        let moment_words = format!("reaches {} N m", significant(moment_n_m, 4));
+        let peaks = [
+            ("torque", "peak_torque_n_m", 1.401, "1.401 N m"),
+            ("torque", "peak_rigid_torque_n_m", 2.901, "2.901 N m"),
+            ("motor-torque", "peak_motor_torque_n_m", 1.402, "1.402 N m"),
+            ("tip-acceleration", "peak_tip_acceleration_m_s2", 4.201, "4.201 m/s²"),
+            ("tip-displacement", "tip_travel_m", 0.5011, "0.5011 m"),
+            ("hub-rate", "peak_hub_rate_rad_s", 0.5301, "0.5301 rad/s"),
+            ("tip-deflection", "peak_deflection_m", 0.1701, "0.1701 m"),
+            ("waves", "peak_root_moment_n_m", moment_n_m, &moment_words),
+        ];
+        run.readings = peaks.map(|(_, name, value, _)| (name.to_owned(), value)).to_vec();
+        let drawn = Figures::of(&StoredResult::Run(Box::new(run))).drawn;
+        for (id, name, _, words) in peaks {
+            let figure = drawn.iter().find(|figure| figure.id == id).unwrap();
+            assert!(figure.caption.contains(words), "{name}: {}", figure.caption);
+        }
+    }
 
     #[test]
     fn every_limit_of_a_history_is_a_line_in_its_figure() {
@@ -218,7 +294,7 @@ mod tests {
         let figures = drawn(&run);
         for (id, line, limit) in [
             ("torque", "flexible link", run.limits.torque_n_m),
-            ("torque", "motor", run.limits.motor_torque_n_m),
+            ("motor-torque", "motor", run.limits.motor_torque_n_m),
             ("hub-rate", "flexible link", run.limits.hub_rate_rad_s),
             ("hub-power", "flexible link", run.limits.power_w),
             ("motor-rate", "motor", run.limits.motor_rate_rad_s),

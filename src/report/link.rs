@@ -96,11 +96,15 @@ pub(super) fn link_drawing(link: &Link) -> Markup {
     }
 }
 
+/// Room of a label, and of a letter, on a narrow page, where text is larger.
+const NARROW_GAP: f64 = 100.0;
+const NARROW_LETTER: f64 = 14.0;
+
 /// Names of the segments and distances of their ends from the axis.
 fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
     let line = HEIGHT - 32.0;
     let mut last = f64::NEG_INFINITY;
-    let mut shown: Vec<(f64, String)> = Vec::new();
+    let mut shown: Vec<(f64, String, bool)> = Vec::new();
     let ends = std::iter::once(&0.0).chain(borders);
     for (k, border) in ends.enumerate() {
         let is_last = k == borders.len();
@@ -109,22 +113,26 @@ fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
             if is_last && shown.len() > 1 && at(*border) - last < 46.0 {
                 shown.pop();
             }
+            let is_crowded = at(*border) - last < NARROW_GAP && !is_last;
             last = at(*border);
-            shown.push((last, given(*border, "m")));
+            shown.push((last, given(*border, "m"), is_crowded));
         }
     }
+    let class = |is_crowded| if is_crowded { "dimension-text crowded" } else { "dimension-text" };
     html! {
         path class="dimension" d=(format!("M{:.1} {line}H{:.1}", at(0.0), at(link.length_m()))) {}
-        @for (place, label) in &shown {
+        @for (place, label, is_crowded) in &shown {
+            @let is_crowded = *is_crowded;
             path class="dimension" d=(format!("M{place:.1} {}v10", line - 5.0)) {}
-            text class="dimension-text" x=(format!("{place:.1}")) y=(line + 20.0) text-anchor="middle" {
+            text class=(class(is_crowded)) x=(format!("{place:.1}")) y=(line + 20.0) text-anchor="middle" {
                 (label)
             }
         }
         @for (k, segment) in link.segments().iter().enumerate() {
             @let (from, to) = (at(borders[k]), at(borders[k + 1]));
             @if let Some(name) = segment.name.as_ref().filter(|name| 7.0 * name.chars().count() as f64 <= to - from + 12.0) {
-                text class="dimension-text" x=(format!("{:.1}", 0.5 * (from + to))) y=(line - 8.0)
+                @let is_crowded = NARROW_LETTER * (name.chars().count() + 2) as f64 > to - from;
+                text class=(class(is_crowded)) x=(format!("{:.1}", 0.5 * (from + to))) y=(line - 8.0)
                     text-anchor="middle" { (name) }
             }
         }

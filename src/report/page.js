@@ -298,7 +298,7 @@ function bringToLife(figure) {
 				upright(mark, part * width);
 				continue;
 			}
-			const at = left + part * shownWidth, long = mark.getComputedTextLength() + 3, row = mark.getAttribute("y");
+			const at = left + part * shownWidth, long = mark.getComputedTextLength() + 6, row = mark.getAttribute("y");
 			const x = at + long < left + shownWidth ? at + 3 : at - long, fits = isIn(part) && x >= (free[row] ?? 0);
 			set(mark, { x, visibility: fits ? "visible" : "hidden" });
 			if (fits) free[row] = x + long;

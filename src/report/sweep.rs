@@ -1,6 +1,6 @@
 //! Figures of a sweep: what changes with the values that were varied.
 
-use super::axis::Axis;
+use super::axis::{Axis, in_unit};
 use super::colour_map::{ColourMap, Colours, Fields};
 use super::figure::{Curve, Figure, Figures, Stroke};
 use crate::compare::{Table, TableColumn};
@@ -13,50 +13,97 @@ const MOST_LINES: usize = 6;
 const MOST_TICKS: usize = 12;
 
 /// Ratio of the largest to the smallest value above which an axis is logarithmic.
-const WIDE: f64 = 12.0;
+const WIDE: f64 = 100.0;
+
+/// The same, where each value is the same multiple of the one before, and how far that may be off.
+const WIDE_IN_STEPS: f64 = 2.0;
+const SAME_STEP: f64 = 0.02;
+
+/// A column of varied values with its name and unit.
+pub(super) struct Named<'a> {
+    pub(super) column: &'a TableColumn,
+    name: String,
+    unit: String,
+}
+
+impl<'a> Named<'a> {
+    /// The columns of all values that were varied.
+    pub(super) fn all(sweep: &'a StoredSweep) -> Vec<Self> {
+        let columns = sweep.table.columns.iter().zip(&sweep.units);
+        columns.map(|(column, unit)| Self::of(column, unit)).collect()
+    }
+
+    /// A heading may have a unit: `segments.beam.I [cm^4]`. The numbers of others are in SI.
+    fn of(column: &'a TableColumn, si: &str) -> Self {
+        let given = column.name().strip_suffix(']').and_then(|heading| heading.split_once(" ["));
+        let (name, unit) = given.unwrap_or((column.name(), si));
+        let unit = unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴");
+        Self { column, name: name.to_owned(), unit }
+    }
+
+    /// Its name and unit: `payload.mass in kg`.
+    pub(super) fn heading(&self) -> String {
+        in_unit(&self.name, &self.unit)
+    }
+
+    /// A value of a case: `payload.mass = 0.05 kg`.
+    pub(super) fn value_words(&self, row: usize) -> String {
+        // A text has its unit.
+        let unit = if self.column.number(row).is_finite() { &self.unit[..] } else { "" };
+        format!("{} = {} {unit}", self.name, self.column.text(row)).trim_end().to_owned()
+    }
+}
 
 /// A value that was varied: its heading and one number per case.
 struct Varied<'a> {
-    name: &'a str,
+    named: &'a Named<'a>,
     values: Vec<f64>,
     /// The different numbers, ascending.
     levels: Vec<f64>,
 }
 
 impl<'a> Varied<'a> {
-    fn of(column: &'a TableColumn, rows: usize) -> Option<Self> {
-        let values: Vec<f64> = (0..rows).map(|row| column.number(row)).collect();
+    fn of(named: &'a Named<'a>, rows: usize) -> Option<Self> {
+        let values: Vec<f64> = (0..rows).map(|row| named.column.number(row)).collect();
         let mut levels = values.clone();
         levels.sort_by(f64::total_cmp);
         levels.dedup_by(|a, b| a.total_cmp(b).is_eq());
         let all = levels.iter().all(|value| value.is_finite()) && levels.len() > 1;
-        all.then(|| Self { name: column.name(), values, levels })
+        all.then_some(Self { named, values, levels })
     }
 
     /// Its axis; `margin` relative to the range of its values.
     fn axis(&self, margin: f64) -> Axis {
         let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
-        if low > 0.0 && high / low > WIDE {
+        let (name, unit) = (&self.named.name, &self.named.unit);
+        if self.is_wide() {
             let factor = libm::pow(high / low, margin);
-            Axis::logarithmic(self.name, "", low / factor..high * factor)
+            Axis::logarithmic(name, unit, low / factor..high * factor)
         } else {
             let more = margin * (high - low);
-            Axis::linear(self.name, "", low - more..high + more)
+            Axis::linear(name, unit, low - more..high + more)
         }
+    }
+
+    /// True if the values span decades, or go in equal factors.
+    fn is_wide(&self) -> bool {
+        let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
+        let steps = self.levels.windows(2).map(|pair| pair[1] / pair[0]);
+        let first = self.levels[1] / low;
+        let is_even = steps.into_iter().all(|step| (step / first - 1.0).abs() < SAME_STEP);
+        let is_stepped = self.levels.len() > 2 && high / low > WIDE_IN_STEPS && is_even;
+        low > 0.0 && (high / low > WIDE || is_stepped)
     }
 }
 
 /// Figures of a sweep.
 pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     let rows = sweep.table.lines.len();
-    let columns = &sweep.table.columns[..sweep.varied];
     // Columns with several values: numbers for an axis, words for names of lines.
-    let several: Vec<&TableColumn> = columns
-        .iter()
-        .filter(|column| (1..rows).any(|row| column.text(row) != column.text(0)))
-        .collect();
+    let mut several = Named::all(sweep);
+    several.retain(|own| (1..rows).any(|row| own.column.text(row) != own.column.text(0)));
     let mut varied: Vec<Varied> =
-        several.iter().filter_map(|column| Varied::of(column, rows)).collect();
+        several.iter().filter_map(|named| Varied::of(named, rows)).collect();
     let mut figures = Figures::default();
     if varied.is_empty() {
         figures.omitted.push("figures, since no varied value takes two numbers or more".to_owned());
@@ -159,12 +206,11 @@ fn fields(varied: &Varied, count: usize) -> Vec<usize> {
 }
 
 /// The first column: a line for each combination of the other values.
-fn over_many(drawn: &Drawn, x: &Varied, several: &[&TableColumn]) -> Result<Figure, String> {
+fn over_many(drawn: &Drawn, x: &Varied, several: &[Named]) -> Result<Figure, String> {
     let column = drawn.columns[0].1;
     let name = |row: usize| {
-        let others = several.iter().filter(|other| other.name() != x.name);
-        let value = |other: &&TableColumn| format!("{} = {}", other.name(), other.text(row));
-        others.map(value).collect::<Vec<_>>().join(", ")
+        let others = several.iter().filter(|other| !std::ptr::eq(*other, x.named));
+        others.map(|other| other.value_words(row)).collect::<Vec<_>>().join(", ")
     };
     let mut lines: Vec<Line> = Vec::new();
     for row in 0..x.values.len() {
@@ -179,7 +225,7 @@ fn over_many(drawn: &Drawn, x: &Varied, several: &[&TableColumn]) -> Result<Figu
             "{}, since {} lines over {} are more than a figure holds: sweep fewer values at a time",
             drawn.title,
             lines.len(),
-            x.name
+            x.named.name
         ));
     }
     Ok(figure(drawn, x, lines))

@@ -7,9 +7,10 @@ use maud::{Markup, html};
 use super::figure::Figures;
 use super::link::link_drawing;
 use super::page::{FILES, Section, all_figures, document, inputs, made_by};
+use super::sweep::Named;
 use super::tables::{link_readings, readings, table};
 use super::words::warning_meaning;
-use crate::compare::{Cell, TableColumn};
+use crate::compare::Cell;
 use crate::link::Link;
 use crate::result::StoredSweep;
 use crate::text::significant;
@@ -19,7 +20,7 @@ const MOST_CASES: usize = 200;
 
 pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
     let cases = sweep.table.lines.len();
-    let varied: Vec<&str> = sweep.table.names().take(sweep.varied).collect();
+    let varied: Vec<&str> = sweep.table.names().take(sweep.units.len()).collect();
     let link =
         sweep.origin.as_ref().map(|origin| origin.title.trim()).filter(|title| !title.is_empty());
     let title = format!(
@@ -67,11 +68,9 @@ fn kinds_of_warnings(sweep: &StoredSweep) -> Vec<(String, usize, usize)> {
 
 fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
     let cases = sweep.table.lines.len();
-    let value =
-        |column: &TableColumn, row: usize| format!("{} = {}", column.name(), column.text(row));
+    let columns = Named::all(sweep);
     let values = |row: usize| {
-        let columns = sweep.table.columns[..sweep.varied].iter();
-        columns.map(|column| value(column, row)).collect::<Vec<_>>().join(", ")
+        columns.iter().map(|column| column.value_words(row)).collect::<Vec<_>>().join(", ")
     };
     html! {
         ul { @for (kind, count, first) in kinds {
@@ -102,7 +101,8 @@ const MOST_VALUES: usize = 12;
 
 /// The values that are varied, and how many of each.
 fn varied_values(sweep: &StoredSweep) -> Markup {
-    let row = |column: &TableColumn| {
+    let row = |named: &Named| {
+        let column = named.column;
         let (mut listed, mut seen) = (Vec::new(), HashSet::new());
         for row in 0..sweep.table.lines.len() {
             let text = column.text(row);
@@ -113,9 +113,9 @@ fn varied_values(sweep: &StoredSweep) -> Markup {
         let (listed, count) = (listed.join(", "), seen.len());
         let more =
             if count > MOST_VALUES { format!(", … ({count} values)") } else { String::new() };
-        (column.name().to_owned(), listed + &more)
+        (named.heading(), listed + &more)
     };
-    let rows: Vec<_> = sweep.table.columns[..sweep.varied].iter().map(row).collect();
+    let rows: Vec<_> = Named::all(sweep).iter().map(row).collect();
     readings("Values", &rows)
 }
 
@@ -123,7 +123,7 @@ fn cases_table(sweep: &StoredSweep) -> Markup {
     let cases = sweep.table.lines.len();
     let shown = cases.min(MOST_CASES);
     let cell = |column: usize, row: usize| match sweep.table.columns[column].cell(row) {
-        Cell::Number(number) if column < sweep.varied => format!("{number}"),
+        Cell::Number(number) if column < sweep.units.len() => format!("{number}"),
         Cell::Number(number) => significant(number, 5),
         Cell::Word(word) => word.to_owned(),
     };

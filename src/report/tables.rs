@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use maud::{Markup, html};
 
 use super::link::given;
-use crate::link::{Damping, Link, Segment};
+use crate::link::{Damping, Drive, Link, Segment};
 use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros};
 use crate::result::{StoredCheck, StoredRun};
 use crate::text::significant;
@@ -103,6 +103,7 @@ pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
         rows.push(("payload".to_owned(), words));
     }
     rows.push(("damping".to_owned(), damping_words(link.damping())));
+    rows.extend(link.drive().map(|drive| ("drive".to_owned(), drive_words(drive))));
     if let Some(gravity) = link.gravity() {
         let [along_x, along_y] = gravity.acceleration_m_s2.map(|part| given(part, "m/s²"));
         rows.push(("gravity".to_owned(), format!("{along_x} along x, {along_y} along y")));
@@ -113,15 +114,24 @@ pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
     rows
 }
 
-/// A damping law with its ratios, where it is given by them.
+fn drive_words(drive: &Drive) -> String {
+    let (ratio, rotor) = (given(drive.gear_ratio, ""), given(drive.rotor_inertia_kg_m2, "kg m²"));
+    let stiffness = drive.joint_stiffness_n_m_rad;
+    let joint = if stiffness.is_finite() { given(stiffness, "N m/rad") } else { "stiff".into() };
+    format!("gear ratio {ratio}; rotor {rotor}; joint {joint}")
+}
+
+/// A damping law with its numbers, where it is given by them.
 fn damping_words(damping: &Damping) -> String {
     let name = damping.name();
     let list = |ratios: &[f64]| ratios.iter().map(|r| given(*r, "")).collect::<Vec<_>>().join(", ");
     match damping {
         Damping::Hysteretic { ratio } => format!("{name}, ratio {}", given(*ratio, "")),
         Damping::Modal { ratios } => format!("{name}, ratios {}", list(ratios)),
-        Damping::None => name.to_owned(),
-        _ => format!("{name}, ratios beside the modes"),
+        Damping::Rayleigh { alpha_per_s, beta_s } => {
+            format!("{name}, α {}, β {}", given(*alpha_per_s, "1/s"), given(*beta_s, "s"))
+        }
+        _ => name.to_owned(),
     }
 }
 

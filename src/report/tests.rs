@@ -4,7 +4,9 @@ use std::num::NonZeroUsize;
 
 use super::Figures;
 use super::arm::rigid_tip_m;
-use super::bending::{COLUMNS, Moments, ROWS, bending_moments, deflections, waves};
+use super::bending::{
+    COLUMNS, Moments, ROWS, bending_moments, deflections, tip_deflection_m, waves,
+};
 use super::link::exaggeration;
 use super::sweep::{FINE, sweep_figures};
 use super::view::View;
@@ -89,6 +91,7 @@ pub(super) fn run() -> StoredRun {
             lead_s: metrics.lead_s,
             lag_s: metrics.lag_s,
         }),
+        target: None,
         deflections_m: Some(StoredNodes {
             nodes: all.clone(),
             times_s: times_s.clone(),
@@ -228,11 +231,13 @@ fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {
         column
     });
     let table = Table { columns: columns.collect(), lines: (2..2 + ratios.len() as u64).collect() };
+    let si = |name: &str| if name == "payload.mass" { "kg" } else { "" };
+    let units = varied.iter().map(|(name, _)| si(name).to_owned());
     StoredSweep {
         name: "sweep.csv".to_owned(),
         origin: None,
         links: vec![],
-        varied: varied.len(),
+        units: units.collect(),
         table,
     }
 }
@@ -259,6 +264,20 @@ fn fields_reach_half_way_to_their_neighbours() {
     }
     assert!(at(2.0, 1.0).is_nan(), "a case without a number");
     assert_eq!(figure.x.places, [1.0, 2.0, 4.0]);
+}
+
+#[test]
+fn equal_factors_and_decades_have_a_logarithmic_axis_and_keys_their_units() {
+    for (name, values, unit, scale) in [
+        ("payload.mass", &[0.5, 1.0, 2.0, 4.0, 8.0][..], "kg", "log"),
+        ("segments.beam.EI", &[0.1, 3.0, 11.0], "", "log"),
+        ("segments.*.EI*", &[1.0, 7.0, 13.0], "", "linear"),
+        ("segments.beam.I [cm^4]", &[1.0, 90.0], "cm⁴", "linear"),
+        ("hub.inertia", &[0.0, 1.0, 1000.0], "", "linear"),
+    ] {
+        let axis = &sweep_figures(&sweep(&[(name, values)], &vec![0.5; values.len()])).drawn[0].x;
+        assert_eq!((&axis.unit[..], axis.scale.word()), (unit, scale), "{name}");
+    }
 }
 
 #[test]
@@ -345,6 +364,7 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
         nodal_times_s: times_s.clone(),
         times_s,
         tip_m: [0, 1].map(|axis| (0..3).map(|k| tip(1, k)[axis]).collect()),
+        target: None,
         prescribed: None,
         moving_s: None,
         gravity_m_s2: [0.0; 2],
@@ -359,6 +379,10 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
             for (k, w) in history.iter().enumerate() {
                 assert!((w - bent(*x_m, k)).abs() < 1e-14, "link {link} at {x_m} m: {w}");
             }
+        }
+        for (k, w) in tip_deflection_m(&arm, link).iter().enumerate() {
+            let exact = -libm::sin(libm::atan(0.05 * std::f64::consts::PI * k as f64));
+            assert!((w - exact).abs() <= 0.01 * exact.abs() + 1e-14, "link {link}, {k}: {w}");
         }
     }
     let wanted = rigid_tip_m(&arm).unwrap();

@@ -7,6 +7,7 @@ use super::figure::{Curve, Figure, Mark, Span, Stroke};
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
 use crate::result::{StoredNodes, StoredRun, StoredSolution};
+use crate::text::significant;
 
 /// Time shown before and after the motion, in multiples of lead and lag.
 const AROUND: f64 = 1.7;
@@ -53,6 +54,16 @@ impl<'a> View<'a> {
         Self { run, samples, period_s }
     }
 
+    /// A number of the run's summary.
+    pub(super) fn reading(&self, name: &str) -> Option<f64> {
+        reading(&self.run.readings, name)
+    }
+
+    /// The peak that the summary has under a name, in words; that of the samples if it has none.
+    pub(super) fn peak(&self, name: &str, history: &[f64]) -> String {
+        peak_words(self.reading(name), history)
+    }
+
     /// First and last time shown, in s.
     pub(super) fn span_s(&self) -> (f64, f64) {
         (self.run.times_s[self.samples.start], self.run.times_s[self.samples.end - 1])
@@ -62,6 +73,18 @@ impl<'a> View<'a> {
     pub(super) fn curve(&self, name: &str, stroke: Stroke, history: &[f64]) -> Curve {
         let samples = self.samples.clone();
         Curve::new(name, stroke, &self.run.times_s[samples.clone()], &history[samples])
+    }
+
+    /// A history at times of its own as a line over the time shown.
+    pub(super) fn over_time(
+        &self,
+        name: &str,
+        stroke: Stroke,
+        (times_s, history): (&Vec<f64>, &Vec<f64>),
+    ) -> Curve {
+        let (from_s, until_s) = self.span_s();
+        let samples = inside(times_s, from_s, until_s);
+        Curve::new(name, stroke, &times_s[samples.clone()], &history[samples])
     }
 
     /// A figure over the time shown, with the axis that its lines need.
@@ -117,6 +140,17 @@ impl<'a> View<'a> {
         let timed = self.run.solved.as_ref().filter(|solved| solved.lead_s.is_some());
         timed.map(|solved| start_and_stop(solved.moving_s)).unwrap_or_default()
     }
+}
+
+/// A number of a summary by its name.
+pub(super) fn reading(readings: &[(String, f64)], name: &str) -> Option<f64> {
+    readings.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+}
+
+/// A peak as captions have it, with the digits of the tables: it may lie between samples, so that the one of the summary
+/// comes first.
+pub(super) fn peak_words(known: Option<f64>, history: &[f64]) -> String {
+    significant(known.unwrap_or_else(|| largest(history)), 4)
 }
 
 /// Lead and lag in s of a torque whose tip moves between two times, shaded.

@@ -50,6 +50,9 @@ pub(super) mod formula {
     pub(in crate::report) const HUB: &str = "\
         θ(t) = 1/2π ∫ G(ω) A(ω) exp(iωt) dω, G = θ/a of the equations of the torque. Rigid link: θ = v/L. \
         Bending of the tip: w = v − Lθ.";
+    /// Of a simulation with a target.
+    pub(in crate::report) const TIP_ERROR: &str = "\
+        v(t) − v_wanted(t) at the times of the target; between samples of the simulation v is a cubic spline.";
     pub(in crate::report) const MOTOR: &str = "\
         Motor: T_m = T/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
         inertia J and the stiffness k of the joint.";
@@ -114,6 +117,9 @@ pub(super) mod formula {
         "P = T_m dφ/dt, T_m: torque of the motor, φ: angle of the rotor.";
     pub(in crate::report) const TIP_DEFLECTION: &str = "\
         w(L, t): distance of the tip from the hub's tangent line; v − Lθ of a link that bends little.";
+    pub(in crate::report) const LINK_DEFLECTION: &str = "\
+        w = c sin β, c: length of the chord, β: its direction less that of the link's root, from the slope of the deflections \
+        of the nodes.";
     /// Of a fit.
     pub(in crate::report) const DIFFERENCES: &str = "(fitted − measured) / measured.";
     pub(in crate::report) const OVERLAY: &str = "\

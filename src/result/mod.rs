@@ -33,6 +33,6 @@ pub use stored::{
     StoredInput, StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution,
     StoredSweep, StoredWarning, line_difference,
 };
-pub use tip_error::{LateTarget, TargetError, TipError, TipPlaces};
+pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;
 pub(crate) use torque_table::for_hold;

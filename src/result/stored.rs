@@ -6,6 +6,7 @@ use std::io::{self, BufRead, Read as _};
 use serde::{Deserialize, Serialize};
 
 use super::limits::Limits;
+use super::tip_error::StoredTarget;
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::elastica::SecondOrder;
@@ -52,6 +53,8 @@ pub struct StoredRun {
     pub tip: TipMotionHistories,
     /// What only the answer for a wanted motion has.
     pub solved: Option<StoredSolution>,
+    /// The wanted tip of a simulation, if it had one.
+    pub target: Option<StoredTarget>,
     /// Deflection w in m from the hub's tangent line, if all or some nodes were written.
     pub deflections_m: Option<StoredNodes>,
     /// Bending moment in N m, if it was written.
@@ -85,6 +88,8 @@ pub struct StoredArm {
     pub nodal_times_s: Vec<f64>,
     /// x and y of the tip in m.
     pub tip_m: [Vec<f64>; 2],
+    /// The wanted tip of a simulation, if it had one.
+    pub target: Option<StoredTarget>,
     /// What its path prescribes, if it had one.
     pub prescribed: Option<Prescribed>,
     /// Times in s between which the path moves, if it had one.
@@ -270,8 +275,8 @@ pub struct StoredSweep {
     pub origin: Option<Origin>,
     /// The link of the first case, or those of its arm; none without a record.
     pub links: Vec<Link>,
-    /// Columns that head the values varied, the first ones of the table.
-    pub varied: usize,
+    /// SI units of the values varied, which the first columns of the table hold; empty where a key has none.
+    pub units: Vec<String>,
     /// All of it: a row a case.
     pub table: Table,
 }

@@ -94,7 +94,20 @@ impl TargetError {
     }
 }
 
-impl TipError {
+/// A wanted tip, and how far the simulated one is from it, at the target's times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowedTarget {
+    /// Times of the target.
+    pub grid: TimeGrid,
+    /// Where the tip should be in m: its displacement, or x and y of an arm's.
+    pub wanted_m: Vec<Vec<f64>>,
+    /// Simulated less wanted displacement in m; of an arm the distance.
+    pub error_m: Vec<f64>,
+    /// The largest of it, and what else tells how far the tip strays.
+    pub tip_error: TipError,
+}
+
+impl FollowedTarget {
     /// Compares a simulation with a wanted displacement at the target's own times.
     ///
     /// The tip rests before the simulation's first sample; between samples a cubic spline interpolates.
@@ -104,11 +117,12 @@ impl TipError {
     pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
         let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
         let (wanted_m, travel_m) = (target.displacement_m(), target.largest_travel_m());
-        let at = Sampling::of(simulation.grid, target.grid(), travel_m)?;
+        let (grid, at) = (target.grid(), Sampling::of(simulation.grid, target.grid(), travel_m)?);
         let strays = |(k, wanted): (usize, &f64)| spline.value(at.place(k)) - wanted;
-        let errors: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
+        let error_m: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
         let moved_m = (spline.value(at.place(0)) - simulation.tip.displacement_m[0]).abs();
-        Ok(Self::among(&errors, (&target.grid(), travel_m), moved_m))
+        let tip_error = TipError::among(&error_m, (&grid, travel_m), moved_m);
+        Ok(Self { grid, wanted_m: vec![wanted_m.to_vec()], error_m, tip_error })
     }
 
     /// Compares the tip of an arm at every time of the target.
@@ -124,12 +138,26 @@ impl TipError {
         let travel_m = (0..target.grid.len).map(|k| from(k, wanted(0))).fold(0.0, f64::max);
         let at = Sampling::of(played.grid, target.grid, travel_m)?;
         let tip_m = |k: usize| [0, 1].map(|axis: usize| splines[axis].value(at.place(k)));
-        let errors: Vec<f64> = (0..target.grid.len).map(|k| from(k, tip_m(k))).collect();
+        let error_m: Vec<f64> = (0..target.grid.len).map(|k| from(k, tip_m(k))).collect();
         let start_m = [0, 1].map(|axis: usize| played.tip[axis][0][0]);
         let moved_m = distance([tip_m(0)[0] - start_m[0], tip_m(0)[1] - start_m[1]]);
-        Ok(Self::among(&errors, (&target.grid, travel_m), moved_m))
+        let tip_error = TipError::among(&error_m, (&target.grid, travel_m), moved_m);
+        Ok(Self { grid: target.grid, wanted_m: target.at_m.to_vec(), error_m, tip_error })
     }
+}
 
+/// What a folder holds of a [`FollowedTarget`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredTarget {
+    /// Times of the target in s.
+    pub times_s: Vec<f64>,
+    /// Where the tip should be in m: its displacement, or x and y of an arm's.
+    pub wanted_m: Vec<Vec<f64>>,
+    /// How far it is from there in m.
+    pub error_m: Vec<f64>,
+}
+
+impl TipError {
     /// The largest of errors in m at the target's times, of a tip that has moved so far before them.
     pub(crate) fn among(errors: &[f64], (grid, travel_m): (&TimeGrid, f64), moved_m: f64) -> Self {
         let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());

@@ -38,5 +38,5 @@ pub use free::{FreeValue, rewrite};
 pub use measured::{MeasuredFile, ResponseFile, read_measurements};
 pub use measured_files::{ChannelFile, RecordFile};
 pub use overrides::Override;
-pub use schema::link_file_schema;
+pub use schema::{link_file_schema, unit_of_key};
 pub use tolerances::read_tolerances;

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::document::{OF_ARM, SHARED};
 use super::raw::RawSpecification;
-use super::value::describe;
+use super::value::{IN_UNIT, describe};
 use crate::link::MOST_LINKS;
 
 /// JSON Schema (draft 7) of link files and arm files, as text: what editors complete and check them with.
@@ -31,6 +31,29 @@ pub fn link_file_schema() -> String {
     let mut schema = Value::from(schema);
     schema.sort_all_objects();
     format!("{schema:#}\n")
+}
+
+/// SI unit of a key of a link file or arm file, by its path: `N m^2` of `segments.beam.EI`; none of a key that has no unit, or
+/// that is not one.
+///
+/// ```
+/// use flexlink::spec::unit_of_key;
+/// assert_eq!(unit_of_key("links.fore.payload.mass").as_deref(), Some("kg"));
+/// assert_eq!(unit_of_key("damping.ratio"), None);
+/// ```
+pub fn unit_of_key(path: &str) -> Option<String> {
+    let schema: Value = serde_json::from_str(&link_file_schema()).ok()?;
+    let mut parts = path.split('.');
+    let mut at = &schema;
+    while let Some(part) = parts.next() {
+        at = at["properties"].get(part)?;
+        // The number or the name of one of a list has no key.
+        if at["items"]["properties"].is_object() {
+            (at, _) = (&at["items"], parts.next()?);
+        }
+    }
+    let (_, unit) = at["description"].as_str()?.split_once(IN_UNIT)?;
+    Some(unit.split_once(',')?.0.to_owned())
 }
 
 /// Adds the keys of an arm, whose links have those of a link file but those that the arm has once.

@@ -268,6 +268,9 @@ pub(super) fn at_least_zero(schema: &mut Schema) {
     schema.insert("minimum".into(), json!(0));
 }
 
+/// What comes before the unit in the description of a quantity.
+pub(super) const IN_UNIT: &str = "A number in ";
+
 /// Describes a quantity by its unit and range, if the schema is that of one: in words, and by the
 /// pattern of its text. A text of 0 passes even if the value must be above 0: the schema cannot know
 /// its value.
@@ -279,7 +282,7 @@ pub(super) fn describe(schema: &mut Schema) {
     let words = range.map_or("", |(_, words)| words);
     let example = example(&unit);
     let si = if unit.is_empty() { "rad" } else { unit.as_str() };
-    let text = format!("{what}\n\nA number in {si}, or text with its unit{words}: \"{example}\".");
+    let text = format!("{what}\n\n{IN_UNIT}{si}, or text with its unit{words}: \"{example}\".");
     schema.insert("description".into(), text.into());
     let pattern = quantity_pattern(if range.is_some() { r"\+?" } else { "[+-]?" });
     // Each keyword applies to its own type only.

@@ -1,12 +1,12 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
-mod arm_played;
 mod arm_run;
 mod folder;
 mod frequency_tables;
 mod golden;
 mod json;
 mod lock;
+mod played_run;
 mod read_arm;
 mod read_result;
 mod read_tables;
@@ -17,7 +17,6 @@ mod summary;
 mod sweep;
 mod torque_file;
 
-pub use arm_played::PlayedRun;
 pub use arm_run::ArmRun;
 pub use folder::{Durability, FolderError, OutputFolder, write_file};
 pub use frequency_tables::{
@@ -29,6 +28,7 @@ pub use json::{
     Fingerprint, FitInputs, different_inputs, fit_json, read_state, results_table, state_json,
 };
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
+pub use played_run::PlayedRun;
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
 pub use run_summary::{Findings, PlayFindings, write_solution};

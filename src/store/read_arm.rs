@@ -11,14 +11,16 @@ use super::arm_run::{
 use super::read_tables::{RunFolder, TIME, Table, check_window, read_number, stride, times_s};
 use super::run_tables::{
     ARM_NODES, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS, RIGID_TORQUES, RunOutputs, TIP,
-    TORQUES,
+    TORQUES, WANTED_PLACE,
 };
 use super::summary::{LinkRecord, STATIONS, Summary, numbers_in};
 use crate::csv::{InputFile, Place, TableError, quoted, read_rows};
 use crate::inverse::ArmSolution;
 use crate::link::{Drive, Link};
 use crate::motion::Prescribed;
-use crate::result::{StoredArm, StoredArmLink, StoredJoint, StoredMotor, StoredNodes};
+use crate::result::{
+    StoredArm, StoredArmLink, StoredJoint, StoredMotor, StoredNodes, StoredTarget,
+};
 
 /// The histories of a run of an arm.
 struct Histories {
@@ -27,6 +29,7 @@ struct Histories {
     links: Vec<StoredArmLink>,
     nodal_times_s: Vec<f64>,
     tip_m: [Vec<f64>; 2],
+    target: Option<StoredTarget>,
 }
 
 /// Those of one joint: torque, angle, rate, and where they are known torque and angle of the rigid arm, and the motor.
@@ -113,7 +116,8 @@ pub(super) fn read_arm(
     let links = (1..).zip(links.into_iter().zip(nodes_m)).map(&mut shape).collect();
     let nodal_times_s = positions.take(TIME);
     let tip_m = ["x_m", "y_m"].map(|name| tip.take(name));
-    let histories = Histories { times_s, joints, links, nodal_times_s, tip_m };
+    let target = folder.target(&WANTED_PLACE)?;
+    let histories = Histories { times_s, joints, links, nodal_times_s, tip_m, target };
     Ok(stored(summary, folder.0.display().to_string(), histories))
 }
 
@@ -181,7 +185,7 @@ fn read_nodes(file: &InputFile, links: &[(String, Link)]) -> Result<Vec<Vec<f64>
 /// A run as its summary and its histories tell it.
 fn stored(summary: &Summary, name: String, histories: Histories) -> StoredArm {
     let values = &summary.values;
-    let Histories { times_s, joints, links, nodal_times_s, tip_m } = histories;
+    let Histories { times_s, joints, links, nodal_times_s, tip_m, target } = histories;
     let joint = |(k, histories): (usize, JointHistories)| {
         let errors = values["errors"]["joints"][k].as_object().into_iter().flatten();
         let errors = errors.map(|(quantity, kinds)| (quantity.clone(), numbers_in(kinds, "")));
@@ -214,6 +218,7 @@ fn stored(summary: &Summary, name: String, histories: Histories) -> StoredArm {
         links,
         nodal_times_s,
         tip_m,
+        target,
         prescribed,
         moving_s: moves("moves_from_s").zip(moves("moves_until_s")),
         gravity_m_s2: [gravity(0), gravity(1)],
@@ -254,6 +259,7 @@ impl RunOutputs {
             links: links.collect(),
             nodal_times_s: nodal_times_s.clone(),
             tip_m: solution.tip.each_ref().map(|axis| axis[0].clone()),
+            target: None,
         };
         stored(summary, String::new(), histories)
     }

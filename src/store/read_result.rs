@@ -16,7 +16,7 @@ use super::read_tables::{
 };
 use super::run_tables::{
     DEFLECTIONS, DISPLACEMENTS, HUB_ANGLE, MOMENTS, MOTOR, NODES, NodalFile, PLAYED_HUB,
-    RIGID_TORQUE, RunOutputs, SOLVED_HUB, SUMMARY, TIP, TORQUE,
+    RIGID_TORQUE, RunOutputs, SOLVED_HUB, SUMMARY, TIP, TORQUE, WANTED,
 };
 use super::summary::{A_RUN, Summary};
 use super::sweep::{is_sweep, read_sweep};
@@ -203,6 +203,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         origin_rad: origin_rad.unwrap_or(0.0),
         tip: TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 },
         solved,
+        target: folder.target(&WANTED)?,
         deflections_m,
         moments_n_m,
         readings: summary.readings(),
@@ -284,6 +285,7 @@ impl RunOutputs {
             hub_rate_rad_s: solution.hub_rate_rad_s.clone(),
             tip: solution.tip.clone(),
             solved: Some(solved),
+            target: None,
             deflections_m: Some(in_order(deflections.histories())),
             moments_n_m: self.moments.then(|| in_order(deflections.moments().histories())),
             readings: summary.readings(),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::json::unreadable;
-use super::run_tables::{NODES, NodalFile, TORQUE};
+use super::run_tables::{ERROR, NODES, NodalFile, TIP_ERROR, TORQUE};
 use super::summary::{A_RUN, Summary};
 use crate::beam::{Mesh, MeshPlan};
 use crate::csv::{
@@ -11,7 +11,7 @@ use crate::csv::{
 };
 use crate::link::Link;
 use crate::numeric::{ThinnedGrid, TimeGrid};
-use crate::result::StoredNodes;
+use crate::result::{StoredNodes, StoredTarget};
 use crate::text::is_hidden;
 
 pub(super) const TIME: &str = "time_s";
@@ -52,6 +52,18 @@ impl RunFolder<'_> {
 
     pub(super) fn has(&self, name: &str) -> bool {
         self.0.join(name).exists()
+    }
+
+    /// Reads the wanted tip of a simulation, if it had one.
+    pub(super) fn target(&self, wanted: &[&str]) -> Result<Option<StoredTarget>, TableError> {
+        if !self.has(TIP_ERROR) {
+            return Ok(None);
+        }
+        let mut table = Table::of(&self.file(TIP_ERROR)?, &[wanted, &[ERROR]].concat())?;
+        table.check_even()?;
+        let wanted_m = wanted.iter().map(|name| table.take(name)).collect();
+        let error_m = table.take(ERROR);
+        Ok(Some(StoredTarget { times_s: table.take(TIME), wanted_m, error_m }))
     }
 
     fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {

@@ -15,7 +15,8 @@ use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{Ends, TipMotion};
 use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
 use crate::result::{
-    Comparison, Exceeded, Limits, Metrics, PlayedMetrics, Remark, StoredWarning, TipError,
+    Comparison, Exceeded, FollowedTarget, Limits, Metrics, PlayedMetrics, Remark, StoredWarning,
+    TipError,
 };
 use crate::verify::Verification;
 
@@ -37,8 +38,10 @@ pub struct Findings<'a> {
 pub struct PlayFindings<'a> {
     /// Errors of its mesh and modes.
     pub error: Option<&'a PlayError>,
-    /// The tip's error against its target.
-    pub tip_error: Option<&'a TipError>,
+    /// Limits of the link file.
+    pub limits: Limits,
+    /// The tip beside its target.
+    pub target: Option<&'a FollowedTarget>,
     /// The simulation beside a recording.
     pub comparison: Option<&'a Comparison>,
 }
@@ -136,8 +139,9 @@ impl Summary {
         (link, play): (&Link, &Play),
         simulation: &Simulation,
         metrics: &PlayedMetrics,
-        &PlayFindings { error, tip_error, comparison }: &PlayFindings,
+        &PlayFindings { error, limits, target, comparison }: &PlayFindings,
     ) -> Self {
+        let tip_error = target.map(|target| &target.tip_error);
         let Simulation { law, mesh, .. } = simulation;
         let frequencies = &simulation.natural_frequencies_rad_s;
         let periods_s: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
@@ -171,6 +175,9 @@ impl Summary {
             "errors": errors,
             "tip_error": tip_error.map(tip_numbers),
         });
+        if let Some(limits) = limits.stored() {
+            values["limits"] = limits;
+        }
         match &simulation.played {
             Played::Modes(ModalPlay { selection, residual, .. }) => {
                 values["modes"] = json!({
@@ -198,7 +205,10 @@ impl Summary {
             values,
             measured: comparison.cloned(),
             warnings: played.chain(late).collect(),
-            files: RunOutputs::simulation_file_names().map(str::to_owned).into(),
+            files: RunOutputs::simulation_file_names(target)
+                .into_iter()
+                .map(str::to_owned)
+                .collect(),
             ..Self::of("simulate", inputs, link, law)
         }
     }

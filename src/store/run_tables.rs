@@ -14,7 +14,6 @@ use crate::csv::{Column, ColumnGroup, Digits, group, write_csv, write_nodal};
 use crate::inverse::{NodalTable, Solution, Watch};
 use crate::link::{Link, ParameterError};
 use crate::numeric::{ThinnedGrid, TimeGrid};
-use crate::response::Simulation;
 
 /// Written last: where it exists, the run is whole.
 pub const SUMMARY: &str = "summary.json";
@@ -24,7 +23,7 @@ pub const REPORT: &str = "report.html";
 
 /// Files that a run may leave in its folder besides summary.json. A run removes those of an earlier run
 /// that it does not write itself, so that a folder holds one run.
-pub(super) const RESULT_FILES: [&str; 16] = [
+pub(super) const RESULT_FILES: [&str; 17] = [
     TORQUE.0,
     RIGID_TORQUE.0,
     HUB_ANGLE,
@@ -41,6 +40,7 @@ pub(super) const RESULT_FILES: [&str; 16] = [
     CHORD_ANGLES,
     REACTIONS,
     POSITIONS,
+    TIP_ERROR,
 ];
 
 /// A file over time and its columns beside the time.
@@ -53,6 +53,12 @@ pub(super) const TIP: Histories<3> =
 /// The motor of a link with a drive.
 pub(super) const MOTOR: Histories<4> =
     ("motor.csv", ["motor_torque_n_m", "motor_angle_rad", "motor_rate_rad_s", "motor_power_w"]);
+/// The wanted tip of a simulation with its error, at the target's times.
+pub(super) const TIP_ERROR: &str = "tip_error.csv";
+/// Columns of the wanted tip of a link, and of an arm.
+pub(super) const WANTED: [&str; 1] = ["wanted_displacement_m"];
+pub(super) const WANTED_PLACE: [&str; 2] = ["wanted_x_m", "wanted_y_m"];
+pub(super) const ERROR: &str = "tip_error_m";
 pub(super) const HUB_ANGLE: &str = "hub_angle.csv";
 /// Columns of the hub, of a simulation and of a solution.
 pub(super) const PLAYED_HUB: [&str; 3] =
@@ -145,7 +151,7 @@ impl RunOutputs {
     /// Names of the files of a link, summary.json last.
     pub fn file_names(&self, link: &Link) -> Vec<&'static str> {
         let is_written = |name: &&str| match *name {
-            REPORT => false,
+            REPORT | TIP_ERROR => false,
             name if OF_ARMS.contains(&name) => false,
             name if name == MOTOR.0 => link.drive().is_some(),
             name if name == DEFLECTIONS.file => self.deflections,
@@ -257,51 +263,6 @@ impl RunOutputs {
         moments.map_or(Ok(()), |moments| write(MOMENTS, &moments))
     }
 
-    /// Names of the files of a simulation, summary.json last.
-    pub fn simulation_file_names() -> [&'static str; 6] {
-        [TORQUE.0, TIP.0, HUB_ANGLE, DISPLACEMENTS.file, NODES.0, SUMMARY]
-    }
-
-    /// Memory in bytes of the nodal table of a simulation.
-    pub fn simulation_bytes(&self, simulation: &Simulation) -> usize {
-        size_of::<f64>()
-            * self.nodes_of(simulation.mesh.nodes_m()).len()
-            * simulation.grid.len.div_ceil(self.every.get())
-    }
-
-    /// Writes the files of a simulation into `folder`: all or none.
-    ///
-    /// # Errors
-    /// [`FolderError`] names the file that cannot be written: the nodal table, if the mesh has not all
-    /// of its nodes.
-    pub fn write_simulation(
-        &self,
-        folder: OutputFolder,
-        link: &Link,
-        simulation: &Simulation,
-        summary: &Summary,
-    ) -> Result<(), FolderError> {
-        let Simulation { tip, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
-        let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
-        let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
-        let nodes = self.nodes_of(simulation.mesh.nodes_m());
-        let nodal = simulation.displacements_m(&nodes, self.every);
-        let nodal = nodal.map_err(|error| folder.refused(DISPLACEMENTS.file, error))?;
-        let named = nodal.nodes.iter().map(|node| DISPLACEMENTS.column(*node)).zip(&nodal.samples);
-        let columns = named.map(|(name, values)| Column { name, values });
-        let displacements = vec![ColumnGroup { columns: columns.collect() }];
-        let all = simulation.grid.thinned(NonZeroUsize::MIN);
-        for (name, time, groups) in [
-            (TORQUE.0, &all, groups(TORQUE.1, [&simulation.torque_n_m])),
-            (TIP.0, &all, groups(TIP.1, tip)),
-            (HUB_ANGLE, &all, groups(PLAYED_HUB, hub)),
-            (DISPLACEMENTS.file, &nodal.grid, displacements),
-        ] {
-            folder.file(name, |out| write_csv(out, time, &groups, self.digits))?;
-        }
-        finish(folder, (link, &simulation.mesh), summary)
-    }
-
     /// The nodes to write of those at these distances: the list and the stations, three of a golden folder, or all.
     pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
         if self.golden {
@@ -350,7 +311,7 @@ pub(super) fn write_rows(
 }
 
 /// Writes the files that every run has, and gives all files their names.
-fn finish(
+pub(super) fn finish(
     folder: OutputFolder,
     (link, mesh): (&Link, &Mesh),
     summary: &Summary,
@@ -361,7 +322,7 @@ fn finish(
 }
 
 /// Columns that each have decimals for their own peak.
-fn groups<'a, const N: usize>(
+pub(super) fn groups<'a, const N: usize>(
     names: [&str; N],
     columns: [&'a Vec<f64>; N],
 ) -> Vec<ColumnGroup<'a>> {

@@ -20,6 +20,13 @@ pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simu
 /// The option that gives nodes places in m; the mesh of a run has nodes there.
 pub const STATIONS: &str = "--stations";
 
+/// Numbers of the motion that a page shows, each with its name there.
+const MOTION: [(&str, &str); 3] = [
+    ("travel_m", "tip_travel_m"),
+    ("peak_velocity_m_s", "peak_tip_velocity_m_s"),
+    ("peak_acceleration_m_s2", "peak_tip_acceleration_m_s2"),
+];
+
 /// A key that one of the two commands does not write, and the other writes as null if it has no value. Null
 /// is read back as a key that is not there.
 type Nullable<T> = Option<Option<T>>;
@@ -269,7 +276,11 @@ impl Summary {
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
         let of = |key: &str, prefix: &str| numbers_in(&self.values[key], prefix);
         let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
+        let motion = MOTION.iter().filter_map(|(key, name)| {
+            Some(((*name).to_owned(), self.values["motion"][*key].as_f64()?))
+        });
         let numbers = [
+            motion.collect(),
             of("results", ""),
             of("second_order", "second_order_"),
             of("residual", "residual_"),

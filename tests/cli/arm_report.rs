@@ -102,17 +102,26 @@ fn figures_of_an_arm_show_the_numbers_of_its_tables() {
     let bent: Vec<f64> = angle.iter().zip(rigid).map(|(own, rigid)| 1e3 * (own - rigid)).collect();
     assert_line(&bench, ("bending-angles", "joint 2"), (&times_s, &bent));
     // What has a limit is drawn with it, of each joint and of each link.
-    let limits = "links.fore.limits={hub_rate=2, power=10, bending_moment=5}";
-    solved(&bench, "out", &["--moments", "--set", limits]);
+    let limits = "links.fore.limits={hub_rate=2, power=10, bending_moment=5, deflection=0.05}";
+    let drive = "links.fore.drive={joint_stiffness=1000.0, rotor_inertia=0.001, gear_ratio=2.0}";
+    solved(&bench, "out", &["--moments", "--set", limits, "--set", drive]);
     done(&bench, &["report", "out", "--svg", "figures"]);
     let rate = of("joint_angles.csv", "joint2_rate_rad_s");
     let torque = of("torques.csv", "torque2_n_m");
     let power: Vec<f64> = torque.iter().zip(&rate).map(|(torque, rate)| torque * rate).collect();
     assert_line(&bench, ("rate-2", "flexible arm"), (&times_s, &rate));
     assert_line(&bench, ("power-2", "flexible arm"), (&times_s, &power));
+    let motor = of("motor.csv", "motor2_torque_n_m");
+    assert_line(&bench, ("motor-torque-2", "flexible arm"), (&times_s, &motor));
+    let deflected = points(&bench.read("figures/tip-deflection-2.svg"), "flexible arm");
+    let largest = deflected.iter().fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
+    let joints = &bench.json("out/summary.json")["results"]["joints"];
+    let exact = joints[1]["peak_deflection_m"].as_f64().unwrap();
+    assert!((largest / exact - 1.0).abs() < 0.02, "{largest} of {exact}");
     for (figure, limit) in [
         ("rate-2", "limit 2 rad/s"),
         ("power-2", "limit 10 W"),
+        ("tip-deflection-2", "limit 0.05 m"),
         ("root-moments", "link 2: limit 5 N m"),
     ] {
         let line = format!("class=\"limit s{}\"", if figure == "root-moments" { 2 } else { 1 });

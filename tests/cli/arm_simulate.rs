@@ -47,6 +47,17 @@ fn torques_of_an_arm_are_played_with_feedback_and_written() {
         let off = own.iter().zip(&solved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(own.len() == solved.len() && off < 2e-5 * size, "{off:e} of {size:e}: {name}");
     }
+    assert_eq!(of("simulated", "tip_error.csv", "wanted_y_m"), of("out", "tip.csv", "y_m"));
+    let error = of("simulated", "tip_error.csv", "tip_error_m");
+    let (worst, told) =
+        (error.iter().copied().fold(0.0, f64::max), &summary["tip_error"]["worst_m"]);
+    assert!((worst / told.as_f64().unwrap() - 1.0).abs() < 1e-6, "{worst:e}, not {told}");
+    assert!(bench.run(&["report", "simulated", "-q"]).status.success());
+    let page = bench.read("simulated/report.html");
+    assert!(page.contains("bending moments, since a simulation does not write them"));
+    for line in ["wanted x", "wanted y", "distance"] {
+        assert!(page.contains(&format!("data-name=\"{line}\"")), "{line}");
+    }
 }
 
 #[test]

@@ -64,4 +64,8 @@ fn a_record_has_a_row_for_each_channel_and_its_histories_over_each_other() {
     for name in ["log.csv: hub angle", "log.csv: tip acceleration"] {
         assert!(page.contains(name), "{name}");
     }
+    // The line lies thin on the dots, so that both are seen.
+    let figure = &page[page.find("id=\"fig-overlay-1\"").unwrap()..];
+    let (dots, line) = (figure.find("class=\"dots"), figure.find("class=\"line s1 thin\""));
+    assert!(dots.is_some() && dots < line, "{dots:?}, {line:?}");
 }

@@ -198,12 +198,21 @@ fn the_rigid_torque_moves_the_tip_as_a_simulation_says() {
 }
 
 #[test]
-fn the_motors_torque_is_shown_beside_the_hubs() {
+fn the_motors_torque_has_a_figure_of_its_own() {
     let bench = Bench::new();
     let drive = "drive={joint_stiffness=100.0, rotor_inertia=0.01, gear_ratio=2.0}";
     solved(&bench, &["--set", drive, "--report"]);
     let page = bench.read("out/report.html");
-    assert!(page.contains("data-name=\"motor\"") && page.contains("On its side of the drive"));
+    let figure = |id: &str| {
+        let found = &page[page.find(&format!("id=\"fig-{id}\"")).unwrap()..];
+        found[..found.find("</figure>").unwrap()].to_owned()
+    };
+    assert!(!figure("torque").contains("data-name=\"motor\""), "it has an axis of its own");
+    let motor = figure("motor-torque");
+    assert!(motor.contains("data-name=\"motor\"") && motor.contains("T_m = T/n"));
+    let peak = bench.json("out/summary.json")["results"]["peak_motor_torque_n_m"].as_f64().unwrap();
+    let told = format!("At most {peak:.4} N m, on the motor's side of the drive.");
+    assert!(motor.contains(&told) || motor.contains(&told.replace('\'', "&#39;")), "{peak}");
 }
 
 #[test]
@@ -349,6 +358,41 @@ fn a_simulation_has_a_page() {
 }
 
 #[test]
+fn a_simulation_shows_its_target_and_the_limits_of_the_link_file() {
+    let bench = Bench::new();
+    solved(&bench, &[]);
+    let limits = "limits={torque=2.0, hub_rate=0.5, deflection=0.1}";
+    let play = ["simulate", &repository(LINK), "out/torque.csv", "-q", "-o", "played"];
+    let target = ["--target", "out/tip.csv", "--set", "payload.mass=0.05", "--set", limits];
+    done(&bench, &[&play[..], &target].concat());
+    done(&bench, &["report", "played", "-q", "--svg", "figures"]);
+    let wanted = bench.table("out/tip.csv");
+    let shown = points(&bench.read("figures/tip-displacement.svg"), "wanted");
+    assert!(shown.len() > 500, "{} points", shown.len());
+    for (time_s, value) in shown {
+        let row = wanted[0].1.partition_point(|time| *time < time_s - 0.0005);
+        assert!((wanted[1].1[row] - value).abs() < 3e-4, "{value} at {time_s} s");
+    }
+    let svg = bench.read("figures/tip-error.svg");
+    let shown = points(&svg, "simulated less wanted");
+    let worst = bench.json("played/summary.json")["tip_error"]["worst_m"].as_f64().unwrap();
+    let peak = shown.iter().fold(0.0_f64, |peak, (_, value)| peak.max(value.abs()));
+    assert!((peak / worst - 1.0).abs() < 1e-3, "{peak} of {worst}");
+    assert!(svg.contains(&format!("at most {worst:.5} m")), "{worst}: its caption");
+    for (figure, limit) in [
+        ("torque", "limit 2 N m"),
+        ("hub-rate", "limit 0.5 rad/s"),
+        ("tip-deflection", "limit 0.1 m"),
+    ] {
+        assert!(bench.read(&format!("figures/{figure}.svg")).contains(limit), "{figure}");
+    }
+    // A later run without a target takes its table away.
+    assert!(bench.names("played").contains(&"tip_error.csv".to_owned()));
+    done(&bench, &play);
+    assert!(!bench.names("played").contains(&"tip_error.csv".to_owned()));
+}
+
+#[test]
 fn the_paper_is_named_for_its_own_links_and_motion_alone() {
     let bench = Bench::new();
     let cited = |more: &[&str]| -> Vec<String> {
@@ -419,7 +463,7 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
         }
         assert!(bench.run(&arguments).status.success());
     };
-    sweep(&["segments.*.EI*=1,2,8,16"], "one.csv");
+    sweep(&["segments.*.EI*=1,2,4,8"], "one.csv");
     done(&bench, &["report", "one.csv", "-q", "--svg", "one"]);
     assert_eq!(
         bench.names("one"),
@@ -459,11 +503,11 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
     done(&bench, &["report", "three.csv", "-q", "--svg", "three"]);
     let svg = bench.read("three/lead.svg");
     assert!(
-        svg.contains("data-name=\"segments.*.EI* = 4, payload.mass = 0.1\""),
+        svg.contains("data-name=\"segments.*.EI* = 4, payload.mass = 0.1 kg\""),
         "a line of its own"
     );
-    let last = attribute(&svg, "data-x-name");
-    assert_eq!(last, "hub.inertia");
+    let last = [attribute(&svg, "data-x-name"), attribute(&svg, "data-x-unit")];
+    assert_eq!(last, ["hub.inertia", "kg m²"]);
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn every_documented_key_is_there() {
         assert_eq!(found.join(" "), expected, "{path}");
     }
     assert_eq!(summary["command"], "simulate");
-    assert_eq!(summary["files"].as_array().unwrap().len(), 6);
+    assert_eq!(summary["files"].as_array().unwrap().len(), 7);
 }
 
 #[test]

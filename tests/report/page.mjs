@@ -250,13 +250,36 @@ async function particulars(page, name) {
     for (const text of ["1.900", "damping ratio", "hysteretic, ratio 0.02", "the tip's travel", "the peak of the torque"])
       must((await seen("#results")).join().includes(text), `the tables lack ${text}`);
   });
-  if (name === "arms.html") await check("limits of joints and links are lines in the figures", async () => {
+  if (name.endsWith("report.html")) await check("captions have the numbers of the tables", async () => {
+    const rows = await page.$$eval("#results .readings tr, #results .scroll tr", (all) => all.map((row) => row.textContent));
+    for (const [figure, words] of [["fig-torque", "peak torque"], ["fig-torque-1", "peak torque"], ["fig-tip-acceleration", "peak tip acceleration"], ["fig-tip-deflection", "peak deflection"]]) {
+      if (!(await page.$(`#${figure}`))) continue;
+      const [peak] = (await page.$eval(`#${figure} figcaption`, (caption) => caption.textContent)).match(/(?<=at most )[\d.]+ [^.;, (]+/i);
+      const row = rows.find((text) => text.startsWith(words));
+      must(!row || row.includes(peak), `${figure} tells ${peak}, the table ${row}`);
+    }
+  });
+  if (name === "arms.html") await check("limits of joints and links are lines in the figures, and the motor has its own", async () => {
     const limits = await page.$$eval(".zoom .limit", (all) => all.map((line) => `${line.closest("figure").id} ${line.dataset.name}`));
-    must(limits.join() === "fig-rate-2 limit 3 rad/s,fig-root-moments link 2: limit 5 N m", limits.join());
+    must(limits.join() === "fig-rate-2 limit 3 rad/s,fig-tip-deflection-2 limit 0.05 m,fig-root-moments link 2: limit 5 N m", limits.join());
+    must((await page.$$("#fig-motor-torque-2 .zoom .line")).length === 2, "the motor has no line of each run");
+  });
+  if (name === "played/report.html") await check("a simulation shows its target, its error and the limits of the link", async () => {
+    const lines = await page.$$eval("#first .zoom :is(.line, .limit)", (all) => all.map((line) => `${line.closest("figure").id} ${line.dataset.name}`));
+    for (const line of ["fig-tip-displacement wanted", "fig-tip-error simulated less wanted", "fig-torque limit 1.2 N m", "fig-tip-deflection limit 0.2 m"])
+      must(lines.includes(line), `${line} is not among ${lines.join(", ")}`);
+  });
+  if (name === "fit.html") await check("measured dots are seen beside the line of the fitted link", async () => {
+    const widths = await page.$$eval("#fig-overlay-1 .zoom :is(.dots, .thin)", (all) => all.map((line) => [line.classList[0], parseFloat(getComputedStyle(line).strokeWidth)]));
+    must(widths.length === 2 && widths[0][0] === "dots" && widths[0][1] > 3 * widths[1][1], JSON.stringify(widths));
+  });
+  if (name === "line.html") await check("the axis of equal factors is logarithmic", async () => {
+    const scales = await page.$$eval("svg.chart", (all) => all.map((chart) => chart.dataset.xScale));
+    must(scales.every((scale) => scale === "log"), scales.join());
   });
   if (name === "sweep.html") await check("a map of fields has their numbers, and the page tells link, inputs and warnings", async () => {
     for (const id of await figuresOf(page)) must((await seen(`#${id} .fields text`)).length === 15, `${id}: ${await seen(`#${id} .fields text`)}`);
-    for (const [section, text] of [["warnings", "large deflection"], ["link", "hysteretic, ratio 0.02"], ["varied", "payload.mass"], ["inputs", "bayo1987_example1.toml"]])
+    for (const [section, text] of [["warnings", "large deflection"], ["link", "hysteretic, ratio 0.02"], ["varied", "payload.mass in kg"], ["inputs", "bayo1987_example1.toml"]])
       must((await seen(`#${section}`)).join().includes(text), `${section} lacks ${text}`);
     must((await seen("h1")).join().includes("Bayo (1987), example 1"), "the heading lacks the link");
     must((await page.$$("#link svg .segment")).length === 2, "the link is not drawn");

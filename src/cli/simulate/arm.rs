@@ -6,7 +6,7 @@ use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::InputFile;
 use flexlink::link::ArmLink;
 use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
-use flexlink::result::{ArmPlayMetrics, TargetError, TipError};
+use flexlink::result::{ArmPlayMetrics, FollowedTarget, TargetError};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{PlayedRun, RunInputs, SimulateFiles, Summary, state_json};
 use flexlink::text::plain;
@@ -30,7 +30,7 @@ struct Played<'a> {
     motion: PlayedArm,
     metrics: ArmPlayMetrics,
     warnings: Vec<ArmPlayWarning>,
-    tip_error: Option<TipError>,
+    target: Option<FollowedTarget>,
     nodes_m: Vec<Vec<f64>>,
 }
 
@@ -49,14 +49,14 @@ impl Simulate {
     /// Plays the torques, writes and tells.
     pub(super) fn run_arm(&self, inputs: &ArmInputs) -> Result<(), Failure> {
         let played = self.compute_arm(inputs)?;
-        let Played { tip_error, warnings, .. } = &played;
+        let Played { target, warnings, .. } = &played;
         let run = played.run(inputs);
         let summary = self.write_arm(inputs, &run)?;
         console::remarks(&inputs.specification.remarks);
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
-        let late = tip_error.and_then(|error| error.late);
+        let late = target.as_ref().and_then(|target| target.tip_error.late);
         console::warnings(late.map(|late| (late, late.hint())));
-        let written = format!("{} files in {}", PlayedRun::FILES, self.output.display());
+        let written = format!("{} files in {}", run.file_names().len(), self.output.display());
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
         self.warnings.refuse(warnings.len() + usize::from(late.is_some()))
     }
@@ -71,8 +71,8 @@ impl Simulate {
         drop(stages);
         let (motion, warnings) = simulated.map_err(|error| self.arm_refused(&error, inputs))?;
         let target = target_file.as_ref().zip(played.target.as_ref());
-        let tip_error = target.map(|(file, target)| {
-            TipError::of_arm(&motion, target).map_err(|error| {
+        let target = target.map(|(file, target)| {
+            FollowedTarget::of_arm(&motion, target).map_err(|error| {
                 let (exit, place) = match (error, self.play.until) {
                     (TargetError::EndsLate { .. }, Some(until)) => {
                         (Exit::Usage, format!("--until {}: ", plain(until)))
@@ -82,10 +82,10 @@ impl Simulate {
                 Failure::new(exit, &format!("{place}{error}"), error.hint())
             })
         });
-        let tip_error = tip_error.transpose()?;
+        let target = target.transpose()?;
         let nodes_m = nodes_m(&inputs.specification)?;
         let metrics = ArmPlayMetrics::of(&motion);
-        Ok(Played { play, motion, metrics, warnings, tip_error, nodes_m })
+        Ok(Played { play, motion, metrics, warnings, target, nodes_m })
     }
 
     /// The failure of a simulation, with the file or option that causes it.
@@ -170,7 +170,8 @@ impl<'a> Played<'a> {
             play: &self.play,
             played: &self.motion,
             metrics: &self.metrics,
-            tip_error: self.tip_error.as_ref(),
+            limits: &inputs.specification.limits,
+            target: self.target.as_ref(),
             warnings: &self.warnings,
             nodes_m: &self.nodes_m,
         }

@@ -8,7 +8,7 @@ use std::path::Path;
 use flexlink::csv::InputFile;
 use flexlink::elastica::SecondOrder;
 use flexlink::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
-use flexlink::result::{Comparison, PlayedMetrics, TargetError, TipError};
+use flexlink::result::{Comparison, FollowedTarget, Limits, PlayedMetrics, TargetError};
 use flexlink::spec::{Described, Specification};
 use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary, state_json};
 use flexlink::text::plain;
@@ -41,7 +41,8 @@ struct Played<'a> {
     simulation: Simulation,
     metrics: PlayedMetrics,
     error: Option<PlayError>,
-    tip_error: Option<TipError>,
+    limits: Limits,
+    target: Option<FollowedTarget>,
     comparison: Option<Comparison>,
 }
 
@@ -89,7 +90,7 @@ impl Simulate {
         let refused = |error| self.refused(&error, inputs);
         let simulation = simulate(link, mesh, &play).map_err(refused)?;
         self.nodes.check(&simulation.mesh)?;
-        let tip_error = self.tip_error(&simulation, inputs)?;
+        let target = self.followed(&simulation, inputs)?;
         let compared = inputs.playing.measured.as_ref().map(|(file, measured)| {
             Comparison::of(&simulation, measured).map_err(|error| {
                 let message = format!("{}{error}", shown(file));
@@ -101,7 +102,8 @@ impl Simulate {
         memory::check_nodes(bytes, play.memory_bytes)?;
         let error = PlayError::of(&simulation, link, &play).map_err(refused)?;
         let metrics = PlayedMetrics::of(&simulation);
-        Ok(Played { play, simulation, metrics, error, tip_error, comparison })
+        let limits = inputs.specification.limits;
+        Ok(Played { play, simulation, metrics, error, limits, target, comparison })
     }
 
     /// The failure of a simulation, with the file or option that causes it.
@@ -149,14 +151,14 @@ impl Simulate {
         Failure::new(exit, &format!("{place}{error}"), error.hint())
     }
 
-    /// The largest distance of the tip from the target, if there is one.
-    fn tip_error(
+    /// The tip beside the target, if there is one.
+    fn followed(
         &self,
         simulation: &Simulation,
         inputs: &Inputs,
-    ) -> Result<Option<TipError>, Failure> {
+    ) -> Result<Option<FollowedTarget>, Failure> {
         let Some((_, target)) = &inputs.playing.target else { return Ok(None) };
-        TipError::of(simulation, target).map(Some).map_err(|error| {
+        FollowedTarget::of(simulation, target).map(Some).map_err(|error| {
             let (exit, place) = match (error, self.play.until) {
                 (TargetError::EndsLate { .. }, Some(until)) => {
                     (Exit::Usage, format!("--until {}: ", plain(until)))
@@ -188,7 +190,11 @@ impl Simulate {
         let findings = played.findings();
         let summary = Summary::of_simulation(record, (link, play), simulation, metrics, &findings);
         let folder = self.sync.stage(&self.output)?;
-        self.nodes.outputs(self.digits).write_simulation(folder, link, simulation, &summary)?;
+        self.nodes.outputs(self.digits).write_simulation(
+            folder,
+            (link, simulation),
+            (findings.target, &summary),
+        )?;
         if let Some(path) = &self.play.save_state {
             console::deliver(Some(path), state_json(&simulation.state()).as_bytes())?;
         }
@@ -197,14 +203,14 @@ impl Simulate {
 
     /// Prints warnings and the summary; returns the number of warnings.
     fn tell(&self, inputs: &Inputs, played: &Played, summary: &Summary) -> Result<usize, Failure> {
-        let Played { play, simulation, metrics, error, tip_error, .. } = played;
+        let Played { play, simulation, metrics, error, target, .. } = played;
         let coarse = error.as_ref().and_then(|error| error.warning(simulation));
         let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
-        let late = tip_error.and_then(|error| error.late);
+        let late = target.as_ref().and_then(|target| target.tip_error.late);
         console::warnings(late.map(|late| (late, late.hint())));
         let text = || {
-            let files = RunOutputs::simulation_file_names().len();
+            let files = RunOutputs::simulation_file_names(target.as_ref()).len();
             let written = format!("{files} files in {}", self.output.display());
             let link = &inputs.specification.link;
             simulate_text(link, play, simulation, metrics, &played.findings(), written)
@@ -226,7 +232,8 @@ impl Played<'_> {
     fn findings(&self) -> PlayFindings<'_> {
         PlayFindings {
             error: self.error.as_ref(),
-            tip_error: self.tip_error.as_ref(),
+            limits: self.limits,
+            target: self.target.as_ref(),
             comparison: self.comparison.as_ref(),
         }
     }

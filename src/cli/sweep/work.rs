@@ -6,7 +6,7 @@ use flexlink::csv::{InputFile, PathTable};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
-use flexlink::result::{Metrics, PlayedMetrics, Remark, TipError};
+use flexlink::result::{FollowedTarget, Metrics, PlayedMetrics, Remark};
 use flexlink::spec::Specification;
 use flexlink::store::{Findings, OutputFolder, PlayFindings, RunInputs, SimulateFiles, Summary};
 use flexlink::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
@@ -145,7 +145,8 @@ impl Cases<'_> {
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
-        let Specification { link, mesh, remarks, analysis, .. } = &self.specification(&values)?;
+        let Specification { link, mesh, remarks, analysis, limits } =
+            &self.specification(&values)?;
         let motion = self.motion_of(first, link, values.motion)?;
         let grid = torque.grid();
         let target = motion.target(grid.time_s(0), grid.end_s());
@@ -159,18 +160,17 @@ impl Cases<'_> {
             ..Play::of(torque)
         };
         let simulation = simulate(link, mesh, &play)?;
-        let tip_error = TipError::of(&simulation, &target)?;
+        let target = FollowedTarget::of(&simulation, &target)?;
+        let tip_error = &target.tip_error;
         let error = PlayError::of(&simulation, link, &play)?;
         let metrics = PlayedMetrics::of(&simulation);
-        let found =
-            PlayedCase { simulation: &simulation, metrics: &metrics, tip_error: &tip_error };
+        let found = PlayedCase { simulation: &simulation, metrics: &metrics, tip_error };
         let numbers = SweepKind::played(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
-            let target = Some(&self.motion_file);
             let files = SimulateFiles {
                 input: torque_file,
-                target,
+                target: Some(&self.motion_file),
                 measured: None,
                 reference: None,
                 state: None,
@@ -179,11 +179,13 @@ impl Cases<'_> {
                 RunInputs::of_simulate(&self.link_file, &files, play.input.is_torque(), arguments);
             let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
-            let tip_error = Some(&tip_error);
-            let errors = PlayFindings { error: error.as_ref(), tip_error, comparison: None };
+            let target = Some(&target);
+            let findings =
+                PlayFindings { error: error.as_ref(), limits: *limits, target, comparison: None };
             let played = (link, &play);
-            let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, &errors);
-            outputs.write_simulation(self.stage(&folder)?, link, &simulation, &summary)?;
+            let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, &findings);
+            let run = (link, &simulation);
+            outputs.write_simulation(self.stage(&folder)?, run, (target, &summary))?;
         }
         let coarse = error.and_then(|error| error.warning(&simulation));
         let own = simulation.warnings.iter().copied().chain(coarse);

@@ -12,6 +12,7 @@ use super::table::{ERROR, WARNINGS};
 use crate::compare::{Cell, Table};
 use crate::csv::{CHECK, InputFile, Place, TableError, quoted, read_table, sha256};
 use crate::result::StoredSweep;
+use crate::spec::unit_of_key;
 use crate::sweep::SweepKind;
 
 /// The first column after those of the values varied: of a link, and of an arm.
@@ -149,7 +150,9 @@ pub(in crate::store) fn read_sweep(path: &Path) -> Result<StoredSweep, TableErro
     let record = read_record(path, file)?;
     let links = record.as_ref().map(SweepIdentity::links).unwrap_or_default();
     let origin = record.map(|record| record.origin());
-    Ok(StoredSweep { name: file.name.clone(), origin, links, varied, table })
+    let units = table.names().take(varied).map(|name| unit_of_key(name).unwrap_or_default());
+    let units = units.collect();
+    Ok(StoredSweep { name: file.name.clone(), origin, links, units, table })
 }
 
 /// Number of the columns of values varied.

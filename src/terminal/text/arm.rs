@@ -226,7 +226,7 @@ pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
     let [way, x, y] =
         four([run.metrics.way_m, run.metrics.final_tip_m[0], run.metrics.final_tip_m[1]]);
     line("tip", format!("moves by {way} m from where it starts; ends at {x}, {y} m"));
-    line("error", run.tip_error.map(tip_error_line).unwrap_or_default());
+    line("error", run.target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default());
     line("errors", played_errors_line(run));
     line("written", written.to_owned());
     text

@@ -15,7 +15,7 @@ pub(crate) fn simulate_text(
     play: &Play,
     simulation: &Simulation,
     metrics: &PlayedMetrics,
-    &PlayFindings { error, tip_error, comparison }: &PlayFindings,
+    &PlayFindings { error, target, comparison, .. }: &PlayFindings,
     written: String,
 ) -> String {
     let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
@@ -34,7 +34,7 @@ pub(crate) fn simulate_text(
             ("bending", deflection(metrics.peak_deflection_m)),
             ("after", residual_line(simulation)),
             ("decay", decay_line(simulation, play)),
-            ("error", tip_error.map(tip_error_line).unwrap_or_default()),
+            ("error", target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default()),
             ("errors", simulation_errors(error, simulation, play)),
             ("measured", comparison.map(measured_text).unwrap_or_default()),
             ("written", written),

@@ -20,7 +20,7 @@ fn a_sweep_comes_back_from_its_file_and_from_its_folder() {
     bench.write("s/notes.txt", "mine");
     for path in ["s/stiff.csv", "s"] {
         let sweep = bench.sweep_of(path);
-        assert_eq!((sweep.name.as_str(), sweep.varied), ("stiff.csv", 2));
+        assert_eq!((sweep.name.as_str(), sweep.units.len()), ("stiff.csv", 2));
         assert_eq!(sweep.table.lines, [2, 3, 4, 5]);
         let names: Vec<&str> = sweep.table.names().collect();
         let text = bench.read("s/stiff.csv");
@@ -42,7 +42,7 @@ fn a_sweep_of_one_torque_and_one_with_failed_cases_come_back() {
     let vary = ["--vary", "segments.beam.length=1.35,-1"];
     swept(&bench, &[&vary[..], &["--torque", torque.to_str().unwrap()]].concat(), "played.csv");
     let sweep = bench.sweep_of("played.csv");
-    assert_eq!(sweep.varied, 1);
+    assert_eq!(sweep.units.len(), 1);
     assert!(sweep.table.column("tip_error_m").is_some());
     let error = sweep.table.column("error").unwrap();
     assert_eq!(error.cell(0), Cell::Word(""));

@@ -10,7 +10,7 @@ use flexlink::modal::natural_frequencies;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::root;
 use flexlink::response::{Feedback, HubReference, Interpolation, Play, Torque};
-use flexlink::result::TipError;
+use flexlink::result::FollowedTarget;
 
 /// Bayo's link with a viscous ratio in every mode.
 fn damped(change: impl FnOnce(&mut LinkParts)) -> Link {
@@ -77,7 +77,8 @@ fn astray(payload_kg: f64, gains: Option<Gains>) -> (f64, f64) {
     // Where it is to stay once there.
     let mut displacement_m = wanted.tip.displacement_m.clone();
     displacement_m.resize(found.grid.len, 0.5);
-    let error = TipError::of(&found, &TipTarget::new(found.grid, displacement_m)).unwrap();
+    let error =
+        FollowedTarget::of(&found, &TipTarget::new(found.grid, displacement_m)).unwrap().tip_error;
     (error.share, error.final_m.abs())
 }
 

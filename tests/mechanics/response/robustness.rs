@@ -17,7 +17,7 @@ use flexlink::modal::natural_frequencies;
 use flexlink::motion::{TipMotion, TipTarget};
 use flexlink::numeric::TimeGrid;
 use flexlink::response::{Play, Simulation, Torque};
-use flexlink::result::TipError;
+use flexlink::result::FollowedTarget;
 use flexlink::spec::{Override, read_specification};
 
 use super::{played, torque_of, whole_band};
@@ -60,7 +60,7 @@ fn worst_percent(found: &Simulation, wanted: &Solution, until_s: f64) -> f64 {
     let displacement_m = wanted.tip.displacement_m[..len].to_vec();
     let target = TipTarget::new(TimeGrid { len, ..wanted.grid }, displacement_m);
     // Of the whole travel, though the target may end before it does.
-    100.0 * TipError::of(found, &target).unwrap().worst_m / 0.5
+    100.0 * FollowedTarget::of(found, &target).unwrap().tip_error.worst_m / 0.5
 }
 
 /// Largest tip error in % of the torque of the nominal link on one with some `--set` applied.
