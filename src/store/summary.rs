@@ -272,7 +272,8 @@ impl Summary {
         self.values["analysis"]["modes"].as_u64()?.try_into().ok()
     }
 
-    /// All numbers by name: results, those of residual and tip error, errors, those of a recording.
+    /// All numbers by name: results, those of the tip's motion, of residual and tip error, errors, those of a
+    /// recording.
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
         let of = |key: &str, prefix: &str| numbers_in(&self.values[key], prefix);
         let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
@@ -280,8 +281,8 @@ impl Summary {
             Some(((*name).to_owned(), self.values["motion"][*key].as_f64()?))
         });
         let numbers = [
-            motion.collect(),
             of("results", ""),
+            motion.collect(),
             of("second_order", "second_order_"),
             of("residual", "residual_"),
             of("tip_error", "tip_error_"),

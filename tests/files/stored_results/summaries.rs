@@ -13,7 +13,10 @@ fn json(bench: &Bench, folder: &str) -> Value {
 fn assert_readings(found: &[(String, f64)], summary: &Value) {
     for (name, number) in found {
         let of = |part: &str, key: &str| summary[part].get(key).and_then(Value::as_f64);
+        let of_motion =
+            || of("motion", &name.strip_prefix("tip_").unwrap_or(name).replace("_tip", ""));
         let expected = of("results", name)
+            .or_else(of_motion)
             .or_else(|| of("residual", name.strip_prefix("residual_")?))
             .or_else(|| of("tip_error", name.strip_prefix("tip_error_")?))
             .or_else(|| error_of(summary, name.strip_suffix("_error")?));
@@ -50,9 +53,11 @@ fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
     assert!(arguments.len() == 8 && arguments.iter().eq(&run.origin.arguments), "{arguments:?}");
     let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[0], "peak_torque_n_m");
+    let motion = ["tip_travel_m", "peak_tip_velocity_m_s", "peak_tip_acceleration_m_s2"];
+    assert_eq!(names[12..15], motion);
     let expected =
         ["tip_error", "torque_mesh_error", "torque_window_error", "hub_angle_mesh_error"];
-    assert_eq!(names[12..16], expected, "of each quantity its errors, those that are there");
+    assert_eq!(names[15..19], expected, "of each quantity its errors, those that are there");
     assert_readings(&run.readings, &summary);
     let solved = run.solved.unwrap();
     for (found, expected) in [
