@@ -18,7 +18,7 @@ const LETTER: f64 = 6.6;
 const WIDTH: f64 = 760.0;
 
 /// Margins around the plot.
-const LEFT: f64 = 66.0;
+const LEFT: f64 = 76.0;
 const TOP: f64 = 34.0;
 const RIGHT: f64 = 16.0;
 const BOTTOM: f64 = 46.0;
@@ -224,7 +224,7 @@ impl Figure {
                 (self.x.title())
             }
             text class="axis y" x="0" y="0" text-anchor="middle"
-                transform=(format!("translate(15 {}) rotate(-90)", number(middle))) { (self.y.title()) }
+                transform=(format!("translate(13 {}) rotate(-90)", number(middle))) { (self.y.title()) }
         }
     }
 
