@@ -12,7 +12,7 @@ use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
 use flexlink::link::Link as LibraryLink;
 use flexlink::response::{PlayError, Simulation, simulate as played};
-use flexlink::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
+use flexlink::result::{Exceeded, FollowedTarget, Limits, PlayedMetrics, StoredWarning};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
 
@@ -130,7 +130,10 @@ impl PlayedLink {
         let warnings = warnings.map(|own| notice(own.kind(), &own, own.hint()));
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
-        let warnings = warnings.chain(late).collect();
+        let metrics = PlayedMetrics::of(&simulation);
+        let exceeded = specification.limits.exceeded_in_play(&metrics);
+        let exceeded = exceeded.iter().map(|own| notice(Exceeded::KIND, own, own.hint()));
+        let warnings = warnings.chain(late).chain(exceeded).collect();
         let (link, limits) = (link.clone(), specification.limits);
         Ok(Self { link, playing, simulation, error, limits, target, warnings })
     }

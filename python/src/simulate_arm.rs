@@ -15,7 +15,7 @@ use flexlink::numeric::TimeGrid;
 use flexlink::response::{
     ArmPlayWarning, HubReference, Interpolation, PlayedArm, Torque, simulate_arm,
 };
-use flexlink::result::{ArmPlayMetrics, FollowedTarget, StoredWarning, TipPlaces};
+use flexlink::result::{ArmPlayMetrics, Exceeded, FollowedTarget, StoredWarning, TipPlaces};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Summary, read_state, state_json};
 
@@ -177,9 +177,13 @@ impl ArmSimulation {
         let warnings = of_motion.iter().map(|own| notice(own.kind(), own, own.hint()));
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
-        let warnings = warnings.chain(late).collect();
-        let nodes_m = nodes_m(&specification)?;
         let metrics = ArmPlayMetrics::of(&motion);
+        let exceeded = metrics.exceeded(&specification.limits);
+        let exceeded = exceeded.iter().map(|(joint, own)| {
+            notice(Exceeded::KIND, &format!("joint {}: {own}", joint + 1), own.hint())
+        });
+        let warnings = warnings.chain(late).chain(exceeded).collect();
+        let nodes_m = nodes_m(&specification)?;
         Ok(Self { specification, given, motion, metrics, of_motion, target, nodes_m, warnings })
     }
 

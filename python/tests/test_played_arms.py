@@ -56,7 +56,7 @@ def test_torques_of_arrays_give_the_tables_of_the_command(
     played.write(tmp_path / "b", every=50)
     ours, theirs = files(tmp_path / "b"), files(tmp_path / "a")
     summaries = [json.loads(own.pop("summary.json")) for own in (ours, theirs)]
-    assert ours == theirs and len(ours) == 6
+    assert ours == theirs and len(ours) == 7
     for name in ("results", "errors", "tip_error", "elastica", "feedback"):
         assert summaries[0][name] == summaries[1][name], name
     played.save_state(tmp_path / "own.json")

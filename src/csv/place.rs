@@ -32,7 +32,12 @@ impl TableError {
         let message = self.message.replace("--columns", "columns");
         let speaks_of_option = self.hint.as_deref().is_some_and(|hint| hint.contains("--"));
         let is_of_unit = message.contains("unit of") || message.contains("unit in brackets");
-        let hint = if speaks_of_option || is_of_unit { Some(hint.to_owned()) } else { self.hint };
+        // What a unit must be instead helps here, too.
+        let own = self.hint.filter(|own| is_of_unit && own.starts_with("write "));
+        let hint = match own {
+            None if speaks_of_option || is_of_unit => Some(hint.to_owned()),
+            own => own,
+        };
         Self { place: self.place, message, hint }
     }
 

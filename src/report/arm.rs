@@ -229,7 +229,7 @@ impl<'a> Shown<'a> {
         if let Some(target) = &self.first.target {
             for (axis, history) in names.iter().zip(&target.wanted_m) {
                 let name = format!("wanted {axis}");
-                let colour = 3 + curves.len() % COLOURS;
+                let colour = 1 + (2 + curves.len()) % COLOURS;
                 curves.push(self.curve(&name, Stroke::Dashed(colour), &target.times_s, history));
             }
             caption.push_str(" Dashed: the target.");

@@ -92,12 +92,18 @@ impl Shown<'_> {
     fn deflection(&self, link: usize) -> Option<Result<Figure, String>> {
         let joint = &self.first.joints[link];
         let limit = joint.limits.deflection_m?;
-        let title = format!("Deflection at the tip of link {}{}", link + 1, self.name_of(link));
+        let title = format!(
+            "Deflection at the tip of link {}{}, estimated from its nodes",
+            link + 1,
+            self.name_of(link)
+        );
         let caption = "From the tangent line at the link's root, at most {}.";
         let known = joint.reading("peak_deflection_m");
         let own = largest(&tip_deflection_m(self.first, link));
         if known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
-            return Some(Err(format!("{title}, since the nodes that were written do not tell it")));
+            return Some(Err(format!(
+                "{title}, since too few rows were written for it: --every 1 writes all"
+            )));
         }
         let curves = self.named("flexible arm").enumerate().map(|(run, (arm, name))| {
             let history = tip_deflection_m(arm, link);

@@ -9,6 +9,7 @@ use super::bending::waves;
 use super::figure::{Curve, Figure, Figures, Stroke};
 use super::frequency::{shapes, transfer};
 use super::limited::{limited_of_link, motor_torque};
+use super::link::given;
 use super::page::run_page;
 use super::sweep::sweep_figures;
 use super::sweep_page::sweep_page;
@@ -19,7 +20,7 @@ use crate::link::Damping;
 use crate::numeric::largest;
 use crate::response::{Play, Torque, simulate_on};
 use crate::result::{StoredResult, StoredRun, StoredSolution};
-use crate::text::{given, significant, visible_document};
+use crate::text::{significant, visible_document};
 
 impl Figures {
     /// All figures of a result.
@@ -137,9 +138,7 @@ fn motion(view: &View) -> [Figure; 2] {
         ("acceleration", "m/s²"),
         vec![view.curve("tip", Stroke::Solid(3), &tip.acceleration_m_s2)],
     );
-    let name = if wanted { "tip_travel_m" } else { "travel_m" };
-    let ends = || tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
-    let travel = view.reading(name).unwrap_or_else(ends);
+    let travel = tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
     let travel = significant(travel, 4).replace('-', "−");
     let mut curves = vec![view.curve("tip", Stroke::Solid(3), &tip.displacement_m)];
     let mut beside = "";
@@ -167,7 +166,7 @@ fn tip_error(view: &View) -> Option<Figure> {
     let target = view.run.target.as_ref()?;
     let (worst_m, at) =
         (view.peak("tip_error_worst_m", &target.error_m), view.reading("tip_error_time_s"));
-    let at = at.map(|at| format!(" at {} s", given(at))).unwrap_or_default();
+    let at = at.map(|at| format!(" at {}", given(at, "s"))).unwrap_or_default();
     let rms = view.reading("tip_error_rms_m");
     let rms = rms.map(|rms| format!("; root mean square {} m", significant(rms, 4)));
     let caption = format!(

@@ -204,7 +204,7 @@ fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
     let why = if view.run.solved.is_some() {
         "it was not written: solve --moments writes it"
     } else {
-        "a simulation does not write it"
+        "too few rows were written for an estimate: --every 1 writes all"
     };
     let moments = moments.ok_or_else(|| format!("the bending moment at the root, since {why}"))?;
     let history = (&moments.nodes.times_s, &moments.nodes.histories[0]);
@@ -246,7 +246,6 @@ mod tests {
             ("torque", "peak_rigid_torque_n_m", 2.901, "2.901 N m"),
             ("motor-torque", "peak_motor_torque_n_m", 1.402, "1.402 N m"),
             ("tip-acceleration", "peak_tip_acceleration_m_s2", 4.201, "4.201 m/s²"),
-            ("tip-displacement", "tip_travel_m", 0.5011, "0.5011 m"),
             ("hub-rate", "peak_hub_rate_rad_s", 0.5301, "0.5301 rad/s"),
             ("tip-deflection", "peak_deflection_m", 0.1701, "0.1701 m"),
             ("waves", "peak_root_moment_n_m", moment_n_m, &moment_words),

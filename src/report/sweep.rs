@@ -43,7 +43,8 @@ impl<'a> Named<'a> {
 
     /// Its name and unit: `payload.mass in kg`.
     pub(super) fn heading(&self) -> String {
-        in_unit(&self.name, &self.unit)
+        let is_text = self.column.number(0).is_nan();
+        in_unit(&self.name, if is_text { "" } else { &self.unit })
     }
 
     /// A value of a case: `payload.mass = 0.05 kg`.

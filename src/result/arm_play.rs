@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::limits::{Exceeded, Limits};
 use crate::numeric::largest;
 use crate::response::PlayedArm;
 
@@ -34,6 +35,21 @@ pub struct PlayedJoint {
 }
 
 impl ArmPlayMetrics {
+    /// The limits that a simulation exceeds, of those of torque, rate and power, with the number of the joint.
+    pub fn exceeded(&self, limits: &[Limits]) -> Vec<(usize, Exceeded)> {
+        let joints = self.joints.iter().zip(limits).enumerate();
+        let of = |(number, (joint, limits)): (usize, (&PlayedJoint, &Limits))| {
+            let exceeded = limits.exceeded_by(Limits {
+                torque_n_m: Some(joint.peak_torque_n_m),
+                hub_rate_rad_s: Some(joint.peak_rate_rad_s),
+                power_w: Some(joint.peak_power_w),
+                ..Limits::default()
+            });
+            exceeded.into_iter().map(move |exceeded| (number, exceeded))
+        };
+        joints.flat_map(of).collect()
+    }
+
     /// Reads the numbers off a simulation.
     pub fn of(played: &PlayedArm) -> Self {
         let last = played.grid.len - 1;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use thiserror::Error;
 
-use super::metrics::{Metrics, MotorMetrics};
+use super::metrics::{Metrics, MotorMetrics, PlayedMetrics};
 use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
@@ -126,6 +126,24 @@ impl Limits {
     /// The limits that a solution exceeds, in the order of the link file.
     pub fn exceeded(&self, metrics: &Metrics) -> Vec<Exceeded> {
         let values = self.limited_values(metrics).into_iter();
+        values.filter(|value| value.found > value.limit).map(Exceeded).collect()
+    }
+
+    /// The limits that a simulation exceeds, of those of its torque, hub rate, power and deflection.
+    pub fn exceeded_in_play(&self, metrics: &PlayedMetrics) -> Vec<Exceeded> {
+        self.exceeded_by(Self {
+            torque_n_m: Some(metrics.peak_torque_n_m.value),
+            hub_rate_rad_s: Some(metrics.peak_hub_rate_rad_s.value),
+            power_w: Some(metrics.peak_power_w.value),
+            deflection_m: Some(metrics.peak_deflection_m.value),
+            ..Self::default()
+        })
+    }
+
+    /// The limits that these values exceed, in the order of the link file; what has no value exceeds none.
+    pub(super) fn exceeded_by(&self, values: Limits) -> Vec<Exceeded> {
+        let found = values.entries().map(|(_, value, _)| value.unwrap_or(0.0));
+        let values = self.limited_of(found).into_iter();
         values.filter(|value| value.found > value.limit).map(Exceeded).collect()
     }
 

@@ -272,16 +272,19 @@ pub(super) fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -
     })
 }
 
+/// The warning of a limit that a joint, numbered from 0, exceeds.
+pub(super) fn of_joint_limit((joint, exceeded): &(usize, Exceeded)) -> StoredWarning {
+    let message = format!("joint {}: {exceeded}", joint + 1);
+    StoredWarning::new(Exceeded::KIND, &message, exceeded.hint())
+}
+
 impl Summary {
     /// The summary of an arm's solution.
     pub fn of_arm(inputs: RunInputs, run: &ArmRun<'_>, outputs: &RunOutputs) -> Self {
         let ArmRun { solution, metrics, limits: given, exceeded, verification, remarks } = *run;
         let arm = &solution.arm;
         let warning = |w: &ArmWarning| StoredWarning::new(w.kind(), w, w.hint());
-        let limit = |(joint, e): &(usize, Exceeded)| {
-            StoredWarning::new(Exceeded::KIND, &format!("joint {}: {e}", joint + 1), e.hint())
-        };
-        let limits = exceeded.iter().map(limit);
+        let limits = exceeded.iter().map(of_joint_limit);
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
         let (grid, path) = (&solution.grid, &solution.path);
         let (first, last) = path.moving_samples();

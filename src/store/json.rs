@@ -217,12 +217,19 @@ pub fn different_inputs(expected: &[u8], actual: &[u8]) -> Vec<String> {
     let [expected, actual] = [expected, actual].map(inputs_of);
     let names: BTreeSet<&String> = expected.keys().chain(actual.keys()).collect();
     let differ = names.into_iter().filter(|name| expected.get(*name) != actual.get(*name));
-    differ
-        .map(|name| match [&expected, &actual].map(|inputs| input_in_words(inputs.get(name))) {
+    let told = |name: &String| match [&expected, &actual].map(|inputs| inputs.get(name)) {
+        [Some(Value::Array(own)), Some(Value::Array(other))] => {
+            // Of long lists what both begin with would hide the rest.
+            let same = own.iter().zip(other).take_while(|(own, other)| own == other).count();
+            let [own, other] = [&own[same..], &other[same..]].map(arguments_in_words);
+            format!("{name}: {own} in EXPECTED, {other} in ACTUAL")
+        }
+        sides => match sides.map(input_in_words) {
             [own, other] if own == other => format!("{name}: {own} with other content"),
             [own, other] => format!("{name}: {own} in EXPECTED, {other} in ACTUAL"),
-        })
-        .collect()
+        },
+    };
+    differ.map(told).collect()
 }
 
 /// The inputs in a summary.json by their names there, and the version that wrote it.
@@ -233,18 +240,27 @@ fn inputs_of(summary: &[u8]) -> Map<String, Value> {
         _ => Map::new(),
     };
     inputs.extend(record.remove_entry("flexlink"));
+    let is_given =
+        |input: &Value| !input.is_null() && input.as_array().is_none_or(|a| !a.is_empty());
+    inputs.retain(|_, input| is_given(input));
     inputs
 }
 
 /// The name of a file, or arguments as they were given.
 fn input_in_words(input: Option<&Value>) -> String {
-    let text = match input {
-        Some(Value::Array(arguments)) => {
-            arguments.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(" ")
+    match input {
+        None => "none".to_owned(),
+        Some(Value::Array(arguments)) => arguments_in_words(arguments),
+        Some(input) => {
+            let name = input.get("name").unwrap_or(input).as_str().unwrap_or_default();
+            visible(&excerpt(name)).into_owned()
         }
-        Some(input) => input.get("name").unwrap_or(input).as_str().unwrap_or_default().to_owned(),
-        None => String::new(),
-    };
+    }
+}
+
+fn arguments_in_words(arguments: &[Value]) -> String {
+    let words: Vec<&str> = arguments.iter().filter_map(Value::as_str).collect();
+    let text = words.join(" ");
     if text.is_empty() { "none".to_owned() } else { visible(&excerpt(&text)).into_owned() }
 }
 

@@ -5,7 +5,8 @@ use std::num::NonZeroUsize;
 use serde_json::{Value, json};
 
 use super::arm_run::{
-    Table, arm_record, each, joint_angle, one, position, tip_table, torque, write_nodes,
+    Table, arm_record, each, joint_angle, of_joint_limit, one, position, tip_table, torque,
+    write_nodes,
 };
 use super::folder::{FolderError, OutputFolder};
 use super::run_summary::tip_numbers;
@@ -197,12 +198,14 @@ impl Summary {
         if limits.iter().any(Option::is_some) {
             values["limits"] = json!(limits);
         }
+        let exceeded = metrics.exceeded(run.limits);
+        let exceeded = exceeded.iter().map(of_joint_limit);
         let warning = |w: &ArmPlayWarning| StoredWarning::new(w.kind(), w, w.hint());
         let late = tip_error.and_then(|error| error.late);
         let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
         Self {
             values,
-            warnings: run.warnings.iter().map(warning).chain(late).collect(),
+            warnings: run.warnings.iter().map(warning).chain(late).chain(exceeded).collect(),
             files: run.file_names().into_iter().map(str::to_owned).collect(),
             ..Self::titled("simulate", inputs, arm.title())
         }

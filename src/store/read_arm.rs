@@ -116,7 +116,7 @@ pub(super) fn read_arm(
     let links = (1..).zip(links.into_iter().zip(nodes_m)).map(&mut shape).collect();
     let nodal_times_s = positions.take(TIME);
     let tip_m = ["x_m", "y_m"].map(|name| tip.take(name));
-    let target = folder.target(&WANTED_PLACE)?;
+    let target = folder.target(&summary.files, &WANTED_PLACE)?;
     let histories = Histories { times_s, joints, links, nodal_times_s, tip_m, target };
     Ok(stored(summary, folder.0.display().to_string(), histories))
 }

@@ -203,7 +203,7 @@ fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<Stor
         origin_rad: origin_rad.unwrap_or(0.0),
         tip: TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 },
         solved,
-        target: folder.target(&WANTED)?,
+        target: folder.target(&summary.files, &WANTED)?,
         deflections_m,
         moments_n_m,
         readings: summary.readings(),

@@ -54,9 +54,13 @@ impl RunFolder<'_> {
         self.0.join(name).exists()
     }
 
-    /// Reads the wanted tip of a simulation, if it had one.
-    pub(super) fn target(&self, wanted: &[&str]) -> Result<Option<StoredTarget>, TableError> {
-        if !self.has(TIP_ERROR) {
+    /// Reads the wanted tip of a simulation, if its files `named` have one.
+    pub(super) fn target(
+        &self,
+        named: &[String],
+        wanted: &[&str],
+    ) -> Result<Option<StoredTarget>, TableError> {
+        if !named.iter().any(|name| name == TIP_ERROR) {
             return Ok(None);
         }
         let mut table = Table::of(&self.file(TIP_ERROR)?, &[wanted, &[ERROR]].concat())?;

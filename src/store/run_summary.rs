@@ -78,6 +78,11 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
     outputs.write(folder, nodal, (&summary, None), &Unwatched)
 }
 
+/// The warning of a limit that is exceeded.
+fn of_limit(exceeded: &Exceeded) -> StoredWarning {
+    StoredWarning::new(Exceeded::KIND, exceeded, exceeded.hint())
+}
+
 impl Summary {
     /// The summary of a solution of which `outputs` are written.
     pub fn of_solution(
@@ -90,8 +95,7 @@ impl Summary {
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         let (link, law) = (solution.link(), solution.law());
         let warning = |w: &Warning| StoredWarning::new(w.kind(), w, w.hint());
-        let limit = |e: &Exceeded| StoredWarning::new(Exceeded::KIND, e, e.hint());
-        let limits = findings.exceeded.iter().map(limit);
+        let limits = findings.exceeded.iter().map(of_limit);
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
         let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
         let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
@@ -161,6 +165,7 @@ impl Summary {
         let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
         let late = tip_error.and_then(|error| error.late);
         let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
+        let exceeded = limits.exceeded_in_play(metrics);
         let input = match play.input {
             Input::Torque(_) => "torque",
             Input::HubAngle(_) => "hub_angle",
@@ -204,7 +209,7 @@ impl Summary {
         Self {
             values,
             measured: comparison.cloned(),
-            warnings: played.chain(late).collect(),
+            warnings: played.chain(late).chain(exceeded.iter().map(of_limit)).collect(),
             files: RunOutputs::simulation_file_names(target)
                 .into_iter()
                 .map(str::to_owned)

@@ -23,7 +23,11 @@ fn played(bench: &Bench, options: &[&str]) -> String {
 fn torques_of_an_arm_are_played_with_feedback_and_written() {
     let bench = solved(&[]);
     let feedback = ["--feedback", "50,1", "--reference", "out/joint_angles.csv"];
-    let text = played(&bench, &[&feedback[..], &["--target", "out/tip.csv"]].concat());
+    let play = ["simulate", "arm.toml", "out/torques.csv", "--target", "out/tip.csv"];
+    let output = bench.run(&[&play[..], &feedback].concat());
+    let exceeded = "warning: joint 1: limits.torque = 5 N m is exceeded at the hub: ";
+    assert!(stderr(&output).starts_with(exceeded), "{}", stderr(&output));
+    let text = stdout(&output);
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     for begins in
         ["arm      2 links, 1.300 m", "feedback 50 N m/rad, 1 N m s/rad", "joint 2  peak "]
@@ -31,6 +35,7 @@ fn torques_of_an_arm_are_played_with_feedback_and_written() {
         assert!(text.lines().any(|line| line.starts_with(begins)), "{text}");
     }
     let summary = bench.json("simulated/summary.json");
+    assert_eq!(summary["warnings"][0]["kind"], "limit_exceeded");
     let share = summary["tip_error"]["share"].as_f64().unwrap();
     assert!(share < 1e-6, "{share:e}");
     assert!(summary["errors"]["energy"].as_f64().unwrap() < 1e-6);

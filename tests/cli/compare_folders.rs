@@ -198,6 +198,14 @@ differs  summary.json: 2 columns, 1 row
     let ignored = "[[columns]]\nfile = \"summary.json\"\ncolumn = \"warnings.*\"\nignore = true\n";
     let output = told(&golden, &warned, ignored);
     assert!(!equal(&output).contains("a.toml"), "other inputs alone are no difference");
+    let [one, two] = ["1", "2"].map(|mass| {
+        let long = format!("\"--set\", \"{}\"", "segments.*.EI*=1".repeat(9));
+        summary("12", &format!("{long}, \"--set\", \"payload.mass={mass}\""), "")
+    });
+    let none = two.replace("\"link\":", "\"reference\": null, \"link\":").replace("1.0", "2.0");
+    let told_of = different(&told(&one, &none, ""));
+    let arguments = "  arguments: payload.mass=1 in EXPECTED, payload.mass=2 in ACTUAL\n";
+    assert!(told_of.contains(arguments) && !told_of.contains("reference"), "{told_of}");
     let other = warned.replace("0.1 s", "0.2 s");
     equal(&told(&warned, &other, ""));
 }

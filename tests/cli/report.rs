@@ -364,7 +364,14 @@ fn a_simulation_shows_its_target_and_the_limits_of_the_link_file() {
     let limits = "limits={torque=2.0, hub_rate=0.5, deflection=0.1}";
     let play = ["simulate", &repository(LINK), "out/torque.csv", "-q", "-o", "played"];
     let target = ["--target", "out/tip.csv", "--set", "payload.mass=0.05", "--set", limits];
-    done(&bench, &[&play[..], &target].concat());
+    let told = stderr(&bench.run(&[&play[..], &target].concat()));
+    let warnings = bench.json("played/summary.json")["warnings"].clone();
+    for (key, warning) in ["hub_rate", "deflection"].into_iter().zip(warnings.as_array().unwrap()) {
+        assert_eq!(warning["kind"], "limit_exceeded");
+        let message = warning["message"].as_str().unwrap();
+        assert!(message.starts_with(&format!("limits.{key}")), "{message}");
+        assert!(told.contains(&format!("warning: {message}\n")), "{told}");
+    }
     done(&bench, &["report", "played", "-q", "--svg", "figures"]);
     let wanted = bench.table("out/tip.csv");
     let shown = points(&bench.read("figures/tip-displacement.svg"), "wanted");

@@ -56,9 +56,12 @@ impl Simulate {
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         console::warnings(late.map(|late| (late, late.hint())));
+        let exceeded = run.metrics.exceeded(run.limits);
+        let limits = exceeded.iter();
+        console::warnings(limits.map(|(joint, e)| (format!("joint {}: {e}", joint + 1), e.hint())));
         let written = format!("{} files in {}", run.file_names().len(), self.output.display());
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
-        self.warnings.refuse(warnings.len() + usize::from(late.is_some()))
+        self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())
     }
 
     fn compute_arm<'a>(&self, inputs: &'a ArmInputs) -> Result<Played<'a>, Failure> {

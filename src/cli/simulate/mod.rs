@@ -209,6 +209,8 @@ impl Simulate {
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         console::warnings(late.map(|late| (late, late.hint())));
+        let exceeded = played.limits.exceeded_in_play(metrics);
+        console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
         let text = || {
             let files = RunOutputs::simulation_file_names(target.as_ref()).len();
             let written = format!("{files} files in {}", self.output.display());
@@ -217,7 +219,7 @@ impl Simulate {
                 + &self.nodes.text(&[simulation.mesh.nodes_m()])
         };
         self.print.print(|| summary.to_json(), text)?;
-        Ok(warnings.len() + usize::from(late.is_some()))
+        Ok(warnings.len() + usize::from(late.is_some()) + exceeded.len())
     }
 }
 

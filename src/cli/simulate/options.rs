@@ -47,7 +47,7 @@ One of the files may be `-`, standard input.";
 ///
 /// An arm of several links is played with all terms: TORQUE has `torque1`, `torque2`, …, as torques.csv of
 /// solve. It writes torques.csv, joint_angles.csv, chord_angles.csv, tip.csv, nodal_positions.csv, nodes.csv and
-/// summary.json. Under gravity most poses fall without --feedback.
+/// summary.json, with --target tip_error.csv, too. Under gravity most poses fall without --feedback.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {

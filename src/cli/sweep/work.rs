@@ -191,7 +191,9 @@ impl Cases<'_> {
         let own = simulation.warnings.iter().copied().chain(coarse);
         let own = own.map(|w| Notice::new(w.kind(), &w, w.hint()));
         let late = tip_error.late.map(|late| Notice::new(late.kind(), &late, late.hint()));
-        Ok((numbers, own.chain(late).collect(), remarks.clone()))
+        let exceeded = limits.exceeded_in_play(&metrics);
+        let notices = own.chain(late).chain(exceeded.iter().map(Notice::of_limit)).collect();
+        Ok((numbers, notices, remarks.clone()))
     }
 
     /// Opens the folder of a case, which the command line does not name: it must lead nowhere else.
