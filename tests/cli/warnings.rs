@@ -101,7 +101,7 @@ fn a_warning_is_an_error_where_it_is_denied_and_the_results_are_written() {
     let cut = ["--set", "analysis.lead=0.1", "--set", "limits.torque=1"];
     let cases = [
         (vec!["solve", link, motion, "-o", "results"], 2),
-        (vec!["simulate", link, "out/rigid_torque.csv", "--column", "rigid_torque_n_m"], 1),
+        (vec!["simulate", link, "out/rigid_torque.csv", "--column", "rigid_torque_n_m"], 2),
     ];
     for (arguments, warnings) in cases {
         let arguments = [&arguments[..], &cut].concat();
