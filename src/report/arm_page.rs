@@ -1,4 +1,4 @@
-//! The page of an arm: its figures in order, of bending too, and what stands beside them.
+//! The page of an arm: all its figures, those of bending among them, and the tables beside them.
 
 use maud::{Markup, html};
 

@@ -36,7 +36,8 @@ One of the files may be `-`, standard input.";
 ///
 /// Writes torque.csv (the motor's torque, feedback included), tip.csv, hub_angle.csv,
 /// nodal_displacements.csv, nodes.csv and summary.json, and with --target tip_error.csv, into a folder, all
-/// or none of them, and prints a short summary. The link is at rest before the first sample; after the last one of a torque it is free.
+/// or none of them, and prints a short summary. The link is at rest before the first sample; after the last one
+/// of a torque it is free.
 /// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
 /// A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. The
 /// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
