@@ -179,9 +179,9 @@ impl ArmSimulation {
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let metrics = ArmPlayMetrics::of(&motion);
         let exceeded = metrics.exceeded(&specification.limits);
-        let exceeded = exceeded.iter().map(|(joint, own)| {
-            notice(Exceeded::KIND, &format!("joint {}: {own}", joint + 1), own.hint())
-        });
+        let exceeded = exceeded
+            .iter()
+            .map(|(joint, own)| notice(Exceeded::KIND, &own.of_joint(*joint), own.hint()));
         let warnings = warnings.chain(late).chain(exceeded).collect();
         let nodes_m = nodes_m(&specification)?;
         Ok(Self { specification, given, motion, metrics, of_motion, target, nodes_m, warnings })

@@ -89,6 +89,11 @@ impl Exceeded {
     pub fn hint(&self) -> &'static str {
         "a slower motion, a stronger motor or a stiffer link"
     }
+
+    /// Its text where a joint of an arm, numbered from 0, exceeds it.
+    pub fn of_joint(&self, joint: usize) -> String {
+        format!("joint {}: {self}", joint + 1)
+    }
 }
 
 impl Limits {

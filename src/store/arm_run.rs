@@ -274,8 +274,7 @@ pub(super) fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -
 
 /// The warning of a limit that a joint, numbered from 0, exceeds.
 pub(super) fn of_joint_limit((joint, exceeded): &(usize, Exceeded)) -> StoredWarning {
-    let message = format!("joint {}: {exceeded}", joint + 1);
-    StoredWarning::new(Exceeded::KIND, &message, exceeded.hint())
+    StoredWarning::new(Exceeded::KIND, &exceeded.of_joint(*joint), exceeded.hint())
 }
 
 impl Summary {

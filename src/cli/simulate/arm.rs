@@ -58,7 +58,7 @@ impl Simulate {
         console::warnings(late.map(|late| (late, late.hint())));
         let exceeded = run.metrics.exceeded(run.limits);
         let limits = exceeded.iter();
-        console::warnings(limits.map(|(joint, e)| (format!("joint {}: {e}", joint + 1), e.hint())));
+        console::warnings(limits.map(|(joint, e)| (e.of_joint(*joint), e.hint())));
         let written = format!("{} files in {}", run.file_names().len(), self.output.display());
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
         self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())

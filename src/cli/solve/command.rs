@@ -218,7 +218,7 @@ impl Solve {
         self.print(&summary, text, table.as_ref().map(|table| (table, &*checks)))?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
         if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
-            let message = format!("joint {}: {limit}", joint + 1);
+            let message = limit.of_joint(*joint);
             return Err(Failure::new(Exit::NotSolvable, &message, Some(limit.hint())));
         }
         self.warnings.refuse(solution.warnings.len() + exceeded.len() + warned)?;

@@ -29,9 +29,8 @@ impl Notice {
 
     /// That of a joint of an arm, numbered from 0.
     pub(crate) fn of_joint((joint, limit): &(usize, Exceeded)) -> Self {
-        let joint = joint + 1;
-        let kind = format!("{}:joint{joint}.{}", Exceeded::KIND, limit.0.key);
-        Self::new(&kind, &format!("joint {joint}: {limit}"), limit.hint())
+        let kind = format!("{}:joint{}.{}", Exceeded::KIND, joint + 1, limit.0.key);
+        Self::new(&kind, &limit.of_joint(*joint), limit.hint())
     }
 
     fn is_of_limit(&self) -> bool {
