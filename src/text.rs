@@ -26,6 +26,12 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// Significant digits, two to six, in which a number that exceeds its bound is seen to.
+pub fn digits_beyond(found: f64, bound: f64) -> usize {
+    let differs = |digits: &usize| significant(found, *digits) != significant(bound, *digits);
+    (2..6).find(|digits| found <= bound || differs(digits)).unwrap_or(6)
+}
+
 /// A number with all its digits, for people; in powers of ten where it is far from 1.
 ///
 /// ```
@@ -131,6 +137,15 @@ pub fn did_you_mean<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_just_beyond_its_bound_looks_larger() {
+        assert_eq!(digits_beyond(1.0004, 1.0), 5);
+        assert_eq!(digits_beyond(1.03e-6, 1e-6), 3);
+        assert_eq!(digits_beyond(0.9996, 1.0), 2);
+        assert_eq!(digits_beyond(5.4e-1, 1e-2), 2);
+        assert_eq!(digits_beyond(1.0 + 1e-12, 1.0), 6);
+    }
 
     #[test]
     fn digits_are_significant_and_extremes_are_scientific() {

@@ -91,18 +91,26 @@ impl Images {
     /// # Panics
     /// Beyond the second derivative.
     pub(crate) fn history(&self, order: usize) -> &[TailTerms] {
-        self.histories[order].get_or_init(|| {
-            let series = self.series.each_ref().map(|series| {
-                (0..order).fold(series.clone(), |series, _| self.span.derivative(&series))
-            });
-            let mut history = vec![[0.0; TAIL_TERMS]; self.samples];
-            history.par_chunks_mut(BLOCK).enumerate().for_each(|(block, terms)| {
-                let first = block * BLOCK;
-                let series = &series;
-                Arch::new().dispatch(Evaluation { images: self, series, first, terms });
-            });
-            history
+        // Not computed within the lock: a thread that waits for its blocks may take up another case, which
+        // waits for this lock.
+        let kept = &self.histories[order];
+        kept.get().unwrap_or_else(|| {
+            let computed = self.computed(order);
+            kept.get_or_init(|| computed)
         })
+    }
+
+    fn computed(&self, order: usize) -> Vec<TailTerms> {
+        let series = self.series.each_ref().map(|series| {
+            (0..order).fold(series.clone(), |series, _| self.span.derivative(&series))
+        });
+        let mut history = vec![[0.0; TAIL_TERMS]; self.samples];
+        history.par_chunks_mut(BLOCK).enumerate().for_each(|(block, terms)| {
+            let first = block * BLOCK;
+            let series = &series;
+            Arch::new().dispatch(Evaluation { images: self, series, first, terms });
+        });
+        history
     }
 
     /// A period's samples of a signal around the seam, less its tail and those of the images, in the signal's

@@ -80,6 +80,9 @@ impl Periods {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc;
+    use std::time::Duration;
+
     use super::*;
     use crate::motion::{MotionScale, Profile};
 
@@ -120,6 +123,24 @@ mod tests {
         for tolerance in [1e-3, 1e-3, 1e-5, 0.0] {
             for motion in [&motion, &slower] {
                 assert_eq!(periods.cutoff(motion, tolerance), motion.cutoff(tolerance));
+            }
+        }
+    }
+
+    #[test]
+    fn cases_of_one_pool_do_not_wait_for_images_that_they_compute_themselves() {
+        const CASES: usize = 4;
+        let motion = motion();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let (ended, end) = mpsc::channel();
+        for _ in 0..100 {
+            let period = Arc::new(motion.over_period(1 << 16, 200, Cutoff::ALL));
+            for _ in 0..CASES {
+                let (period, ended) = (Arc::clone(&period), ended.clone());
+                pool.spawn(move || ended.send(period.images().history(0).len()).unwrap());
+            }
+            for _ in 0..CASES {
+                assert_eq!(end.recv_timeout(Duration::from_secs(60)), Ok(1 << 16));
             }
         }
     }

@@ -8,7 +8,7 @@ use super::link::given;
 use crate::link::{Damping, Drive, Link, Segment};
 use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros};
 use crate::result::{StoredCheck, StoredRun};
-use crate::text::significant;
+use crate::text::{digits_beyond, significant};
 
 /// A table that scrolls sideways where the page is narrow.
 pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
@@ -246,7 +246,10 @@ pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
         @for check in checks { tr {
             th scope="row" { (check.what) }
             @match check.found.zip(check.bound) {
-                Some((found, bound)) => { td { (significant(found, 2)) } td { (significant(bound, 2)) } }
+                Some((found, bound)) => {
+                    td { (significant(found, digits_beyond(found, bound))) }
+                    td { (significant(bound, 2)) }
+                }
                 None => td colspan="2" {
                     "not measured: " (check.reason.as_deref().unwrap_or("no finite number was found"))
                 },
@@ -264,5 +267,25 @@ pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
     html! {
         p { "The answer, measured by other means." }
         (table(&["check", "found", "at most", "of", "verdict"], &rows))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_check_that_fails_by_little_shows_a_number_beyond_its_bound() {
+        let check = StoredCheck {
+            name: "limit_hub_rate".to_owned(),
+            what: "limits.hub_rate".to_owned(),
+            of: "the limit".to_owned(),
+            found: Some(1.036),
+            bound: Some(1.0),
+            reason: None,
+            passes: false,
+        };
+        let page = checks(&[check]).into_string();
+        assert!(page.contains(">1.04</td><td>1.0</td>"), "{page}");
     }
 }

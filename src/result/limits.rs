@@ -68,17 +68,20 @@ pub struct LimitedValue {
     pub unit: &'static str,
 }
 
+impl LimitedValue {
+    /// That the limit is exceeded; a torque acts at this place.
+    fn exceeded_at(&self, place: &str) -> String {
+        let Self { key, limit, found, unit } = self;
+        // The other keys say where the value acts.
+        let at = if *key == "torque" { format!(" at the {place}") } else { String::new() };
+        let (limit, found) = (given(*limit), significant(*found, 5));
+        format!("limits.{key} = {limit} {unit} is exceeded{at}: {found} {unit}")
+    }
+}
+
 /// A limit that a solution exceeds.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize)]
-#[error(
-    "limits.{} = {} {unit} is exceeded{}: {} {unit}",
-    .0.key,
-    given(.0.limit),
-    // The other keys say where the value acts.
-    if .0.key == "torque" { " at the hub" } else { "" },
-    significant(.0.found, 5),
-    unit = .0.unit
-)]
+#[error("{}", .0.exceeded_at("hub"))]
 pub struct Exceeded(pub LimitedValue);
 
 impl Exceeded {
@@ -92,7 +95,7 @@ impl Exceeded {
 
     /// Its text where a joint of an arm, numbered from 0, exceeds it.
     pub fn of_joint(&self, joint: usize) -> String {
-        format!("joint {}: {self}", joint + 1)
+        format!("joint {}: {}", joint + 1, self.0.exceeded_at("joint"))
     }
 }
 

@@ -25,7 +25,7 @@ fn torques_of_an_arm_are_played_with_feedback_and_written() {
     let feedback = ["--feedback", "50,1", "--reference", "out/joint_angles.csv"];
     let play = ["simulate", "arm.toml", "out/torques.csv", "--target", "out/tip.csv"];
     let output = bench.run(&[&play[..], &feedback].concat());
-    let exceeded = "warning: joint 1: limits.torque = 5 N m is exceeded at the hub: ";
+    let exceeded = "warning: joint 1: limits.torque = 5 N m is exceeded at the joint: ";
     assert!(stderr(&output).starts_with(exceeded), "{}", stderr(&output));
     let text = stdout(&output);
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
