@@ -26,10 +26,10 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// Significant digits, two to six, in which a number that exceeds its bound is seen to.
+/// How many significant digits, two to six, show that a number exceeds its bound; two where it does not.
 pub fn digits_beyond(found: f64, bound: f64) -> usize {
-    let differs = |digits: &usize| significant(found, *digits) != significant(bound, *digits);
-    (2..6).find(|digits| found <= bound || differs(digits)).unwrap_or(6)
+    let differs = |after: &usize| format!("{found:.after$e}") != format!("{bound:.after$e}");
+    1 + (1..5).find(|after| found <= bound || differs(after)).unwrap_or(5)
 }
 
 /// A number with all its digits, for people; in powers of ten where it is far from 1.

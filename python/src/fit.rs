@@ -91,8 +91,8 @@ impl Fit {
     }
 
     /// Writes the fitted link file, and fit.json beside it. Refused where the fit is not to be believed.
-    fn write(&self, path: PathBuf) -> PyResult<()> {
-        Ok(self.write_to(&path)?)
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        Ok(py.detach(|| self.write_to(&path))?)
     }
 
     fn __repr__(&self) -> String {

@@ -1,5 +1,6 @@
 //! Ctrl-C during long work.
 
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -17,10 +18,10 @@ const LOOK: Duration = Duration::from_millis(50);
 pub(crate) fn interruptible<T: Send>(
     work: impl FnOnce(&AtomicBool) -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
-    let stop = AtomicBool::new(false);
+    let stop = &AtomicBool::new(false);
     let (done, is_done) = channel();
     thread::scope(|scope| {
-        scope.spawn(|| done.send(work(&stop)));
+        let worker = scope.spawn(move || done.send(work(stop)));
         let mut pressed = None;
         loop {
             match is_done.recv_timeout(LOOK) {
@@ -31,9 +32,10 @@ pub(crate) fn interruptible<T: Send>(
                         pressed = Some(error);
                     }
                 }
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(PyRuntimeError::new_err("the work has panicked"));
-                }
+                Err(RecvTimeoutError::Disconnected) => match worker.join() {
+                    Err(panic) => resume_unwind(panic),
+                    Ok(_) => return Err(PyRuntimeError::new_err("the work has no result")),
+                },
             }
         }
     })

@@ -32,6 +32,14 @@ fn ours() -> Result<Arc<ThreadPool>, Failure> {
     Ok(threads)
 }
 
+/// The same on threads of its own, for work that holds a lock or waits for threads of its own: one of the threads of
+/// all calls, while it waits, may take up another call, which then waits for the first.
+pub(crate) fn apart<T: Send>(
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    started(0)?.install(work)
+}
+
 /// So many threads, or as many as cores for 0.
 pub(crate) fn started(threads: usize) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {

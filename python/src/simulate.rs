@@ -284,7 +284,7 @@ impl PlayedLink {
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
-        Ok(py.detach(|| pool::install(|| self.write_into(&folder, &keywords)))?)
+        Ok(py.detach(|| pool::apart(|| self.write_into(&folder, &keywords)))?)
     }
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.

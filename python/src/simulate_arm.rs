@@ -15,7 +15,7 @@ use flexlink::numeric::TimeGrid;
 use flexlink::response::{
     ArmPlayWarning, HubReference, Interpolation, PlayedArm, Torque, simulate_arm,
 };
-use flexlink::result::{ArmPlayMetrics, Exceeded, FollowedTarget, StoredWarning, TipPlaces};
+use flexlink::result::{ArmPlayMetrics, FollowedTarget, StoredWarning, TipPlaces};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Summary, read_state, state_json};
 
@@ -24,7 +24,7 @@ use crate::arrays::{column, columns, frame, rows, view};
 use crate::cli::simulate::arm::{nodes_m, refusal};
 use crate::interrupt::interruptible;
 use crate::keywords::{self, solve_options};
-use crate::messages::{notice, objects, usage};
+use crate::messages::{notice, objects, of_joint_limit, usage};
 use crate::options::play_arm::{ArmTorques, Start, feedback};
 use crate::play::{HALF_A_FEEDBACK, Keywords, OF_ARM, OF_LINK, history, refuse_both};
 use crate::pool;
@@ -179,9 +179,7 @@ impl ArmSimulation {
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let metrics = ArmPlayMetrics::of(&motion);
         let exceeded = metrics.exceeded(&specification.limits);
-        let exceeded = exceeded
-            .iter()
-            .map(|(joint, own)| notice(Exceeded::KIND, &own.of_joint(*joint), own.hint()));
+        let exceeded = exceeded.iter().map(|(joint, own)| of_joint_limit(*joint, own));
         let warnings = warnings.chain(late).chain(exceeded).collect();
         let nodes_m = nodes_m(&specification)?;
         Ok(Self { specification, given, motion, metrics, of_motion, target, nodes_m, warnings })
@@ -363,7 +361,7 @@ impl ArmSimulation {
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
-        Ok(py.detach(|| pool::install(|| self.write_into(&folder, &keywords)))?)
+        Ok(py.detach(|| pool::apart(|| self.write_into(&folder, &keywords)))?)
     }
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.

@@ -325,7 +325,7 @@ impl Solution {
         keywords: Option<Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
-        Ok(py.detach(|| pool::install(|| self.write_into(&folder, more)))?)
+        Ok(py.detach(|| pool::apart(|| self.write_into(&folder, more)))?)
     }
 
     /// The histories as a `pandas.DataFrame` over the time.

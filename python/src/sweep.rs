@@ -19,7 +19,7 @@ use crate::messages::{in_python, notice, warn};
 use crate::motion::Call;
 use crate::pool;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
-use crate::terminal::Failure;
+use crate::terminal::{Failure, memory};
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary:
 /// the values of each key that cases change, then arrays of numbers, not a number where a case has none, and the lists
@@ -64,7 +64,7 @@ pub(crate) fn sweep<'py>(
     if threads == Some(0) {
         return Err(PyValueError::new_err("threads = 0, but must be above 0"));
     }
-    let shared = if let Ok(arm) = link.cast::<Arm>() {
+    let mut shared = if let Ok(arm) = link.cast::<Arm>() {
         let arm = arm.get();
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
         let outputs = Outputs::of(keywords::arguments(&keywords)?, outputs, cases.len())?;
@@ -74,7 +74,7 @@ pub(crate) fn sweep<'py>(
         let Call { given, arguments, motion } = Call::take(time, &keywords)?;
         Shared::of_link(link, (given, motion), Outputs::of(arguments, outputs, cases.len())?)?
     };
-    let rows = py.detach(|| interruptible(|stop| all_rows(&shared, &cases, threads, stop)))?;
+    let rows = py.detach(|| interruptible(|stop| all_rows(&mut shared, &cases, threads, stop)))?;
     table(varied, shared.kind, rows)
 }
 
@@ -104,12 +104,15 @@ fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<
 
 /// The rows of all cases, or of those that were done when `stop` turned true.
 fn all_rows(
-    shared: &Shared,
+    shared: &mut Shared,
     cases: &[Case],
     threads: Option<usize>,
     stop: &AtomicBool,
 ) -> Result<Vec<Row>, Failure> {
-    let work = || {
+    let pool = pool::started(threads.unwrap_or(0))?;
+    shared.memory_bytes = memory::available().map(|bytes| bytes / pool.current_num_threads());
+    let shared = &*shared;
+    pool.install(|| {
         let mut rows = Vec::with_capacity(cases.len());
         in_order(
             0..cases.len(),
@@ -121,11 +124,7 @@ fn all_rows(
             },
         )?;
         Ok(rows)
-    };
-    match threads {
-        Some(threads) => pool::started(threads)?.install(work),
-        None => pool::install(work),
-    }
+    })
 }
 
 /// Adds the columns of numbers, warnings and errors to those of the `varied` values.

@@ -23,7 +23,7 @@ use crate::messages::usage;
 use crate::motion::{Given, Motion};
 use crate::options::inputs::scale_arguments;
 use crate::solution::Solution;
-use crate::terminal::{Exit, Failure, memory};
+use crate::terminal::{Exit, Failure};
 
 /// Factors on the motion among the changes of a case.
 const DISTANCE: &str = "distance*";
@@ -115,8 +115,8 @@ pub(crate) struct Shared {
     outputs: Outputs,
     problem: Problem,
     pub(crate) kind: SweepKind,
-    /// Memory in bytes that each of the cases solved at the same time may take.
-    memory_bytes: Option<usize>,
+    /// Memory in bytes that each of the cases solved at the same time may take, set when they begin.
+    pub(crate) memory_bytes: Option<usize>,
 }
 
 /// What is solved in each case.
@@ -186,8 +186,7 @@ impl Shared {
         kind: SweepKind,
     ) -> Result<Self, Failure> {
         let document = source.document()?;
-        let memory_bytes = memory::available().map(|bytes| bytes / rayon::current_num_threads());
-        Ok(Self { source: source.clone(), document, outputs, problem, kind, memory_bytes })
+        Ok(Self { source: source.clone(), document, outputs, problem, kind, memory_bytes: None })
     }
 
     /// The row of a case, from 0. Results that cannot be written end the sweep.

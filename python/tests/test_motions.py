@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -197,3 +198,28 @@ def test_a_simulation_is_compared_with_its_target() -> None:
         warnings.simplefilter("ignore")
         alone = flexlink.simulate(viscous, solution.time, torque=solution.torque)
     assert alone.tip_error is None
+
+
+def test_threads_share_a_motion_and_a_folder(tmp_path: Path) -> None:
+    link = flexlink.Link.read(LINK)
+    stiffer = [link.changed({"segments.*.EI*": 1 + k / 8}) for k in range(8)]
+    time = np.linspace(0, 0.88, 8801)  # a period of several blocks, whose images threads compute together
+    acceleration = np.sin(2 * np.pi * time / 0.88)
+    alone = [flexlink.solve(own, time, acceleration=acceleration).torque.tobytes() for own in stiffer]
+    found: dict[tuple[int, int], bytes] = {}
+
+    def work(case: int, tried: int, motion: flexlink.Motion) -> None:
+        solution = flexlink.solve(stiffer[case], motion)
+        solution.write(tmp_path / "shared", every=100)
+        found[case, tried] = solution.torque.tobytes()
+
+    for tried in range(10):
+        motion = flexlink.Motion(time, acceleration=acceleration)
+        # Daemons: were they to wait for one another, the tests would still end.
+        threads = [Thread(target=work, args=(case, tried, motion), daemon=True) for case in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(timeout=120)
+            assert not thread.is_alive()
+        assert [found[case, tried] for case in range(8)] == alone

@@ -92,7 +92,7 @@ impl Images {
     /// Beyond the second derivative.
     pub(crate) fn history(&self, order: usize) -> &[TailTerms] {
         // Not computed within the lock: a thread that waits for its blocks may take up another case, which
-        // waits for this lock.
+        // waits for this lock. Cases that begin together compute it each for itself.
         let kept = &self.histories[order];
         kept.get().unwrap_or_else(|| {
             let computed = self.computed(order);

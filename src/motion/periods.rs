@@ -33,7 +33,8 @@ impl Periods {
         if !motion.is_clone_of(&self.motion) {
             return motion.cutoff(tolerance);
         }
-        // Other threads wait for the cut-off that one of them computes.
+        // Other threads wait for the cut-off that one of them computes, by itself: one that waits for others
+        // of its pool may take up another case, which waits for this lock.
         let mut last = self.cutoff.lock().unwrap_or_else(PoisonError::into_inner);
         match *last {
             Some((known, cutoff)) if known.to_bits() == tolerance.to_bits() => cutoff,

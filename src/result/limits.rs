@@ -9,7 +9,7 @@ use super::metrics::{Metrics, MotorMetrics, PlayedMetrics};
 use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
-use crate::text::{given, significant};
+use crate::text::{digits_beyond, given, significant};
 
 /// How the keys of the motor's limits begin.
 const MOTOR: &str = "motor_";
@@ -74,7 +74,8 @@ impl LimitedValue {
         let Self { key, limit, found, unit } = self;
         // The other keys say where the value acts.
         let at = if *key == "torque" { format!(" at the {place}") } else { String::new() };
-        let (limit, found) = (given(*limit), significant(*found, 5));
+        let digits = digits_beyond(*found, *limit).max(5);
+        let (limit, found) = (given(*limit), significant(*found, digits));
         format!("limits.{key} = {limit} {unit} is exceeded{at}: {found} {unit}")
     }
 }
