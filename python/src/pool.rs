@@ -32,8 +32,8 @@ fn ours() -> Result<Arc<ThreadPool>, Failure> {
     Ok(threads)
 }
 
-/// The same on threads of its own, for work that holds a lock or waits for threads of its own: one of the threads of
-/// all calls, while it waits, may take up another call, which then waits for the first.
+/// The same on threads of its own, for work that holds a lock: one of the threads of all calls, while it waits, may take
+/// up another call, which then waits for that lock.
 pub(crate) fn apart<T: Send>(
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {

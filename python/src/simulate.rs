@@ -12,7 +12,7 @@ use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
 use flexlink::link::Link as LibraryLink;
 use flexlink::response::{PlayError, Simulation, simulate as played};
-use flexlink::result::{Exceeded, FollowedTarget, Limits, PlayedMetrics, StoredWarning};
+use flexlink::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
 
@@ -20,7 +20,7 @@ use crate::arm::Arm;
 use crate::arrays::{frame, rows, view};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
-use crate::messages::{notice, objects, warn};
+use crate::messages::{notice, objects, of_limit, warn};
 use crate::motion::path_of;
 use crate::play::{Keywords, Playing};
 use crate::pool;
@@ -132,7 +132,7 @@ impl PlayedLink {
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let metrics = PlayedMetrics::of(&simulation);
         let exceeded = specification.limits.exceeded_in_play(&metrics);
-        let exceeded = exceeded.iter().map(|own| notice(Exceeded::KIND, own, own.hint()));
+        let exceeded = exceeded.iter().map(of_limit);
         let warnings = warnings.chain(late).chain(exceeded).collect();
         let (link, limits) = (link.clone(), specification.limits);
         Ok(Self { link, playing, simulation, error, limits, target, warnings })

@@ -110,7 +110,8 @@ fn all_rows(
     stop: &AtomicBool,
 ) -> Result<Vec<Row>, Failure> {
     let pool = pool::started(threads.unwrap_or(0))?;
-    shared.memory_bytes = memory::available().map(|bytes| bytes / pool.current_num_threads());
+    let at_once = pool.current_num_threads().min(cases.len()).max(1);
+    shared.memory_bytes = memory::available().map(|bytes| bytes / at_once);
     let shared = &*shared;
     pool.install(|| {
         let mut rows = Vec::with_capacity(cases.len());

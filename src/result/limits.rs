@@ -9,7 +9,7 @@ use super::metrics::{Metrics, MotorMetrics, PlayedMetrics};
 use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
-use crate::text::{digits_beyond, given, significant};
+use crate::text::{given, significant};
 
 /// How the keys of the motor's limits begin.
 const MOTOR: &str = "motor_";
@@ -74,8 +74,10 @@ impl LimitedValue {
         let Self { key, limit, found, unit } = self;
         // The other keys say where the value acts.
         let at = if *key == "torque" { format!(" at the {place}") } else { String::new() };
-        let digits = digits_beyond(*found, *limit).max(5);
-        let (limit, found) = (given(*limit), significant(*found, digits));
+        // Five digits, or as many as are beyond the limit.
+        let shown = (5..=17).map(|digits| significant(*found, digits));
+        let mut beyond = shown.filter(|text| text.parse().is_ok_and(|shown: f64| shown > *limit));
+        let (limit, found) = (given(*limit), beyond.next().unwrap_or_else(|| given(*found)));
         format!("limits.{key} = {limit} {unit} is exceeded{at}: {found} {unit}")
     }
 }
@@ -307,6 +309,17 @@ fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_limit_exceeded_by_little_is_seen_to_be() {
+        let text = |limit: f64, found: f64| {
+            Exceeded(LimitedValue { key: "power", limit, found, unit: "W" }).to_string()
+        };
+        assert_eq!(text(2.0, 3.251_592), "limits.power = 2 W is exceeded: 3.2516 W");
+        assert_eq!(text(2.0, 2.000_000_4), "limits.power = 2 W is exceeded: 2.0000004 W");
+        let below = "limits.power = 2.51234 W is exceeded: 2.51235 W";
+        assert_eq!(text(2.512_34, 2.512_346), below);
+    }
 
     #[test]
     fn stored_limits_are_those_written_and_checked() {
