@@ -7,6 +7,10 @@ use thiserror::Error;
 
 use crate::numeric::TimeGrid;
 
+mod outliers;
+
+pub use outliers::{Outlier, outliers};
+
 /// Fewest changes of the numbers between two powers of ten from which their digits are judged. Of four
 /// numbers without trailing zeros one in ten thousand has all last digits 0.
 const FEWEST_CHANGES: usize = 4;

@@ -40,6 +40,8 @@ pub struct TableFormat {
     pub time_unit: Option<UnitName>,
     /// Unit of the column of motion or torque that has its dimension.
     pub unit: Option<UnitName>,
+    /// Whether samples that are far from what their neighbours lead to are replaced by it.
+    pub drop_outliers: bool,
 }
 
 impl TableFormat {
@@ -148,6 +150,8 @@ pub struct Reading {
     pub(super) hint: Option<String>,
     /// What was done about times off a uniform grid.
     pub(super) jitter: Option<String>,
+    /// Number of samples that were replaced by what their neighbours lead to.
+    pub(super) dropped: usize,
 }
 
 impl Reading {
@@ -159,6 +163,11 @@ impl Reading {
     /// What was done about times off a uniform grid, and what to do about them.
     pub fn jitter(&self) -> Option<(&str, &str)> {
         Some((self.jitter.as_deref()?, "resample the file to a uniform step"))
+    }
+
+    /// Number of samples that were far from what their neighbours lead to, which replaced them.
+    pub fn dropped(&self) -> usize {
+        self.dropped
     }
 
     /// Which columns were not read, and what to do about them.

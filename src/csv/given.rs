@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::format::Reading;
 use super::motion::MotionTable;
+use super::outliers::Judged;
 use super::path::PathTable;
 use super::place::Place;
 use super::rows::TableError;
@@ -119,7 +120,7 @@ fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), T
         let must = format!("must be {MIN_SAMPLES} or more");
         return refuse("samples".to_owned(), samples.to_string(), must);
     }
-    for (column, values) in [("time", time_s)].into_iter().chain(given) {
+    for (column, values) in [("time", time_s)].into_iter().chain(given.iter().copied()) {
         if values.len() != samples {
             let must = format!("must be {samples}, as many as times");
             return refuse(format!("samples of {column}"), values.len().to_string(), must);
@@ -133,7 +134,10 @@ fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), T
         let must = format!("must be above time[{at}], {} s", time_s[at]);
         return refuse(format!("time[{}]", at + 1), format!("{} s", time_s[at + 1]), must);
     }
-    Ok(())
+    given.into_iter().try_for_each(|(column, values)| {
+        let judged = Judged { name: column, unit: ("", 1.0), time_s, values };
+        judged.check(name, &[])
+    })
 }
 
 #[cfg(test)]

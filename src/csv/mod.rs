@@ -12,6 +12,7 @@ mod joints;
 mod motion;
 mod motion_columns;
 mod number;
+mod outliers;
 mod path;
 mod place;
 mod record;

@@ -162,6 +162,7 @@ pub fn read_motion_table_as(
     format: &TableFormat,
 ) -> Result<MotionTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
+    samples.check_outliers(name)?;
     let rounding = samples.rounding();
     let mut per_value = 1.0;
     let mut first_angle_rad = None;

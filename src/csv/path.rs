@@ -132,6 +132,7 @@ pub fn read_path_table(
     format: &TableFormat,
 ) -> Result<PathTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, path_columns)?;
+    samples.check_outliers(name)?;
     let mut column = |quantity: Quantity| {
         let rounded = samples
             .rounding_of(quantity)

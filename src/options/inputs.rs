@@ -370,6 +370,7 @@ impl ReadArgs {
             scales: self.scale.clone(),
             time_unit: self.time_unit.clone(),
             unit: self.unit.clone(),
+            drop_outliers: false,
         }
     }
 
