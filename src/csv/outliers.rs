@@ -4,7 +4,7 @@ use super::place::{Place, TableError};
 use crate::recording::{Outlier, outliers};
 use crate::text::significant;
 
-/// What to do about bad samples, for hints.
+/// The hint of a refused sample.
 const BY_OPTION: &str = "correct the sample, or write what its neighbours lead to in its place";
 
 /// A column of a table over time, in SI.

@@ -270,3 +270,34 @@ fn check_worth(
     let place = Place { file: name, line: None };
     Err(place.refuse("displacement", found, must).with_hint(Some(hint.to_owned())))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_noisy_motion_begins_and_ends_when_the_exact_one_does() {
+        let septic = |u: f64| u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3));
+        let mut state = 3_u64;
+        let mut part = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 31)
+        };
+        for (deviation_m, within_s) in [(1e-5, 0.02), (2e-4, 0.05)] {
+            let time_s: Vec<f64> = (0..=400).map(|k| 0.005 * f64::from(k)).collect();
+            let mut place = |t: &f64| {
+                let radius = (-2.0 * libm::log(part().max(1e-300))).sqrt();
+                0.5 * septic((t - 0.5).clamp(0.0, 1.0))
+                    + deviation_m * radius * libm::cos(TAU * part())
+            };
+            let displacement_m = Some(time_s.iter().map(&mut place).collect());
+            let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
+            let table = MotionTable::of_columns("motion", columns).unwrap();
+            let motion = table.with_noise(deviation_m).unwrap().into_motion().unwrap();
+            let (first, last) = motion.moving_samples();
+            let [from_s, until_s] = [first, last].map(|k| motion.grid().time_s(k));
+            assert!((from_s - 0.5).abs() < within_s, "{deviation_m}: from {from_s} s");
+            assert!((until_s - 1.5).abs() < within_s, "{deviation_m}: until {until_s} s");
+        }
+    }
+}

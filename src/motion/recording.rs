@@ -2,6 +2,19 @@
 
 use std::f64::consts::TAU;
 
+/// Distance from the rest, in standard deviations of the noise, that is more than noise.
+const BEYOND_NOISE: f64 = 5.0;
+
+/// Distance up to which a departure is followed, over the least that is more than noise, and over the largest of all.
+const FOLLOWED: f64 = 16.0;
+const OF_TRAVEL: f64 = 0.25;
+
+/// Fewest samples that show how a tip leaves its rest.
+const FEWEST_ON_WAY: usize = 4;
+
+/// Powers of the time with which a tip leaves its rest: its acceleration jumps, or a derivative of that.
+const POWERS: [f64; 3] = [2.0, 3.0, 4.0];
+
 /// How samples are uncertain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Uncertainty {
@@ -84,8 +97,106 @@ impl Recording {
         }
     }
 
+    /// Numbers of the last sample at rest before a motion and of the first one after it, where noise decides.
+    pub(super) fn moving_samples(&self, places_m: &[f64]) -> Option<(usize, usize)> {
+        match self.uncertainty? {
+            Uncertainty::Noisy { deviation_m, .. } => moving_beyond_noise(places_m, deviation_m),
+            Uncertainty::Rounded { .. } => None,
+        }
+    }
+
     /// The chosen cut-off in Hz.
     pub fn lowpass_hz(&self) -> Option<f64> {
         self.lowpass_rad_s.map(|omega| omega / TAU)
+    }
+}
+
+/// Numbers of the last sample at rest before a motion and of the first one after it, of places in m with noise of this
+/// standard deviation; none where they do not leave the noise.
+///
+/// The acceleration of noisy places says nothing of the rest. The place does: it is beyond the noise from some sample
+/// on. Before that, the tip has left its rest with a power of the time, d ∝ (t − t₀)ⁿ; t₀ and n are those of least
+/// squares over the samples from there on.
+fn moving_beyond_noise(places_m: &[f64], deviation_m: f64) -> Option<(usize, usize)> {
+    let last = places_m.len() - 1;
+    let first = departure(places_m.iter().copied(), deviation_m)?;
+    let end = departure(places_m.iter().rev().copied(), deviation_m)?;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of a sample"
+    )]
+    let [first, end] = [first, end].map(|at| at.max(0.0) as usize);
+    (first + end < last).then_some((first, last - end))
+}
+
+/// When places leave the first of them, in steps from it.
+fn departure(places_m: impl Iterator<Item = f64> + Clone, deviation_m: f64) -> Option<f64> {
+    let rest_m = places_m.clone().next()?;
+    let distances = places_m.map(|place| (place - rest_m).abs());
+    let farthest_m = distances.clone().fold(0.0, f64::max);
+    let least_m = BEYOND_NOISE * deviation_m;
+    let most_m = (FOLLOWED * least_m).min(OF_TRAVEL * farthest_m);
+    let first = distances.clone().position(|distance| distance > least_m)?;
+    let way = distances.enumerate().skip(first).take_while(|(_, distance)| *distance <= most_m);
+    let way: Vec<(f64, f64)> = way.map(|(k, distance)| (k as f64, distance)).collect();
+    let before = first as f64 - 1.0;
+    if way.len() < FEWEST_ON_WAY {
+        return Some(before);
+    }
+    let fits = POWERS.map(|power| departure_with(&way, power));
+    let (_, start) = fits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(start.min(before))
+}
+
+/// The sum of squared residuals, in m², of distances that grow with a power of the time, and when they are 0.
+fn departure_with(way: &[(f64, f64)], power: f64) -> (f64, f64) {
+    // An error of the distance d is one of its root of d^(1/n − 1)/n times that.
+    let rooted = way.iter().map(|(at, distance)| {
+        let root = libm::pow(*distance, power.recip());
+        (*at, root, (power * distance / root).powi(2))
+    });
+    let sum = |of: &dyn Fn((f64, f64, f64)) -> f64| rooted.clone().map(of).sum::<f64>();
+    let all = sum(&|(_, _, weight)| weight);
+    let at = sum(&|(at, _, weight)| weight * at) / all;
+    let root = sum(&|(_, root, weight)| weight * root) / all;
+    let slope = sum(&|(own, y, weight)| weight * (own - at) * (y - root))
+        / sum(&|(own, _, weight)| weight * (own - at).powi(2));
+    let left = sum(&|(own, y, weight)| weight * (y - root - slope * (own - at)).powi(2));
+    if slope > 0.0 { (left, at - root / slope) } else { (f64::INFINITY, f64::INFINITY) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_noisy_tip_leaves_its_rest_when_the_exact_one_does() {
+        let septic = |u: f64| u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3));
+        let quintic = |u: f64| u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+        let bang = |u: f64| if u < 0.5 { 2.0 * u * u } else { 1.0 - 2.0 * (1.0 - u) * (1.0 - u) };
+        let mut state = 1_u64;
+        let mut part = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 31)
+        };
+        let motions: [fn(f64) -> f64; 3] = [septic, quintic, bang];
+        for (motion, power) in motions.into_iter().zip([4, 3, 2]) {
+            for (deviation_m, most_steps) in [(1e-6, 4), (2e-5, 7), (4e-4, 14)] {
+                for _ in 0..20 {
+                    let mut noisy = |k: usize| {
+                        let radius = (-2.0 * libm::log(part().max(1e-300))).sqrt();
+                        let noise = radius * libm::cos(TAU * part());
+                        motion((k as f64 / 200.0 - 0.5).clamp(0.0, 1.0)) + deviation_m * noise
+                    };
+                    let mut places_m: Vec<f64> = (0..=400).map(&mut noisy).collect();
+                    (places_m[0], places_m[400]) = (0.0, 1.0);
+                    let (first, last) = moving_beyond_noise(&places_m, deviation_m).unwrap();
+                    let off = first.abs_diff(100).max(last.abs_diff(300));
+                    assert!(off <= most_steps, "power {power}, {deviation_m}: {first}, {last}");
+                }
+            }
+        }
+        assert_eq!(moving_beyond_noise(&[0.0, 1e-3, -1e-3, 0.0], 1e-3), None);
     }
 }

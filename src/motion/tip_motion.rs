@@ -203,7 +203,8 @@ impl TipMotion {
     /// The same motion with what is known of its samples.
     #[must_use]
     pub fn recorded(self, recording: Recording) -> Self {
-        Self { recording, ..self }
+        let own = recording.moving_samples(self.samples.displacements_m());
+        Self { recording, moving: own.unwrap_or(self.moving), ..self }
     }
 
     /// What is known of the samples beside their values.
@@ -269,9 +270,8 @@ impl TipMotion {
         self.samples.travel_m
     }
 
-    /// Numbers of the last sample at rest before the motion and of the first one after it.
-    ///
-    /// At rest: below 1e-6 of the peak acceleration. A periodic motion always moves.
+    /// Numbers of the last sample at rest before the motion and of the first one after it: below 1e-6 of the peak
+    /// acceleration, or of noisy samples where the place leaves it. A periodic motion always moves.
     pub fn moving_samples(&self) -> (usize, usize) {
         self.moving
     }

@@ -82,7 +82,7 @@ pub fn outliers(time_s: &[f64], values: &[f64]) -> Vec<Outlier> {
         Outlier { sample, expected: good.at(time_s[sample], good.around(after, None)) }
     };
     let found: Vec<_> = bad.into_iter().map(led).collect();
-    // What is nothing without them is made of them.
+    // A record that is constant without its pulses is made of them.
     let rest = good.values.first().map_or(0.0, |first| {
         good.values.iter().map(|value| (value - first).abs()).fold(0.0, f64::max)
     });
@@ -168,7 +168,7 @@ impl Course {
         };
         let before = (k.saturating_sub(NEAR)..k).map(left_of).fold(0.0, f64::max);
         let after = (k + 1..(k + NEAR + 1).min(len)).map(left_of).fold(0.0, f64::max);
-        // What another bad sample does to its neighbours reaches farther than it lies.
+        // Another bad sample spoils the cubics of its neighbours, two steps beyond it.
         let reach = NEAR + 2;
         let has_second = before.min(after) <= 1.0
             && k >= reach
@@ -247,7 +247,7 @@ impl Course {
     }
 }
 
-/// A quantile of numbers, whose order is lost; 0 of none.
+/// A quantile of numbers, which it reorders; 0 of no number.
 fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
