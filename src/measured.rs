@@ -1,7 +1,7 @@
 //! What was measured of a link or an arm, read from its file and from those that it names.
 
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use thiserror::Error;
 
@@ -60,11 +60,6 @@ impl MeasuredError {
     }
 }
 
-/// A file that a file of measured values names, beside it.
-fn beside(file: &Path, name: &str) -> PathBuf {
-    file.with_file_name(name)
-}
-
 /// Reads a file of measured values (TOML) of an arm of so many `links`, or of one link, and all files that it names.
 ///
 /// # Errors
@@ -76,7 +71,7 @@ pub fn read_measured(path: &Path, links: usize) -> Result<MeasuredSet, MeasuredE
     let (mut read_responses, mut read_records) = (Vec::new(), Vec::new());
     let (mut named, mut readings) = (Vec::new(), Vec::new());
     for response in responses {
-        let table = InputFile::read(&beside(path, &response.file))?;
+        let table = InputFile::read_beside(path, &response.file)?;
         let first_zero = response.first_zero;
         let response = read_response(&table, response, motor.as_ref())?;
         match first_zero {
@@ -86,7 +81,7 @@ pub fn read_measured(path: &Path, links: usize) -> Result<MeasuredSet, MeasuredE
         named.push(table);
     }
     for record in records {
-        let table = InputFile::read(&beside(path, &record.file))?;
+        let table = InputFile::read_beside(path, &record.file)?;
         let (record, reading) = record_of(&table, record, motor)?;
         readings.push((table.shown.clone(), reading));
         read_records.push(record);

@@ -245,7 +245,12 @@ impl Header<'_> {
         }
         let names = names(fields);
         let must = format!("must be one of the columns {}", quoted(&names.join(",")));
-        let hint = nearest(heading, names).map(|near| format!("did you mean {}?", quoted(near)));
+        let hint = if fields.iter().all(|field| is_number(field)) {
+            let by_number = "the first row has numbers alone, as a line that begins with # is a comment: choose columns by number";
+            Some(format!("{by_number}, as in {}=2", quantity.word))
+        } else {
+            nearest(heading, names).map(|near| format!("did you mean {}?", quoted(near)))
+        };
         let found = format!("{}={}", quantity.word, quoted(heading));
         Err(self.place.refuse("--columns", found, must).with_hint(hint))
     }

@@ -6,6 +6,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::place::{Place, TableError, quoted};
+use super::unit_name::in_brackets;
 
 /// What divides the fields of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -143,7 +144,7 @@ impl Dialect {
         dialect.decimal = match given.decimal {
             Some(decimal) => decimal,
             None if dialect.delimiter != Delimiter::Comma => {
-                let decimal = decimal_of(body, dialect.delimiter, place)?;
+                let decimal = decimal_of(rows(body), dialect.delimiter, place)?;
                 if decimal == Decimal::Comma {
                     dialect.found.push("decimal comma".to_owned());
                 }
@@ -230,20 +231,26 @@ fn is_plain_number(field: &str) -> bool {
     field.trim().parse::<f64>().is_ok()
 }
 
-/// What stands before decimals in a table whose delimiter is not the comma.
-fn decimal_of<'a>(
-    body: &str,
+/// What stands before decimals in the rows of a table whose delimiter is not the comma.
+///
+/// # Errors
+/// [`TableError`] for both signs in one table, and for a sign that may as well stand between thousands: it does so in
+/// every number that has one.
+fn decimal_of<'a, 'b>(
+    rows: impl Iterator<Item = (u64, &'b str)>,
     delimiter: Delimiter,
     place: impl Fn(u64) -> Place<'a>,
 ) -> Result<Decimal, TableError> {
-    let mut seen: Option<(Decimal, &str)> = None;
-    for (line, row) in rows(body) {
+    let mut seen: Option<(Decimal, u64, &str)> = None;
+    let mut may_be_thousands = true;
+    for (line, row) in rows {
         for field in delimiter.split(row) {
             let field = field.trim_matches('"');
             let Some(decimal) = decimal_in(field) else { continue };
+            may_be_thousands &= is_grouped(field);
             match seen {
-                None => seen = Some((decimal, field)),
-                Some((other, earlier)) if other != decimal => {
+                None => seen = Some((decimal, line, field)),
+                Some((other, _, earlier)) if other != decimal => {
                     let must = format!("must have the decimal sign of {}", quoted(earlier));
                     let error = place(line).refuse("field", quoted(field), must);
                     let hint = "--decimal comma or --decimal point says which is meant; nothing may \
@@ -254,7 +261,15 @@ fn decimal_of<'a>(
             }
         }
     }
-    Ok(seen.map_or(Decimal::Point, |(decimal, _)| decimal))
+    let Some((decimal, line, field)) = seen else { return Ok(Decimal::Point) };
+    if !may_be_thousands {
+        return Ok(decimal);
+    }
+    let sign = if decimal == Decimal::Comma { "comma" } else { "point" };
+    let must = format!("must show if the {sign} is before decimals or between thousands");
+    let hint =
+        format!("--decimal {sign} says that decimals follow; nothing may stand between thousands");
+    Err(place(line).refuse("field", quoted(field), must).with_hint(hint))
 }
 
 /// The decimal sign of a number that has one.
@@ -264,6 +279,19 @@ fn decimal_in(field: &str) -> Option<Decimal> {
         _ => (Decimal::Point, field.to_owned()),
     };
     other.parse::<f64>().is_ok().then_some(decimal)
+}
+
+/// True for a number such as `10.000`, whose sign may stand between thousands: three digits behind it, one to three
+/// before it, and no zero that leads them.
+fn is_grouped(number: &str) -> bool {
+    let number = number.strip_prefix(['-', '+']).unwrap_or(number);
+    let Some((whole, behind)) = number.split_once([',', '.']) else { return false };
+    let are_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    (1..=3).contains(&whole.len())
+        && !whole.starts_with('0')
+        && behind.len() == 3
+        && are_digits(whole)
+        && are_digits(behind)
 }
 
 /// Refuses rows such as `0,1,0,5` below no names: four whole numbers, or two with decimal commas.
@@ -296,44 +324,12 @@ fn refuse_doubtful_commas<'a>(
     ))
 }
 
-/// The fields of a row that blanks divide. What is in quotes or in brackets is not divided, and a unit in
-/// brackets belongs to the name before it: `Time (s)`.
-pub(super) fn in_brackets(row: &str) -> Vec<&str> {
-    let mut spans: Vec<(usize, usize)> = Vec::new();
-    let (mut open, mut depth, mut in_quotes) = (None, 0_usize, false);
-    for (at, letter) in row.char_indices() {
-        if letter.is_whitespace() && depth == 0 && !in_quotes {
-            spans.extend(open.take().map(|start| (start, at)));
-            continue;
-        }
-        match letter {
-            '"' => in_quotes = !in_quotes,
-            '(' | '[' if !in_quotes => {
-                if open.is_none() && depth == 0 {
-                    open = spans.pop().map(|(start, _)| start);
-                }
-                depth += 1;
-            }
-            ')' | ']' if !in_quotes => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        open = open.or(Some(at));
-    }
-    spans.extend(open.map(|start| (start, row.len())));
-    let field = |(start, end): (usize, usize)| {
-        let field = row[start..end].trim();
-        field.strip_prefix('"').and_then(|f| f.strip_suffix('"')).unwrap_or(field)
-    };
-    spans.into_iter().map(field).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn found(text: &str) -> (Delimiter, Decimal) {
-        let dialect = Dialect::detect("t.csv", text, Given::default()).unwrap();
-        (dialect.delimiter, dialect.decimal)
+    fn found(text: &str) -> Delimiter {
+        Dialect::detect("t.csv", text, Given::default()).unwrap().delimiter
     }
 
     #[test]
@@ -349,20 +345,7 @@ mod tests {
             ("  time   a\n", Delimiter::Blanks),
             ("0,1 0,2\n", Delimiter::Blanks),
         ] {
-            assert_eq!(found(text).0, delimiter, "{text:?}");
-        }
-    }
-
-    #[test]
-    fn any_row_may_show_the_decimal_comma() {
-        for (text, decimal) in [
-            ("a;b\n0;0\n", Decimal::Point),
-            ("a;b\n0;0\n1;0,5\n", Decimal::Comma),
-            ("a;b\n0;\"-0,5e-3\"\n", Decimal::Comma),
-            ("a;b\n0;1.2.2024\n1;x,5\n", Decimal::Point),
-            ("a b\n0 0.5\n", Decimal::Point),
-        ] {
-            assert_eq!(found(text).1, decimal, "{text:?}");
+            assert_eq!(found(text), delimiter, "{text:?}");
         }
     }
 
@@ -380,10 +363,38 @@ mod tests {
         }
     }
 
+    fn decimal(text: &str) -> Result<Decimal, TableError> {
+        Dialect::detect("t.csv", text, Given::default()).map(|dialect| dialect.decimal)
+    }
+
     #[test]
-    fn a_unit_belongs_to_the_name_before_it() {
-        let fields = in_brackets("  Time (s)\tTip position [m / s]  \"a b\" (x) 1 ");
-        assert_eq!(fields, ["Time (s)", "Tip", "position [m / s]", "\"a b\" (x)", "1"]);
-        assert_eq!(in_brackets("(s) \"a b\" )"), ["(s)", "a b", ")"]);
+    fn any_row_may_show_the_decimal_sign() {
+        for (text, sign) in [
+            ("a;b\n0;0\n1;0,5\n", Decimal::Comma),
+            ("a;b\n0;\"-0,5e-3\"\n", Decimal::Comma),
+            ("a;b\n0;1.2.2024\n1;x,5\n", Decimal::Point),
+            ("a b\n0 0.5\n", Decimal::Point),
+            ("a;b\n0,5;10,000\n", Decimal::Comma),
+        ] {
+            assert_eq!(decimal(text).unwrap(), sign, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_sign_that_may_stand_between_thousands_in_all_numbers_is_refused() {
+        for shown in ["0.125", "-0.125", "1.25", "1.2345", "1234.567", "1.234e3", ".125"] {
+            assert_eq!(
+                decimal(&format!("a;b\n0;10.000\n1;{shown}")),
+                Ok(Decimal::Point),
+                "{shown}"
+            );
+        }
+        for text in
+            ["a;b\n0;10.000\n10;1", "a;b\n0;10,000\n", "a;b\n0;-1.234\n", "a;b\n1.000;+1.234"]
+        {
+            let error = decimal(text).unwrap_err();
+            assert!(error.to_string().contains("between thousands"), "{error}");
+            assert!(error.hint().unwrap().starts_with("--decimal "), "{text:?}");
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::cell::OnceCell;
 use std::fmt::Write as _;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Component, Path};
 
 use sha2::{Digest as _, Sha256};
 use thiserror::Error;
@@ -79,6 +79,26 @@ impl InputFile {
     /// As [`InputFile::read`], and for more than 256 MiB.
     pub fn read_toml(path: &Path) -> Result<Self, InputError> {
         Self::read_within(path, LONGEST_TOML)
+    }
+
+    /// Reads a file that another file names, in the folder of that file or below.
+    ///
+    /// # Errors
+    /// As [`InputFile::read`], for a name that leads elsewhere, and for what is no file, such as a pipe.
+    pub fn read_beside(file: &Path, name: &str) -> Result<Self, InputError> {
+        let path = file.with_file_name(name);
+        let shown = path.display().to_string();
+        let is_below = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
+        if !Path::new(name).components().all(is_below) {
+            let cause = format!("must be in the folder of {} or below", file.display());
+            return Err(InputError::because(&shown, cause, Some("move the file there")));
+        }
+        // A pipe would be waited for when it is opened.
+        let about = fs::metadata(&path).map_err(|cause| InputError::new(shown.clone(), cause))?;
+        if !about.is_file() {
+            return Err(InputError::because(&shown, "must be a file".to_owned(), None));
+        }
+        Self::read(&path)
     }
 
     fn read_within(path: &Path, most: u64) -> Result<Self, InputError> {

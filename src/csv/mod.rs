@@ -36,7 +36,7 @@ pub use motion::{
 pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use path::{PathTable, read_path_table, write_path};
-pub use record::{RecordTable, read_record, read_recording};
+pub use record::{RecordTable, read_record, read_recording, read_recording_as};
 pub use response::read_frequency_response;
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};

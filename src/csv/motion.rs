@@ -2,7 +2,7 @@ use std::io::{self, Write};
 
 use super::format::{Reading, TableFormat};
 use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
-use super::motion_columns::motion_columns;
+use super::motion_columns::{motion_columns, take_angle};
 use super::number::Digits;
 use super::place::BY_HEADINGS;
 use super::rows::{Place, TableError};
@@ -129,7 +129,8 @@ impl MotionTable {
 
 /// Reads a tip trajectory: a row of names, then a row for each sample.
 ///
-/// An angle gives the displacement, `angle · link_length_m`. Times must increase; they need not be
+/// An angle gives the displacement, `angle · link_length_m`, and so does the direction of places `x` and `y`, whose
+/// distance from the hub must be the link's length. Times must increase; they need not be
 /// uniform.
 ///
 /// ```
@@ -163,10 +164,13 @@ pub fn read_motion_table_as(
 ) -> Result<MotionTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
     samples.check_outliers(name)?;
-    let rounding = samples.rounding();
+    let (angle, rounding) = match take_angle(&mut samples, name, link_length_m)? {
+        Some((angle, rounding)) => (Some(angle), rounding),
+        None => (samples.take(ANGLE), samples.rounding()),
+    };
     let mut per_value = 1.0;
     let mut first_angle_rad = None;
-    let arc = samples.take(ANGLE).map(|mut angle| {
+    let arc = angle.map(|mut angle| {
         first_angle_rad = angle.first().copied();
         for value in &mut angle {
             *value *= link_length_m;

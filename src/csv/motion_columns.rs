@@ -1,13 +1,18 @@
-//! The columns of a tip trajectory.
+//! The columns of a tip trajectory, and the angle that places of the tip give.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::columns::{Columns, Header};
 use super::format::Reading;
 use super::heading::{
-    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, Quantity, TIME, VELOCITY, Vocabulary, find,
-    names, nearest, refuse_missing, require,
+    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, Spelling, TIME,
+    VELOCITY, Vocabulary, find, names, nearest, refuse_missing, require,
 };
 use super::place::{Place, TableError, quoted};
+use super::samples::{Samples, refuse_samples};
 use super::unit_name::split_unit;
+use crate::recording::Rounding;
+use crate::text::significant;
 
 /// The tip's motion.
 const TRAJECTORY: Vocabulary = Vocabulary {
@@ -16,6 +21,14 @@ const TRAJECTORY: Vocabulary = Vocabulary {
     example: "time,acceleration",
     choice: None,
     by_option: "--columns time=1,displacement=2 says which column is what",
+};
+
+/// The tip's place, whose direction is the angle.
+const PLACES: Vocabulary = Vocabulary {
+    quantities: &[TIME, PATH_X, PATH_Y],
+    example: "time,x,y",
+    by_option: "--columns time=1,x=2,y=3 says which column is what",
+    ..TRAJECTORY
 };
 
 /// Most columns that a remark names.
@@ -27,6 +40,9 @@ const MOTIONS: [Quantity; 4] = [ACCELERATION, DISPLACEMENT, ANGLE, VELOCITY];
 /// Reads the first row, and checks that the columns describe a motion.
 pub(super) fn motion_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
+    if is_of_places(header) {
+        return place_columns(header);
+    }
     let columns = Columns::find(&TRAJECTORY, header)?;
     let headings = &columns.headings;
     let has = |quantity: &Quantity| find(headings, *quantity).is_some();
@@ -53,6 +69,37 @@ pub(super) fn motion_columns(header: Header) -> Result<(Columns, Reading), Table
     Ok((columns, reading))
 }
 
+/// True of a table whose columns x and y are the tip's place: the user says so, or both stand in it, and neither the
+/// user nor a standard name says what else moves the tip.
+fn is_of_places(header: Header) -> bool {
+    let is_place = |quantity: Quantity| [PATH_X, PATH_Y].contains(&quantity);
+    let chosen = || header.format.columns.iter().map(|choice| choice.quantity);
+    if chosen().any(|quantity| quantity != TIME) {
+        return chosen().any(is_place);
+    }
+    let spelling = |quantity: Quantity| {
+        header.fields.iter().filter_map(move |field| TRAJECTORY.spelling(field, quantity))
+    };
+    let is_named = |quantity| spelling(quantity).any(|way| way != Spelling::Alias);
+    is_named(PATH_X) && is_named(PATH_Y) && !MOTIONS.into_iter().any(is_named)
+}
+
+/// Finds the time and the tip's place.
+fn place_columns(header: Header) -> Result<(Columns, Reading), TableError> {
+    let Header { fields, place, .. } = header;
+    let columns = Columns::find(&PLACES, header)?;
+    for quantity in [TIME, PATH_X, PATH_Y] {
+        require(&columns.headings, quantity, fields, place)
+            .map_err(|error| error.or_hint(PLACES.by_option.to_owned()))?;
+    }
+    let (unread, hint) = unread(&columns, fields, &PLACES, OTHER);
+    let found = vec!["angle as the direction of x and y".to_owned()];
+    Ok((columns, Reading { found, unread, hint, ..Reading::default() }))
+}
+
+/// What to do about a column that is not read.
+const OTHER: &str = "--columns QUANTITY=NUMBER reads one of them instead";
+
 /// A column that may be the one that is missing: the first one with a hint, else the first one unread.
 fn suspect(columns: &Columns, fields: &[&str]) -> Option<usize> {
     let is_near =
@@ -72,8 +119,7 @@ fn reading_of(columns: &Columns, fields: &[&str]) -> Reading {
     let has = |quantity: Quantity| find(&columns.headings, quantity).is_some();
     let is_velocity_alone = !(has(ACCELERATION) || has(DISPLACEMENT) || has(ANGLE));
     let integral = is_velocity_alone.then(|| "displacement as the velocity's integral".to_owned());
-    let other = "--columns QUANTITY=NUMBER reads one of them instead";
-    let (unread, hint) = unread(columns, fields, &TRAJECTORY, other);
+    let (unread, hint) = unread(columns, fields, &TRAJECTORY, OTHER);
     Reading { found: Vec::from_iter(integral), unread, hint, ..Reading::default() }
 }
 
@@ -132,4 +178,131 @@ fn hint_for(name: &str) -> Option<String> {
     }
     let words = TRAJECTORY.quantities.iter().map(|quantity| quantity.word);
     nearest(name, words).map(|word| format!("did you mean {word}?"))
+}
+
+/// Largest distance of a tip from the circle about the hub, as a share of the link's length.
+const OFF_CIRCLE: f64 = 0.02;
+
+/// The other ways in which such a table may be meant.
+const OF_PLACES: &str = "x and y are places from the hub's axis; name their unit as in \"x [mm]\", or --columns displacement=N \
+                    reads one column as the arc of the tip";
+
+/// Takes the angle of the tip's place from a table that has it, in rad and continuous over turns, with what its digits
+/// are worth in rad.
+///
+/// # Errors
+/// [`TableError`] for a place that is not a length of the link from the hub, and for a tip that turns by more than a
+/// quarter in one step.
+pub(super) fn take_angle(
+    samples: &mut Samples,
+    file: &str,
+    link_length_m: f64,
+) -> Result<Option<(Vec<f64>, Option<Rounding>)>, TableError> {
+    let rounding = [PATH_X, PATH_Y].map(|quantity| samples.rounding_of(quantity));
+    let Some((x, y)) = samples.take(PATH_X).zip(samples.take(PATH_Y)) else { return Ok(None) };
+    let mut angles: Vec<f64> = Vec::with_capacity(x.len());
+    for (k, (x, y)) in x.into_iter().zip(y).enumerate() {
+        let refuse = |what: &str, found: f64, unit: &str, must: String| {
+            let why = format!("{what} = {} {unit}, but {must}", significant(found, 4));
+            refuse_samples(file, &samples.lines, Some(k), &why, Some(OF_PLACES))
+        };
+        let radius_m = libm::hypot(x, y);
+        if (radius_m - link_length_m).abs() > OFF_CIRCLE * link_length_m {
+            let length = significant(link_length_m, 4);
+            let must = format!(
+                "must be the link's length of {length} m within {} %",
+                significant(100.0 * OFF_CIRCLE, 2)
+            );
+            return Err(refuse("distance of x and y from the hub", radius_m, "m", must));
+        }
+        let within = libm::atan2(y, x);
+        let Some(before) = angles.last() else {
+            angles.push(within);
+            continue;
+        };
+        let turn = (within - before) - TAU * ((within - before) / TAU).round();
+        if turn.abs() > FRAC_PI_2 {
+            let must = "must be at most a quarter turn in one step".to_owned();
+            return Err(refuse("turn of x and y about the hub", turn, "rad", must));
+        }
+        angles.push(before + turn);
+    }
+    let rounding = match rounding {
+        [Some(x), Some(y)] => Some(Rounding {
+            decimals: x.decimals.min(y.decimals),
+            step: libm::hypot(x.step, y.step) / link_length_m,
+        }),
+        _ => None,
+    };
+    Ok(Some((angles, rounding)))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::csv::{MotionTable, TableError, TableFormat, read_motion_table_as};
+    use std::f64::consts::PI;
+
+    const LENGTH_M: f64 = 1.5;
+
+    fn read(text: &str, choices: &[&str]) -> Result<MotionTable, TableError> {
+        let columns = choices.iter().map(|choice| choice.parse().unwrap()).collect();
+        let format = TableFormat { columns, ..TableFormat::default() };
+        read_motion_table_as("p.csv", text.as_bytes(), LENGTH_M, &format)
+    }
+
+    /// The tip at these angles, `radius_m` from the hub.
+    fn places(angles: impl Iterator<Item = f64>, radius_m: f64) -> String {
+        let row = |(k, angle): (usize, f64)| {
+            format!(
+                "{},{:.9},{:.9}\n",
+                k as f64 * 0.01,
+                radius_m * angle.cos(),
+                radius_m * angle.sin()
+            )
+        };
+        "t,x,y\n".to_owned() + &angles.enumerate().map(row).collect::<String>()
+    }
+
+    fn angle(k: u32) -> f64 {
+        0.4 + 9.0 * 0.5 * (1.0 - (PI * f64::from(k) / 100.0).cos())
+    }
+
+    #[test]
+    fn places_give_the_arc_over_more_than_a_turn() {
+        for (radius_m, choices) in
+            [(LENGTH_M, &[][..]), (1.01 * LENGTH_M, &["x=2", "y=3", "time=1"])]
+        {
+            let table = read(&places((0..=100).map(angle), radius_m), choices).unwrap();
+            let arc_m = table.columns().displacement_m.as_deref().unwrap();
+            for (k, found) in (0..).zip(arc_m) {
+                assert!((found - LENGTH_M * angle(k)).abs() < 1.5e-9, "sample {k}: {found}");
+            }
+            assert!(table.is_of_angle());
+            let note = table.reading().note().unwrap();
+            assert!(note.ends_with("angle as the direction of x and y"), "{note}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_place_of_the_tip_is_refused() {
+        let far = read(&places((0..=100).map(angle), 1.03 * LENGTH_M), &[]).unwrap_err();
+        assert_eq!(
+            far.to_string(),
+            "p.csv:2: distance of x and y from the hub = 1.545 m, but must be the link's length of 1.500 m within 2.0 %"
+        );
+        let turns = read(&places([0.0, 0.1, 1.8, 1.9].into_iter(), LENGTH_M), &[]).unwrap_err();
+        assert!(turns.to_string().starts_with("p.csv:4: turn of x and y"), "{turns}");
+        let text = places((0..=100).map(angle), LENGTH_M);
+        assert!(read(&text, &["x=2"]).is_err(), "y is not chosen");
+    }
+
+    #[test]
+    fn a_column_that_is_chosen_or_has_the_word_itself_is_read() {
+        let text = places((0..=100).map(angle), LENGTH_M);
+        let arc = read(&text, &["displacement=x"]).unwrap();
+        assert_eq!(arc.columns().displacement_m.as_ref().unwrap()[0], 1.381_591_491);
+        let named =
+            read("time,displacement,x,y\n0,0,5,5\n1,1,5,5\n2,2,5,5\n3,3,5,5\n", &[]).unwrap();
+        assert_eq!(named.columns().displacement_m.as_deref(), Some(&[0.0, 1.0, 2.0, 3.0][..]));
+    }
 }

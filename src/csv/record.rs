@@ -3,8 +3,9 @@
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Quantity, ROOT_STRAIN, TIME, TIP,
-    TORQUE, VELOCITY, VOLTAGE, Vocabulary, find, names, refuse_missing, require,
+    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Heading, Quantity, ROOT_STRAIN,
+    Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, find, names, refuse_missing,
+    require,
 };
 use super::motion_columns::unread;
 use super::place::BY_HEADINGS;
@@ -175,8 +176,21 @@ const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
 /// # Errors
 /// [`TableError`] names the file, and line and column where they are at fault.
 pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Reading), TableError> {
-    let mut samples = Samples::read(name, bytes, &TableFormat::default(), channel_columns)
-        .map_err(|error| error.of_named_file(BY_HEADINGS))?;
+    read_recording_as(name, bytes, &TableFormat::default())
+        .map_err(|error| error.of_named_file(BY_HEADINGS))
+}
+
+/// Reads a recording in a form of which the user says something. Where columns are chosen, a common name such as `v`
+/// counts for nothing unless it is chosen, too.
+///
+/// # Errors
+/// As [`read_recording`], and for options that do not fit the table.
+pub fn read_recording_as(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<(ChannelRecording, Reading), TableError> {
+    let mut samples = Samples::read(name, bytes, format, channel_columns)?;
     let time_s = samples.take(TIME).unwrap_or_default();
     let taken = OF_QUANTITY.into_iter();
     let taken = taken.filter_map(|(quantity, channel)| Some((channel, samples.take(quantity)?)));
@@ -185,8 +199,19 @@ pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Rea
 }
 
 fn channel_columns(header: Header) -> Result<(Columns, Reading), TableError> {
-    let Header { fields, place, .. } = header;
-    let columns = Columns::find_all(&CHANNELS, header)?;
+    let Header { fields, place, format } = header;
+    let mut columns = Columns::find_all(&CHANNELS, header)?;
+    if !format.columns.is_empty() {
+        let is_chosen = |quantity| format.columns.iter().any(|own| own.quantity == quantity);
+        let counts = |own: &Heading| {
+            let is_common =
+                CHANNELS.spelling(fields[own.index], own.quantity) == Some(Spelling::Alias);
+            own.quantity == TIME || is_chosen(own.quantity) || !is_common
+        };
+        columns.headings.retain(counts);
+        let is_read = |index: &usize| columns.headings.iter().any(|own| own.index == *index);
+        columns.unread = (0..fields.len()).filter(|index| !is_read(index)).collect();
+    }
     let headings = &columns.headings;
     require(headings, TIME, fields, place)?;
     if let (Some(tip), Some(displacement)) = (find(headings, TIP), find(headings, DISPLACEMENT)) {
@@ -217,6 +242,25 @@ mod tests {
         let columns = columns.iter().map(|choice| choice.parse().unwrap()).collect();
         let format = TableFormat { columns, ..TableFormat::default() };
         read_record("r.csv", text.as_bytes(), RecordedInput::Torque, &SENSORS, &format)
+    }
+
+    #[test]
+    fn a_common_name_beside_chosen_columns_counts_for_nothing() {
+        let file = b"t,theta,v\n0,0,0\n0.1,0.1,6\n0.2,0.2,6\n0.3,0.3,6\n";
+        let columns = |choices: &[&str]| TableFormat {
+            columns: choices.iter().map(|choice| choice.parse().unwrap()).collect(),
+            ..TableFormat::default()
+        };
+        let read = |choices: &[&str]| {
+            let (recording, reading) = read_recording_as("r.csv", file, &columns(choices)).unwrap();
+            let channels: Vec<_> = recording.channels.iter().map(|(own, _)| *own).collect();
+            (channels, reading.unread)
+        };
+        let (channels, unread) = read(&["time=t", "hub_angle=theta"]);
+        assert_eq!(channels, [SimulatedChannel::HubAngle]);
+        assert_eq!(unread.as_deref(), Some("columns not read: 3 \"v\""));
+        let (channels, _) = read(&["time=t", "hub_angle=theta", "velocity=v"]);
+        assert_eq!(channels, [SimulatedChannel::HubAngle, SimulatedChannel::Velocity]);
     }
 
     #[test]

@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::dialect::{Decimal, Dialect, in_brackets};
+use super::dialect::{Decimal, Dialect};
 use super::input::{disguise, remedy, sha256};
 pub use super::place::TableError;
 pub(crate) use super::place::{Place, quoted};
+use super::unit_name::in_brackets;
 
 /// Reads the CSV text `bytes` of `file`: `first` returns a value for the first row, `next` changes it for
 /// each further row. None for a text without rows.

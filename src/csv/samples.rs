@@ -25,6 +25,10 @@ const NUMBERS: &str = "write a point before decimals, and nothing between thousa
 /// The option for numbers with decimal commas, for hints.
 const COMMAS: &str = "--decimal comma reads decimal commas";
 
+/// What to do about names beyond the fields of the rows, for hints.
+const NO_FIELD: &str = "the rows have no field for the last names: --skip leaves the names out, and --columns \
+                        time=1,displacement=2 says which column is what";
+
 /// What to do about names that blanks divide, for hints.
 const WORDS: &str = "blanks divide names of several words, too: --skip leaves the names out, and --columns \
                      time=1,displacement=2 says which column is what";
@@ -187,8 +191,12 @@ impl Samples {
         place.check_width(fields.len(), self.width).map_err(|error| {
             let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
                 .then(|| format!("{NUMBERS}, and one comma divides two fields"));
-            let is_headed_by_words = self.has_blanks && self.lines.is_empty();
-            error.with_hint(hint.or(is_headed_by_words.then(|| WORDS.to_owned())))
+            let is_short = fields.len() < self.width;
+            let of_names = self.lines.is_empty().then_some(match self.has_blanks {
+                true => Some(WORDS),
+                false => is_short.then_some(NO_FIELD),
+            });
+            error.with_hint(hint.or(of_names.flatten().map(str::to_owned)))
         })?;
         let columns = self.headings.iter().zip(&mut self.values).zip(&mut self.digits);
         for ((heading, values), digits) in columns {

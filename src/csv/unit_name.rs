@@ -31,9 +31,11 @@ impl fmt::Display for UnitName {
 }
 
 /// Spellings of units in headings that cannot mean another unit.
-const SPELLINGS: [(&[&str], &str); 11] = [
+const SPELLINGS: [(&[&str], &str); 13] = [
     (&["sec", "secs", "second", "seconds", "Sekunden", "secondes"], "s"),
     (&["msec", "millisecond", "milliseconds"], "ms"),
+    (&["nsec", "nanosecond", "nanoseconds"], "ns"),
+    (&["day", "days"], "d"),
     (&["meter", "meters", "metre", "metres"], "m"),
     (&["degree", "degrees", "°"], "deg"),
     (&["radian", "radians"], "rad"),
@@ -76,5 +78,48 @@ pub(super) fn split_any_unit(field: &str) -> (&str, Option<&str>) {
             _ => (name, None),
         },
         found => found,
+    }
+}
+
+/// The fields of a row that blanks divide. What is in quotes or in brackets is not divided, and a unit in
+/// brackets belongs to the name before it: `Time (s)`.
+pub(super) fn in_brackets(row: &str) -> Vec<&str> {
+    let mut spans: Vec<(usize, usize)> = Vec::new();
+    let (mut open, mut depth, mut in_quotes) = (None, 0_usize, false);
+    for (at, letter) in row.char_indices() {
+        if letter.is_whitespace() && depth == 0 && !in_quotes {
+            spans.extend(open.take().map(|start| (start, at)));
+            continue;
+        }
+        match letter {
+            '"' => in_quotes = !in_quotes,
+            '(' | '[' if !in_quotes => {
+                if open.is_none() && depth == 0 {
+                    open = spans.pop().map(|(start, _)| start);
+                }
+                depth += 1;
+            }
+            ')' | ']' if !in_quotes => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        open = open.or(Some(at));
+    }
+    spans.extend(open.map(|start| (start, row.len())));
+    let field = |(start, end): (usize, usize)| {
+        let field = row[start..end].trim();
+        field.strip_prefix('"').and_then(|f| f.strip_suffix('"')).unwrap_or(field)
+    };
+    spans.into_iter().map(field).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_belongs_to_the_name_before_it() {
+        let fields = in_brackets("  Time (s)\tTip position [m / s]  \"a b\" (x) 1 ");
+        assert_eq!(fields, ["Time (s)", "Tip", "position [m / s]", "\"a b\" (x)", "1"]);
+        assert_eq!(in_brackets("(s) \"a b\" )"), ["(s)", "a b", ")"]);
     }
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use flexlink::csv::{
-    InputFile, Reading, TableFormat, read_hub_reference_as, read_recording, read_target,
-    read_torque_table_as,
+    InputFile, Reading, TableFormat, read_hub_reference_as, read_recording, read_recording_as,
+    read_target, read_torque_table_as,
 };
 use flexlink::link::{Link, ParameterError};
 use flexlink::motion::TipTarget;
@@ -207,7 +207,12 @@ impl PlayArgs {
         });
         let target = target.transpose()?;
         let measured = measured.map(|file| -> Result<_, Failure> {
-            let (recording, reading) = read_recording(&file.shown, &file.bytes)?;
+            let (recording, reading) = if file.bytes == *bytes {
+                // The options say what the columns of this table are.
+                read_recording_as(&file.shown, &file.bytes, &read.format())?
+            } else {
+                read_recording(&file.shown, &file.bytes)?
+            };
             tell(&file.shown, &reading);
             Ok((file, recording))
         });

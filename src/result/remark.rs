@@ -239,15 +239,20 @@ impl Remark {
 
     /// Remarks on a motion that moves the tip by `travel_m`, of which it may stray by `tolerance`.
     pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
-        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-        let duration_s = grid.time_s(until) - grid.time_s(from);
-        let is_usual = DURATIONS_S.contains(&duration_s);
         let length_m = link.length_m();
-        let duration = (!is_usual).then_some(Self::Duration { duration_s });
+        let duration = Self::on_duration(motion);
         let travel =
             (travel_m > MOST_TRAVEL * length_m).then_some(Self::Travel { travel_m, length_m });
         let of_samples = Self::on_samples(motion, travel_m, tolerance);
         duration.into_iter().chain(travel).chain(of_samples).collect()
+    }
+
+    /// A remark on the duration of a motion.
+    pub fn on_duration(motion: &TipMotion) -> Option<Self> {
+        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+        let duration_s = grid.time_s(until) - grid.time_s(from);
+        let is_usual = DURATIONS_S.contains(&duration_s);
+        (!is_usual).then_some(Self::Duration { duration_s })
     }
 
     /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.

@@ -39,7 +39,7 @@ pub(crate) fn warnings<W: Display>(warnings: impl IntoIterator<Item = (W, &'stat
 }
 
 /// Prints remarks and their hints to standard error.
-pub(crate) fn remarks(remarks: &[Remark]) {
+pub(crate) fn remarks<'a>(remarks: impl IntoIterator<Item = &'a Remark>) {
     for found in remarks {
         remark(&found.to_string(), found.hint());
     }

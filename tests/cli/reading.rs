@@ -102,3 +102,65 @@ fn torques_targets_and_references_are_read_in_any_form() {
     let found = told(&bench, &[&["sweep", &link, "tip.csv"], &vary[..]].concat());
     assert_eq!(found.matches("decimal comma").count(), 2, "{found}");
 }
+
+#[test]
+fn times_in_days_are_told_before_the_work_and_the_refusal_names_the_unit() {
+    let bench = Bench::new();
+    let rows: String = (0..=100)
+        .map(|k| {
+            let u = f64::from(k) / 100.0;
+            let (day, m) = (45349.0 + u / 86400.0, u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u));
+            format!("{day:.10},{m:.9}\n")
+        })
+        .collect();
+    bench.write("days.csv", &format!("time,displacement\n{rows}"));
+    let output = bench.run(&["solve", &repository(LINK), "days.csv"]);
+    let found = stderr(&output);
+    let hint = "hint: name the unit in the column's heading, as in \"time [ms]\"\n";
+    assert!(found.starts_with("remark: the tip moves for "), "{found}");
+    assert!(found.contains("probably time in another unit"), "{found}");
+    assert!(found.ends_with(hint) && found.contains("error: "), "{found}");
+    bench.write("named.csv", &format!("time [d],displacement\n{rows}"));
+    let output = bench.run(&["solve", &repository(LINK), "named.csv"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn a_sign_that_may_stand_between_thousands_needs_the_option() {
+    let bench = Bench::new();
+    let rows: String = (0..=100)
+        .map(|k| {
+            let u = f64::from(k) / 100.0;
+            let um = 3e5 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u) + 1e4;
+            let (thousands, rest) = ((um / 1e3).trunc(), um.round() % 1e3);
+            format!("{};{thousands}.{rest:03}\n", 10 * k)
+        })
+        .collect();
+    bench.write("um.csv", &format!("Zeit (ms);Weg (um)\n{rows}"));
+    let arguments = ["solve", &repository(LINK), "um.csv", "--decimal", "point"];
+    let output = bench.run(&arguments[..3]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(stderr(&output).contains("hint: --decimal point says that decimals follow; nothing"));
+    assert!(bench.run(&arguments).status.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn measured_values_name_files_of_their_own_folder_alone() {
+    let bench = Bench::new();
+    let fit = |name: &str| {
+        let response = format!("[[response]]\nfile = \"{name}\"\ntransfer = \"hub_angle\"\n");
+        bench.write("measured.toml", &response);
+        bench.run(&["fit", &repository(LINK), "measured.toml", "--free", "segments.*.EI"])
+    };
+    let refused = |name: &str, why: &str| {
+        let output = fit(name);
+        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    };
+    refused("/etc/passwd", "must be in the folder of measured.toml or below");
+    refused("../other.csv", "must be in the folder of measured.toml or below");
+    let made = std::process::Command::new("mkfifo").arg(bench.path("pipe")).status();
+    assert!(made.expect("mkfifo").success());
+    refused("pipe", "must be a file");
+}

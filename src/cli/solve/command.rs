@@ -6,6 +6,7 @@ use clap::builder::ArgPredicate;
 use flexlink::csv::InputFile;
 use flexlink::motion::Ends;
 use flexlink::numeric::TimeGrid;
+use flexlink::result::Remark;
 use flexlink::store::{REPORT, Summary};
 
 use super::arm::{ArmProblem, SolvedRun};
@@ -246,7 +247,8 @@ impl Solve {
         table: Option<&WrittenTable>,
     ) -> Result<(), Failure> {
         let Solved { solution, metrics, exceeded, verification, remarks, .. } = solved;
-        console::remarks(remarks);
+        // That on the duration is told before the work.
+        console::remarks(remarks.iter().filter(|own| !matches!(own, Remark::Duration { .. })));
         warn(solution);
         // With --strict the first is an error, printed at the end.
         let limits = exceeded.iter().skip(usize::from(self.strict));

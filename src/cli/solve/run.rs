@@ -190,7 +190,15 @@ impl<'a> Problem<'a> {
         let memory_bytes = memory::available();
         let resources = Resources { memory_bytes, watch: stages, ..Resources::default() };
         let analysis = self.options.analysis(analysis);
-        let solution = invert_with(link, mesh, &self.motion, &analysis, &resources)?;
+        // Times in another unit make the work large or impossible: they are told before it.
+        let duration = Remark::on_duration(&self.motion);
+        stages.above(|| console::remarks(&duration));
+        let solution =
+            invert_with(link, mesh, &self.motion, &analysis, &resources).map_err(|error| {
+                let failure = Failure::from(error);
+                let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
+                Failure { hint: hint.or(failure.hint), ..failure }
+            })?;
         self.options.nodes.check(solution.mesh())?;
         let verify = || {
             stages.at("verifying");

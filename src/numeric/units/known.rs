@@ -130,7 +130,7 @@ const fn unit(
 }
 
 /// Every unit this program reads.
-pub(super) const KNOWN: [KnownUnit; 49] = [
+pub(super) const KNOWN: [KnownUnit; 51] = [
     unit("m", 1.0, 0, Dimension::LENGTH),
     unit("mm", 1.0, -3, Dimension::LENGTH),
     unit("cm", 1.0, -2, Dimension::LENGTH),
@@ -152,8 +152,10 @@ pub(super) const KNOWN: [KnownUnit; 49] = [
     unit("ms", 1.0, -3, Dimension::TIME),
     unit("us", 1.0, -6, Dimension::TIME),
     unit("µs", 1.0, -6, Dimension::TIME),
+    unit("ns", 1.0, -9, Dimension::TIME),
     unit("min", 60.0, 0, Dimension::TIME),
     unit("h", 3600.0, 0, Dimension::TIME),
+    unit(DAY, 86_400.0, 0, Dimension::TIME),
     unit("N", 1.0, 0, Dimension::FORCE),
     unit("mN", 1.0, -3, Dimension::FORCE),
     unit("kN", 1.0, 3, Dimension::FORCE),
@@ -185,6 +187,8 @@ pub(super) const KNOWN: [KnownUnit; 49] = [
     unit("μs", 1.0, -6, Dimension::TIME),
 ];
 
+const DAY: &str = "d";
+
 const PSI: f64 = 44_482_216_152_605.0 / (254.0 * 254.0);
 
 /// The unit with this symbol.
@@ -207,11 +211,11 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
 }
 
 /// True if a word is a unit's symbol, capitals aside and with or without a power, such as `rad` or
-/// `s2`, or two that run together, such as `Nm`.
+/// `s2`, or two that run together, such as `Nm`. A `d` stands for *desired* more often than for days.
 pub(crate) fn reads_as_unit(word: &str) -> bool {
     let lower = word.to_lowercase();
     let word = lower.trim_end_matches(|c: char| c.is_ascii_digit());
-    let same = |symbol: &str, word: &str| symbol.to_lowercase() == word;
+    let same = |symbol: &str, word: &str| symbol != DAY && symbol.to_lowercase() == word;
     KNOWN.iter().any(|unit| same(unit.symbol, word)) || split(word, same).is_some()
 }
 
@@ -305,7 +309,7 @@ mod tests {
         m 1; mm 0.001; cm 0.01; km 1000; um 0.000001; µm 0.000001; μm 0.000001; in 0.0254;
         ft 0.3048; kg 1; g 0.001; mg 0.000001; t 1000; lb 0.45359237; lbm 0.45359237;
         oz 0.028349523125; slug 14.593902937206364; s 1; ms 0.001; us 0.000001; µs 0.000001;
-        μs 0.000001; min 60; h 3600; N 1; mN 0.001; kN 1000; MN 1000000; dyn 0.00001;
+        μs 0.000001; ns 0.000000001; min 60; h 3600; d 86400; N 1; mN 0.001; kN 1000; MN 1000000; dyn 0.00001;
         kgf 9.80665; lbf 4.4482216152605; ozf 0.27801385095378125; Pa 1; kPa 1000; MPa 1000000;
         GPa 1000000000; bar 100000; psi 6894.757293168361; ksi 6894757.293168361; J 1; W 1; mW 0.001; kW 1000; Hz 1;
         rad 1; mrad 0.001; deg 0.017453292519943295; rpm 0.10471975511965977; 1 1";
@@ -361,7 +365,7 @@ mod tests {
         for word in ["rad", "hz", "S2", "cm", "N", "MPa", "Nm", "ncm", "mNm", "ozin", "inlbf"] {
             assert!(reads_as_unit(word), "{word}");
         }
-        for word in ["", "1", "42", "hub", "cmd", "torque", "motor", "sin", "µ", "²"] {
+        for word in ["", "1", "42", "hub", "cmd", "torque", "motor", "sin", "µ", "²", "d"] {
             assert!(!reads_as_unit(word), "{word}");
         }
     }
