@@ -25,6 +25,7 @@ class _Reading(TypedDict, total=False):
     skip: int
     delimiter: str
     decimal: Literal["point", "comma"]
+    drop_outliers: bool
     scale_duration: float
 
 class _MotionOptions(_Reading, total=False):

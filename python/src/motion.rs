@@ -78,7 +78,12 @@ impl Given {
         }
         let table = match self {
             Self::File(InputFile { shown, bytes, .. }) => {
-                let table = read_motion_table_as(shown, bytes, length_m, &options.read.format())?;
+                let table = read_motion_table_as(
+                    shown,
+                    bytes,
+                    length_m,
+                    &options.resample.format(&options.read),
+                )?;
                 let reading = of_reading(shown, table.reading());
                 return Ok((table, reading));
             }
@@ -153,6 +158,11 @@ pub(crate) fn taken_time<'py>(columns: &Bound<'py, PyDict>) -> PyResult<Bound<'p
 
 /// Refuses what says how a file is read, where the samples are arrays in SI.
 pub(crate) fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
+    if options.resample.format(&options.read).drop_outliers {
+        let hint =
+            Some("the refusal of a bad sample gives its number and what its neighbours lead to");
+        return Err(usage(&"drop_outliers is for files, and the motion is arrays", hint));
+    }
     match options.read.arguments().first() {
         None => Ok(()),
         Some(option) => {

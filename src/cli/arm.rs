@@ -9,7 +9,8 @@ use flexlink::spec::ArmSpecification;
 use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
 use flexlink::verify::{ArmAnswer, Verification, verify_arm};
 
-use crate::options::inputs::{ReadArgs, ResampleArgs, ScaleArgs, tell};
+use crate::options::inputs::{ResampleArgs, ScaleArgs};
+use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, StageBar, memory};
 
 /// An arm and the path that it is to follow.
@@ -79,6 +80,8 @@ impl ArmAndPath {
         let exceeded = metrics.exceeded(limits);
         let tolerance = solution.analysis.tip_tolerance();
         let of_path = Remark::on_path(&self.path, solution.way_m, tolerance);
+        let dropped = Remark::on_dropped(self.table.reading().dropped());
+        let of_path = dropped.into_iter().chain(of_path);
         let remarks = self.specification.remarks.iter().cloned().chain(of_path).collect();
         Ok(SolvedArm { solution, metrics, limits: limits.clone(), exceeded, remarks })
     }

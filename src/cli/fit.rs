@@ -14,7 +14,8 @@ use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, re
 use flexlink::store::{Fingerprint, FitInputs, fit_json};
 
 use crate::options::common::option;
-use crate::options::inputs::{LinkArgs, tell as tell_reading, warn_of_gravity};
+use crate::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::options::reading::tell as tell_reading;
 use crate::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::terminal::text::fit_text;
 use crate::terminal::{Exit, Failure, StageBar, console};

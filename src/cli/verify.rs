@@ -13,9 +13,8 @@ use flexlink::verify::{Answer, Verification, VerificationError, verify};
 
 use super::arm::{ArmAndPath, SolvedArm};
 use crate::options::common::refuse_for_arms;
-use crate::options::inputs::{
-    LinkArgs, MOTION, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
-};
+use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, described, remarks};
+use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
 use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
@@ -69,7 +68,7 @@ pub(crate) struct Verify {
 
 /// One link and its motion, or an arm and its path.
 enum Loaded {
-    Link(Box<Specification>, TipMotion),
+    Link(Box<(Specification, TipMotion)>),
     Arm(Box<ArmAndPath>),
 }
 
@@ -77,7 +76,7 @@ impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
         let (specification, motion) = match self.load()? {
-            Loaded::Link(specification, motion) => (*specification, motion),
+            Loaded::Link(loaded) => *loaded,
             Loaded::Arm(arm) => return self.run_arm(&arm),
         };
         let (solution, verification) = self.compute(&specification, &motion)?;
@@ -120,7 +119,8 @@ impl Verify {
         let link = &specification.link;
         let (motion, reading) = self.resample.motion_of(&file, link, &self.read)?;
         tell(&file.shown, &reading);
-        Ok(Loaded::Link(specification, self.scale.scaled(motion)?))
+        let motion = self.scale.scaled(motion)?;
+        Ok(Loaded::Link(Box::new((*specification, motion))))
     }
 
     fn compute(

@@ -188,8 +188,8 @@ pub fn read_motion_table_as(
         velocity_m_s: samples.take(VELOCITY),
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
-    let recording = Recording { uncertainty, ..Recording::default() };
     let Samples { lines, reading, .. } = samples;
+    let recording = Recording { uncertainty, dropped: reading.dropped, ..Recording::default() };
     let name = name.to_owned();
     let ends = Ends::default();
     Ok(MotionTable { columns, name, lines, reading, recording, first_angle_rad, ends })

@@ -187,6 +187,9 @@ const OFF_CIRCLE: f64 = 0.02;
 const OF_PLACES: &str = "x and y are places from the hub's axis; name their unit as in \"x [mm]\", or --columns displacement=N \
                     reads one column as the arc of the tip";
 
+/// Angles in rad, and to which decimal they are rounded.
+type Angles = (Vec<f64>, Option<Rounding>);
+
 /// Takes the angle of the tip's place from a table that has it, in rad and continuous over turns, with what its digits
 /// are worth in rad.
 ///
@@ -197,7 +200,7 @@ pub(super) fn take_angle(
     samples: &mut Samples,
     file: &str,
     link_length_m: f64,
-) -> Result<Option<(Vec<f64>, Option<Rounding>)>, TableError> {
+) -> Result<Option<Angles>, TableError> {
     let rounding = [PATH_X, PATH_Y].map(|quantity| samples.rounding_of(quantity));
     let Some((x, y)) = samples.take(PATH_X).zip(samples.take(PATH_Y)) else { return Ok(None) };
     let mut angles: Vec<f64> = Vec::with_capacity(x.len());
@@ -300,7 +303,8 @@ mod tests {
     fn a_column_that_is_chosen_or_has_the_word_itself_is_read() {
         let text = places((0..=100).map(angle), LENGTH_M);
         let arc = read(&text, &["displacement=x"]).unwrap();
-        assert_eq!(arc.columns().displacement_m.as_ref().unwrap()[0], 1.381_591_491);
+        let first_m = arc.columns().displacement_m.as_ref().unwrap()[0];
+        assert!(first_m.total_cmp(&1.381_591_491).is_eq(), "{first_m}");
         let named =
             read("time,displacement,x,y\n0,0,5,5\n1,1,5,5\n2,2,5,5\n3,3,5,5\n", &[]).unwrap();
         assert_eq!(named.columns().displacement_m.as_deref(), Some(&[0.0, 1.0, 2.0, 3.0][..]));

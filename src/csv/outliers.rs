@@ -5,7 +5,8 @@ use crate::recording::{Outlier, outliers};
 use crate::text::significant;
 
 /// The hint of a refused sample.
-const BY_OPTION: &str = "correct the sample, or write what its neighbours lead to in its place";
+const BY_OPTION: &str =
+    "correct the sample; --drop-outliers puts what its neighbours lead to in its place";
 
 /// A column of a table over time, in SI.
 pub(super) struct Judged<'a> {
@@ -61,7 +62,6 @@ mod tests {
     use super::super::format::TableFormat;
     use super::super::motion::read_motion_table_as;
     use super::super::path::read_path_table;
-    use super::*;
 
     /// A table of a wave, in which one sample of a column is off.
     fn file(heading: &str, columns: usize, bad: Option<(usize, f64)>) -> String {

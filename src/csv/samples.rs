@@ -192,11 +192,10 @@ impl Samples {
             let hint = (fields.len() > self.width && fields.iter().all(|field| is_digits(field)))
                 .then(|| format!("{NUMBERS}, and one comma divides two fields"));
             let is_short = fields.len() < self.width;
-            let of_names = self.lines.is_empty().then_some(match self.has_blanks {
-                true => Some(WORDS),
-                false => is_short.then_some(NO_FIELD),
-            });
-            error.with_hint(hint.or(of_names.flatten().map(str::to_owned)))
+            let of_blanks =
+                if self.has_blanks { Some(WORDS) } else { is_short.then_some(NO_FIELD) };
+            let of_names = of_blanks.filter(|_| self.lines.is_empty());
+            error.with_hint(hint.or(of_names.map(str::to_owned)))
         })?;
         let columns = self.headings.iter().zip(&mut self.values).zip(&mut self.digits);
         for ((heading, values), digits) in columns {

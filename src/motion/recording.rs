@@ -42,6 +42,8 @@ pub struct Recording {
     /// Largest distance of a time from the uniform grid of all, in steps, where the samples were taken
     /// between the times of that grid and interpolated.
     pub jitter: Option<f64>,
+    /// Number of samples that were replaced by what their neighbours lead to.
+    pub dropped: usize,
     /// Whether a velocity column says by itself that the tip moves at the ends.
     pub moves_by_column: bool,
     /// Cut-off in rad/s that the user has chosen; `None`: the one that the tip needs.

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use flexlink::csv::{
-    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, MotionTable, PathTable, Reading,
-    TableFormat, UnitName, read_motion_table_as, read_path_table,
+    InputFile, MotionTable, PathTable, Reading, TableFormat, read_motion_table_as, read_path_table,
 };
 use flexlink::inverse::Solution;
 use flexlink::link::Link;
@@ -22,12 +21,16 @@ use flexlink::spec::{
 use flexlink::text::plain;
 
 use super::common::{finite, option};
+use super::reading::ReadArgs;
 use crate::terminal::{Exit, Failure, console};
 
 pub(crate) const LINK: &str = "Link file (TOML)";
 
 pub(crate) const MOTION: &str =
     "Tip trajectory (CSV): `time` and `acceleration`, `displacement`, `angle` or `velocity`";
+
+/// The option for bad samples.
+const DROP_OUTLIERS: &str = "--drop-outliers";
 
 /// A link file and the changes to it.
 #[derive(Debug, Args)]
@@ -129,6 +132,10 @@ pub(crate) struct ResampleArgs {
     #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
     noise: Option<Length>,
 
+    /// Replace samples that do not follow their neighbours by what these lead to, and count them.
+    #[arg(long)]
+    drop_outliers: bool,
+
     /// Solve the motion up to this frequency in Hz, instead of that which the tip needs.
     #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
     lowpass: Option<f64>,
@@ -179,7 +186,8 @@ impl ResampleArgs {
         read: &ReadArgs,
     ) -> Result<(TipMotion, Reading), Failure> {
         let length_m = link.length_m();
-        let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &read.format())?;
+        let format = self.format(read);
+        let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &format)?;
         let reading = table.reading().clone();
         Ok((self.motion_in(table, link)?, reading))
     }
@@ -213,7 +221,12 @@ impl ResampleArgs {
 
     /// Reads the path of an arm.
     pub(crate) fn path_of(&self, file: &InputFile, read: &ReadArgs) -> Result<PathTable, Failure> {
-        self.path_in(read_path_table(&file.shown, &file.bytes, &read.format())?)
+        self.path_in(read_path_table(&file.shown, &file.bytes, &self.format(read))?)
+    }
+
+    /// What the options say of a table.
+    pub(crate) fn format(&self, read: &ReadArgs) -> TableFormat {
+        TableFormat { drop_outliers: self.drop_outliers, ..read.format() }
     }
 
     /// The path of an arm in a table.
@@ -227,7 +240,8 @@ impl ResampleArgs {
     /// The arguments, for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let resample = self.resample.map(|step_s| option("--resample", step_s));
-        resample.into_iter().flatten().chain(self.of_one_link()).collect()
+        let dropped = self.drop_outliers.then(|| DROP_OUTLIERS.to_owned());
+        resample.into_iter().flatten().chain(dropped).chain(self.of_one_link()).collect()
     }
 
     /// The arguments that an arm's path does not take.
@@ -319,81 +333,4 @@ pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
     let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
     let jumps = Remark::on_jumps(solution);
     of_file.iter().cloned().chain(of_modes).chain(of_motion).chain(jumps).collect()
-}
-
-const READING: &str = "Reading a measured MOTION or TORQUE";
-
-/// How MOTION, or the TORQUE of `simulate`, is to be read. What is not given is read from the file.
-#[derive(Debug, Args)]
-pub(crate) struct ReadArgs {
-    /// Which column holds which quantity, by its number from 1 or by its heading: time=1,displacement=3
-    /// or displacement=pos; of an arm's path x, y, angle1, angle2, … A table without headings needs the
-    /// time, too.
-    #[arg(long, help_heading = READING, value_name = "QUANTITY=COLUMN", value_delimiter = ',')]
-    columns: Vec<ColumnChoice>,
-
-    /// Unit of the times, such as ms.
-    #[arg(long, help_heading = READING, value_name = "UNIT")]
-    time_unit: Option<UnitName>,
-
-    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. Of an arm's path, a length is that of
-    /// x and y, an angle that of all directions.
-    #[arg(long, help_heading = READING, value_name = "UNIT")]
-    unit: Option<UnitName>,
-
-    /// Multiply the numbers of a quantity's column, before their unit: counts to metres,
-    /// displacement=1.5e-6.
-    #[arg(long, help_heading = READING, value_name = "QUANTITY=FACTOR", value_delimiter = ',')]
-    scale: Vec<ColumnScale>,
-
-    /// Leave out the first N lines.
-    #[arg(long, help_heading = READING, value_name = "N", default_value_t, hide_default_value = true)]
-    skip: usize,
-
-    /// What divides the fields: `,`, `;`, tab or blanks.
-    #[arg(long, help_heading = READING, value_name = "SIGN")]
-    delimiter: Option<Delimiter>,
-
-    /// What stands before decimals: point or comma.
-    #[arg(long, help_heading = READING, value_name = "SIGN")]
-    decimal: Option<Decimal>,
-}
-
-impl ReadArgs {
-    /// What the options say of a table.
-    pub(crate) fn format(&self) -> TableFormat {
-        TableFormat {
-            skip: self.skip,
-            delimiter: self.delimiter,
-            decimal: self.decimal,
-            columns: self.columns.clone(),
-            scales: self.scale.clone(),
-            time_unit: self.time_unit.clone(),
-            unit: self.unit.clone(),
-            drop_outliers: false,
-        }
-    }
-
-    /// The arguments, for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
-        let columns = self.columns.iter().flat_map(|choice| option("--columns", choice));
-        let time_unit = self.time_unit.iter().flat_map(|unit| option("--time-unit", unit));
-        let unit = self.unit.iter().flat_map(|unit| option("--unit", unit));
-        let scale = self.scale.iter().flat_map(|scale| option("--scale", scale));
-        let skip = (self.skip != 0).then(|| option("--skip", self.skip));
-        let delimiter = self.delimiter.iter().flat_map(|sign| option("--delimiter", sign));
-        let decimal = self.decimal.iter().flat_map(|sign| option("--decimal", sign));
-        let columns = columns.chain(time_unit).chain(unit).chain(scale);
-        columns.chain(skip.into_iter().flatten()).chain(delimiter).chain(decimal).collect()
-    }
-}
-
-/// Tells how a table was read where that is not the standard form, and which columns were not read.
-pub(crate) fn tell(shown: &str, reading: &Reading) {
-    if let Some(note) = reading.note() {
-        console::note(&format!("{shown}: {note}"));
-    }
-    for (remark, hint) in reading.remark().into_iter().chain(reading.jitter()) {
-        console::remark(&format!("{shown}: {remark}"), hint);
-    }
 }

@@ -5,3 +5,4 @@ pub(crate) mod common;
 pub(crate) mod inputs;
 pub(crate) mod play;
 pub(crate) mod play_arm;
+pub(crate) mod reading;

@@ -15,7 +15,7 @@ use flexlink::result::ChannelRecording;
 use flexlink::store::read_state;
 
 use super::common::{angle_rad, finite, option, refuse_for_arms};
-use super::inputs::{ReadArgs, tell};
+use super::reading::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// What moves the link.

@@ -9,8 +9,8 @@ use flexlink::result::TipPlaces;
 use flexlink::store::read_state;
 
 use super::common::directions;
-use super::inputs::{ReadArgs, tell};
 use super::play::PlayArgs;
+use super::reading::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// The files of an arm's simulation beside that of the arm, read.

@@ -71,7 +71,9 @@ pub fn outliers(time_s: &[f64], values: &[f64]) -> Vec<Outlier> {
         }
         bad.extend(worst.iter().map(|k| numbers[*k]));
         let mut is_good = vec![true; numbers.len()];
-        worst.iter().for_each(|k| is_good[*k] = false);
+        for k in worst {
+            is_good[k] = false;
+        }
         good.time_s = kept(&good.time_s, &is_good);
         good.values = kept(&good.values, &is_good);
         numbers = kept(&numbers, &is_good);

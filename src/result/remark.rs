@@ -121,6 +121,16 @@ pub enum Remark {
         /// The step in s.
         step_s: f64,
     },
+    /// Samples that did not follow their neighbours, and were replaced.
+    #[error(
+        "{samples} {} replaced by what {} neighbours lead to",
+        if *samples == 1 { "sample was" } else { "samples were" },
+        if *samples == 1 { "its" } else { "their" }
+    )]
+    DroppedOutliers {
+        /// Number of the samples.
+        samples: usize,
+    },
     /// A tip that moves at its ends because a velocity column says so.
     #[error(
         "the velocity says that the tip moves at {} m/s before its motion and at {} m/s after it, and has done so all along",
@@ -275,6 +285,11 @@ impl Remark {
         })
     }
 
+    /// A remark on samples that were replaced, if any were.
+    pub fn on_dropped(samples: usize) -> Option<Self> {
+        (samples > 0).then_some(Self::DroppedOutliers { samples })
+    }
+
     /// Remarks on what the samples of a motion are worth.
     fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
         let (grid, recording) = (motion.grid(), motion.recording());
@@ -294,7 +309,8 @@ impl Remark {
                 }
             })
         });
-        jitter.into_iter().chain(moves).chain(uncertain)
+        let dropped = Self::on_dropped(recording.dropped);
+        jitter.into_iter().chain(dropped).chain(moves).chain(uncertain)
     }
 
     /// Name of the kind, for machines.
@@ -307,6 +323,7 @@ impl Remark {
             Self::Duration { .. } => "duration",
             Self::Travel { .. } => "way",
             Self::Jitter { .. } => "jitter",
+            Self::DroppedOutliers { .. } => "dropped_outliers",
             Self::MovingEnds { .. } => "moving_ends",
             Self::FewDigits { .. } => "few_digits",
             Self::PathDigits { .. } => "path_digits",
@@ -328,6 +345,9 @@ impl Remark {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
             Self::Jitter { .. } => "--resample STEP interpolates at another step",
+            Self::DroppedOutliers { .. } => {
+                "without --drop-outliers the first of them is named and refused"
+            }
             Self::MovingEnds { .. } => {
                 "--moving-ends says so without this remark; add the rows that bring the tip to rest if it rests"
             }

@@ -1,5 +1,7 @@
 //! Tables as instruments write them: what is told, and what the run is worth.
 
+use std::collections::BTreeMap;
+
 use super::{Bench, LINK, repository, stderr, stdout};
 
 const FILES: &str = "tests/files/instruments";
@@ -106,13 +108,12 @@ fn torques_targets_and_references_are_read_in_any_form() {
 #[test]
 fn times_in_days_are_told_before_the_work_and_the_refusal_names_the_unit() {
     let bench = Bench::new();
-    let rows: String = (0..=100)
-        .map(|k| {
-            let u = f64::from(k) / 100.0;
-            let (day, m) = (45349.0 + u / 86400.0, u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u));
-            format!("{day:.10},{m:.9}\n")
-        })
-        .collect();
+    let row = |k: i32| {
+        let u = f64::from(k) / 100.0;
+        let (day, m) = (45349.0 + u / 86400.0, u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u));
+        format!("{day:.10},{m:.9}\n")
+    };
+    let rows = (0..=100).map(row).collect::<Vec<_>>().concat();
     bench.write("days.csv", &format!("time,displacement\n{rows}"));
     let output = bench.run(&["solve", &repository(LINK), "days.csv"]);
     let found = stderr(&output);
@@ -128,14 +129,13 @@ fn times_in_days_are_told_before_the_work_and_the_refusal_names_the_unit() {
 #[test]
 fn a_sign_that_may_stand_between_thousands_needs_the_option() {
     let bench = Bench::new();
-    let rows: String = (0..=100)
-        .map(|k| {
-            let u = f64::from(k) / 100.0;
-            let um = 3e5 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u) + 1e4;
-            let (thousands, rest) = ((um / 1e3).trunc(), um.round() % 1e3);
-            format!("{};{thousands}.{rest:03}\n", 10 * k)
-        })
-        .collect();
+    let row = |k: i32| {
+        let u = f64::from(k) / 100.0;
+        let um = 3e5 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u) + 1e4;
+        let (thousands, rest) = ((um / 1e3).trunc(), um.round() % 1e3);
+        format!("{};{thousands}.{rest:03}\n", 10 * k)
+    };
+    let rows = (0..=100).map(row).collect::<Vec<_>>().concat();
     bench.write("um.csv", &format!("Zeit (ms);Weg (um)\n{rows}"));
     let arguments = ["solve", &repository(LINK), "um.csv", "--decimal", "point"];
     let output = bench.run(&arguments[..3]);
@@ -163,4 +163,69 @@ fn measured_values_name_files_of_their_own_folder_alone() {
     let made = std::process::Command::new("mkfifo").arg(bench.path("pipe")).status();
     assert!(made.expect("mkfifo").success());
     refused("pipe", "must be a file");
+}
+
+/// A file in which one number of a row is changed: to what it was, and something more.
+fn spoiled(bench: &Bench, (from, to): (&str, &str), (row, column): (usize, usize), more: f64) {
+    let text: String = bench
+        .read(from)
+        .lines()
+        .enumerate()
+        .map(|(line, text)| {
+            let mut fields: Vec<String> = text.split(',').map(str::to_owned).collect();
+            if line == row {
+                fields[column] = (fields[column].parse::<f64>().unwrap() + more).to_string();
+            }
+            fields.join(",") + "\n"
+        })
+        .collect();
+    bench.write(to, &text);
+}
+
+#[test]
+fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
+    let bench = Bench::new();
+    let arm = repository("specs/arms/two_links.toml");
+    let septic = ["trajectory", "septic", "--step", "0.005", "--duration", "1"];
+    told(&bench, &[&septic[..], &["--distance", "0.5", "-o", "link.csv"]].concat());
+    let line = ["--path", "line", "--from", "0.9,-0.5", "--to", "0.5,0.8", "-o", "arm.csv"];
+    told(&bench, &[&septic[..], &line].concat());
+    // The acceleration of the link's tip, and y of the arm's.
+    for (file, name, column, torque) in
+        [(repository(LINK), "link", 1, "torque"), (arm, "arm", 2, "torques")]
+    {
+        spoiled(&bench, (&format!("{name}.csv"), "bad.csv"), (81, column), 0.005);
+        let refused = bench.run(&["solve", &file, "bad.csv", "-q"]);
+        assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
+        let text = stderr(&refused);
+        assert!(text.contains("bad.csv:82: ") && text.contains("it is 0.00500 m"), "{text}");
+        assert!(text.contains("--drop-outliers"), "{text}");
+        let dropped = ["solve", &file, "bad.csv", "-q", "--drop-outliers", "-o", "dropped"];
+        let text = told(&bench, &dropped);
+        let remark = "remark: 1 sample was replaced by what its neighbours lead to\n";
+        assert!(text.contains(remark), "{text}");
+        let summary = bench.json("dropped/summary.json");
+        let kinds = summary["remarks"].as_array().unwrap().iter();
+        assert!(kinds.map(|own| &own["kind"]).any(|kind| kind == "dropped_outliers"), "{summary}");
+        assert_eq!(summary["inputs"]["arguments"], serde_json::json!(["--drop-outliers"]));
+        let good = format!("{name}.csv");
+        told(&bench, &["solve", &file, &good, "-q", "-o", "good"]);
+        // By the time in whole steps: the runs may begin one apart.
+        let of = |folder: &str| -> BTreeMap<String, f64> {
+            let columns = bench.table(&format!("{folder}/{torque}.csv"));
+            let torques = &columns[1];
+            let steps = columns[0].1.iter().map(|time| format!("{:.0}", time / 0.005));
+            steps.zip(torques.1.iter().copied()).collect()
+        };
+        let (good, dropped) = (of("good"), of("dropped"));
+        let peak = good.values().fold(0.0_f64, |most, own| most.max(own.abs()));
+        let common = good.iter().filter_map(|(step, own)| Some((own, dropped.get(step)?)));
+        let differences: Vec<f64> = common.map(|(own, other)| (own - other).abs()).collect();
+        assert!(differences.len() + 2 >= good.len().max(dropped.len()));
+        let worst = differences.into_iter().fold(0.0_f64, f64::max);
+        assert!(worst < 1e-2 * peak, "{name}: {worst} of {peak}");
+        // Nothing was replaced in a good file.
+        let text = told(&bench, &["solve", &file, &format!("{name}.csv"), "-q", "--drop-outliers"]);
+        assert!(!text.contains("replaced"), "{text}");
+    }
 }

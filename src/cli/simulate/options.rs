@@ -7,8 +7,9 @@ use clap::Args;
 use flexlink::csv::{Digits, InputFile};
 
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments};
-use crate::options::inputs::{LinkArgs, ReadArgs};
+use crate::options::inputs::LinkArgs;
 use crate::options::play::PlayArgs;
+use crate::options::reading::ReadArgs;
 use crate::terminal::{PrintArgs, ThreadArgs, WarningArgs};
 
 const EXAMPLE: &str = "\

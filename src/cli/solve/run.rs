@@ -17,9 +17,8 @@ use flexlink::verify::Verification;
 use crate::cli::verify::verified;
 use crate::options::common::refuse_for_arms;
 use crate::options::common::{NodeArgs, digits_arguments};
-use crate::options::inputs::{
-    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, described, remarks, tell,
-};
+use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described, remarks};
+use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::text::memory_text;
 use crate::terminal::{Failure, StageBar, console, memory};
 

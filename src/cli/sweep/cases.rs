@@ -21,8 +21,9 @@ use flexlink::text::{excerpt, visible};
 
 use super::first::{First, FirstLink};
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
-use crate::options::inputs::{ChangeArgs, ReadArgs, ResampleArgs, scale_arguments, tell};
+use crate::options::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
 use crate::options::play::HoldArgs;
+use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.

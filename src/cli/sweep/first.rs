@@ -6,7 +6,8 @@ use flexlink::motion::{Periods, TipMotion};
 use flexlink::spec::{ArmSpecification, Described, Specification};
 use flexlink::sweep::SweepKind;
 
-use crate::options::inputs::{ReadArgs, ResampleArgs};
+use crate::options::inputs::ResampleArgs;
+use crate::options::reading::ReadArgs;
 use crate::terminal::Failure;
 
 /// The first case that could be read, and what others take from it.
