@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 
 use super::balance::Balance;
 use super::chain::Chain;
+use super::closed_loop::held_share;
 use super::driving::{Cubic, CycleError, Driving};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;
@@ -74,7 +75,7 @@ pub(super) fn play_bent(
     (grid, first_rad_s, tolerance): (&TimeGrid, f64, f64),
 ) -> Result<(BentPlay, Histories), SimulationError> {
     refuse_unknown(link, law)?;
-    let problem = Problem { link, law, play, driving: play.driving(link)?, grid };
+    let problem = Problem { link, law, play, driving: play.driving(link)?, grid, first_rad_s };
     let played = |finer: usize, start: Option<&State>| {
         let order = |[from_m, end_m]: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
             let omega_rad_s = WAVES * first_rad_s;
@@ -130,6 +131,8 @@ struct Problem<'a> {
     play: &'a Play<'a>,
     driving: Driving,
     grid: &'a TimeGrid,
+    /// First frequency of the free hub.
+    first_rad_s: f64,
 }
 
 /// The input at one instant: the motor's part that does not depend on the link's motion, or the hub's acceleration.
@@ -174,7 +177,13 @@ impl Problem<'_> {
         }
         let is_prescribed = matches!(self.play.input, Input::HubAngle(_));
         let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
-        chain.damping = viscous(&chain, self.law, is_prescribed).ok_or(lost(0))?;
+        let reaction = self.play.reaction(self.link);
+        let share = if is_prescribed {
+            1.0
+        } else {
+            held_share(reaction, chain.inertia_kg_m2(), self.first_rad_s)
+        };
+        chain.damping = viscous(&chain, self.law, share).ok_or(lost(0))?;
         let (q, mut rates, from_rad) = self.start(&chain, state)?;
         if let Input::HubAngle(hub) = self.play.input {
             rates[0] = hub.accelerations(self.play.cycle_turn_rad).2;
@@ -184,7 +193,7 @@ impl Problem<'_> {
             (None, Some(feedback)) if self.link.has_weight() => feedback.reference().angle_rad()[0],
             _ => q[0],
         };
-        let drive = Drive { reaction: self.play.reaction(self.link), aim_rad, is_prescribed };
+        let drive = Drive { reaction, aim_rad, is_prescribed };
         let mut stiffness = chain.stiffness.clone();
         let mut linear_damping = chain.damping.clone();
         if !is_prescribed {

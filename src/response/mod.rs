@@ -16,6 +16,7 @@ mod balance;
 mod bent;
 mod chain;
 mod checks;
+mod closed_loop;
 mod driving;
 mod error;
 mod history;

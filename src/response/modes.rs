@@ -275,17 +275,9 @@ pub(super) fn kept_modes(
 ///
 /// None where the numbers are not finite.
 pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
-    let [rigid, flexible @ ..] = &free.coordinates[..] else { return None };
-    let count = flexible.len();
-    let scaled = |mode: &Coordinate| mode.hub_angle / rigid.hub_angle / mode.square.sqrt();
-    let mut matrix = vec![0.0; count * count];
-    for (i, own) in flexible.iter().enumerate() {
-        for (j, other) in flexible.iter().enumerate().take(i + 1) {
-            matrix[i * count + j] = scaled(own) * scaled(other);
-        }
-        matrix[i * count + i] += own.square.recip();
-    }
-    let eigen = SymmetricEigen::new(count, matrix)?;
+    let rigid = free.coordinates.first()?;
+    let found = held_modes(free)?;
+    let count = found.len();
     let mut coordinates = vec![Coordinate {
         square: 0.0,
         rate_per_s: 0.0,
@@ -295,12 +287,7 @@ pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
     }];
     let mut shapes = vec![free.shapes[0].clone().scaled(rigid.hub_angle.recip())];
     let mut modes: Vec<Vec<f64>> = Vec::with_capacity(count);
-    for (number, k) in (0..count).rev().enumerate() {
-        let omega_rad_s = eigen.values[k].sqrt().recip();
-        let own = eigen.vector(k).iter().zip(flexible);
-        let own: Vec<f64> = own.map(|(y, mode)| omega_rad_s * y / mode.square.sqrt()).collect();
-        let turned: f64 = own.iter().zip(flexible).map(|(x, mode)| x * mode.hub_angle).sum();
-        let mode: Vec<f64> = std::iter::once(-turned / rigid.hub_angle).chain(own).collect();
+    for (number, (omega_rad_s, mode)) in found.into_iter().enumerate() {
         coordinates.push(Coordinate {
             square: omega_rad_s * omega_rad_s,
             rate_per_s: 2.0 * law.modal_ratio(number + 1, omega_rad_s) * omega_rad_s,
@@ -329,6 +316,29 @@ pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
     let prescribed = PrescribedHub { inertia_kg_m2: rigid.hub_angle.powi(-2), drag_per_s };
     let reaction = free.reaction.of_friction();
     Some(Equations { coordinates, shapes, reaction, damping, prescribed: Some(prescribed) })
+}
+
+/// Frequencies ω in rad/s and shapes x of the modes of the held hub, as sums of free modes; the lowest first.
+pub(super) fn held_modes(free: &Equations) -> Option<Vec<(f64, Vec<f64>)>> {
+    let [rigid, flexible @ ..] = &free.coordinates[..] else { return None };
+    let count = flexible.len();
+    let scaled = |mode: &Coordinate| mode.hub_angle / rigid.hub_angle / mode.square.sqrt();
+    let mut matrix = vec![0.0; count * count];
+    for (i, own) in flexible.iter().enumerate() {
+        for (j, other) in flexible.iter().enumerate().take(i + 1) {
+            matrix[i * count + j] = scaled(own) * scaled(other);
+        }
+        matrix[i * count + i] += own.square.recip();
+    }
+    let eigen = SymmetricEigen::new(count, matrix)?;
+    let mode = |k: usize| {
+        let omega_rad_s = eigen.values[k].sqrt().recip();
+        let own = eigen.vector(k).iter().zip(flexible);
+        let own: Vec<f64> = own.map(|(y, mode)| omega_rad_s * y / mode.square.sqrt()).collect();
+        let turned: f64 = own.iter().zip(flexible).map(|(x, mode)| x * mode.hub_angle).sum();
+        (omega_rad_s, std::iter::once(-turned / rigid.hub_angle).chain(own).collect())
+    };
+    Some((0..count).rev().map(mode).collect())
 }
 
 #[cfg(test)]

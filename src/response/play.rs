@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
+use super::closed_loop::in_loop;
 use super::modes::{
     Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, kept_modes, torque_band_rad_s,
 };
@@ -219,7 +220,7 @@ impl<'a> Play<'a> {
     ) -> Result<Equations, SimulationError> {
         let free = Equations::new(mesh, law, basis, self.reaction(link));
         match self.input {
-            Input::Torque(_) => Ok(free),
+            Input::Torque(_) => Ok(in_loop(free, law)),
             Input::HubAngle(hub) => {
                 held(&free, law).ok_or(SimulationError::NotFinite { time_s: hub.grid().time_s(0) })
             }

@@ -113,13 +113,13 @@ fn newton_change(
     slopes.lu().solve(now)
 }
 
-/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link, the hub free or
-/// held:
+/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link, of its held hub in
+/// a share from 0 to 1 and of its free hub in the rest:
 ///
 /// ```text
 /// D = 2ξ Σ ω M ψ ψᵀ M = 2ξ Σ ω⁻¹ (L z)(L z)ᵀ,    L⁻¹ M L⁻ᵀ z = ω⁻² z,   K = L Lᵀ
 /// ```
-pub(super) fn viscous(chain: &Chain, law: &DampingLaw, is_held: bool) -> Option<Vec<f64>> {
+pub(super) fn viscous(chain: &Chain, law: &DampingLaw, held_share: f64) -> Option<Vec<f64>> {
     let ratio = match law {
         DampingLaw::Hysteretic { ratio } => *ratio,
         DampingLaw::Rayleigh { beta_s, .. } => {
@@ -135,23 +135,28 @@ pub(super) fn viscous(chain: &Chain, law: &DampingLaw, is_held: bool) -> Option<
     let mut balance = Balance::default();
     chain.balance(&vec![0.0; count], &vec![0.0; count], &mut balance);
     let mass = &balance.mass;
-    // The hub follows so that no momentum is left, or stays.
-    let bent = DMatrix::from_fn(own, own, |i, j| {
-        let follows = mass[(i + 1) * count] * mass[j + 1] / mass[0];
-        mass[(i + 1) * count + j + 1] - if is_held { 0.0 } else { follows }
-    });
     let stiffness = DMatrix::from_fn(own, own, |i, j| chain.stiffness[(i + 1) * count + j + 1]);
     let factor = stiffness.cholesky()?.l();
-    let half = factor.solve_lower_triangular(&bent)?;
-    let whole = factor.solve_lower_triangular(&half.transpose())?;
-    // Symmetric, so that the order of its entries does not matter.
-    let modes = SymmetricEigen::new(own, whole.iter().copied().collect())?;
-    for (k, square) in modes.values.iter().enumerate() {
-        let stiff = &factor * DVector::from_column_slice(modes.vector(k));
-        let share = 2.0 * ratio * square.max(0.0).sqrt();
-        for i in 0..own {
-            for j in 0..own {
-                damping[(i + 1) * count + j + 1] += share * stiff[i] * stiff[j];
+    for (part, follows) in [(1.0 - held_share, 1.0), (held_share, 0.0)] {
+        if part == 0.0 {
+            continue;
+        }
+        // The hub follows so that no momentum is left, or stays.
+        let bent = DMatrix::from_fn(own, own, |i, j| {
+            let hub = mass[(i + 1) * count] * mass[j + 1] / mass[0];
+            mass[(i + 1) * count + j + 1] - follows * hub
+        });
+        let half = factor.solve_lower_triangular(&bent)?;
+        let whole = factor.solve_lower_triangular(&half.transpose())?;
+        // Symmetric, so that the order of its entries does not matter.
+        let modes = SymmetricEigen::new(own, whole.iter().copied().collect())?;
+        for (k, square) in modes.values.iter().enumerate() {
+            let stiff = &factor * DVector::from_column_slice(modes.vector(k));
+            let share = part * 2.0 * ratio * square.max(0.0).sqrt();
+            for i in 0..own {
+                for j in 0..own {
+                    damping[(i + 1) * count + j + 1] += share * stiff[i] * stiff[j];
+                }
             }
         }
     }

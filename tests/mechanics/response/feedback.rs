@@ -20,6 +20,30 @@ fn damped(change: impl FnOnce(&mut LinkParts)) -> Link {
     })
 }
 
+/// Hysteretic damping belongs to the strain: with higher gains the tip comes to where the moved hub takes it, linear and
+/// at large angles.
+#[test]
+fn a_hysteretic_link_in_a_stiff_loop_moves_as_on_the_moved_hub() {
+    let link = link(|parts| parts.damping = Damping::Hysteretic { ratio: 0.02 });
+    let plan = mesh_of(&link, 10);
+    let wanted = solved(&link, &plan, &smooth(220), 1e-8);
+    let torque = torque_of(&wanted);
+    let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
+    let rate = Some(wanted.hub_rate_rad_s.clone());
+    let hub = HubReference::new(&time_s, wanted.hub_angle_rad.clone(), rate).unwrap();
+    let until_s = Some(time_s[time_s.len() - 1] + 2.0);
+    for is_large in [false, true] {
+        let moved = Play { until_s, is_large, ..Play::turning(&hub) };
+        let moved = played(&link, &plan, &moved).tip.displacement_m;
+        let [stiff, stiffer] = [100.0, 1e4].map(|gain| {
+            let feedback = around(&wanted, (gain * 20.0, gain), true);
+            let play = Play { feedback: Some(&feedback), until_s, is_large, ..Play::of(&torque) };
+            difference(&played(&link, &plan, &play).tip.displacement_m, &moved)
+        });
+        assert!(stiff < 1e-3 && stiffer < 1e-5, "{is_large}: {stiff:e}, {stiffer:e}");
+    }
+}
+
 /// Gains in N m/rad and N m s/rad.
 type Gains = (f64, f64);
 
