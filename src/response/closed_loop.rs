@@ -44,7 +44,9 @@ pub(super) fn in_loop(mut free: Equations, law: &DampingLaw) -> Equations {
         bends[0] = 0.0;
         let rate_per_s = share * 2.0 * ratio * omega_rad_s;
         for (own, row) in bends.iter().zip(damping.chunks_exact_mut(count)) {
-            row.iter_mut().zip(&bends).for_each(|(entry, other)| *entry += rate_per_s * own * other);
+            row.iter_mut()
+                .zip(&bends)
+                .for_each(|(entry, other)| *entry += rate_per_s * own * other);
         }
     }
     free.damping = Some(damping);
