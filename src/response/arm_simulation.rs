@@ -180,7 +180,7 @@ pub fn simulate_arm(
     let problem = |more: usize| {
         let chain = ArmChain::of(arm, highest_rad_s, more, state);
         refuse_memory(&chain, &grid, play.memory_bytes)?;
-        let damping = chain.links.iter().zip(&laws).map(|(link, law)| viscous(link, law, 1.0));
+        let damping = chain.links.iter().zip(&laws).map(|(link, law)| viscous(link, law, None));
         let lost = SimulationError::NotFinite { time_s: grid.time_s(0) };
         let damping: Vec<Vec<f64>> = damping.collect::<Option<_>>().ok_or(lost)?;
         let chain = chain.damped(&damping);

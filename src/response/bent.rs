@@ -4,7 +4,6 @@ use std::num::NonZeroUsize;
 
 use super::balance::Balance;
 use super::chain::Chain;
-use super::closed_loop::held_share;
 use super::driving::{Cubic, CycleError, Driving};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;
@@ -124,14 +123,12 @@ pub(super) fn play_bent(
     coarse
 }
 
-/// What is played.
 struct Problem<'a> {
     link: &'a Link,
     law: &'a DampingLaw,
     play: &'a Play<'a>,
     driving: Driving,
     grid: &'a TimeGrid,
-    /// First frequency of the free hub.
     first_rad_s: f64,
 }
 
@@ -175,15 +172,11 @@ impl Problem<'_> {
                 allowed,
             });
         }
-        let is_prescribed = matches!(self.play.input, Input::HubAngle(_));
+        let is_prescribed = !self.play.input.is_torque();
         let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
         let reaction = self.play.reaction(self.link);
-        let share = if is_prescribed {
-            1.0
-        } else {
-            held_share(reaction, chain.inertia_kg_m2(), self.first_rad_s)
-        };
-        chain.damping = viscous(&chain, self.law, share).ok_or(lost(0))?;
+        let free_hub = (!is_prescribed).then_some((reaction, self.first_rad_s));
+        chain.damping = viscous(&chain, self.law, free_hub).ok_or(lost(0))?;
         let (q, mut rates, from_rad) = self.start(&chain, state)?;
         if let Input::HubAngle(hub) = self.play.input {
             rates[0] = hub.accelerations(self.play.cycle_turn_rad).2;
@@ -311,7 +304,6 @@ impl BentPlay {
                 dot(&balance.mass[..self.angles], &motion.accelerations) - balance.force[0];
             needed + reaction.friction_n_m_s_rad * rates[0]
         } else {
-            // Friction acts on the hub; the rest of the reaction is the motor's.
             let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
             // Where the torque jumps, those of the last step's end are of the torque before.
             drive.apply(input, (q, rates), balance);

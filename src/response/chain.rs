@@ -225,13 +225,6 @@ impl Chain {
         into.end();
     }
 
-    /// Inertia of the straight link about its axis.
-    pub(super) fn inertia_kg_m2(&self) -> f64 {
-        let (rest, mut balance) = (vec![0.0; self.count], Balance::default());
-        self.balance(&rest, &rest, &mut balance);
-        balance.mass[0]
-    }
-
     /// Kinetic energy, and that of strain and weight, in J.
     pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
         let rows = self.stiffness.chunks_exact(self.count).zip(q);

@@ -16,7 +16,6 @@ mod balance;
 mod bent;
 mod chain;
 mod checks;
-mod closed_loop;
 mod driving;
 mod error;
 mod history;

@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use super::closed_loop::in_loop;
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
 use super::modes::{
     Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, kept_modes, torque_band_rad_s,
 };
+use super::shape::in_loop;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
 use crate::link::Link;
