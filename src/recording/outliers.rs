@@ -344,10 +344,7 @@ mod tests {
                     for values in cases {
                         tried += 1;
                         let found = outliers(&time_s, &values);
-                        assert!(
-                            found.is_empty(),
-                            "{number}: {samples}, {rest}, {shift}: {found:?}"
-                        );
+                        assert!(found.is_empty(), "{number}: {samples}: {found:?}");
                     }
                 }
             }
