@@ -127,14 +127,14 @@ pub(crate) struct ResampleArgs {
     #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     resample: Option<f64>,
 
+    /// Replace samples that do not follow their neighbours by what these lead to, and count them.
+    #[arg(long)]
+    drop_outliers: bool,
+
     /// The displacement carries noise of this standard deviation, in m or with its unit, as in "0.1 mm":
     /// the tip follows it no closer than it deserves. Without it the decimals of the file decide.
     #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
     noise: Option<Length>,
-
-    /// Replace samples that do not follow their neighbours by what these lead to, and count them.
-    #[arg(long)]
-    drop_outliers: bool,
 
     /// Solve the motion up to this frequency in Hz, instead of that which the tip needs.
     #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
