@@ -88,13 +88,33 @@ fn is_of_places(header: Header) -> bool {
 fn place_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
     let columns = Columns::find(&PLACES, header)?;
-    for quantity in [TIME, PATH_X, PATH_Y] {
-        require(&columns.headings, quantity, fields, place)
-            .map_err(|error| error.or_hint(PLACES.by_option.to_owned()))?;
-    }
+    require(&columns.headings, TIME, fields, place)
+        .map_err(|error| error.or_hint(PLACES.by_option.to_owned()))?;
+    check_places(&columns.headings, header, PLACES.by_option, PLACES.by_option)?;
     let (unread, hint) = unread(&columns, fields, &PLACES, OTHER);
     let found = vec!["angle as the direction of x and y".to_owned()];
     Ok((columns, Reading { found, unread, hint, ..Reading::default() }))
+}
+
+/// Refuses one of x and y without the other.
+pub(super) fn check_places(
+    headings: &[Heading],
+    Header { fields, place, format }: Header,
+    by_option: &str,
+    hint: &str,
+) -> Result<(), TableError> {
+    let has = |quantity: Quantity| find(headings, quantity).is_some();
+    for (own, other) in [(PATH_X, PATH_Y), (PATH_Y, PATH_X)] {
+        if has(own) && !has(other) && format.columns.iter().any(|choice| choice.quantity != TIME) {
+            let must = format!("must also choose {}: with it no other column is read", other.word);
+            let error = place.refuse("--columns", own.word, must);
+            return Err(error.with_hint(by_option.to_owned()));
+        }
+        if has(own) && !has(other) {
+            return Err(refuse_missing(&names(fields), other.word, place).or_hint(hint.to_owned()));
+        }
+    }
+    Ok(())
 }
 
 /// What to do about a column that is not read.

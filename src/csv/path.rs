@@ -7,7 +7,7 @@ use super::format::{Reading, TableFormat};
 use super::heading::{
     ANGLES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, names, refuse_missing, require,
 };
-use super::motion_columns::unread;
+use super::motion_columns::{check_places, unread};
 use super::number::Digits;
 use super::place::{Place, TableError};
 use super::recorded::Uniform;
@@ -169,7 +169,7 @@ pub fn write_path(
 
 /// Reads the first row, and checks that the columns describe a path.
 fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
-    let Header { fields, place, format } = header;
+    let Header { fields, place, .. } = header;
     let columns = Columns::find(&PATH, header)?;
     let headings = &columns.headings;
     let by_option = || BY_OPTION.to_owned();
@@ -177,16 +177,7 @@ fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     let has = |quantity: Quantity| find(headings, quantity).is_some();
     let hint =
         || format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
-    for (own, other) in [(PATH_X, PATH_Y), (PATH_Y, PATH_X)] {
-        if has(own) && !has(other) && format.columns.iter().any(|choice| choice.quantity != TIME) {
-            let must = format!("must also choose {}: with it no other column is read", other.word);
-            let error = place.refuse("--columns", own.word, must);
-            return Err(error.with_hint(BY_OPTION.to_owned()));
-        }
-        if has(own) && !has(other) {
-            return Err(refuse_missing(&names(fields), other.word, place).or_hint(hint()));
-        }
-    }
+    check_places(headings, header, BY_OPTION, &hint())?;
     if !has(PATH_X) && !ANGLES.into_iter().any(has) {
         return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint()));
     }

@@ -54,7 +54,7 @@ const ROUNDS: usize = 50;
 /// let time_s: Vec<f64> = (0..40).map(f64::from).collect();
 /// let mut values: Vec<f64> = time_s.iter().map(|t| (0.1 * t).sin()).collect();
 /// assert!(outliers(&time_s, &values).is_empty());
-/// values[17] += 0.02;
+/// values[17] += 0.1;
 /// let found = outliers(&time_s, &values);
 /// assert_eq!(found.len(), 1);
 /// assert!(found[0].sample == 17 && (found[0].expected - 1.7_f64.sin()).abs() < 1e-4);

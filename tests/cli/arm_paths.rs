@@ -294,6 +294,6 @@ fn options_that_do_not_fit_a_path_are_refused_in_words() {
     let link = repository("specs/bayo1987_example1.toml");
     let output = bench.run(&["solve", &link, "path.csv", "--columns", "x=2"]);
     assert_eq!(output.status.code(), Some(3));
-    let words = "--columns = x, but must be one of time, acceleration";
+    let words = "--columns = x, but must also choose y";
     assert!(stderr(&output).contains(words), "{}", stderr(&output));
 }

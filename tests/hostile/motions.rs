@@ -136,7 +136,8 @@ fn steps_far_from_the_links_times_are_refused_or_solved() {
     for (step_s, samples) in [(1e-9, "samples"), (1e-100, "e"), (1e-300, "e19 or more samples")] {
         let table = stretched(step_s);
         refused(&table, NOT_SOLVABLE, samples);
-        refused(&table, NOT_SOLVABLE, "but must be at most 16777216\nhint: use a longer step");
+        let told = "but must be at most 16777216\nhint: name the unit in the column's heading";
+        refused(&table, NOT_SOLVABLE, told);
     }
 }
 
