@@ -176,10 +176,10 @@ fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     require(headings, TIME, fields, place).map_err(|error| error.or_hint(by_option()))?;
     let has = |quantity: Quantity| find(headings, quantity).is_some();
     let hint =
-        || format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
-    check_places(headings, header, BY_OPTION, &hint())?;
+        format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
+    check_places(headings, header, BY_OPTION, &hint)?;
     if !has(PATH_X) && !ANGLES.into_iter().any(has) {
-        return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint()));
+        return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint));
     }
     let (unread, hint) = unread(&columns, fields, &PATH, BY_OPTION);
     Ok((columns, Reading { unread, hint, ..Reading::default() }))

@@ -29,9 +29,6 @@ pub(crate) const LINK: &str = "Link file (TOML)";
 pub(crate) const MOTION: &str =
     "Tip trajectory (CSV): `time` and `acceleration`, `displacement`, `angle` or `velocity`";
 
-/// The option for bad samples.
-const DROP_OUTLIERS: &str = "--drop-outliers";
-
 /// A link file and the changes to it.
 #[derive(Debug, Args)]
 pub(crate) struct LinkArgs {
@@ -240,7 +237,7 @@ impl ResampleArgs {
     /// The arguments, for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let resample = self.resample.map(|step_s| option("--resample", step_s));
-        let dropped = self.drop_outliers.then(|| DROP_OUTLIERS.to_owned());
+        let dropped = self.drop_outliers.then(|| "--drop-outliers".to_owned());
         resample.into_iter().flatten().chain(dropped).chain(self.of_one_link()).collect()
     }
 

@@ -300,10 +300,10 @@ impl BentPlay {
         let (q, rates, reaction) = (&motion.q, &motion.rates, drive.reaction);
         self.chain.balance(q, rates, balance);
         let motor_n_m = if drive.is_prescribed {
-            let needed =
-                dot(&balance.mass[..self.angles], &motion.accelerations) - balance.force[0];
-            needed + reaction.friction_n_m_s_rad * rates[0]
+            let inertial_n_m = dot(&balance.mass[..self.angles], &motion.accelerations);
+            inertial_n_m - balance.force[0] + reaction.friction_n_m_s_rad * rates[0]
         } else {
+            // Friction acts on the hub; the rest of the reaction is the motor's.
             let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
             // Where the torque jumps, those of the last step's end are of the torque before.
             drive.apply(input, (q, rates), balance);

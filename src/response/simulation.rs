@@ -87,8 +87,8 @@ pub struct ModalPlay {
 ///
 /// The modes are those within the band of the input; the others act as one residual mode with their static
 /// response. Hysteretic damping has no equation in time: its ratio is taken as the viscous ratio of every
-/// mode, of the held ones where the hub moves as prescribed or stiff feedback holds it. An automatic mesh is refined until it follows
-/// the input's band to the plan's tolerance.
+/// mode, of the held ones where the hub moves as prescribed or stiff feedback holds it. An automatic mesh is
+/// refined until it follows the input's band to the plan's tolerance.
 ///
 /// # Errors
 /// [`SimulationError`].

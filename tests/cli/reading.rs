@@ -194,7 +194,8 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
     for (file, name, column, torque) in
         [(repository(LINK), "link", 1, "torque"), (arm, "arm", 2, "torques")]
     {
-        spoiled(&bench, (&format!("{name}.csv"), "bad.csv"), (81, column), 0.005);
+        let file_of_good = format!("{name}.csv");
+        spoiled(&bench, (&file_of_good, "bad.csv"), (81, column), 0.005);
         let refused = bench.run(&["solve", &file, "bad.csv", "-q"]);
         assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
         let text = stderr(&refused);
@@ -208,8 +209,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         let kinds = summary["remarks"].as_array().unwrap().iter();
         assert!(kinds.map(|own| &own["kind"]).any(|kind| kind == "dropped_outliers"), "{summary}");
         assert_eq!(summary["inputs"]["arguments"], serde_json::json!(["--drop-outliers"]));
-        let good = format!("{name}.csv");
-        told(&bench, &["solve", &file, &good, "-q", "-o", "good"]);
+        told(&bench, &["solve", &file, &file_of_good, "-q", "-o", "good"]);
         // By the time in whole steps: the runs may begin one apart.
         let of = |folder: &str| -> BTreeMap<String, f64> {
             let columns = bench.table(&format!("{folder}/{torque}.csv"));
@@ -225,7 +225,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         let worst = differences.into_iter().fold(0.0_f64, f64::max);
         assert!(worst < 1e-2 * peak, "{name}: {worst} of {peak}");
         // Nothing was replaced in a good file.
-        let text = told(&bench, &["solve", &file, &format!("{name}.csv"), "-q", "--drop-outliers"]);
+        let text = told(&bench, &["solve", &file, &file_of_good, "-q", "--drop-outliers"]);
         assert!(!text.contains("replaced"), "{text}");
     }
 }

@@ -7,6 +7,7 @@ use flexlink::csv::{
     read_motion_table_as, read_torque_table, write_csv,
 };
 use flexlink::numeric::TimeGrid;
+use flexlink::recording::outliers;
 use proptest::prelude::*;
 
 /// Any finite number.
@@ -14,8 +15,20 @@ fn number() -> impl Strategy<Value = f64> {
     any::<f64>().prop_filter("finite", |value| value.is_finite())
 }
 
-/// Numbers of samples of which none has neighbours enough to be judged by.
-const UNJUDGED: std::ops::RangeInclusive<usize> = 4..=6;
+/// Samples that are not refused for their neighbours: any few numbers, or more of them of one size.
+fn samples(most: usize) -> impl Strategy<Value = Vec<f64>> {
+    let of_one_size = (prop::collection::vec(-1.0..1.0, 4..most), -1000_i32..1000);
+    let of_one_size = of_one_size.prop_map(|(values, exponent)| {
+        values.into_iter().map(|value: f64| value * 2.0_f64.powi(exponent)).collect()
+    });
+    prop_oneof![prop::collection::vec(number(), 4..7), of_one_size].prop_filter(
+        "no sample is bad",
+        |values: &Vec<f64>| {
+            let time_s: Vec<f64> = (0..values.len()).map(|k| k as f64).collect();
+            outliers(&time_s, values).is_empty()
+        },
+    )
+}
 
 /// Text of the characters that a table is made of, with or without a good first row.
 fn almost_a_table() -> impl Strategy<Value = String> {
@@ -60,12 +73,13 @@ fn written(rows: &[(f64, f64)], (delimiter, has_commas): (&str, bool)) -> String
 proptest! {
     #[test]
     fn a_table_is_read_alike_in_every_dialect(
-        rows in prop::collection::vec((number(), number()), UNJUDGED),
+        values in samples(30),
+        others in prop::collection::vec(number(), 30),
         dialect in dialect(),
         line_end in prop::sample::select(vec!["\n", "\r\n"]),
         start in prop::sample::select(vec!["", "\u{feff}", "# made up\n", "\n"]),
     ) {
-        let values: Vec<f64> = rows.iter().map(|(_, value)| *value).collect();
+        let rows: Vec<(f64, f64)> = others.into_iter().zip(values.iter().copied()).collect();
         let body = written(&rows, dialect);
         let names = ["time", "other", "displacement"].join(dialect.0);
         let headed = format!("{start}{names}\n{body}").replace('\n', line_end);
@@ -112,7 +126,7 @@ proptest! {
 
     #[test]
     fn what_is_written_in_full_reads_back_to_the_last_bit(
-        values in prop::collection::vec(number(), UNJUDGED),
+        values in samples(50),
         step_s in 1e-4..10.0,
         first in -20_i64..20,
     ) {

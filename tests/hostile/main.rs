@@ -64,10 +64,7 @@ impl Bench {
 
     #[track_caller]
     fn is_refusal(&self, output: &Output, code: i32, message: &str) {
-        let told = text(&output.stderr);
-        // Remarks and their hints may come first.
-        let remarks = if told.starts_with("remark: ") { told.find("error: ") } else { None };
-        let error = &told[remarks.unwrap_or_default()..];
+        let error = text(&output.stderr);
         assert!(error.starts_with("error: ") && error.contains(message), "{message}: {error}");
         assert!(error.len() < 1000, "{error}");
         assert_eq!(output.status.code(), Some(code), "{error}");
