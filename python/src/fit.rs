@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use flexlink::fit::{FitOutcome, Replaced};
 use flexlink::result::StoredWarning;
-use flexlink::store::{Durability, fit_json, write_file};
+use flexlink::store::{Durability, NamedBy, fit_json, write_file};
 
 use crate::arm::Arm;
 use crate::cli::fit::{Problem, RECORD, Unfitted};
@@ -112,10 +112,12 @@ impl Fit {
         if let Some(misfit) = &self.outcome.misfit {
             return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));
         }
-        let files = [(path.to_owned(), &self.text), (path.with_file_name(RECORD), &self.record)];
-        for (file, text) in files {
+        let record = path.with_file_name(RECORD);
+        let files = [(path, NamedBy::User, &self.text), (&record, NamedBy::Program, &self.record)];
+        for (file, named_by, text) in files {
             write_file(
-                &file,
+                file,
+                named_by,
                 Durability::default(),
                 |out| out.write_all(text.as_bytes()),
                 &|_| {},

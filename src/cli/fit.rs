@@ -192,7 +192,10 @@ impl Fit {
         let name = written.and_then(Path::file_name).map(|name| name.to_string_lossy());
         let origin = problem.inputs.origin(problem.title());
         let page = fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() });
-        console::deliver(Some(file), page.as_bytes())?;
+        match &self.report {
+            Some(Some(typed)) => console::deliver(Some(typed), page.as_bytes())?,
+            _ => console::deliver_beside(file, page.as_bytes())?,
+        }
         Ok(format!("written  {}\n", file.display()))
     }
 
@@ -230,7 +233,7 @@ impl Fit {
             console::note(&format!("{} is not of this fit", output.display()));
         }
         let record = fit_json(&problem.inputs, &replaced, outcome);
-        console::deliver(Some(&record_beside(output)), record.as_bytes())?;
+        console::deliver_beside(&record_beside(output), record.as_bytes())?;
         Ok(if is_believed { replaced } else { Vec::new() })
     }
 }

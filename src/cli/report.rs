@@ -63,12 +63,16 @@ impl Report {
         let all = || std::iter::once(&self.result).chain(&self.beside);
         memory::check_tables(all().map(|result| bytes_of(result)).sum(), PAGE_TIMES)?;
         // A page beside the files that are read: no other run may replace them meanwhile.
-        let is_within = file.as_ref().is_some_and(|file| lies_in(file, &self.result));
+        let is_within = file.as_ref().is_some_and(|file| match &self.output {
+            Some(typed) => lies_in(typed, &self.result),
+            None => file.parent() == Some(&self.result) && self.result.is_dir(),
+        });
         let run = is_within.then(|| OutputFolder::stage(&self.result, &console::waiting));
         let run = run.transpose()?;
         let result = read_results(&self.result, &self.beside)?;
         let figures = Figures::of(&result);
-        let page = file.map(|file| write_page(&page(&result, &figures), &file, run)).transpose()?;
+        let page =
+            file.map(|file| self.write_page(&page(&result, &figures), &file, run)).transpose()?;
         let mut written = String::new();
         if let Some(folder) = &self.svg {
             let svg = |figure: &Figure| Ok(figure.svg_file().into_bytes());
@@ -92,21 +96,27 @@ impl Report {
         let is_alone = self.svg.is_none() && self.png.is_none();
         Ok(self.output.clone().or_else(|| is_alone.then(|| beside(&self.result))))
     }
-}
 
-/// Writes a page to a file, in the folder of the `run` if it is there, and returns the line that says so;
-/// none for standard output.
-fn write_page(page: &str, file: &Path, run: Option<OutputFolder>) -> Result<String, Failure> {
-    match run {
-        Some(run) => {
-            let name = file.file_name().unwrap_or(OsStr::new(REPORT));
-            run.file(name, |out| out.write_all(page.as_bytes()))?;
-            run.replace()?;
+    /// Writes the page to a file, in the folder of the `run` if it is there, and returns the line that says
+    /// so; none for standard output.
+    fn write_page(
+        &self,
+        page: &str,
+        file: &Path,
+        run: Option<OutputFolder>,
+    ) -> Result<String, Failure> {
+        match run {
+            Some(run) => {
+                let name = file.file_name().unwrap_or(OsStr::new(REPORT));
+                run.file(name, |out| out.write_all(page.as_bytes()))?;
+                run.replace()?;
+            }
+            None if self.output.is_none() => console::deliver_beside(file, page.as_bytes())?,
+            None => console::deliver(Some(file), page.as_bytes())?,
         }
-        None => console::deliver(Some(file), page.as_bytes())?,
+        let line = || format!("written  {}\n", file.display());
+        Ok(if is_standard_output(file) { String::new() } else { line() })
     }
-    let line = || format!("written  {}\n", file.display());
-    Ok(if is_standard_output(file) { String::new() } else { line() })
 }
 
 /// Memory that reading a result and making its page takes, over the size of its files, as measured.

@@ -299,9 +299,11 @@ pub(super) fn is_staging(name: &OsStr) -> bool {
     name.as_encoded_bytes().starts_with(STAGING.as_bytes())
 }
 
-/// Gives a file the permissions of the one that it replaces; a file system without permissions has none.
+/// Gives a file the permissions of the one that it replaces; a link, and a file system without permissions,
+/// have none.
 fn keep_permissions(old: &Path, new: &Path) {
-    let _ = fs::metadata(old).map(|old| fs::set_permissions(new, old.permissions()));
+    let old = fs::symlink_metadata(old).ok().filter(|old| !old.is_symlink());
+    let _ = old.map(|old| fs::set_permissions(new, old.permissions()));
 }
 
 /// Creates a folder, and those above it, where they are missing.
@@ -315,22 +317,36 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     folder.unwrap_or(Path::new("."))
 }
 
+/// Who has named a file that is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NamedBy {
+    /// The user has typed the path. What a symbolic link leads to is written; so is a device or a named pipe
+    /// as it is, because renaming would put a file in its place.
+    User,
+    /// The program makes the name, as that of a record beside a table. The file takes the place of whatever
+    /// else has the name: who could put a link there must not say what is written.
+    Program,
+}
+
 /// Writes one file, whole or not at all; creates the folder it lies in where it is missing. `write` receives
 /// a buffered writer.
 ///
-/// A link is followed. A device or a named pipe is written to as it is, because renaming would put a file
-/// in its place; it is no error if its reader goes away. If another run writes into the folder for more
-/// than a second, calls `on_wait` once.
+/// It is no error if the reader of a pipe goes away. If another run writes into the folder for more than a
+/// second, calls `on_wait` once.
 ///
 /// # Errors
-/// [`FolderError`] if `path` names no file, or the file cannot be written.
+/// [`FolderError`] if `path` names no file, leads through links in a circle, or the file cannot be written.
 pub fn write_file(
     path: &Path,
+    named_by: NamedBy,
     durability: Durability,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
-    let path = &followed(path);
+    let path = &match named_by {
+        NamedBy::User => followed(path).map_err(|cause| FolderError::of_file(path, cause))?,
+        NamedBy::Program => path.to_owned(),
+    };
     let refused = |cause| FolderError::of_file(path, cause);
     // A path may end in a separator, or in a dot after it, which its last name does not show.
     let is_last =
@@ -338,7 +354,7 @@ pub fn write_file(
     let Some(name) = path.file_name().filter(is_last) else {
         return Err(refused(io::Error::other("the path names no file")));
     };
-    if is_stream(path) {
+    if named_by == NamedBy::User && is_stream(path) {
         return write_through(path, write).map_err(refused);
     }
     let staged = OutputFolder::stage(folder_of(path), on_wait)?.with(durability);
@@ -347,10 +363,17 @@ pub fn write_file(
 }
 
 /// Target of a symbolic link, if it exists; else the path itself.
-fn followed(path: &Path) -> PathBuf {
-    let target =
-        if path.is_symlink() && !is_stream(path) { path.canonicalize().ok() } else { None };
-    target.unwrap_or_else(|| path.to_owned())
+///
+/// # Errors
+/// The system's, for links that lead in a circle or through what is no folder.
+pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
+    if !path.is_symlink() || is_stream(path) {
+        return Ok(path.to_owned());
+    }
+    match path.canonicalize() {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(path.to_owned()),
+        target => target,
+    }
 }
 
 /// Whether a path names a device, a pipe or a file that this process has open.

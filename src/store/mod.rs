@@ -18,7 +18,7 @@ mod sweep;
 mod torque_file;
 
 pub use arm_run::ArmRun;
-pub use folder::{Durability, FolderError, OutputFolder, write_file};
+pub use folder::{Durability, FolderError, NamedBy, OutputFolder, write_file};
 pub use frequency_tables::{
     ResponseColumns, arm_modes_json, arm_response, frequency_response_json, link_response,
     modes_json, pose_modes_json, write_arm_modes, write_frequency_response,

@@ -12,7 +12,7 @@ use clap::error::ContextValue;
 
 use flexlink::csv::system_words;
 use flexlink::result::Remark;
-use flexlink::store::{Durability, write_file};
+use flexlink::store::{Durability, NamedBy, write_file};
 use flexlink::text::{excerpt, is_hidden};
 
 use super::exit::{Exit, Failure};
@@ -158,13 +158,19 @@ pub(crate) fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure
     deliver_by(output, |out| out.write_all(bytes))
 }
 
-/// The same for bytes that `write` makes while they are written.
+/// Writes bytes to a file whose name the program has made.
+pub(crate) fn deliver_beside(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let write = |out: &mut (dyn Write + Send)| out.write_all(bytes);
+    Ok(write_file(path, NamedBy::Program, Durability::default(), write, &waiting)?)
+}
+
+/// The same as [`deliver`] for bytes that `write` makes while they are written.
 pub(crate) fn deliver_by(
     output: Option<&Path>,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> Result<(), Failure> {
     if let Some(path) = output.filter(|path| !is_standard_output(path)) {
-        return Ok(write_file(path, Durability::default(), write, &waiting)?);
+        return Ok(write_file(path, NamedBy::User, Durability::default(), write, &waiting)?);
     }
     let mut out = io::stdout();
     delivered(write(&mut out).and_then(|()| out.flush())).map(drop)

@@ -69,6 +69,63 @@ fn a_link_in_the_place_of_a_cases_folder_is_not_followed() {
 }
 
 #[test]
+fn a_link_at_a_name_that_nobody_typed_is_replaced_and_what_it_leads_to_stays() {
+    let fit = ["fit", "link.toml", "measured.toml", "--free", "hub.inertia", "--report"];
+    let measured = "[[frequency]]\nmode = 1\nvalue = 2.0\n";
+    for (arguments, name) in [
+        (&["report", "out", "-q"][..], "out/report.html"),
+        (&["report", "sweep.csv", "-q"], "sweep.html"),
+        (&VARY[..VARY.len() - 2], "sweep.csv"),
+        (&VARY, "sweep.json"),
+        (&fit, "fit.html"),
+        (&[&fit[..], &["-o", "fitted.toml"]].concat(), "fitted.html"),
+    ] {
+        let bench = Bench::solved();
+        bench.write("measured.toml", measured);
+        // The record of another sweep, so that it may be replaced at all.
+        let other = [&VARY[..4], &["segments.*.EI*=1,3"], &VARY[5..]].concat();
+        assert_eq!(bench.run(&other).status.code(), Some(0));
+        let victim = fs::read_to_string(bench.path("sweep.json")).unwrap();
+        fs::create_dir(bench.path("home")).unwrap();
+        bench.write("home/victim", &victim);
+        let place = bench.path(name);
+        let _ = fs::remove_file(&place);
+        symlink(bench.path("home/victim"), &place).unwrap();
+        let output = bench.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", text(&output.stderr));
+        assert_eq!(fs::read_to_string(bench.path("home/victim")).unwrap(), victim, "{name}");
+        let kind = fs::symlink_metadata(&place).unwrap();
+        assert!(kind.is_file(), "{name}");
+        assert_ne!(fs::read_to_string(&place).unwrap(), victim, "{name}");
+        assert_eq!(fs::read_dir(bench.path("home")).unwrap().count(), 1, "{name}");
+    }
+}
+
+#[test]
+fn a_link_that_is_typed_is_followed_and_a_circle_of_links_is_refused() {
+    let bench = Bench::solved();
+    bench.write("page.html", "old");
+    symlink("page.html", bench.path("typed.html")).unwrap();
+    let output = bench.run(&["report", "out", "-q", "-o", "typed.html"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(bench.path("typed.html").is_symlink());
+    assert!(fs::read_to_string(bench.path("page.html")).unwrap().starts_with("<!DOCTYPE"));
+    for [name, target] in [["a", "b"], ["b", "a"], ["own", "own"]] {
+        symlink(target, bench.path(name)).unwrap();
+    }
+    for path in ["a", "own"] {
+        let message = format!("cannot write {path}: Too many levels of symbolic links");
+        bench.refuses_soon(&["report", "out", "-q", "-o", path], CANNOT_WRITE, &message);
+        let frf = ["frf", "link.toml", "--points", "5", "-o", path];
+        bench.refuses_soon(&frf, CANNOT_WRITE, &message);
+        let sweep = [&VARY[..6], &[path]].concat();
+        bench.refuses_soon(&sweep, CANNOT_WRITE, &message);
+        assert!(bench.path(path).is_symlink());
+        assert!(!bench.path(&format!("{path}.part")).exists());
+    }
+}
+
+#[test]
 fn a_lock_that_leads_nowhere_is_told() {
     let bench = Bench::new();
     fs::create_dir(bench.path("out")).unwrap();

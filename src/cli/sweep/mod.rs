@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::store::{SweepRows, sweep_header, sweep_row};
+use flexlink::store::{NamedBy, SweepRows, sweep_header, sweep_row};
 use flexlink::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
 use flexlink::text::{excerpt, visible};
 
@@ -191,7 +191,7 @@ impl Sweep {
         if tally.rows() < all {
             return Err(table.interrupted(tally.rows(), all));
         }
-        table.finish(self.shared.outputs.sync.durability())
+        table.finish(self.named_by(), self.shared.outputs.sync.durability())
     }
 
     /// Returns an error for cases that are not as the options want them, and for `warnings` of the run.
@@ -205,7 +205,7 @@ impl Sweep {
     }
 
     fn merge(&self) -> Result<(), Failure> {
-        let tally = merge(&self.merge, &self.output_path())?;
+        let tally = merge(&self.merge, &self.output_path(), self.named_by())?;
         tally.warn();
         self.report(&format!("cases    {}, of {} shards", tally.rows(), self.merge.len()))?;
         tally.refuse_all_failed()?;
@@ -260,6 +260,10 @@ impl Sweep {
             1 => "sweep.csv".into(),
             of => format!("sweep-{}-of-{of}.csv", shard.number()).into(),
         })
+    }
+
+    fn named_by(&self) -> NamedBy {
+        if self.output.is_some() { NamedBy::User } else { NamedBy::Program }
     }
 
     /// Prints what was done, and where the table is.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use flexlink::csv::{checked_header, checked_rows};
 use flexlink::store::{
-    Durability, LeftRows, Resumed, SweepFile, SweepIdentity, SweepRows, SweptCase, merge_shards,
-    write_sweep,
+    Durability, LeftRows, NamedBy, Resumed, SweepFile, SweepIdentity, SweepRows, SweptCase,
+    merge_shards, write_sweep,
 };
 
 use super::tally::Tally;
@@ -97,9 +97,9 @@ impl TableOutput {
         }
     }
 
-    pub(crate) fn finish(self, durability: Durability) -> Result<(), Failure> {
+    pub(crate) fn finish(self, named_by: NamedBy, durability: Durability) -> Result<(), Failure> {
         match self {
-            Self::InFile(file) => Ok(file.finish(durability, &console::waiting)?),
+            Self::InFile(file) => Ok(file.finish(named_by, durability, &console::waiting)?),
             Self::Printed | Self::PrintedShard => Ok(()),
         }
     }
@@ -136,7 +136,11 @@ fn warn_of_left(left: &LeftRows, part: &Path) -> usize {
 }
 
 /// Joins the shards in these files to one table, and counts its cases.
-pub(crate) fn merge(shards: &[PathBuf], output: &Path) -> Result<Tally, Failure> {
+pub(crate) fn merge(
+    shards: &[PathBuf],
+    output: &Path,
+    named_by: NamedBy,
+) -> Result<Tally, Failure> {
     let inputs: Vec<&Path> = shards.iter().map(PathBuf::as_path).collect();
     read_once(&inputs)?;
     keep_files(output, &inputs)?;
@@ -148,7 +152,8 @@ pub(crate) fn merge(shards: &[PathBuf], output: &Path) -> Result<Tally, Failure>
         console::print_bytes(table.as_bytes())?;
     } else {
         let whole = shards[0].identity().whole();
-        write_sweep(output, table.as_bytes(), &whole, Durability::default(), &console::waiting)?;
+        let (table, durability) = (table.as_bytes(), Durability::default());
+        write_sweep(output, named_by, table, &whole, durability, &console::waiting)?;
     }
     let mut cases: Vec<SweptCase> = shards.iter().flat_map(SweepRows::cases).collect();
     cases.sort_by_key(|case| case.number);

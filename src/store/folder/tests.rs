@@ -6,7 +6,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use super::{Durability, LOCK, Lock, OutputFolder, STAGING, write_file};
+use super::{Durability, LOCK, Lock, NamedBy, OutputFolder, STAGING, write_file};
 
 fn in_silence(_: &Path) {}
 
@@ -219,7 +219,7 @@ fn a_single_file_is_whole_or_not_there_and_takes_the_place_of_what_a_killed_run_
             w.write_all(text.as_bytes())?;
             ended()
         };
-        write_file(&path, Durability::InMemory, write, &|_| {})
+        write_file(&path, NamedBy::User, Durability::InMemory, write, &|_| {})
     };
     let error = write("half", || Err(io::Error::other("full"))).unwrap_err();
     assert_eq!(error.action, "write frf.csv");

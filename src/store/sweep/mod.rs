@@ -15,7 +15,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderError, TAKEN, create, folder_of};
+use super::folder::{Durability, FolderError, NamedBy, TAKEN, create, folder_of, followed};
 use super::lock::lock;
 use crate::csv::{Place, TableError, checked_header, checked_rows, without_checks};
 use identity::PREFIX;
@@ -122,6 +122,7 @@ impl SweepFile {
     /// [`FolderError`] if it cannot be written.
     pub fn finish(
         mut self,
+        named_by: NamedBy,
         durability: Durability,
         on_wait: &dyn Fn(&Path),
     ) -> Result<(), FolderError> {
@@ -130,7 +131,7 @@ impl SweepFile {
             let first = table.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
             table = without_checks(&String::from_utf8_lossy(&table[first..])).into_bytes();
         }
-        write_sweep(&self.path, &table, &self.identity, durability, on_wait)?;
+        write_sweep(&self.path, named_by, &table, &self.identity, durability, on_wait)?;
         // The lock is held until the part is gone, so that no other run goes on with it.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
@@ -153,6 +154,8 @@ impl SweepFile {
         if table.is_dir() || table.file_name().is_none() {
             return Err(FolderError::of_file(table, io::Error::other(TAKEN)));
         }
+        // Links in a circle take no table: that is to be told before the first case.
+        followed(table).map_err(|cause| FolderError::of_file(table, cause))?;
         let refused = |cause| FolderError::of_file(&part, cause);
         // Who may write beside the table must not have another file cut off by this.
         if part.is_symlink() {
@@ -263,7 +266,7 @@ mod tests {
         let (mut file, rows) = resumed(&path, identity("1,2,3", "1/1"));
         assert_eq!(rows, 1, "the second row was cut off in writing");
         file.append("2,,\n3,,\n").unwrap();
-        file.finish(Durability::InMemory, &|_| {}).unwrap();
+        file.finish(NamedBy::User, Durability::InMemory, &|_| {}).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "x,warnings,error\n1,,\n2,,\n3,,\n");
         assert!(!part_of(&path).exists() && path.with_extension("json").exists());
     }
@@ -275,7 +278,7 @@ mod tests {
         let own = identity("1,2,3", "2/2");
         let (mut file, _) = SweepFile::begin(&path, own.clone(), HEADER).unwrap();
         file.append("2,,\n").unwrap();
-        file.finish(Durability::InMemory, &|_| {}).unwrap();
+        file.finish(NamedBy::User, Durability::InMemory, &|_| {}).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         let (header, rows) = (checked_header(HEADER), checked_rows("2,,\n"));
         assert_eq!(text, format!("{}{header}{rows}", own.line()));

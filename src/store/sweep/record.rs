@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
-use super::super::folder::{Durability, FolderError, is_stream, write_file};
+use super::super::folder::{Durability, FolderError, NamedBy, is_stream, write_file};
 use super::super::json::{Fingerprint, unreadable};
 use super::identity::{SweepIdentity, is_record};
 use super::table::{ERROR, WARNINGS};
@@ -82,22 +82,24 @@ impl ForeignRecord {
 /// record.
 pub fn write_sweep(
     path: &Path,
+    named_by: NamedBy,
     table: &[u8],
     identity: &SweepIdentity,
     durability: Durability,
     on_wait: &dyn Fn(&Path),
 ) -> Result<(), FolderError> {
-    if is_stream(path) {
-        return write_file(path, durability, |out| out.write_all(table), on_wait);
+    if named_by == NamedBy::User && is_stream(path) {
+        return write_file(path, named_by, durability, |out| out.write_all(table), on_wait);
     }
     if let Some(foreign) = ForeignRecord::beside(path) {
         let cause = io::Error::other(format!("it would replace {}", foreign.what));
         return Err(FolderError::of_file(&foreign.path, cause));
     }
-    write_file(path, durability, |out| out.write_all(table), on_wait)?;
+    write_file(path, named_by, durability, |out| out.write_all(table), on_wait)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let json = identity.json(Fingerprint { name, sha256: sha256(table) });
-    write_file(&record_of(path), durability, |out| out.write_all(json.as_bytes()), on_wait)
+    let record = record_of(path);
+    write_file(&record, NamedBy::Program, durability, |out| out.write_all(json.as_bytes()), on_wait)
 }
 
 /// The file at `path`, if it is the record of a sweep.
@@ -256,7 +258,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("s.csv");
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        write_sweep(&path, b"x\n1\n2\n", &identity, Durability::InMemory, &|_| {}).unwrap();
+        write_sweep(&path, NamedBy::User, b"x\n1\n2\n", &identity, Durability::InMemory, &|_| {})
+            .unwrap();
         let read = || read_record(&path, &InputFile::read(&path).unwrap());
         assert!(
             read()
@@ -283,7 +286,8 @@ mod tests {
             let found = ForeignRecord::beside(&path).map(|foreign| foreign.path);
             assert_eq!(found.as_ref(), Some(&mine));
             let error =
-                write_sweep(&path, b"x\n", &identity, Durability::InMemory, &|_| {}).unwrap_err();
+                write_sweep(&path, NamedBy::User, b"x\n", &identity, Durability::InMemory, &|_| {})
+                    .unwrap_err();
             assert!(
                 error.to_string().ends_with("it would replace a file that no sweep has written"),
                 "{error}"
@@ -302,7 +306,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let identity = identity_of("link", &[], "x=1,2", "1/1");
-        let write = |name| write_sweep(&at(name), b"x\n", &identity, Durability::InMemory, &|_| {});
+        let write = |name| {
+            write_sweep(&at(name), NamedBy::User, b"x\n", &identity, Durability::InMemory, &|_| {})
+        };
         write("two").unwrap();
         write("two").unwrap();
         let error = write("two.csv").unwrap_err();
