@@ -59,11 +59,34 @@ impl ArmInPose {
                 console::note(&format!("the mesh error is {words}"));
             }
         }
-        if modes.free.modes.iter().any(|mode| mode.square_per_s2 < 0.0) {
+        let falls = is_unstable(modes.free.modes.iter().map(|mode| mode.square_per_s2));
+        if falls {
             let words = "the arm falls from this pose if its joints are free: only under control does it respond so";
             console::warning(words, "modes --at tells how fast it falls");
-            warnings += 1;
         }
-        warnings
+        warnings + usize::from(falls)
     }
+}
+
+/// True if one of these squares of natural frequencies is that of a motion away from the pose.
+pub(crate) fn is_unstable(squares_per_s2: impl IntoIterator<Item = f64>) -> bool {
+    squares_per_s2.into_iter().any(|square| square < 0.0)
+}
+
+/// Warns of a pose that a link or an arm leaves if its hubs are free, or even if they are held; returns the number of
+/// warnings.
+pub(crate) fn warn_of_fall([free, held]: [bool; 2], [what, hubs]: [&str; 2]) -> usize {
+    let are = if hubs.ends_with('s') { "are" } else { "is" };
+    let warn = |state: &str, hint: &str| {
+        let words = format!(
+            "the {what} falls from this pose if its {hubs} {are} {state}: it leaves it, and does not vibrate about it"
+        );
+        console::warning(words, hint);
+    };
+    if held {
+        warn("held", "a stiffer link, or less mass at its tip: the weight buckles it");
+    } else if free {
+        warn("free", "the table tells how fast; a controller that holds the pose changes that");
+    }
+    usize::from(free || held)
 }

@@ -18,7 +18,7 @@ use flexlink::result::{
 use flexlink::spec::{ArmSpecification, Described, Specification};
 use flexlink::store::{arm_modes_json, modes_json, pose_modes_json, write_arm_modes};
 
-use super::arm_pose::{ArmInPose, COARSE};
+use super::arm_pose::{ArmInPose, COARSE, is_unstable, warn_of_fall};
 use crate::options::common::{SyncArgs, angle_rad};
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::check_folder;
@@ -153,7 +153,9 @@ impl Modes {
             write_arm_modes(self.sync.stage(folder)?, (&modes, &shapes, &zeros), self.digits)?;
         }
         console::remarks(remarks);
-        let mut warnings = 0;
+        let falls = [&modes.free, &modes.held]
+            .map(|own| is_unstable(own.modes.iter().map(|mode| mode.square_per_s2)));
+        let mut warnings = warn_of_fall(falls, ["arm", "joints"]);
         for (what, found) in [("joints free", &modes.free), ("rotors held", &modes.held)] {
             if let Some(first) =
                 found.errors.iter().position(|error| error.is_nan() || *error > COARSE)
@@ -189,13 +191,15 @@ impl Modes {
         let coarse = lists.map(|(what, found)| CoarseMesh::of(what, &found.mesh_errors));
         let coarse: Vec<_> = coarse.into_iter().flatten().collect();
         console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
+        let falls = lists.map(|(_, found)| is_unstable(found.squares_per_s2.iter().copied()));
+        let warnings = coarse.len() + warn_of_fall(falls, ["link", "hub"]);
         let text = if self.json {
             pose_modes_json(&pose)
         } else {
             pose_text(&specification.link, &mesh, &pose)
         };
         console::print(&text)?;
-        self.warnings.refuse(coarse.len())
+        self.warnings.refuse(warnings)
     }
 }
 

@@ -29,7 +29,10 @@ fn modes_of_a_pose_are_told_with_swings_first_and_zeros_of_each_link() {
     let bench = bench();
     let lines = |pose: &str| {
         let output = bench.run(&["modes", "arm.toml", "--count", "3", "--at", pose]);
-        assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let falls = stderr(&output).starts_with("warning: the arm falls from this pose");
+        assert!(falls || stderr(&output).is_empty(), "{}", stderr(&output));
+        assert_eq!(falls, pose.starts_with("90 deg"), "{}", stderr(&output));
         let text = stdout(&output);
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         text.lines().map(str::to_owned).collect::<Vec<_>>()
@@ -46,6 +49,8 @@ fn modes_of_a_pose_are_told_with_swings_first_and_zeros_of_each_link() {
     assert_eq!(blocked.count(), 1, "{hanging:?}");
     let up = lines("90 deg,1.5708");
     assert!(up[5].starts_with("1      not stable: it leaves the pose as e^(t/0.1"), "{up:?}");
+    let denied = bench.run(&["modes", "arm.toml", "--at", "90 deg,1.5708", "--deny-warnings"]);
+    assert_eq!(denied.status.code(), Some(4), "{}", stderr(&denied));
     let flat = bench.run(&["modes", "arm.toml", "--at", "0.3,1.2", "--set", "gravity=[0, 0]"]);
     let flat = stdout(&flat);
     assert!(flat.contains("\n2      neutral: the arm stays where it is turned\n"), "{flat}");

@@ -199,7 +199,10 @@ fn modes_of_a_direction_are_told_with_the_swing_first() {
     let bench = bench();
     let lines = |angle: &str| {
         let output = bench.run(&["modes", "strip.toml", "--count", "2", "--at", angle]);
-        assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let falls = stderr(&output).starts_with("warning: the link falls from this pose");
+        assert!(falls || stderr(&output).is_empty(), "{}", stderr(&output));
+        assert_eq!(falls, angle == "1.5708", "{}", stderr(&output));
         let text = stdout(&output);
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         text.lines().map(str::to_owned).collect::<Vec<_>>()
@@ -213,6 +216,8 @@ fn modes_of_a_direction_are_told_with_the_swing_first() {
     assert_eq!(hanging[7], "hub held");
     assert!(lines("1.5708")[4].starts_with("0      not stable: it leaves the pose as e^(t/0.2"));
     assert_eq!(lines("0")[4], "0      neutral: the link stays where it is turned");
+    let denied = bench.run(&["modes", "strip.toml", "--at", "90 deg", "--deny-warnings"]);
+    assert_eq!(denied.status.code(), Some(4), "{}", stderr(&denied));
     let json = bench.run(&["modes", "strip.toml", "--at", "90 deg", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
     assert!(json["free"]["frequency_hz"][0].is_null());
