@@ -23,7 +23,7 @@ pub struct MeasuredSet {
     pub file: InputFile,
     /// The files that it names, in its order: responses, then records.
     pub named: Vec<InputFile>,
-    /// How each of the records was read, after its name.
+    /// How each of them was read, after its name.
     pub readings: Vec<(String, Reading)>,
 }
 
@@ -73,7 +73,8 @@ pub fn read_measured(path: &Path, links: usize) -> Result<MeasuredSet, MeasuredE
     for response in responses {
         let table = InputFile::read_beside(path, &response.file)?;
         let first_zero = response.first_zero;
-        let response = read_response(&table, response, motor.as_ref())?;
+        let (response, reading) = read_response(&table, response, motor.as_ref())?;
+        readings.push((table.shown.clone(), reading));
         match first_zero {
             Some(first) => values.extend(zeros_of(&table, &response, first)?),
             None => read_responses.push(response),
@@ -96,16 +97,18 @@ fn read_response(
     table: &InputFile,
     of: ResponseFile,
     motor: Option<&Motor>,
-) -> Result<Response, MeasuredError> {
+) -> Result<(Response, Reading), MeasuredError> {
     let ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, .. } = of;
-    let (frequencies_hz, values) = read_frequency_response(&table.shown, &table.bytes)?;
-    let values = values.into_iter().map(|value| value / distance_m).collect();
-    let response = Response::new(file, (transfer, gain), uncertainty, (frequencies_hz, values))
+    let read = read_frequency_response(&table.shown, &table.bytes)?;
+    let values = read.values.into_iter().map(|value| value / distance_m).collect();
+    let columns = (read.frequencies_hz, values);
+    let response = Response::new(file, (transfer, gain), uncertainty, columns)
         .map_err(|error| MeasuredError::refused(table, &error))?;
-    Ok(match motor.filter(|_| is_per_volt) {
+    let response = match motor.filter(|_| is_per_volt) {
         Some(motor) => response.per_volt(motor),
         None => response,
-    })
+    };
+    Ok((response, read.reading))
 }
 
 /// The zeros of a response of a closed loop.

@@ -1,5 +1,6 @@
 //! CSV: reading, writing, and numbers as text; the name and the unit of every column once.
 
+mod bare_phase;
 mod cells;
 mod columns;
 mod dialect;
@@ -37,7 +38,7 @@ pub(crate) use number::time_format;
 pub use number::{Digits, DigitsError, NumberFormat};
 pub use path::{PathTable, read_path_table, write_path};
 pub use record::{RecordTable, read_record, read_recording, read_recording_as};
-pub use response::read_frequency_response;
+pub use response::{ResponseTable, read_frequency_response};
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};
 pub use samples::read_table;

@@ -2,41 +2,61 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
+use super::bare_phase::{DEGREE, PolarRow, bare_phase};
+use super::format::Reading;
 use super::rows::{Place, TableError, quoted};
 use super::samples::read_table;
 use super::unit_name::split_any_unit;
 use crate::compare::{Cell, Table, TableColumn};
+use crate::numeric::magnitude;
 
 /// Factor of decibels to powers of ten.
 const DECIBELS: f64 = 0.05;
+
+/// Largest difference of a value below 0 Hz from the conjugate of the one above, over its size.
+const CONJUGATE: f64 = 0.01;
+
+/// Largest relative difference of frequencies that are the same but for the sign and rounding.
+const SAME_FREQUENCY: f64 = 1e-4;
 
 /// A column of a measured response, with the factor that makes SI of its numbers.
 struct Found<'a> {
     column: &'a TableColumn,
     factor: f64,
+    has_unit: bool,
 }
 
-/// Reads a measured frequency response: the frequencies in Hz and the complex values.
+/// A measured frequency response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseTable {
+    /// Frequencies in Hz, above 0.
+    pub frequencies_hz: Vec<f64>,
+    /// The value at each.
+    pub values: Vec<Complex64>,
+    /// What was guessed, and which rows were left out.
+    pub reading: Reading,
+}
+
+/// Reads a measured frequency response.
 ///
 /// Columns are `frequency` and either `real` and `imaginary`, or `gain` and `phase`; units in brackets or
-/// parentheses may be Hz, kHz, rad/s, dB, deg and rad. Without unit a gain is in SI, a phase in degrees.
-/// Other columns are left.
+/// parentheses may be Hz, kHz, rad/s, dB, deg and rad. Without unit a number is SI, a phase in radians; phases
+/// that cannot be radians are degrees. Other columns are left. Rows below 0 Hz, as of a two-sided spectrum, are
+/// held against the conjugates of those above, and left out.
 ///
 /// ```
 /// use flexlink::csv::read_frequency_response;
 /// let file = b"frequency [Hz],gain,phase [deg]\n1,2,90\n2,1,180\n";
-/// let (frequencies_hz, values) = read_frequency_response("frf.csv", file)?;
-/// assert_eq!(frequencies_hz, [1.0, 2.0]);
-/// assert!((values[0].im - 2.0).abs() < 1e-15);
+/// let table = read_frequency_response("frf.csv", file)?;
+/// assert_eq!(table.frequencies_hz, [1.0, 2.0]);
+/// assert!((table.values[0].im - 2.0).abs() < 1e-15);
 /// # Ok::<(), flexlink::csv::TableError>(())
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the column that is missing, and the line of a field that is no finite number.
-pub fn read_frequency_response(
-    name: &str,
-    bytes: &[u8],
-) -> Result<(Vec<f64>, Vec<Complex64>), TableError> {
+/// [`TableError`] names the column that is missing, the line of a field that is no finite number, a row at 0 Hz,
+/// and a row below 0 Hz that is no conjugate of the row above.
+pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable, TableError> {
     let table = read_table(name, bytes)?;
     let place = Place { file: name, line: None };
     let hertz = |unit: &str| match unit {
@@ -55,8 +75,8 @@ pub fn read_frequency_response(
     };
     let decibels = |unit: &str| if unit == "db" { Some(DECIBELS) } else { si(unit) };
     let radians = |unit: &str| match unit {
-        "" | "deg" | "°" => Some(PI / 180.0),
-        "rad" => Some(1.0),
+        "deg" | "°" => Some(DEGREE),
+        "" | "rad" => Some(1.0),
         _ => None,
     };
     let find =
@@ -69,13 +89,14 @@ pub fn read_frequency_response(
     let polar = find(&["gain", "magnitude"], &decibels)?.zip(find(&["phase"], &radians)?);
     let rows = table.lines.len();
     let frequencies_hz = numbers(&table, &frequencies, place)?;
-    let at_rest = frequencies_hz.iter().position(|hertz| *hertz <= 0.0);
+    let at_rest = frequencies_hz.iter().position(|hertz| *hertz == 0.0);
     if let Some(row) = at_rest {
         let place = Place { line: Some(table.lines[row]), ..place };
         let hint = "remove the row at 0 Hz: a link on a free hub has no response there";
         let error = place.refuse("frequency", table_text(&frequencies, row), "must be above 0");
         return Err(error.with_hint(hint.to_owned()));
     }
+    let mut said = Vec::new();
     let values: Vec<Complex64> = match (real, polar) {
         (Some((re, im)), None) => {
             let [re, im] = [numbers(&table, &re, place)?, numbers(&table, &im, place)?];
@@ -83,13 +104,72 @@ pub fn read_frequency_response(
         }
         (None, Some((gain, phase))) => {
             let sizes = gains(&table, &gain, place)?;
-            let phase = numbers(&table, &phase, place)?;
+            let has_unit = phase.has_unit;
+            let mut phase = numbers(&table, &phase, place)?;
+            if !has_unit {
+                let row =
+                    |k| PolarRow { hertz: frequencies_hz[k], gain: sizes[k], phase: phase[k] };
+                let above = (0..rows).map(row).filter(|row| row.hertz > 0.0);
+                let (radians, guess) = bare_phase(above.collect());
+                phase = phase.into_iter().map(|phase| phase * radians).collect();
+                said.push(guess);
+            }
             let turned = |k: usize| Complex64::new(libm::cos(phase[k]), libm::sin(phase[k]));
             (0..rows).map(|k| turned(k) * sizes[k]).collect()
         }
         _ => return Err(missing()),
     };
-    Ok((frequencies_hz, values))
+    let mut found = ResponseTable { frequencies_hz, values, reading: Reading::default() };
+    said.extend(found.leave_out_rows_below_0_hz(|row, must| {
+        let place = Place { line: Some(table.lines[row]), ..place };
+        let hint = "leave out the rows below 0 Hz, or those above if these are wrong";
+        place.refuse("frequency", table_text(&frequencies, row), must).with_hint(hint.to_owned())
+    })?);
+    found.reading.found = said;
+    Ok(found)
+}
+
+impl ResponseTable {
+    /// Leaves out the rows below 0 Hz and returns what to say of it; refuses one that is no conjugate of the row above.
+    /// A row without one above, as at half the sampling rate, is left out, too.
+    fn leave_out_rows_below_0_hz(
+        &mut self,
+        refuse: impl Fn(usize, &str) -> TableError,
+    ) -> Result<Option<String>, TableError> {
+        let rows = || self.frequencies_hz.iter().copied().zip(&self.values).enumerate();
+        let mut above: Vec<_> = rows().filter(|(_, (hertz, _))| *hertz > 0.0).collect();
+        above.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let (mut below, mut held) = (0, 0);
+        for (row, (hertz, value)) in rows().filter(|(_, (hertz, _))| *hertz < 0.0) {
+            let next = above.partition_point(|(_, (above, _))| *above < -hertz);
+            let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
+            let near = near.filter_map(|k| above.get(k));
+            let off = |above: f64| (above + hertz).abs();
+            let nearest = near.min_by(|a, b| off(a.1.0).total_cmp(&off(b.1.0)));
+            below += 1;
+            let Some((_, (_, partner))) =
+                nearest.filter(|(_, (own, _))| off(*own) <= SAME_FREQUENCY * own)
+            else {
+                continue;
+            };
+            held += 1;
+            if magnitude(value - partner.conj()) > CONJUGATE * magnitude(**partner) {
+                return Err(refuse(row, "must have the conjugate of the value above 0 Hz"));
+            }
+        }
+        if below > 0 && held == 0 {
+            let first = rows().find(|(_, (hertz, _))| *hertz < 0.0).map_or(0, |(row, _)| row);
+            return Err(refuse(first, "must be above 0, or be there above 0, too"));
+        }
+        let keep: Vec<bool> = self.frequencies_hz.iter().map(|hertz| *hertz > 0.0).collect();
+        let mut kept = keep.iter();
+        self.frequencies_hz.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.values.retain(|_| kept.next() == Some(&true));
+        Ok((below > 0).then(|| {
+            format!("without its {below} rows below 0 Hz, {held} of them conjugates of rows above")
+        }))
+    }
 }
 
 fn table_text(found: &Found, row: usize) -> String {
@@ -122,12 +202,13 @@ fn found<'a>(
     for column in &table.columns {
         let lower = column.name().to_lowercase();
         let (name, unit) = split_any_unit(&lower);
+        let has_unit = unit.is_some();
         let unit = unit.unwrap_or_default();
         if names.contains(&name) {
             let must = "must be one that the column may have: Hz, kHz, rad/s; dB or SI; deg or rad";
             let unknown = || place.refuse(format!("unit of {name}"), quoted(unit), must);
             let factor = factor(unit).ok_or_else(unknown)?;
-            return Ok(Some(Found { column, factor }));
+            return Ok(Some(Found { column, factor, has_unit }));
         }
     }
     Ok(None)

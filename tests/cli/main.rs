@@ -21,6 +21,7 @@ mod files;
 mod fit;
 mod fit_page;
 mod fit_record;
+mod fit_response;
 mod golden_folder;
 mod gravity;
 mod help;
