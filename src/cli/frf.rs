@@ -16,7 +16,7 @@ use flexlink::spec::{Described, Specification};
 use flexlink::store::{
     ResponseColumns, arm_response, frequency_response_json, link_response, write_frequency_response,
 };
-use flexlink::text::{plain, significant};
+use flexlink::text::{given, significant};
 
 use super::arm_pose::ArmInPose;
 use crate::options::common::angle_rad;
@@ -194,7 +194,7 @@ impl Frf {
         if are_possible && (from_hz < to_hz || self.points == 1) {
             return Ok((from_hz, to_hz));
         }
-        let [from, to] = [from_hz, to_hz].map(plain);
+        let [from, to] = [from_hz, to_hz].map(given);
         let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
         let must = format!("but must rise within {least:e} … {most:e} Hz");
         let message = format!("--from {from} --to {to} = no range, {must}");

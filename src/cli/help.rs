@@ -6,9 +6,29 @@ use clap::{Args, Command};
 use crate::terminal::{Failure, console};
 
 /// Pages of the book by topic, with what each one holds.
-const PAGES: [(&str, &str, &str); 2] = [
+const PAGES: [(&str, &str, &str); 18] = [
+    ("index", "What the book holds", include_str!("../../docs/index.md")),
+    ("install", "Install and test", include_str!("../../docs/install.md")),
+    ("first_uses", "Six first uses", include_str!("../../docs/first_uses.md")),
+    ("cookbook", "Recipes", include_str!("../../docs/cookbook.md")),
     ("files", "Link files, motions, measured tables, results", include_str!("../../docs/files.md")),
+    ("commands", "What every command does", include_str!("../../docs/commands.md")),
     ("limits", "The method, and where it ends", include_str!("../../docs/limits.md")),
+    (
+        "recordings",
+        "Times, digits and noise of recorded motions",
+        include_str!("../../docs/recordings.md"),
+    ),
+    ("ends", "Motions that repeat or do not rest", include_str!("../../docs/ends.md")),
+    ("gravity", "Gravity and large deflections", include_str!("../../docs/gravity.md")),
+    ("thick_links", "Shear and rotary inertia", include_str!("../../docs/thick_links.md")),
+    ("arms", "Arms of several links", include_str!("../../docs/arms.md")),
+    ("real_rig", "Measured rigs, and `fit`", include_str!("../../docs/real_rig.md")),
+    ("many", "Many cases, many machines", include_str!("../../docs/many.md")),
+    ("python", "The Python package", include_str!("../../docs/python.md")),
+    ("golden", "Golden files", include_str!("../../docs/golden.md")),
+    ("speed", "What is fast, and how it is measured", include_str!("../../docs/speed.md")),
+    ("paper", "Comparison with the paper", include_str!("../../docs/paper.md")),
 ];
 
 /// All commands but `help`: completions of shells list them.
@@ -45,7 +65,7 @@ fn topics() -> PossibleValuesParser {
     pages.into_iter().chain(COMMANDS.map(PossibleValue::new)).collect::<Vec<_>>().into()
 }
 
-/// Print the help of a command, or a page of the book: files, limits.
+/// Print the help of a command, or a page of the book, as `files` and `limits`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Help {
@@ -67,7 +87,7 @@ impl Help {
 }
 
 /// A page of Markdown as plain text: lines and tables of `WIDTH` columns, code as it is, no marks of
-/// emphasis, and for a link its text and its page.
+/// emphasis, and for a link its text and its page. Figures are left out.
 fn terminal_text(page: &str) -> String {
     let mut text = String::new();
     let mut lines = page.lines().peekable();
@@ -92,6 +112,9 @@ fn terminal_text(page: &str) -> String {
                 rows.push(row);
             }
             text += &table(&rows);
+        } else if line.starts_with("![") {
+            // A figure, and the empty line below it.
+            lines.next();
         } else if line.is_empty() {
             text.push('\n');
         } else {
@@ -112,6 +135,11 @@ fn terminal_text(page: &str) -> String {
     text
 }
 
+/// True if `help` has a page of this name.
+fn is_page(name: &str) -> bool {
+    PAGES.iter().any(|(page, ..)| *page == name)
+}
+
 /// A text without marks of emphasis and links; code is kept with its marks.
 fn inline(text: &str) -> String {
     let mut pieces = text.split('`');
@@ -130,11 +158,15 @@ fn inline(text: &str) -> String {
             break;
         };
         let page = target.split('#').next().unwrap_or_default();
-        let page = if page.contains(':') { page.to_owned() } else { format!("docs/{page}") };
+        let shown = match page.strip_suffix(".md").filter(|page| is_page(page)) {
+            Some(page) => format!("help {page}"),
+            None if page.contains(':') => page.to_owned(),
+            None => format!("docs/{page}"),
+        };
         text = match name {
             name if target.starts_with('#') => format!("{before}{name}{after}"),
-            name if page.ends_with(name) => format!("{before}{page}{after}"),
-            name => format!("{before}{name} ({page}){after}"),
+            name if page.ends_with(name) => format!("{before}{shown}{after}"),
+            name => format!("{before}{name} ({shown}){after}"),
         };
     }
     text
@@ -201,8 +233,8 @@ mod tests {
     #[test]
     fn a_page_is_plain_text() {
         let page = "# Limits\n\nSee **the** [arms](arms.md#a), [ends.md](ends.md) or [above](#limits) for `EI*=4` \
-                    and *more*.\n\n* one\n  and the same\n* two\n\n```toml\nx = [1]  # **\n```\n";
-        let text = "Limits\n======\n\nSee the arms (docs/arms.md), docs/ends.md or above for `EI*=4` and more.\n\n\
+                    and *more*.\n\n![A figure](a.svg)\n\n* one\n  and the same\n* two\n\n```toml\nx = [1]  # **\n```\n";
+        let text = "Limits\n======\n\nSee the arms (help arms), help ends or above for `EI*=4` and more.\n\n\
                     * one and the same\n* two\n\n    x = [1]  # **\n";
         assert_eq!(terminal_text(page), text);
     }
@@ -224,7 +256,8 @@ mod tests {
             // Code and printed results are as they are.
             for line in text.lines().filter(|line| !line.starts_with("    ")) {
                 assert!(line.chars().count() <= WIDTH, "{name}: {line}");
-                assert!(!line.contains("**"), "{name}: {line}");
+                // Python's `**motion` is code.
+                assert!(!line.replace(", **", ", ").contains("**"), "{name}: {line}");
             }
         }
     }

@@ -18,7 +18,7 @@ mod verify;
 
 use std::ffi::OsString;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 
@@ -65,7 +65,14 @@ enum Command {
 /// Runs the command of a command line, the program's name first, and returns the exit code: the one place that prints an
 /// error and its hint.
 pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let ended = match Cli::try_parse_from(arguments) {
+    let mut program = Cli::command();
+    let parsed = program.try_get_matches_from_mut(arguments).and_then(|matches| {
+        let of_command = matches.subcommand().map(|(_, of_command)| of_command);
+        let quiet = of_command.and_then(|found| found.try_get_one("quiet").ok().flatten());
+        console::show_remarks(quiet != Some(&true));
+        Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut program))
+    });
+    let ended = match parsed {
         Ok(cli) => cli.command.run().map(|ending| ending as u8),
         Err(error) => console::parser_text(&error),
     };

@@ -33,6 +33,10 @@ pub(crate) struct Init {
     /// Write an arm of two links, arm.toml, and path.csv of its tip instead.
     #[arg(long)]
     arm: bool,
+
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    quiet: bool,
 }
 
 impl Init {
@@ -53,6 +57,9 @@ impl Init {
         folder.file(names[1], |out| out.write_all(&samples))?;
         folder.file(names[2], |out| out.write_all(link_file_schema().as_bytes()))?;
         folder.commit(names[0], &[])?;
+        if self.quiet {
+            return Ok(());
+        }
         let [described, moved, schema] = paths.map(|path| path.display().to_string());
         console::print(&format!("written  {described}, {moved} and {schema}\n"))
     }

@@ -13,6 +13,7 @@ use crate::motion::{Ends, MotionColumns, Recording, TipTarget, Uncertainty};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
 use crate::recording::{LARGEST_JITTER, Rounding, jitter};
 use crate::result::Remark;
+use crate::text::given;
 
 /// Most samples that a resampled motion may have.
 const MAX_SAMPLES: f64 = 1e7;
@@ -243,18 +244,21 @@ pub(super) fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<
     let fewest = (MIN_SAMPLES - 1) as f64;
     if steps < fewest {
         let longest = duration_s / fewest;
-        let must = format!("must be at most {longest} s, which gives {MIN_SAMPLES} samples");
+        let must =
+            format!("must be at most {} s, which gives {MIN_SAMPLES} samples", given(longest));
         return Err(refuse(must));
     }
     if steps >= MAX_SAMPLES {
         let shortest = duration_s / (MAX_SAMPLES - 1.0);
-        let must = format!("must be at least {shortest} s, which gives {MAX_SAMPLES:e} samples");
+        let must =
+            format!("must be at least {} s, which gives {MAX_SAMPLES:e} samples", given(shortest));
         return Err(refuse(must));
     }
     if (ratio - steps).abs() > LARGEST_JITTER {
         let below = ratio.floor().max(fewest);
         let (long, short) = (duration_s / below, duration_s / (below + 1.0));
-        let must = format!("must divide the motion's {duration_s} s into whole steps");
+        let must = format!("must divide the motion's {} s into whole steps", given(duration_s));
+        // With all digits: the user copies one of them.
         let hint = format!("the nearest steps that do are {short} s and {long} s");
         return Err(refuse(must).with_hint(hint));
     }

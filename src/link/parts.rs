@@ -12,7 +12,7 @@ use crate::text::plain;
 pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Characters of a number that is written with all its digits.
-const LONGEST_NUMBER: usize = 24;
+const LONGEST_NUMBER: usize = 12;
 
 /// A physical parameter outside its range.
 ///

@@ -1,5 +1,7 @@
 //! What is made of a motion: the same over another distance, duration or step, and a target to compare with.
 
+use std::ops::Mul;
+
 use super::ends::wrapped;
 use super::error::MotionError;
 use super::period::{TipHistories, farthest_m};
@@ -28,6 +30,15 @@ pub struct MotionScale {
 impl Default for MotionScale {
     fn default() -> Self {
         Self { distance: 1.0, duration: 1.0 }
+    }
+}
+
+impl Mul for MotionScale {
+    type Output = Self;
+
+    /// The factors of both on one motion.
+    fn mul(self, other: Self) -> Self {
+        Self { distance: self.distance * other.distance, duration: self.duration * other.duration }
     }
 }
 

@@ -61,6 +61,20 @@ pub enum Remark {
         /// Young's modulus in Pa.
         pa: f64,
     },
+    /// A rectangle that is thicker in the plane of motion than it is wide.
+    #[error(
+        "{parameter}: thickness = {} m, which is above width = {} m: the link bends across its stiffer side",
+        significant(*thickness_m, 6),
+        significant(*width_m, 6)
+    )]
+    Rectangle {
+        /// Dotted path, as in the link file.
+        parameter: String,
+        /// Size across the plane of motion in m.
+        width_m: f64,
+        /// Size in the plane of motion in m.
+        thickness_m: f64,
+    },
     /// A start angle of more than a turn.
     #[error(
         "start_angle = {} rad, more than a whole turn: probably meant in another unit, as \"{} deg\"",
@@ -224,6 +238,12 @@ impl Remark {
         (!is_usual).then(|| Self::Density { parameter: parameter.to_owned(), kg_m3 })
     }
 
+    /// A remark on a rectangle that is thicker than wide.
+    pub fn on_rectangle(parameter: &str, width_m: f64, thickness_m: f64) -> Option<Self> {
+        let parameter = parameter.to_owned();
+        (thickness_m > width_m).then_some(Self::Rectangle { parameter, width_m, thickness_m })
+    }
+
     /// A remark on a start angle beyond a whole turn.
     pub fn on_start_angle(angle_rad: f64) -> Option<Self> {
         (angle_rad.abs() > TAU).then_some(Self::StartAngle { angle_rad })
@@ -318,6 +338,7 @@ impl Remark {
         match self {
             Self::Density { .. } => "density",
             Self::Modulus { .. } => "modulus",
+            Self::Rectangle { .. } => "rectangle",
             Self::StartAngle { .. } => "start_angle",
             Self::FirstFrequency { .. } => "first_frequency",
             Self::Duration { .. } => "duration",
@@ -338,6 +359,7 @@ impl Remark {
         match self {
             Self::Density { .. } => "write the unit beside the number, as in \"2.7 g/cm^3\"",
             Self::Modulus { .. } => "write the unit beside the number, as in \"70 GPa\"",
+            Self::Rectangle { .. } => "exchange the two if the strip is meant to bend easily",
             Self::StartAngle { .. } => "write the unit beside the number, as in \"-90 deg\"",
             Self::FirstFrequency { .. } => "write the units beside the numbers of the link file",
             Self::Duration { .. } => "name the unit in the column's heading, as in \"time [ms]\"",

@@ -1,5 +1,6 @@
 use serde::Deserialize;
 
+use super::choices::Theory;
 use super::damping::damping;
 use super::error::Fault;
 use super::raw::{RawAnalysis, RawLimits, RawSpecification};
@@ -42,7 +43,14 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         let at = |key: &str| format!("segments.{index}.{key}");
         let modulus = segment.modulus.and_then(|e| Remark::on_modulus(&at("E"), e.si()));
         let density = segment.density.and_then(|rho| Remark::on_density(&at("density"), rho.si()));
-        modulus.into_iter().chain(density)
+        // Who names the theory of thick links means a thick one.
+        let theory = segment.theory.or(raw.theory);
+        let section = segment.section.as_ref().filter(|_| theory != Some(Theory::Timoshenko));
+        let section = section.and_then(|section| {
+            let (width, thickness) = (section.width?.si(), section.thickness?.si());
+            Remark::on_rectangle(&at("section"), width, thickness)
+        });
+        modulus.into_iter().chain(density).chain(section)
     });
     let angle = raw.start_angle.and_then(|angle| Remark::on_start_angle(angle.si()));
     let remarks = remarks.chain(angle).collect();

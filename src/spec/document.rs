@@ -1,5 +1,7 @@
 //! Files of a link, and of an arm: links one after the other, each with the keys of a link file.
 
+use std::mem;
+
 use serde::Deserialize;
 
 use super::convert::{Specification, specification_of};
@@ -43,6 +45,15 @@ pub enum Described {
     Link(Box<Specification>),
     /// An arm of two links or more.
     Arm(Box<ArmSpecification>),
+}
+
+impl Described {
+    fn remarks(&mut self) -> &mut Vec<Remark> {
+        match self {
+            Self::Link(found) => &mut found.remarks,
+            Self::Arm(found) => &mut found.remarks,
+        }
+    }
 }
 
 /// The keys of an arm file beside those of its links.
@@ -114,18 +125,16 @@ impl LinkDocument {
         name: &str,
         overrides: &[Override],
     ) -> Result<Specification, SpecError> {
-        let tree = self.changed(overrides)?;
-        let found = described(&tree).and_then(|found| match found {
+        match self.described(name, overrides)? {
             Described::Link(link) => Ok(*link),
             Described::Arm(_) => {
-                Err(Fault::new("links.1", "this takes an arm of one link, but the file has more")
-                    .hinting("`flexlink solve` takes arms of several links".to_owned()))
+                let message = "this takes an arm of one link, but the file has more";
+                let fault = Fault::new("links.1", message)
+                    .hinting("`flexlink solve` takes arms of several links".to_owned());
+                let place = self.changed(overrides)?.last_place(&fault);
+                Err(fault.at(shown(place, name, overrides)))
             }
-        });
-        found.map_err(|fault| {
-            let place = tree.last_place(&fault);
-            fault.at(shown(place, name, overrides))
-        })
+        }
     }
 
     /// What the file describes, with the `overrides` applied in their order.
@@ -134,10 +143,20 @@ impl LinkDocument {
     /// [`SpecError`] names the line, or the `--set`, and the wrong value.
     pub fn described(&self, name: &str, overrides: &[Override]) -> Result<Described, SpecError> {
         let tree = self.changed(overrides)?;
-        described(&tree).map_err(|fault| {
+        let mut found = described(&tree).map_err(|fault| {
             let place = tree.last_place(&fault);
             fault.at(shown(place, name, overrides))
-        })
+        })?;
+        // A value that was multiplied is in the unit of the value before, which alone is judged.
+        if overrides.iter().any(Override::is_factor) {
+            let given: Vec<_> =
+                overrides.iter().filter(|change| !change.is_factor()).cloned().collect();
+            let before = self.changed(&given).ok().and_then(|tree| described(&tree).ok());
+            if let Some(mut before) = before {
+                mem::swap(found.remarks(), before.remarks());
+            }
+        }
+        Ok(found)
     }
 
     /// The file as a tree, with the changes applied in their order.

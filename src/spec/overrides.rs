@@ -73,6 +73,13 @@ impl Override {
     }
 }
 
+impl Override {
+    /// True for `PATH*=FACTOR`.
+    pub(super) fn is_factor(&self) -> bool {
+        matches!(self.change, Change::Multiply(_))
+    }
+}
+
 impl FromStr for Override {
     type Err = SpecError;
 

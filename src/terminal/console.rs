@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::builder::styling::{AnsiColor, Style};
 use clap::error::ContextValue;
@@ -45,9 +46,19 @@ pub(crate) fn remarks<'a>(remarks: impl IntoIterator<Item = &'a Remark>) {
     }
 }
 
+/// False if `--quiet` hides remarks.
+static REMARKS_ARE_SHOWN: AtomicBool = AtomicBool::new(true);
+
+/// Shows remarks from now on, or hides them.
+pub(crate) fn show_remarks(shown: bool) {
+    REMARKS_ARE_SHOWN.store(shown, Ordering::Relaxed);
+}
+
 /// Prints one remark and its hint to standard error.
 pub(crate) fn remark(message: &str, hint: &str) {
-    labelled("remark", WARNING, message, Some(hint));
+    if REMARKS_ARE_SHOWN.load(Ordering::Relaxed) {
+        labelled("remark", WARNING, message, Some(hint));
+    }
 }
 
 /// Prints a line without a label to standard error, below the current line of the terminal.

@@ -113,6 +113,9 @@ fn a_factor_on_the_duration_is_a_path_with_scaled_times() {
     assert_row(&bench, &rows[0], &rows[2], 1e-6);
     let [fast, slow] = [1, 2].map(|row: usize| rows[row][8].parse::<f64>().unwrap());
     assert!(slow < 0.9 * fast, "{slow} {fast}");
+    let shared = ["--vary", "duration*=1", "--scale-duration", "1.25", "-o", "shared.csv"];
+    swept(&bench, &shared);
+    assert_eq!(self::rows(&bench, "shared.csv")[1][1..], rows[2][1..]);
     // The record of the case has what `solve` takes for it.
     let again = bench.run(&["solve", "--repeat", "all/2"]);
     assert!(again.status.success(), "{}", stderr(&again));

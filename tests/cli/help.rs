@@ -93,7 +93,7 @@ fn an_unknown_topic_is_refused_with_those_that_are_there() {
     let bench = Bench::new();
     let output = bench.run(&["help", "limit"]);
     assert_eq!((output.status.code(), stdout(&output)), (Some(2), String::new()));
-    for word in ["'limit'", "files, limits, solve,", "'limits'"] {
+    for word in ["'limit'", "limits, recordings,", "'limits'"] {
         assert!(stderr(&output).contains(word), "{word}: {}", stderr(&output));
     }
 }

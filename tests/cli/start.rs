@@ -14,6 +14,10 @@ fn the_files_to_start_from_are_solved_and_never_written_over() {
     assert_eq!(solved.status.code(), Some(0), "{}", stderr(&solved));
     assert_eq!(stderr(&solved), "", "it is no example of what is warned about");
 
+    let silent = bench.run(&["init", "-q", "another"]);
+    assert_eq!((stdout(&silent), stderr(&silent)), Default::default());
+    assert_eq!(bench.names("another"), bench.names("my arm")[..3]);
+
     bench.write("my arm/link.toml", "mine");
     let again = bench.run(&["init", "my arm"]);
     assert_eq!(again.status.code(), Some(5));

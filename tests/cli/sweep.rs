@@ -166,6 +166,21 @@ fn a_path_in_an_error_does_not_get_into_the_table() {
 }
 
 #[test]
+fn factors_for_all_cases_multiply_those_that_are_varied() {
+    let bench = Bench::new();
+    let given = ["--scale-duration", "1.6", "--scale-distance=-0.5"];
+    swept(&bench, &[&["--vary", "duration*=1,1.25", "--outputs", "all"][..], &given].concat());
+    let scaled = rows(&bench, "sweep.csv");
+    let of_case = bench.contents("all/2");
+    swept(&bench, &["--vary", "distance*=-0.5", "--vary", "duration*=1.6,2", "--outputs", "alone"]);
+    let varied = rows(&bench, "sweep.csv");
+    for (scaled, varied) in scaled.iter().zip(&varied) {
+        assert_eq!(scaled[1..], varied[2..]);
+    }
+    assert!(of_case == bench.contents("alone/2"));
+}
+
+#[test]
 fn a_slower_and_a_longer_motion_scale_the_torque_of_a_stiff_link() {
     let bench = Bench::new();
     let vary =

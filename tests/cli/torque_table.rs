@@ -361,11 +361,11 @@ fn a_file_that_is_no_form_or_replaces_another_is_refused() {
     refused(&solve(&["-o", "new", "--write", "new/torque.csv"]), "must not be a file of a run's");
     bench.solve(&["-o", "there"]);
     refused(&solve(&["--write", "there/torque.csv"]), "must not be a file of a run's results");
-    let golden = "--golden is given, but has an effect only with -o beside --write";
+    let golden = "--golden is given, but has no effect on the table of --write";
     refused(&solve(&["--golden", "--write", "q.csv"]), golden);
     refused(
         &solve(&["--write", "a.csv", "--report"]),
-        "--report is given, but has an effect only with -o beside --write",
+        "--report is given, but has no effect on the table of --write",
     );
     refused(
         &solve(&["--write", "-", "--json"]),

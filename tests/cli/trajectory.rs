@@ -248,7 +248,7 @@ fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
         ),
         (
             vec!["--distance", "90 deg"],
-            "error: --distance = 1.5707963267948966 rad, but must be a length unless --link is given\n\
+            "error: --distance = 1.57080 rad, but must be a length unless --link is given\n\
              hint: --link LINK gives the length of the link that turns\n",
         ),
         (vec!["--distance", "0.5 kg"], "error: invalid value '0.5 kg' for '--distance <TRAVEL>': "),

@@ -21,7 +21,7 @@ use flexlink::text::{excerpt, visible};
 
 use super::first::{First, FirstLink};
 use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
-use crate::options::inputs::{ChangeArgs, ResampleArgs, scale_arguments};
+use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, scale_arguments};
 use crate::options::play::HoldArgs;
 use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::{Exit, Failure, memory};
@@ -34,6 +34,9 @@ pub(crate) struct CaseArgs {
 
     #[command(flatten)]
     resample: ResampleArgs,
+
+    #[command(flatten)]
+    pub(super) scale: ScaleArgs,
 
     #[command(flatten)]
     pub(crate) torque: TorqueArgs,
@@ -122,8 +125,12 @@ impl<'a> Cases<'a> {
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
-        if let First::Arm { .. } = first {
-            shared.refuse_for_arms(&plan)?;
+        match &first {
+            First::Link(first) => drop(shared.scale.scaled(first.motion.clone())?),
+            First::Arm { path, .. } => {
+                shared.refuse_for_arms(&plan)?;
+                shared.scale.scaled_path(path)?;
+            }
         }
         let torque_file = shared.torque.read()?;
         tell(&motion_file.shown, &reading);
@@ -153,6 +160,7 @@ impl<'a> Cases<'a> {
         let arguments = [
             self.shared.changes.arguments(),
             self.shared.resample.arguments(),
+            self.shared.scale.arguments(),
             self.shared.torque.arguments(),
             self.shared.outputs.identity(),
             self.shared.read.arguments(),
@@ -241,8 +249,9 @@ impl<'a> Cases<'a> {
         &self,
         FirstLink { link: first, motion, .. }: &FirstLink,
         link: &Link,
-        scale: MotionScale,
+        varied: MotionScale,
     ) -> Result<TipMotion, Failure> {
+        let scale = self.shared.scale.scale() * varied;
         // The start angle of a link with gravity must be that of a motion as angles.
         let reads_alike = link.gravity() == first.gravity()
             && link.length_m().total_cmp(&first.length_m()).is_eq();
@@ -263,7 +272,7 @@ impl<'a> Cases<'a> {
             self.shared.changes.arguments(),
             varied.collect(),
             self.shared.resample.arguments(),
-            scale_arguments(values.motion),
+            scale_arguments(self.shared.scale.scale() * values.motion),
             self.shared.torque.arguments(),
             self.shared.outputs.arguments(),
             self.shared.read.arguments(),
@@ -276,7 +285,8 @@ impl CaseArgs {
     /// Refuses what is known for one link alone.
     fn refuse_for_arms(&self, plan: &SweepPlan) -> Result<(), Failure> {
         let torque = self.torque.torque.as_ref().map(|_| "--torque".to_owned());
-        refuse_for_arms(self.resample.of_one_link().into_iter().chain(torque))?;
+        let of_motion = [self.resample.of_one_link(), self.scale.of_one_link()].concat();
+        refuse_for_arms(of_motion.into_iter().chain(torque))?;
         if plan.variations().iter().any(|variation| variation.path() == "distance") {
             let message = "--vary: distance is for one link, and the arm has several";
             let hint = "duration*= scales the times of a path, which goes from place to place";

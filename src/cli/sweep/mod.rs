@@ -102,7 +102,7 @@ pub(crate) struct Sweep {
     #[arg(long, value_name = "SHARD", num_args = 1..)]
     #[arg(conflicts_with_all = ["link", "motion", "changes", "resample", "vary", "torque"])]
     #[arg(conflicts_with_all = ["column", "hold", "linear", "outputs", "shard", "resume", "columns", "time_unit"])]
-    #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal"])]
+    #[arg(conflicts_with_all = ["unit", "scale", "skip", "delimiter", "decimal", "scale_distance", "scale_duration"])]
     merge: Vec<PathBuf>,
 
     /// Fail with exit code 4 if a case failed or exceeds a limit of the link file; the table is

@@ -116,7 +116,8 @@ impl Cases<'_> {
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let specification = self.arm(&values)?;
-        let path = path.slowed(values.motion.duration);
+        let scale = self.shared.scale.scale() * values.motion;
+        let path = path.slowed(scale.duration);
         let path = path.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
         let solved = ArmAndPath::of((&self.link_file, specification), path)?.solve(memory_bytes)?;
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {

@@ -16,7 +16,7 @@ use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
 use flexlink::csv::{Digits, InputFile, write_path, write_trajectory};
 use flexlink::motion::{Course, Curve, MotionColumns, PathColumns};
 use flexlink::spec::{ArmSpecification, Described, Specification};
-use flexlink::text::plain;
+use flexlink::text::{given, plain};
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -335,7 +335,7 @@ fn displacement_m(
         (Travel::Length(length_m), _) => length_m,
         (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link.length_m(),
         (Travel::Angle(angle_rad), None) => {
-            let angle = plain(angle_rad);
+            let angle = given(angle_rad);
             let message =
                 format!("{option} = {angle} rad, but must be a length unless --link is given");
             let hint = "--link LINK gives the length of the link that turns";
