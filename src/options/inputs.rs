@@ -328,6 +328,6 @@ pub(crate) fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
     let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
     let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
     let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
-    let jumps = Remark::on_jumps(solution);
-    of_file.iter().cloned().chain(of_modes).chain(of_motion).chain(jumps).collect()
+    let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
+    of_file.iter().cloned().chain(of_modes).chain(of_motion).chain(of_solution).collect()
 }

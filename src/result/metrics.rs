@@ -87,14 +87,8 @@ impl Metrics {
             peak_hub_angle_rad = turned(low);
             peak_hub_angle_rad.value += turned(high).value - (high - low);
         }
-        // With gravity, or against friction, the torque acts where it differs from what it is at the ends.
-        let acts = |torque: &[f64], peak: Peak| match ends {
-            Ends::Periodic => Acting::always(torque),
-            Ends::AtRest if !solution.link().has_weight() => {
-                Acting::of(torque, TIMING_LEVEL * peak.value)
-            }
-            _ => Acting::beyond_rest(torque, TIMING_LEVEL * solution.size_of(torque)),
-        };
+        let acts =
+            |torque: &[f64], peak: Peak| Acting::in_solution(solution, torque, peak, TIMING_LEVEL);
         let timed = |time_s: f64| (ends != Ends::Periodic).then_some(time_s);
         let acting = acts(torque, peak_torque_n_m);
         Self {
@@ -158,6 +152,23 @@ impl PlayedMetrics {
     }
 }
 
+/// Errors of lead and lag in s where the torque of a solution is uncertain by `share` of its peak: how far its start and
+/// its end move if the level at which they are read is as uncertain.
+pub(super) fn timing_errors_s(solution: &Solution, share: f64) -> [f64; 2] {
+    let (grid, torque) = (&solution.grid, &solution.torque_n_m);
+    let peak = Peaks::of_solution(solution).of(torque);
+    let ends = |level| {
+        let acting = Acting::in_solution(solution, torque, peak, level);
+        [acting.start_s(grid), acting.end_s(grid)]
+    };
+    let told = ends(TIMING_LEVEL);
+    let others = [TIMING_LEVEL + share, TIMING_LEVEL - share];
+    let possible = others.into_iter().filter(|level| (0.0..1.0).contains(level));
+    possible.map(ends).fold([0.0; 2], |worst, other| {
+        [0, 1].map(|end| f64::max(worst[end], (other[end] - told[end]).abs()))
+    })
+}
+
 /// When a torque acts: the samples beyond a level, and the parts of the steps around them in which it is
 /// beyond the level.
 pub(super) struct Acting {
@@ -170,6 +181,16 @@ pub(super) struct Acting {
 }
 
 impl Acting {
+    /// Of a solution's torque with this peak, at a level that is a share of it. With gravity, or against friction, the
+    /// torque acts where it differs from what it is at the ends.
+    fn in_solution(solution: &Solution, torque: &[f64], peak: Peak, level: f64) -> Self {
+        match solution.motion.ends() {
+            Ends::Periodic => Self::always(torque),
+            Ends::AtRest if !solution.link().has_weight() => Self::of(torque, level * peak.value),
+            _ => Self::beyond_rest(torque, level * solution.size_of(torque)),
+        }
+    }
+
     fn of(torque: &[f64], level: f64) -> Self {
         let acts = |t: &f64| t.abs() > level;
         let first = torque.iter().position(acts).unwrap_or(0);

@@ -8,6 +8,7 @@ mod errors;
 mod fit;
 mod limits;
 mod metrics;
+mod noticed;
 mod peak;
 mod recording;
 mod remark;

@@ -6,31 +6,20 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::peak::Peaks;
-use crate::beam::Mesh;
-use crate::inverse::Solution;
-use crate::link::Link;
-use crate::modal::{LoweredMode, Thickness};
-use crate::motion::{ArmPath, TipMotion, Uncertainty};
+use crate::modal::LoweredMode;
 use crate::text::significant;
 
 /// Densities of solids in kg/m³: the lightest foams and osmium, with little beside.
-const DENSITIES_KG_M3: RangeInclusive<f64> = 25.0..=25_000.0;
+pub(super) const DENSITIES_KG_M3: RangeInclusive<f64> = 25.0..=25_000.0;
 
 /// Moduli of solids in Pa: soft rubber and diamond, with little beside.
-const MODULI_PA: RangeInclusive<f64> = 1e6..=2e12;
+pub(super) const MODULI_PA: RangeInclusive<f64> = 1e6..=2e12;
 
 /// First natural frequencies in Hz of links that are turned: a boom in space and a needle.
-const FIRST_FREQUENCIES_HZ: RangeInclusive<f64> = 0.02..=1e5;
+pub(super) const FIRST_FREQUENCIES_HZ: RangeInclusive<f64> = 0.02..=1e5;
 
 /// Durations of motions in s: motors are not faster, and slower motions bend no link.
-const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
-
-/// Share by which an acceleration that jumps must exceed its samples to be told.
-const OVERSHOOT: f64 = 0.05;
-
-/// Usual travel of the tip relative to the length: a full turn.
-const MOST_TRAVEL: f64 = TAU;
+pub(super) const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
 
 /// A value that is possible but rare, often a slip of units. It neither stops a run nor counts as a
 /// warning.
@@ -218,6 +207,22 @@ pub enum Remark {
         /// By how much that is above the largest of the samples, as a share of it.
         share: f64,
     },
+    /// A torque whose start and end the samples of the motion hardly determine.
+    #[error(
+        "the samples leave the torque uncertain by {:.1} % of its peak: it starts {} s earlier or later than \
+         told, and ends so by {} s",
+        100.0 * share,
+        significant(*lead_s, 2),
+        significant(*lag_s, 2)
+    )]
+    Timing {
+        /// Error of the torque by the samples, over its peak or range.
+        share: f64,
+        /// Error of the lead in s.
+        lead_s: f64,
+        /// Error of the lag in s.
+        lag_s: f64,
+    },
     /// A link so short and stiff that shear, which needs its section, may matter.
     #[error(
         "the link's section is not known everywhere: if it is of metal, shear and rotary inertia, which the \
@@ -232,107 +237,6 @@ pub enum Remark {
 }
 
 impl Remark {
-    /// A remark on an unusual density above 0.
-    pub fn on_density(parameter: &str, kg_m3: f64) -> Option<Self> {
-        let is_usual = kg_m3 <= 0.0 || DENSITIES_KG_M3.contains(&kg_m3);
-        (!is_usual).then(|| Self::Density { parameter: parameter.to_owned(), kg_m3 })
-    }
-
-    /// A remark on a rectangle that is thicker than wide.
-    pub fn on_rectangle(parameter: &str, width_m: f64, thickness_m: f64) -> Option<Self> {
-        let parameter = parameter.to_owned();
-        (thickness_m > width_m).then_some(Self::Rectangle { parameter, width_m, thickness_m })
-    }
-
-    /// A remark on a start angle beyond a whole turn.
-    pub fn on_start_angle(angle_rad: f64) -> Option<Self> {
-        (angle_rad.abs() > TAU).then_some(Self::StartAngle { angle_rad })
-    }
-
-    /// A remark on an unusual Young's modulus.
-    pub fn on_modulus(parameter: &str, pa: f64) -> Option<Self> {
-        let is_usual = MODULI_PA.contains(&pa);
-        (!is_usual).then(|| Self::Modulus { parameter: parameter.to_owned(), pa })
-    }
-
-    /// Remarks on the first natural frequencies of a link, in rad/s.
-    pub fn on_modes(link: &Link, mesh: &Mesh, omegas_rad_s: &[f64]) -> Vec<Self> {
-        let first = omegas_rad_s.first().map(|omega| omega / TAU);
-        let rare = first.filter(|hertz| !FIRST_FREQUENCIES_HZ.contains(hertz));
-        let guessed = Thickness::guessed(link);
-        let thick = guessed.and_then(|guess| guess.noticeable(mesh, omegas_rad_s));
-        rare.map(|hertz| Self::FirstFrequency { hertz })
-            .into_iter()
-            .chain(thick.map(|thick| Self::UnknownSection { mode: thick.highest }))
-            .collect()
-    }
-
-    /// Remarks on a motion that moves the tip by `travel_m`, of which it may stray by `tolerance`.
-    pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
-        let length_m = link.length_m();
-        let duration = Self::on_duration(motion);
-        let travel =
-            (travel_m > MOST_TRAVEL * length_m).then_some(Self::Travel { travel_m, length_m });
-        let of_samples = Self::on_samples(motion, travel_m, tolerance);
-        duration.into_iter().chain(travel).chain(of_samples).collect()
-    }
-
-    /// A remark on the duration of a motion.
-    pub fn on_duration(motion: &TipMotion) -> Option<Self> {
-        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-        let duration_s = grid.time_s(until) - grid.time_s(from);
-        let is_usual = DURATIONS_S.contains(&duration_s);
-        (!is_usual).then_some(Self::Duration { duration_s })
-    }
-
-    /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
-    pub fn on_jumps(solution: &Solution) -> Option<Self> {
-        let cutoff_hz = solution.band.cutoff_hz.filter(|_| solution.motion.jumps())?;
-        let peak_m_s2 = Peaks::of_solution(solution).of(&solution.tip.acceleration_m_s2).value;
-        let share = peak_m_s2 / solution.motion.largest_acceleration_m_s2() - 1.0;
-        (share > OVERSHOOT).then_some(Self::Jumps { cutoff_hz, peak_m_s2, share })
-    }
-
-    /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.
-    pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
-        let (decimals, step_m) = path.rounded()?;
-        let followed = step_m / way_m;
-        (tolerance > 0.0 && followed > tolerance).then_some(Self::PathDigits {
-            decimals,
-            half_step_m: 0.5 * step_m,
-            followed,
-            tolerance,
-        })
-    }
-
-    /// A remark on samples that were replaced, if any were.
-    pub fn on_dropped(samples: usize) -> Option<Self> {
-        (samples > 0).then_some(Self::DroppedOutliers { samples })
-    }
-
-    /// Remarks on what the samples of a motion are worth.
-    fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
-        let (grid, recording) = (motion.grid(), motion.recording());
-        let jitter = recording.jitter.map(|steps| Self::Jitter { steps, step_s: grid.step_s });
-        let [before_m_s, after_m_s] = motion.end_velocities_m_s();
-        let moves = recording.moves_by_column.then_some(Self::MovingEnds { before_m_s, after_m_s });
-        let uncertain = recording.uncertainty.and_then(|uncertainty| {
-            let followed = uncertainty.tolerance_m(grid.len) / travel_m;
-            // At 0 all frequencies are solved, whatever the samples are worth.
-            let is_raised = tolerance > 0.0 && followed > tolerance;
-            (is_raised && recording.lowpass_rad_s.is_none()).then_some(match uncertainty {
-                Uncertainty::Rounded { decimals, step_m } => {
-                    Self::FewDigits { decimals, half_step_m: 0.5 * step_m, followed, tolerance }
-                }
-                Uncertainty::Noisy { deviation_m, moved_m } => {
-                    Self::Noise { deviation_m, moved_m, followed, tolerance }
-                }
-            })
-        });
-        let dropped = Self::on_dropped(recording.dropped);
-        jitter.into_iter().chain(dropped).chain(moves).chain(uncertain)
-    }
-
     /// Name of the kind, for machines.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -350,6 +254,7 @@ impl Remark {
             Self::PathDigits { .. } => "path_digits",
             Self::Noise { .. } => "noise",
             Self::Jumps { .. } => "jumps",
+            Self::Timing { .. } => "timing",
             Self::UnknownSection { .. } => "unknown_section",
         }
     }
@@ -382,6 +287,9 @@ impl Remark {
             Self::Noise { .. } => "the errors of the input say what that does to the torque",
             Self::Jumps { .. } => {
                 "a profile without jumps, as septic; `flexlink verify` tells how far the torque depends on the step"
+            }
+            Self::Timing { .. } => {
+                "a displacement with less noise or more digits, or its acceleration"
             }
             Self::UnknownSection { .. } => {
                 "give E and density with section, or with I and area: the share is then estimated"

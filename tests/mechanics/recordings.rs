@@ -16,6 +16,7 @@ use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::motion::{MotionColumns, TipMotion};
 use flexlink::numeric::largest;
+use flexlink::result::{Metrics, Remark};
 use flexlink::spec::read_specification;
 
 /// Numbers between 0 and 1 that are the same in every run.
@@ -186,6 +187,19 @@ fn noise_on_the_papers_motion_is_followed_as_closely_as_it_deserves() {
         let (apart, input) = (apart(&found, &exact), found.accuracy.errors.torque.input.unwrap());
         println!("noise {deviation_m}: {apart:.2e}, stated {input:.2e}");
         assert!(apart < input, "{deviation_m}: {apart} {input}");
+        // The times of the torque are told with their error where that is more than 5 %.
+        let [told, true_s] = [&found, &exact].map(Metrics::of);
+        let [lead_s, lag_s] = match Remark::on_timing(&found) {
+            Some(Remark::Timing { lead_s, lag_s, .. }) => [lead_s, lag_s],
+            _ => [0.05 * told.lead_s.unwrap(), 0.05 * told.lag_s.unwrap()],
+        };
+        for (told, true_s, error_s) in
+            [(told.lead_s, true_s.lead_s, lead_s), (told.lag_s, true_s.lag_s, lag_s)]
+        {
+            let off_s = (told.unwrap() - true_s.unwrap()).abs();
+            println!("  {told:?} for {true_s:?} s, off by {off_s:.2e}, told {error_s:.2e}");
+            assert!(off_s < error_s, "{deviation_m}: {off_s} {error_s}");
+        }
     }
 }
 

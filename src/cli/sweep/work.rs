@@ -104,6 +104,7 @@ impl Cases<'_> {
         let of_motion = Remark::on_motion(link, &motion, travel_m, tolerance);
         let of_link = specification.remarks.iter().cloned().chain(of_modes);
         let remarks = of_link.chain(of_motion).chain(Remark::on_jumps(&solution));
+        let remarks = remarks.chain(Remark::on_timing(&solution));
         Ok((numbers, own.chain(limits).collect(), remarks.collect()))
     }
 

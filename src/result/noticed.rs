@@ -1,0 +1,134 @@
+//! Which remarks a link file, a motion and a solution give.
+
+use std::f64::consts::TAU;
+
+use super::metrics::{Metrics, timing_errors_s};
+use super::peak::Peaks;
+use super::remark::{DENSITIES_KG_M3, DURATIONS_S, FIRST_FREQUENCIES_HZ, MODULI_PA, Remark};
+use crate::beam::Mesh;
+use crate::inverse::Solution;
+use crate::link::Link;
+use crate::modal::Thickness;
+use crate::motion::{ArmPath, TipMotion, Uncertainty};
+
+/// Share by which an acceleration that jumps must exceed its samples to be told.
+const OVERSHOOT: f64 = 0.05;
+
+/// Usual travel of the tip relative to the length: a full turn.
+const MOST_TRAVEL: f64 = TAU;
+
+/// Share of a lead or a lag that its error exceeds to be told.
+const SURE: f64 = 0.05;
+
+impl Remark {
+    /// A remark on an unusual density above 0.
+    pub fn on_density(parameter: &str, kg_m3: f64) -> Option<Self> {
+        let is_usual = kg_m3 <= 0.0 || DENSITIES_KG_M3.contains(&kg_m3);
+        (!is_usual).then(|| Self::Density { parameter: parameter.to_owned(), kg_m3 })
+    }
+
+    /// A remark on a rectangle that is thicker than wide.
+    pub fn on_rectangle(parameter: &str, width_m: f64, thickness_m: f64) -> Option<Self> {
+        let parameter = parameter.to_owned();
+        (thickness_m > width_m).then_some(Self::Rectangle { parameter, width_m, thickness_m })
+    }
+
+    /// A remark on a start angle beyond a whole turn.
+    pub fn on_start_angle(angle_rad: f64) -> Option<Self> {
+        (angle_rad.abs() > TAU).then_some(Self::StartAngle { angle_rad })
+    }
+
+    /// A remark on an unusual Young's modulus.
+    pub fn on_modulus(parameter: &str, pa: f64) -> Option<Self> {
+        let is_usual = MODULI_PA.contains(&pa);
+        (!is_usual).then(|| Self::Modulus { parameter: parameter.to_owned(), pa })
+    }
+
+    /// Remarks on the first natural frequencies of a link, in rad/s.
+    pub fn on_modes(link: &Link, mesh: &Mesh, omegas_rad_s: &[f64]) -> Vec<Self> {
+        let first = omegas_rad_s.first().map(|omega| omega / TAU);
+        let rare = first.filter(|hertz| !FIRST_FREQUENCIES_HZ.contains(hertz));
+        let guessed = Thickness::guessed(link);
+        let thick = guessed.and_then(|guess| guess.noticeable(mesh, omegas_rad_s));
+        rare.map(|hertz| Self::FirstFrequency { hertz })
+            .into_iter()
+            .chain(thick.map(|thick| Self::UnknownSection { mode: thick.highest }))
+            .collect()
+    }
+
+    /// Remarks on a motion that moves the tip by `travel_m`, of which it may stray by `tolerance`.
+    pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
+        let length_m = link.length_m();
+        let duration = Self::on_duration(motion);
+        let travel =
+            (travel_m > MOST_TRAVEL * length_m).then_some(Self::Travel { travel_m, length_m });
+        let of_samples = Self::on_samples(motion, travel_m, tolerance);
+        duration.into_iter().chain(travel).chain(of_samples).collect()
+    }
+
+    /// A remark on the duration of a motion.
+    pub fn on_duration(motion: &TipMotion) -> Option<Self> {
+        let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+        let duration_s = grid.time_s(until) - grid.time_s(from);
+        let is_usual = DURATIONS_S.contains(&duration_s);
+        (!is_usual).then_some(Self::Duration { duration_s })
+    }
+
+    /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
+    pub fn on_jumps(solution: &Solution) -> Option<Self> {
+        let cutoff_hz = solution.band.cutoff_hz.filter(|_| solution.motion.jumps())?;
+        let peak_m_s2 = Peaks::of_solution(solution).of(&solution.tip.acceleration_m_s2).value;
+        let share = peak_m_s2 / solution.motion.largest_acceleration_m_s2() - 1.0;
+        (share > OVERSHOOT).then_some(Self::Jumps { cutoff_hz, peak_m_s2, share })
+    }
+
+    /// A remark on the times of a torque that the samples of its motion leave uncertain.
+    pub fn on_timing(solution: &Solution) -> Option<Self> {
+        let share = solution.accuracy.errors.torque.input?;
+        let metrics = Metrics::of(solution);
+        let (lead_s, lag_s) = metrics.lead_s.zip(metrics.lag_s)?;
+        let [lead_error_s, lag_error_s] = timing_errors_s(solution, share);
+        let is_noticed = lead_error_s > SURE * lead_s.abs() || lag_error_s > SURE * lag_s.abs();
+        is_noticed.then_some(Self::Timing { share, lead_s: lead_error_s, lag_s: lag_error_s })
+    }
+
+    /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.
+    pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
+        let (decimals, step_m) = path.rounded()?;
+        let followed = step_m / way_m;
+        (tolerance > 0.0 && followed > tolerance).then_some(Self::PathDigits {
+            decimals,
+            half_step_m: 0.5 * step_m,
+            followed,
+            tolerance,
+        })
+    }
+
+    /// A remark on samples that were replaced, if any were.
+    pub fn on_dropped(samples: usize) -> Option<Self> {
+        (samples > 0).then_some(Self::DroppedOutliers { samples })
+    }
+
+    /// Remarks on what the samples of a motion are worth.
+    fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
+        let (grid, recording) = (motion.grid(), motion.recording());
+        let jitter = recording.jitter.map(|steps| Self::Jitter { steps, step_s: grid.step_s });
+        let [before_m_s, after_m_s] = motion.end_velocities_m_s();
+        let moves = recording.moves_by_column.then_some(Self::MovingEnds { before_m_s, after_m_s });
+        let uncertain = recording.uncertainty.and_then(|uncertainty| {
+            let followed = uncertainty.tolerance_m(grid.len) / travel_m;
+            // At 0 all frequencies are solved, whatever the samples are worth.
+            let is_raised = tolerance > 0.0 && followed > tolerance;
+            (is_raised && recording.lowpass_rad_s.is_none()).then_some(match uncertainty {
+                Uncertainty::Rounded { decimals, step_m } => {
+                    Self::FewDigits { decimals, half_step_m: 0.5 * step_m, followed, tolerance }
+                }
+                Uncertainty::Noisy { deviation_m, moved_m } => {
+                    Self::Noise { deviation_m, moved_m, followed, tolerance }
+                }
+            })
+        });
+        let dropped = Self::on_dropped(recording.dropped);
+        jitter.into_iter().chain(dropped).chain(moves).chain(uncertain)
+    }
+}
