@@ -6,15 +6,15 @@ use pyo3::prelude::*;
 
 use flexlink::fit::{FitOutcome, Replaced};
 use flexlink::result::StoredWarning;
-use flexlink::store::{Durability, NamedBy, fit_json, write_file};
+use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
 use crate::arm::Arm;
-use crate::cli::fit::{Problem, RECORD, Unfitted};
+use crate::cli::fit::{Problem, Unfitted, check_output};
 use crate::link::{Link, Source, described_by};
 use crate::messages::{notice, objects, usage, warn};
 use crate::options::common::option;
 use crate::pool;
-use crate::terminal::Failure;
+use crate::terminal::{Failure, console};
 
 /// A link or an arm fitted to measurements.
 #[pyclass(frozen, module = "flexlink")]
@@ -23,7 +23,7 @@ pub(crate) struct Fit {
     outcome: FitOutcome,
     /// The link file with the fitted values.
     text: String,
-    /// fit.json.
+    /// The record in JSON.
     record: String,
 }
 
@@ -66,7 +66,7 @@ impl Fit {
         self.outcome.values.iter().map(|value| (value.path.clone(), value.factor)).collect()
     }
 
-    /// What fit.json holds: values with their standard errors and intervals, residuals, what the data do not determine.
+    /// What the record of ``flexlink fit`` holds: values with their standard errors and intervals, residuals, what the data do not determine.
     #[getter]
     fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?.call_method1("loads", (&self.record,))
@@ -90,7 +90,7 @@ impl Fit {
         &self.text
     }
 
-    /// Writes the fitted link file, and fit.json beside it. Refused where the fit is not to be believed.
+    /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused where the fit is not to be believed.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         Ok(py.detach(|| self.write_to(&path))?)
     }
@@ -112,17 +112,12 @@ impl Fit {
         if let Some(misfit) = &self.outcome.misfit {
             return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));
         }
-        let record = path.with_file_name(RECORD);
-        let files = [(path, NamedBy::User, &self.text), (&record, NamedBy::Program, &self.record)];
-        for (file, named_by, text) in files {
-            write_file(
-                file,
-                named_by,
-                Durability::default(),
-                |out| out.write_all(text.as_bytes()),
-                &|_| {},
-            )?;
-        }
-        Ok(())
+        check_output(path)?;
+        let record = fit_record(path);
+        let record = record.as_deref().map(|record| (record, &self.record, NamedBy::Program));
+        let files = [(path, &self.text, NamedBy::User)].into_iter().chain(record);
+        let files =
+            files.map(|(path, text, named_by)| NewFile { path, bytes: text.as_bytes(), named_by });
+        console::deliver_all(&files.collect::<Vec<_>>())
     }
 }

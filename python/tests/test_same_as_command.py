@@ -164,9 +164,9 @@ def test_a_fit_writes_the_record_of_the_command(command: Command, tmp_path: Path
     )
     done = command("fit", LINK, "m.toml", "--free", "segments.*.EI", "-o", "a.toml")
     assert done.returncode == 0, done.stderr
-    record = (tmp_path / "fit.json").read_bytes()
+    record = (tmp_path / "a.json").read_bytes()
     found = flexlink.fit(flexlink.Link.read(LINK), tmp_path / "m.toml", ["segments.*.EI"])
     assert found.is_believed
     found.write(tmp_path / "b.toml")
     assert (tmp_path / "a.toml").read_bytes() == (tmp_path / "b.toml").read_bytes()
-    assert (tmp_path / "fit.json").read_bytes() == record
+    assert (tmp_path / "b.json").read_bytes() == record

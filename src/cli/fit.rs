@@ -11,7 +11,9 @@ use flexlink::link::Damping;
 use flexlink::measured::{MeasuredSet, read_measured};
 use flexlink::report::{FitReport, fit_page};
 use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, rewrite};
-use flexlink::store::{Fingerprint, FitInputs, fit_json};
+use flexlink::store::{
+    Fingerprint, FitInputs, NamedBy, NewFile, fit_json, fit_record, foreign_fit_record,
+};
 
 use crate::options::common::option;
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
@@ -76,7 +78,7 @@ that of an arm, in poses
 /// the differences of its samples, over their uncertainties.
 /// Prints each value with its standard error and the factors between which 95 of 100 true ones lie, each
 /// measurement beside the fitted link's value, and what the data do not determine; -o writes the link file
-/// with the values replaced, comments and all else kept, and fit.json beside it.
+/// with the values replaced, comments and all else kept, and its record NAME.json beside NAME.toml.
 ///
 /// Without uncertainties the standard errors follow from the differences that remain; of few differences the
 /// 95 % are wide, by Student's distribution. Where the data do not determine all free values, or do not fit
@@ -100,7 +102,7 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "PATH[=LOW:HIGH]", required = true)]
     free: Vec<String>,
 
-    /// Link file to write; fit.json goes beside it [default: none is written].
+    /// Link file NAME.toml to write; its record NAME.json goes beside it [default: none is written].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -110,9 +112,6 @@ pub(crate) struct Fit {
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     report: Option<Option<PathBuf>>,
 }
-
-/// Name of the record.
-pub(crate) const RECORD: &str = "fit.json";
 
 /// What is fitted, and to what.
 pub(crate) struct Problem {
@@ -155,14 +154,14 @@ impl Fit {
         if let Described::Link(own) = &problem.own {
             warn_of_gravity(&own.link);
         }
-        let replaced = self.write(&problem, &outcome)?;
-        let page = self.page().map(|page| self.draw(&page, &problem, &outcome, &replaced));
-        tell(&outcome, &replaced, &page.transpose()?.unwrap_or_default())
+        let (replaced, written) = self.write(&problem, &outcome)?;
+        tell(&outcome, &replaced, &written)
     }
 
     /// The link file and its record.
     fn results(&self) -> Vec<PathBuf> {
-        self.output.iter().flat_map(|output| [output.clone(), record_beside(output)]).collect()
+        let record = self.output.as_deref().and_then(fit_record);
+        self.output.iter().cloned().chain(record).collect()
     }
 
     fn page(&self) -> Option<PathBuf> {
@@ -180,23 +179,12 @@ impl Fit {
         self.page().map_or(Ok(()), |page| keep_inputs("--report", &page, inputs))
     }
 
-    /// Writes the page and returns the line that says so.
-    fn draw(
-        &self,
-        file: &Path,
-        problem: &Problem,
-        outcome: &FitOutcome,
-        replaced: &[Replaced],
-    ) -> Result<String, Failure> {
+    /// The page of a fit.
+    fn drawn(&self, problem: &Problem, outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let written = self.output.as_deref().filter(|_| outcome.misfit.is_none());
         let name = written.and_then(Path::file_name).map(|name| name.to_string_lossy());
         let origin = problem.inputs.origin(problem.title());
-        let page = fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() });
-        match &self.report {
-            Some(Some(typed)) => console::deliver(Some(typed), page.as_bytes())?,
-            _ => console::deliver_beside(file, page.as_bytes())?,
-        }
-        Ok(format!("written  {}\n", file.display()))
+        fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() })
     }
 
     fn arguments(&self) -> Vec<String> {
@@ -218,40 +206,55 @@ impl Fit {
         Ok(problem)
     }
 
-    /// Writes the link file, if the fit is one to believe, and fit.json; returns what was replaced.
-    fn write(&self, problem: &Problem, outcome: &FitOutcome) -> Result<Vec<Replaced>, Failure> {
+    /// Writes the link file, if the fit is one to believe, its record and the page, together; returns what was
+    /// replaced, and the line that names the page.
+    fn write(
+        &self,
+        problem: &Problem,
+        outcome: &FitOutcome,
+    ) -> Result<(Vec<Replaced>, String), Failure> {
         let is_believed = outcome.misfit.is_none();
         let fitted = problem.fitted(outcome);
-        let Some(output) = &self.output else {
-            let replaced = fitted.map(|(_, replaced)| replaced).unwrap_or_default();
-            return Ok(if is_believed { replaced } else { Vec::new() });
+        let (text, would_replace) = match &self.output {
+            Some(_) => fitted?,
+            None => fitted.unwrap_or_default(),
         };
-        let (text, replaced) = fitted?;
-        if is_believed {
-            console::deliver(Some(output), text.as_bytes())?;
-        } else if output.exists() {
+        let json = fit_json(&problem.inputs, &would_replace, outcome);
+        let replaced = if is_believed { would_replace } else { Vec::new() };
+        let html = self.report.as_ref().map(|_| self.drawn(problem, outcome, &replaced));
+        let (record, page) = (self.output.as_deref().and_then(fit_record), self.page());
+        let is_page_typed = matches!(self.report, Some(Some(_)));
+        let page_by = if is_page_typed { NamedBy::User } else { NamedBy::Program };
+        let files = [
+            (self.output.as_deref().filter(|_| is_believed), Some(&text), NamedBy::User),
+            (record.as_deref(), Some(&json), NamedBy::Program),
+            (page.as_deref(), html.as_ref(), page_by),
+        ];
+        let files = files.into_iter().filter_map(|(path, text, named_by)| {
+            Some(NewFile { path: path?, bytes: text?.as_bytes(), named_by })
+        });
+        console::deliver_all(&files.collect::<Vec<_>>())?;
+        if let Some(output) = self.output.as_deref().filter(|file| !is_believed && file.exists()) {
             console::note(&format!("{} is not of this fit", output.display()));
         }
-        let record = fit_json(&problem.inputs, &replaced, outcome);
-        console::deliver_beside(&record_beside(output), record.as_bytes())?;
-        Ok(if is_believed { replaced } else { Vec::new() })
+        let written = page.map(|page| format!("written  {}\n", page.display()));
+        Ok((replaced, written.unwrap_or_default()))
     }
 }
 
-/// Refuses an output that is no file beside which fit.json can be.
-fn check_output(output: &Path) -> Result<(), Failure> {
-    let is_record = output.file_name().is_some_and(|name| name == RECORD);
-    if !is_record && !console::is_standard_output(output) {
+/// Refuses a link file whose record has no place beside it.
+pub(crate) fn check_output(output: &Path) -> Result<(), Failure> {
+    let (but, hint) = if console::is_standard_output(output) {
+        ("must be a file".to_owned(), "its record is written beside it")
+    } else if let Some(record) = foreign_fit_record(output) {
+        let but =
+            format!("its record {} would replace a file that no fit has written", record.display());
+        (but, "another name for the link file, or for that file")
+    } else {
         return Ok(());
-    }
-    let message =
-        format!("--output = {}, but must be a file other than {RECORD}", output.display());
-    Err(Failure::new(Exit::Usage, &message, Some("fit.json is written beside it")))
-}
-
-/// Where the record of a fit goes.
-fn record_beside(output: &Path) -> PathBuf {
-    output.with_file_name(RECORD)
+    };
+    let message = format!("--output = {}, but {but}", output.display());
+    Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
 impl Problem {
@@ -313,6 +316,9 @@ impl Problem {
                 }),
                 LinkFitError::NoVibration(_) => {
                     Some("`flexlink modes --at` lists the modes of the file's arm")
+                }
+                LinkFitError::Distant { .. } => {
+                    Some("check its unit, mode, hub or pose, and the units of the link file")
                 }
                 LinkFitError::Coarse { .. } => Some("measure lower modes"),
                 LinkFitError::Friction(_) => {

@@ -99,7 +99,7 @@ impl fmt::Display for FitWarning {
 }
 
 impl FitWarning {
-    /// Its kind in fit.json.
+    /// Its kind in the record.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Outlier { .. } => "outlier",
@@ -197,6 +197,9 @@ impl Misfit {
             Self::Lacking { .. } => "look at the page of --report for when it differs: the sign, gain, offset or \
                                      delay of the channel, the input and its hold, a motion before the first \
                                      sample, a sensor at its end, or what the link file lacks"
+                .to_owned(),
+            Self::Unknown => "bound the free values with --free PATH=LOW:HIGH, or start nearer the \
+                              measurements with --set"
                 .to_owned(),
             Self::Far { .. } => {
                 "check each unit, mode, hub and pose, of a response its transfer and gain, of a record its input \

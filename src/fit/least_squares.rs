@@ -4,7 +4,7 @@ use faer::linalg::solvers::SolveLstsq;
 use faer::{Col, Mat, Scale};
 use rayon::prelude::*;
 
-use super::measurement::LinkFitError;
+use super::measurement::{FARTHEST, LinkFitError};
 use super::measurements::{Measurements, Prediction};
 use super::misfits::DELAY_UNIT;
 use super::outcome::{Course, FitOutcome, StartEnd};
@@ -176,6 +176,13 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
                 None => return Err(LinkFitError::NoMode(observable.clone())),
                 Some(value) if value.is_nan() => {
                     return Err(LinkFitError::NoVibration(observable.clone()));
+                }
+                Some(own) if !observable.is_damping() => {
+                    let factor = own / measured.value;
+                    if !(1.0 / FARTHEST..=FARTHEST).contains(&factor) {
+                        let (observable, measured) = (observable.clone(), measured.value);
+                        return Err(LinkFitError::Distant { observable, measured, own });
+                    }
                 }
                 Some(_) => {}
             }

@@ -262,6 +262,9 @@ pub enum MeasurementsError {
     },
 }
 
+/// Factor between a measured frequency and that of the file's own values beyond which no start is tried.
+pub(super) const FARTHEST: f64 = 1e6;
+
 /// Why no link can be fitted.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LinkFitError<E> {
@@ -274,6 +277,20 @@ pub enum LinkFitError<E> {
     /// The arm has no small motions about a pose.
     #[error("{0}")]
     Pose(#[from] PoseError),
+    /// A frequency of another order of magnitude than that of the file's own values.
+    #[error(
+        "{observable} = {} Hz, but must be within a factor of {FARTHEST:e} of the file's own, {} Hz",
+        significant(*measured, 4),
+        significant(*own, 4)
+    )]
+    Distant {
+        /// What was measured.
+        observable: Observable,
+        /// Its value in Hz.
+        measured: f64,
+        /// The same of the link or the arm with the file's own values.
+        own: f64,
+    },
     /// There are not as many modes as were measured.
     #[error("{0} was measured, but there is no such mode")]
     NoMode(Observable),

@@ -109,10 +109,15 @@ pub enum Misfit {
     /// The iteration has not come to an end.
     #[error("no link file is written: the sum of squares still falls after the last iteration")]
     Unsettled,
+    /// The best values make no link with finite differences from the measurements.
+    #[error(
+        "no link file is written: the differences from the measurements cannot be computed at the best values"
+    )]
+    Unknown,
     /// The relative misfits are too large for measurements of this link.
     #[error(
-        "no link file is written: the best values are still {:.0} % off the measurements (root mean square)",
-        100.0 * rms
+        "no link file is written: the best values are still {} % off the measurements (root mean square)",
+        crate::text::significant(100.0 * rms, 2)
     )]
     Far {
         /// Their root mean square.
@@ -202,7 +207,10 @@ impl Misfits {
     /// Whether the misfits are larger than chance, or than any measurement of this link could leave.
     pub(super) fn judged(&self) -> Option<Misfit> {
         let Self { rms, sum: chi_squared, degrees_of_freedom, .. } = *self;
-        if rms.is_nan() || rms > LARGEST_MISFIT {
+        if !(rms.is_finite() && chi_squared.is_finite()) {
+            return Some(Misfit::Unknown);
+        }
+        if rms > LARGEST_MISFIT {
             return Some(Misfit::Far { rms });
         }
         let channels = self

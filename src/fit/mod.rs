@@ -20,6 +20,7 @@ mod least_squares;
 mod measurement;
 mod measurements;
 mod misfits;
+mod motor;
 mod outcome;
 mod record;
 mod record_parts;
@@ -32,11 +33,10 @@ pub use least_squares::fit;
 pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use misfits::{ChannelMisfit, Misfit, RecordMisfit, Residual};
+pub use motor::Motor;
 pub use outcome::{FitOutcome, Openness, StartEnd, Undetermined};
 pub use record::Record;
 pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
-pub use response::{
-    Coordinate, Gain, Motor, Overlay, Response, ResponseError, ResponseMisfit, Spacing,
-};
+pub use response::{Coordinate, Gain, Overlay, Response, ResponseError, ResponseMisfit, Spacing};
 pub use specimen::Specimen;
 pub use value::{FittedValue, Free, FreeNumber, Replaced};

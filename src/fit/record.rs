@@ -7,10 +7,11 @@
 use std::f64::consts::PI;
 
 use super::alignment::{Alignment, Freedom, Overlaid, longest_delay, rough_delay};
+use super::motor::with_motor_friction;
 use super::record_parts::{
     Channel, FEWEST, RecordError, RecordInput, check, is_constant, rms, rms_about_mean,
 };
-use super::response::{Gain, MOST_UNCERTAIN, with_motor_friction};
+use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::natural_frequencies;

@@ -4,10 +4,14 @@ use std::cmp::Ordering;
 
 use thiserror::Error;
 
-use super::response::{Gain, Motor};
+use super::motor::Motor;
+use super::response::Gain;
 use crate::model::Sensor;
 use crate::response::{Driven, Interpolation};
 use crate::text::significant;
+
+/// Size that no sample has.
+const LARGEST: f64 = 1e150;
 
 /// Fewest samples of a record.
 pub(super) const FEWEST: usize = 4;
@@ -81,9 +85,9 @@ pub enum RecordError {
         /// Samples of the input.
         must: usize,
     },
-    /// A sample that is no number.
-    #[error("sample {sample} of {channel} = {found}, but must be a finite number")]
-    NotFinite {
+    /// A sample that is no number, or one whose square is too large for a number.
+    #[error("sample {sample} of {channel} = {found}, but must be a number of size below 1e150")]
+    Size {
         /// The channel, or the input.
         channel: String,
         /// Number of the sample, from 0.
@@ -162,8 +166,8 @@ pub(super) fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), R
     if found != must {
         return Err(RecordError::Uneven { channel, found, must });
     }
-    if let Some(sample) = samples.iter().position(|sample| !sample.is_finite()) {
-        return Err(RecordError::NotFinite { channel, sample, found: samples[sample] });
+    if let Some(sample) = samples.iter().position(|sample| !(-LARGEST..LARGEST).contains(sample)) {
+        return Err(RecordError::Size { channel, sample, found: samples[sample] });
     }
     Ok(())
 }

@@ -1,12 +1,14 @@
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::link::{Hub, Link, LinkParts, ParameterError, positive};
+use super::motor::Motor;
 use crate::model::{Model, Sensor};
 use crate::numeric::magnitude;
+use crate::text::significant;
 
 /// Uncertainty over the value that no measurement has.
 pub(super) const MOST_UNCERTAIN: f64 = 0.5;
@@ -26,6 +28,9 @@ pub enum Gain {
     Free,
 }
 
+/// Sizes of values whose squares are numbers, too.
+const SIZES: RangeInclusive<f64> = 1e-150..=1e150;
+
 /// Why values are no frequency response.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ResponseError {
@@ -35,9 +40,21 @@ pub enum ResponseError {
     /// Columns of different lengths.
     #[error("frequencies and values must be as many")]
     Uneven,
-    /// A frequency or a value without logarithm.
-    #[error("row {0}: the frequency must be finite and above 0, the value finite and not 0")]
-    Row(usize),
+    /// A frequency or a value without logarithm, or one whose square is too large or too small for a number.
+    #[error(
+        "sample {} = {} Hz, a value of size {}, but must be a frequency above 0 and a size from 1e-150 to 1e150",
+        number + 1,
+        significant(*hertz, 4),
+        significant(*size, 4)
+    )]
+    Sample {
+        /// Its number, from 0.
+        number: usize,
+        /// The frequency.
+        hertz: f64,
+        /// Magnitude of the value.
+        size: f64,
+    },
     /// The uncertainty is not above 0, or is too large for a measurement.
     #[error("uncertainty = {0}, but must be above 0 and below {MOST_UNCERTAIN}: 0.05 is 5 %")]
     Uncertainty(f64),
@@ -52,55 +69,6 @@ enum Source {
     Voltage {
         friction_n_m_s_rad: f64,
     },
-}
-
-/// A direct-current motor at the hub, its inductance neglected.
-///
-/// ```text
-/// T = N k_t/R (V − N k_t θ̇)
-/// ```
-///
-/// The back voltage acts as viscous friction `(N k_t)²/R` on the hub.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motor {
-    torque_constant_n_m_a: f64,
-    resistance_ohm: f64,
-    gear_ratio: f64,
-}
-
-impl Motor {
-    /// Torque constant `k_t` in N m/A, resistance R in Ω, and N turns of the motor for one of the hub.
-    ///
-    /// # Errors
-    /// [`ParameterError`] names the first value that is not above 0.
-    pub fn new(
-        torque_constant_n_m_a: f64,
-        resistance_ohm: f64,
-        gear_ratio: f64,
-    ) -> Result<Self, ParameterError> {
-        positive("motor.torque_constant", torque_constant_n_m_a, "N m/A")?;
-        positive("motor.resistance", resistance_ohm, "ohm")?;
-        positive("motor.gear_ratio", gear_ratio, "")?;
-        Ok(Self { torque_constant_n_m_a, resistance_ohm, gear_ratio })
-    }
-
-    /// Torque of the held hub per volt in N m/V.
-    pub(super) fn torque_per_volt_n_m_v(&self) -> f64 {
-        self.gear_ratio * self.torque_constant_n_m_a / self.resistance_ohm
-    }
-
-    /// Viscous friction of the shorted motor at the hub in N m s/rad.
-    pub(super) fn friction_n_m_s_rad(&self) -> f64 {
-        self.gear_ratio * self.torque_constant_n_m_a * self.torque_per_volt_n_m_v()
-    }
-}
-
-/// The link with the friction that a motor's back voltage adds to its hub; none out of range.
-pub(super) fn with_motor_friction(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
-    let parts = LinkParts::from(link.clone());
-    let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;
-    let hub = Hub { viscous_friction_n_m_s_rad, ..parts.hub };
-    Link::new(LinkParts { hub, ..parts }).ok()
 }
 
 /// A measured frequency response of the link on its free hub.
@@ -133,12 +101,12 @@ impl Response {
         if frequencies_hz.len() != values.len() {
             return Err(ResponseError::Uneven);
         }
-        let is_good = |(hertz, value): (&f64, &Complex64)| {
-            let size = magnitude(*value);
-            hertz.is_finite() && *hertz > 0.0 && size.is_finite() && size > 0.0
+        let sizes = frequencies_hz.iter().zip(values.iter().map(|value| magnitude(*value)));
+        let is_wrong = |(_, (hertz, size)): &(usize, (&f64, f64))| {
+            !(hertz.is_finite() && **hertz > 0.0 && SIZES.contains(size))
         };
-        if let Some(row) = frequencies_hz.iter().zip(&values).position(|row| !is_good(row)) {
-            return Err(ResponseError::Row(row));
+        if let Some((number, (&hertz, size))) = sizes.enumerate().find(is_wrong) {
+            return Err(ResponseError::Sample { number, hertz, size });
         }
         if let Some(wrong) = uncertainty.filter(|u| !(*u > 0.0 && *u < MOST_UNCERTAIN)) {
             return Err(ResponseError::Uncertainty(wrong));

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::measurement::{ArmMode, End, HubEnd, LinkFitError, Measured, Observable};
 use super::measurements::{Measurements, Prediction};
+use super::motor::with_motor_friction;
 use super::record::Record;
-use super::response::{Response, with_motor_friction};
+use super::response::Response;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Arm, ArmLink, Link, ParameterError};
 use crate::modal::DampingLaw;

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Figures, Mark, Stroke};
+use super::fit_starts::starts;
 use super::page::{Section, all_figures, document, inputs, made_by};
 use super::tables::table;
 use super::words::formula;
@@ -18,6 +19,9 @@ const MOST_TICKS: usize = 20;
 
 /// Caption of what was measured over frequency or time.
 const DOTS: &str = "Dots: measured. Line: the fitted link, its value at each of them.";
+
+/// Of a number that is none.
+const UNKNOWN: &str = "not known";
 
 /// What the page of a fit shows.
 #[derive(Debug, Clone)]
@@ -84,16 +88,22 @@ fn sentence(message: &str) -> String {
 }
 
 /// Digits as a page shows them.
-fn shown(value: f64, digits: usize) -> String {
+pub(super) fn shown(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.to_owned();
+    }
     significant(value, digits).replace('-', "−")
 }
 
 fn percent(share: f64, digits: usize) -> String {
-    format!("{} %", shown(100.0 * share, digits))
+    with_unit(&shown(100.0 * share, digits), if share.is_finite() { "%" } else { "" })
 }
 
 /// A share with its sign, to a hundredth of a per cent.
 fn signed(share: f64) -> String {
+    if !share.is_finite() {
+        return UNKNOWN.to_owned();
+    }
     // Adding 0 leaves no negative zero.
     let rounded = (1e4 * share).round() / 100.0 + 0.0;
     format!("{rounded:+.2} %").replace('-', "−")
@@ -105,7 +115,7 @@ fn with_unit(number: &str, unit: &str) -> String {
 
 /// Every free value before and after.
 fn values(outcome: &FitOutcome) -> Markup {
-    let unknown = || "not known".to_owned();
+    let unknown = || UNKNOWN.to_owned();
     let amount = |value: &FittedValue, number: Option<String>| {
         let unit = value.unit.as_deref().unwrap_or_default();
         number.map_or("–".to_owned(), |number| with_unit(&number, unit))
@@ -263,30 +273,6 @@ fn records(outcome: &FitOutcome) -> Markup {
             td { (percent(channel.rms, 2)) }
             td { (shown(channel.autocorrelation, 2)) }
         } } }
-    }
-}
-
-/// Where each start ended.
-fn starts(outcome: &FitOutcome) -> Markup {
-    let factors = |of: &[f64]| of.iter().map(|f| shown(*f, 4)).collect::<Vec<_>>().join(", ");
-    let rows = html! {
-        @for (number, start) in outcome.starts.iter().enumerate() { tr {
-            th scope="row" { @if number == 0 { "the file's values" } @else { (number) } }
-            td { (factors(&start.from)) }
-            td { (start.to.as_deref().map_or("no link there".to_owned(), factors)) }
-            td { (start.sum_of_squares.map_or(String::new(), |sum| shown(sum, 5))) }
-            td { (start.iterations) }
-        } }
-    };
-    let head = ["start", "from the factors", "to the factors", "sum of squares", "iterations"];
-    html! {
-        (table(&head, &rows))
-        p { @if outcome.is_from_other_start {
-            "A better fit was found from another start than the file's own values. "
-        } "From the best of them " (outcome.iterations)
-            @if outcome.iterations == 1 { " iteration leads" } @else { " iterations lead" }
-            " to the fitted values."
-        }
     }
 }
 

@@ -15,6 +15,9 @@ use crate::text::{excerpt, visible};
 /// Smallest and largest factor where no bounds are given.
 const USUAL_FACTORS: [f64; 2] = [1e-3, 1e3];
 
+/// Largest factor between the file's value and a bound.
+const WIDEST: f64 = 1e12;
+
 /// Significant digits of a fitted value in its file: more than any measurement determines.
 const DIGITS: usize = 7;
 
@@ -94,6 +97,11 @@ impl FreeValue {
             };
         }
         let [low, high] = factors;
+        if low > 0.0 && low < 1.0 / WIDEST || high > WIDEST && high.is_finite() {
+            let message =
+                format!("LOW and HIGH must be within a factor of {WIDEST:e} of the file's value");
+            return Err(self.refused(message, None));
+        }
         if !(low > 0.0 && low <= 1.0 && high >= 1.0 && high > low && high.is_finite()) {
             let file = value.map_or("1".to_owned(), |value| format!("{:?} in SI", value.si));
             let must = format!(

@@ -229,7 +229,7 @@ impl OutputFolder {
     }
 
     /// Names of all files; refuses one that a folder has.
-    fn names(&self) -> Result<BTreeSet<OsString>, FolderError> {
+    pub(super) fn names(&self) -> Result<BTreeSet<OsString>, FolderError> {
         let names = self.names.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match names.iter().find(|name| self.dir.join(name).is_dir()) {
             None => Ok(names),
@@ -315,81 +315,4 @@ pub(super) fn create(dir: &Path) -> Result<(), FolderError> {
 pub(super) fn folder_of(path: &Path) -> &Path {
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     folder.unwrap_or(Path::new("."))
-}
-
-/// Who has named a file that is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NamedBy {
-    /// The user has typed the path. What a symbolic link leads to is written; so is a device or a named pipe
-    /// as it is, because renaming would put a file in its place.
-    User,
-    /// The program makes the name, as that of a record beside a table. The file takes the place of whatever
-    /// else has the name: who could put a link there must not say what is written.
-    Program,
-}
-
-/// Writes one file, whole or not at all; creates the folder it lies in where it is missing. `write` receives
-/// a buffered writer.
-///
-/// It is no error if the reader of a pipe goes away. If another run writes into the folder for more than a
-/// second, calls `on_wait` once.
-///
-/// # Errors
-/// [`FolderError`] if `path` names no file, leads through links in a circle, or the file cannot be written.
-pub fn write_file(
-    path: &Path,
-    named_by: NamedBy,
-    durability: Durability,
-    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-    on_wait: &dyn Fn(&Path),
-) -> Result<(), FolderError> {
-    let path = &match named_by {
-        NamedBy::User => followed(path).map_err(|cause| FolderError::of_file(path, cause))?,
-        NamedBy::Program => path.to_owned(),
-    };
-    let refused = |cause| FolderError::of_file(path, cause);
-    // A path may end in a separator, or in a dot after it, which its last name does not show.
-    let is_last =
-        |name: &&OsStr| path.as_os_str().as_encoded_bytes().ends_with(name.as_encoded_bytes());
-    let Some(name) = path.file_name().filter(is_last) else {
-        return Err(refused(io::Error::other("the path names no file")));
-    };
-    if named_by == NamedBy::User && is_stream(path) {
-        return write_through(path, write).map_err(refused);
-    }
-    let staged = OutputFolder::stage(folder_of(path), on_wait)?.with(durability);
-    staged.file(name, write)?;
-    staged.replace()
-}
-
-/// Target of a symbolic link, if it exists; else the path itself.
-///
-/// # Errors
-/// The system's, for links that lead in a circle or through what is no folder.
-pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
-    if !path.is_symlink() || is_stream(path) {
-        return Ok(path.to_owned());
-    }
-    match path.canonicalize() {
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(path.to_owned()),
-        target => target,
-    }
-}
-
-/// Whether a path names a device, a pipe or a file that this process has open.
-pub(super) fn is_stream(path: &Path) -> bool {
-    let open = ["/dev/fd", "/dev/stdout", "/dev/stderr", "/proc/self/fd"];
-    let is_open = open.iter().any(|name| path.starts_with(name));
-    is_open || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
-}
-
-fn write_through(
-    path: &Path,
-    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut file = File::options().append(true).open(path)?;
-    match write(&mut file).and_then(|()| file.flush()) {
-        Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        written => written,
-    }
 }

@@ -1,6 +1,8 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
 mod arm_run;
+mod files;
+mod fit_record;
 mod folder;
 mod frequency_tables;
 mod golden;
@@ -18,15 +20,15 @@ mod sweep;
 mod torque_file;
 
 pub use arm_run::ArmRun;
-pub use folder::{Durability, FolderError, NamedBy, OutputFolder, write_file};
+pub use files::{NamedBy, NewFile, write_file, write_files};
+pub use fit_record::{FitInputs, fit_json, fit_record, foreign_fit_record};
+pub use folder::{Durability, FolderError, OutputFolder};
 pub use frequency_tables::{
     ResponseColumns, arm_modes_json, arm_response, frequency_response_json, link_response,
     modes_json, pose_modes_json, write_arm_modes, write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
-pub use json::{
-    Fingerprint, FitInputs, different_inputs, fit_json, read_state, results_table, state_json,
-};
+pub use json::{Fingerprint, different_inputs, read_state, results_table, state_json};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use played_run::PlayedRun;
 pub use read_result::{is_run, read_result, read_results};

@@ -13,7 +13,7 @@ use clap::error::ContextValue;
 
 use flexlink::csv::system_words;
 use flexlink::result::Remark;
-use flexlink::store::{Durability, NamedBy, write_file};
+use flexlink::store::{Durability, NamedBy, NewFile, write_file, write_files};
 use flexlink::text::{excerpt, is_hidden};
 
 use super::exit::{Exit, Failure};
@@ -173,6 +173,11 @@ pub(crate) fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure
 pub(crate) fn deliver_beside(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let write = |out: &mut (dyn Write + Send)| out.write_all(bytes);
     Ok(write_file(path, NamedBy::Program, Durability::default(), write, &waiting)?)
+}
+
+/// Writes several files, none of which is standard output: all or none.
+pub(crate) fn deliver_all(files: &[NewFile]) -> Result<(), Failure> {
+    Ok(write_files(files, &waiting)?)
 }
 
 /// The same as [`deliver`] for bytes that `write` makes while they are written.

@@ -54,7 +54,7 @@ fn the_arm_file_is_written_with_its_comments_and_fits() {
     let free = ["--free", "links.elbow.drive.joint_stiffness"];
     let out = bench.run(&[&["fit", "arm.toml", &measured, "-o", "new.toml"], &free[..]].concat());
     assert!(out.status.success(), "{}", stderr(&out));
-    let record = bench.json("fit.json");
+    let record = bench.json("new.json");
     let second = &record["residuals"][1]["observable"];
     assert_eq!((&second["kind"], &second["joints"]), (&"arm_frequency".into(), &"held".into()));
     let after = record["replaced"][0]["after"].as_str().unwrap();

@@ -57,7 +57,7 @@ fn the_record_has_what_a_fit_was_given_and_where_it_went() {
     let bench = Bench::new();
     let out = fitted(&bench, &["--set", "damping.ratio=0.02", "-o", "slfr.toml"]);
     assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
+    let record: Value = serde_json::from_str(&bench.read("slfr.json")).unwrap();
     let arguments: Vec<&str> = record["inputs"]["arguments"]
         .as_array()
         .unwrap()
@@ -155,7 +155,7 @@ fn no_output_replaces_an_input_or_another_output() {
         ),
         (&["-o", "frf.csv"], "--output = frf.csv, but must not be a file that is read"),
         (&["-o", "a.html", "--report"], "--report = a.html, but must be another file than a.html"),
-        (&["-o", "a.toml", "--report", "./fit.json"], "but must be another file than fit.json"),
+        (&["-o", "a.toml", "--report", "./a.json"], "but must be another file than a.json"),
         (&["--report", "-"], "--report = -, but must be a file"),
     ] {
         let out = fit_response(&bench, arguments);
@@ -163,5 +163,5 @@ fn no_output_replaces_an_input_or_another_output() {
         assert!(stderr(&out).contains(told), "{}", stderr(&out));
     }
     assert_eq!(bench.read("frf.csv"), before);
-    assert!(!bench.path("a.html").exists() && !bench.path("fit.json").exists());
+    assert!(!bench.path("a.html").exists() && !bench.path("a.json").exists());
 }

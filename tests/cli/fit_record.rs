@@ -58,7 +58,7 @@ fn a_log_gives_the_link_the_gain_and_the_delay() {
     let out = bench
         .run(&[&["fit", "link.toml", "measured.toml", "-o", "fitted.toml"], &free[..]].concat());
     assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
+    let record: Value = serde_json::from_str(&bench.read("fitted.json")).unwrap();
     let number = |path: &str| record.pointer(path).unwrap().as_f64().unwrap();
     for (path, exact, tolerance) in [
         ("/values/0/after", 0.18, 1e-3),

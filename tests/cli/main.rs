@@ -19,6 +19,8 @@ mod ends;
 mod exits;
 mod files;
 mod fit;
+mod fit_files;
+mod fit_hostile;
 mod fit_page;
 mod fit_record;
 mod fit_response;

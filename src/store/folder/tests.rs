@@ -6,7 +6,8 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use super::{Durability, LOCK, Lock, NamedBy, OutputFolder, STAGING, write_file};
+use super::{Durability, LOCK, Lock, OutputFolder, STAGING};
+use crate::store::{NamedBy, write_file};
 
 fn in_silence(_: &Path) {}
 

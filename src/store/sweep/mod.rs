@@ -15,7 +15,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::folder::{Durability, FolderError, NamedBy, TAKEN, create, folder_of, followed};
+use super::files::{NamedBy, followed};
+use super::folder::{Durability, FolderError, TAKEN, create, folder_of};
 use super::lock::lock;
 use crate::csv::{Place, TableError, checked_header, checked_rows, without_checks};
 use identity::PREFIX;

@@ -5,7 +5,8 @@ use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
-use super::super::folder::{Durability, FolderError, NamedBy, is_stream, write_file};
+use super::super::files::{NamedBy, is_stream, record_beside, write_file};
+use super::super::folder::{Durability, FolderError};
 use super::super::json::{Fingerprint, unreadable};
 use super::identity::{SweepIdentity, is_record};
 use super::table::{ERROR, WARNINGS};
@@ -27,12 +28,7 @@ const LONGEST_HEADER: u64 = 1 << 20;
 
 /// Where the record of a table lies.
 pub(super) fn record_of(table: &Path) -> PathBuf {
-    if table.extension().is_some_and(|end| end.eq_ignore_ascii_case("csv")) {
-        return table.with_extension("json");
-    }
-    let mut name = table.as_os_str().to_owned();
-    name.push(".json");
-    name.into()
+    record_beside(table, "csv")
 }
 
 /// Path of the file that holds the rows of a table until they are complete.

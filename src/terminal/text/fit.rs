@@ -1,10 +1,15 @@
 //! What `fit` prints.
 
 use flexlink::fit::{ChannelMisfit, FitOutcome, FittedValue, Replaced};
-use flexlink::text::significant;
+use flexlink::text;
 
 /// Correlation from which on two values are said to go together.
 const CORRELATED: f64 = 0.9;
+
+/// A number of so many digits, or that it is not known.
+fn significant(value: f64, digits: usize) -> String {
+    if value.is_finite() { text::significant(value, digits) } else { "not known".to_owned() }
+}
 
 /// The free values, what they replace, the measurements beside the fitted values, and correlations.
 pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
@@ -26,9 +31,11 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let unit = residual.measured.observable.unit();
         let shown =
             |number: f64| format!("{} {unit}", significant(number, 5)).trim_end().to_owned();
-        let difference = format!("{} %", signed(100.0 * residual.relative, 2));
+        let difference = signed_percent(residual.relative);
         let uncertainties = residual.uncertainties;
-        let more = uncertainties.map_or(String::new(), |u| format!(" {} u", signed(u, 1)));
+        let more = uncertainties
+            .filter(|u| u.is_finite())
+            .map_or(String::new(), |u| format!(" {} u", signed(u, 1)));
         let name = residual.measured.observable.to_string();
         let [value, fitted] = [residual.measured.value, residual.fitted].map(shown);
         lines.push(row([&name, &value, &fitted, &(difference + &more)]));
@@ -78,7 +85,7 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
 /// A free value; its interval in factors on the file's value.
 fn value_text(value: &FittedValue, width: usize) -> String {
     let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
-    let change = format!("{} %", signed(100.0 * (value.factor - 1.0), 2));
+    let change = signed_percent(value.factor - 1.0);
     let interval = value.relative_interval_95.map_or(String::new(), |interval| {
         // Two digits of its width.
         let width = (interval[1] / interval[0] - 1.0).max(1e-9);
@@ -102,8 +109,14 @@ fn signed(number: f64, decimals: usize) -> String {
     if is_zero { text.replace('-', "+") } else { text }
 }
 
+fn signed_percent(share: f64) -> String {
+    let shown = || format!("{} %", signed(100.0 * share, 2));
+    if share.is_finite() { shown() } else { "not known".to_owned() }
+}
+
 fn percent(share: f64) -> String {
-    format!("{} %", significant(100.0 * share, 2))
+    let shown = || format!("{} %", significant(100.0 * share, 2));
+    if share.is_finite() { shown() } else { "not known".to_owned() }
 }
 
 fn row([name, a, b, c]: [&str; 4], width: usize) -> String {
