@@ -1,7 +1,33 @@
-//! Memory that the system leaves to this process.
+//! Memory that the system leaves to this process, and how long work is ended before its end.
 
+use std::cell::OnceCell;
 use std::fs;
+use std::panic::resume_unwind;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+thread_local! {
+    /// The flag that ends the work of this thread.
+    static STOP: OnceCell<Arc<AtomicBool>> = const { OnceCell::new() };
+}
+
+/// The payload with which work unwinds that a flag has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopped;
+
+/// From now on [`end_if_stopped`] ends the work of this thread when the flag is true. A thread keeps its first flag.
+pub fn stop_by(flag: Arc<AtomicBool>) {
+    STOP.with(|own| drop(own.set(flag)));
+}
+
+/// Ends the work of this thread if its flag is true: unwinds with [`Stopped`], of which no hook of panics hears. Long loops
+/// call it for each part that takes less than a tenth of a second.
+pub(crate) fn end_if_stopped() {
+    if STOP.with(|own| own.get().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
+        resume_unwind(Box::new(Stopped));
+    }
+}
 
 /// Memory in bytes that this process can take: the least of what the system has available, what its
 /// control groups leave and what the limit of its address space leaves. None if the system gives no
@@ -68,6 +94,20 @@ fn whole(text: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn work_ends_where_its_own_flag_is_true() {
+        let work = |is_stopped| {
+            let flag = Arc::new(AtomicBool::new(is_stopped));
+            let work = move || {
+                stop_by(flag);
+                end_if_stopped();
+            };
+            std::thread::spawn(work).join().map_err(|panic| panic.is::<Stopped>())
+        };
+        assert_eq!((work(false), work(true)), (Ok(()), Err(true)));
+        end_if_stopped();
+    }
 
     #[test]
     fn what_the_system_tells_is_read() {

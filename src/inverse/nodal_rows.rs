@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::solution::Solution;
 use crate::motion::{TAIL_TERMS, TailTerms};
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, largest};
+use crate::system::end_if_stopped;
 
 /// Bytes of a cache line of the processor, and of the widest vectors.
 const LINE: usize = 64;
@@ -112,6 +113,7 @@ impl NodalBlock<'_> {
     /// # Panics
     /// If the block does not hold the rows, or `values` has not their size.
     pub(crate) fn write_rows(&self, rows: Range<usize>, values: &mut [f64]) {
+        end_if_stopped();
         let width = self.plan.nodes.len();
         assert_eq!(values.len(), rows.len() * width, "{rows:?} of {width} nodes");
         assert!(self.rows.start <= rows.start && rows.end <= self.rows.end, "{rows:?}");

@@ -14,6 +14,7 @@ use super::spectra::DrivenModel;
 use crate::beam::{Checkpoints, NodalHistories, NodalQuantity};
 use crate::link::ParameterError;
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
+use crate::system::end_if_stopped;
 
 /// Amplitudes in memory at a time, unless that would be more than [`MOST_NODE_BLOCKS`].
 const SPECTRA_BYTES: usize = 1 << 27;
@@ -255,7 +256,10 @@ impl<'a> NodalTable<'a> {
             watch.advance(number * nodes_at_once);
             let panels = samples.par_chunks_mut(len).zip(spectra.par_chunks(PANEL));
             panels.for_each_init(Transforms::default, |transforms, (panel, spectra)| {
-                let advance = |nodes| watch.advance(nodes);
+                let advance = |nodes| {
+                    end_if_stopped();
+                    watch.advance(nodes);
+                };
                 sampling.write_samples(rows, spectra, panel, transforms, advance);
             });
         }

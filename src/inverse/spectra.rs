@@ -10,6 +10,7 @@ use crate::beam::{Checkpoints, NodalQuantity};
 use crate::link::Drive;
 use crate::model::{Model, ModelError};
 use crate::motion::TipPeriod;
+use crate::system::end_if_stopped;
 
 /// Frequencies that a thread solves for at a time at the hub alone; no bit depends on it.
 const HUB_BLOCK: usize = 256;
@@ -93,6 +94,7 @@ impl DrivenModel<'_> {
             .zip(root_moment_n_m.par_chunks_mut(HUB_BLOCK));
         let blocks = omegas.par_chunks(HUB_BLOCK).zip(rows).enumerate();
         let lowest_blocked = blocks.filter_map(|(block, (omegas, ((torque, excess), root)))| {
+            end_if_stopped();
             let transfers = self.model.tip_transfers(omegas);
             let first = block * HUB_BLOCK;
             for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
@@ -184,6 +186,7 @@ impl DrivenModel<'_> {
         let columns: Vec<Vec<&mut [Complex64]>> = omegas.chunks(NODAL_BLOCK).map(columns).collect();
         let blocks = omegas.par_chunks(NODAL_BLOCK).zip(columns).zip(checkpoints).enumerate();
         blocks.for_each(|(block, ((omegas, mut rows), checkpoints))| {
+            end_if_stopped();
             self.model.nodal_transfers(omegas, nodes, quantity, &mut rows, checkpoints);
             let factors: Vec<Complex64> = omegas
                 .iter()

@@ -6,6 +6,7 @@ use super::inertia::{hub_moves_mass, outboard_degrees_of_freedom};
 use super::shape::Shape;
 use crate::beam::{Mesh, Pivots, driven_motion, pivots};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
+use crate::system::end_if_stopped;
 
 /// Natural frequencies that a solution or a simulation reports.
 pub const REPORTED_MODES: usize = 5;
@@ -42,6 +43,7 @@ impl HubSpring {
         mesh: &Mesh,
         omegas_rad_s: &[f64; SECTIONS],
     ) -> [usize; SECTIONS] {
+        end_if_stopped();
         counted(mesh, omegas_rad_s)
             .map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
     }

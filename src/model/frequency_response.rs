@@ -8,9 +8,13 @@ use serde::Serialize;
 use super::link_on_mesh::{Model, ModelError};
 use crate::beam::TipTransfer;
 use crate::numeric::magnitude;
+use crate::system::end_if_stopped;
 
 /// Frequencies at which the finer mesh is solved at a time, so that many take little memory.
 const AT_A_TIME: usize = 4096;
+
+/// Frequencies that are solved without a look whether the work is stopped; the vectors of every processor divide it.
+const UNSTOPPED: usize = 256;
 
 /// Transfers of a link at one frequency, for e^{+iωt}.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,9 +43,14 @@ impl FrequencyResponse {
 
     /// [`FrequencyResponse::at`] many frequencies, as many at a time as the processor's vectors hold.
     pub fn at_all(model: &dyn Model, frequencies_hz: &[f64]) -> Vec<Self> {
-        let omegas: Vec<f64> = frequencies_hz.iter().map(|hz| hz * TAU).collect();
-        let transfers = model.tip_transfers(&omegas);
-        transfers.iter().zip(frequencies_hz).map(|(of, hz)| Self::of(*of, model, *hz)).collect()
+        let mut rows = Vec::with_capacity(frequencies_hz.len());
+        for frequencies_hz in frequencies_hz.chunks(UNSTOPPED) {
+            end_if_stopped();
+            let omegas: Vec<f64> = frequencies_hz.iter().map(|hz| hz * TAU).collect();
+            let transfers = model.tip_transfers(&omegas).into_iter().zip(frequencies_hz);
+            rows.extend(transfers.map(|(of, hz)| Self::of(of, model, *hz)));
+        }
+        rows
     }
 
     fn of(transfer: TipTransfer, model: &dyn Model, frequency_hz: f64) -> Self {

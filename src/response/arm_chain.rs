@@ -2,11 +2,11 @@
 //! at any pose and deflection.
 
 use super::balance::{Balance, Energies, Met, Place};
-use super::chain::Chain;
+use super::chain::{Chain, coordinates};
 use super::error::SimulationError;
 use super::shape::{Station, direction};
 use super::state::ArmState;
-use crate::link::{Arm, Link};
+use crate::link::{Arm, ArmLink};
 use crate::numeric::dot;
 
 /// Order of the polynomials of a piece at first, beside one for each radian of a bending wave along it.
@@ -28,22 +28,30 @@ pub(super) struct ArmChain {
     pub(super) damping: Vec<f64>,
 }
 
+/// The order of the polynomials on a piece of the link of a number, of its ends in m and its mean stiffness in N m² and mass
+/// in kg/m.
+fn orders(
+    highest_rad_s: f64,
+    more: usize,
+    state: Option<&ArmState>,
+) -> impl Fn(usize, [f64; 2], [f64; 2]) -> usize {
+    move |number, ends_m, [stiffness_n_m2, mass_kg_m]| {
+        let square = mass_kg_m / stiffness_n_m2 * highest_rad_s * highest_rad_s;
+        let wave_rad = (ends_m[1] - ends_m[0]) * square.sqrt().sqrt();
+        let given = state.map_or(0, |state| state.links[number].piece(ends_m).len());
+        let order = (FIRST_ORDER + wave_rad.ceil() as usize).min(HIGHEST_ORDER);
+        order.max(given.saturating_sub(1)) + more
+    }
+}
+
 impl ArmChain {
     /// An undamped arm whose polynomials follow bending waves up to a frequency, `more` orders beyond that, and hold a
     /// state.
     pub(super) fn of(arm: &Arm, highest_rad_s: f64, more: usize, state: Option<&ArmState>) -> Self {
-        let chain = |(number, own): (usize, &Link)| {
-            let order = |ends_m: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
-                let square = mass_kg_m / stiffness_n_m2 * highest_rad_s * highest_rad_s;
-                let wave_rad = (ends_m[1] - ends_m[0]) * square.sqrt().sqrt();
-                let given = state.map_or(0, |state| state.links[number].piece(ends_m).len());
-                let order = (FIRST_ORDER + wave_rad.ceil() as usize).min(HIGHEST_ORDER);
-                order.max(given.saturating_sub(1)) + more
-            };
-            Chain::of(own, order)
-        };
-        let links: Vec<Chain> =
-            arm.links().iter().map(|own| &own.link).enumerate().map(chain).collect();
+        let order = orders(highest_rad_s, more, state);
+        let chain =
+            |(number, own): (usize, &ArmLink)| Chain::of(&own.link, |e, m| order(number, e, m));
+        let links: Vec<Chain> = arm.links().iter().enumerate().map(chain).collect();
         let mut joints = Vec::new();
         let mut count = 0;
         for link in &links {
@@ -62,6 +70,18 @@ impl ArmChain {
         };
         found.stiffness = found.gathered(found.links.iter().map(|link| &link.stiffness[..]));
         found
+    }
+
+    /// Number of coordinates of [`of`](Self::of), before its matrices are made.
+    pub(super) fn coordinates(
+        arm: &Arm,
+        highest_rad_s: f64,
+        more: usize,
+        state: Option<&ArmState>,
+    ) -> usize {
+        let order = orders(highest_rad_s, more, state);
+        let links = arm.links().iter().enumerate();
+        links.map(|(number, own)| coordinates(&own.link, |e, m| order(number, e, m))).sum()
     }
 
     /// The stiffness of each link times its factor.

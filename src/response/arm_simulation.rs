@@ -6,11 +6,12 @@ use thiserror::Error;
 use super::arm_chain::ArmChain;
 use super::arm_play::{Drive, PlayedArm, Problem, settled};
 use super::arm_rest::{ArmStart, at_rest};
+use super::chain::play_bytes;
 use super::driving::{Driving, Interpolation, pieces};
 use super::error::{STEP_SHARE, SimulationError};
 use super::history::{APART_RAD, Feedback, Torque};
 use super::modes::{HubReaction, torque_band_rad_s};
-use super::play::{ArmProgress, continued};
+use super::play::{ArmProgress, continued, refuse_memory};
 use super::pose::without_noise;
 use super::shape::{refuse_unknown, viscous};
 use crate::beam::{Mesh, MeshPlan};
@@ -178,8 +179,10 @@ pub fn simulate_arm(
     };
     state.map_or(Ok(()), |state| state.check(arm))?;
     let problem = |more: usize| {
+        let modes = ArmChain::coordinates(arm, highest_rad_s, more, state);
+        let bytes = play_bytes(modes, grid.len, 2 * (2 * modes + NUMBERS_PER_SAMPLE));
+        refuse_memory((grid.len, modes), bytes, play.memory_bytes)?;
         let chain = ArmChain::of(arm, highest_rad_s, more, state);
-        refuse_memory(&chain, &grid, play.memory_bytes)?;
         let damping = chain.links.iter().zip(&laws).map(|(link, law)| viscous(link, law, None));
         let lost = SimulationError::NotFinite { time_s: grid.time_s(0) };
         let damping: Vec<Vec<f64>> = damping.collect::<Option<_>>().ok_or(lost)?;
@@ -251,19 +254,6 @@ fn band_rad_s(play: &ArmPlay<'_>, grid: &TimeGrid) -> f64 {
     let torques = play.torques.iter().filter_map(|torque| moving(torque.torque_n_m()));
     let wanted = play.feedback.iter().filter_map(|own| moving(&own.rate_rad_s(false)));
     torques.chain(wanted).fold(0.0, f64::max)
-}
-
-fn refuse_memory(
-    chain: &ArmChain,
-    grid: &TimeGrid,
-    memory_bytes: Option<usize>,
-) -> Result<(), SimulationError> {
-    let (samples, modes) = (grid.len, chain.count);
-    let bytes = samples * 2 * (2 * modes + NUMBERS_PER_SAMPLE) * size_of::<f64>();
-    match memory_bytes.filter(|allowed| bytes > *allowed) {
-        Some(allowed) => Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed }),
-        None => Ok(()),
-    }
 }
 
 fn warnings(arm: &Arm, play: &ArmPlay<'_>, found: &PlayedArm) -> Vec<ArmPlayWarning> {

@@ -3,11 +3,11 @@
 use std::num::NonZeroUsize;
 
 use super::balance::Balance;
-use super::chain::Chain;
+use super::chain::{Chain, coordinates, play_bytes};
 use super::driving::{Cubic, CycleError, Driving};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;
-use super::play::{Input, Play};
+use super::play::{Input, Play, refuse_memory};
 use super::radau::{Motion, Radau};
 use super::shape::{Held, at_rest, direction, refuse_unknown, viscous};
 use super::state::{State, settle};
@@ -84,6 +84,9 @@ pub(super) fn play_bent(
             let given = play.state.map_or(0, |state| state.piece([from_m, end_m]).len());
             order.max(given.saturating_sub(1)) + finer * MORE_ORDERS
         };
+        let (modes, samples) = (coordinates(link, order), grid.len);
+        let bytes = play_bytes(modes, samples, 2 * modes + 16);
+        refuse_memory((samples, modes), bytes, play.memory_bytes)?;
         problem.played(Chain::of(link, order), 1 << finer, start)
     };
     // Steps too long to converge are no reason against shorter ones.
@@ -163,15 +166,6 @@ impl Problem<'_> {
         state: Option<&State>,
     ) -> Result<(BentPlay, Histories), SimulationError> {
         let (count, grid) = (chain.count, self.grid);
-        let bytes = grid.len * (2 * count + 16) * size_of::<f64>();
-        if let Some(allowed) = self.play.memory_bytes.filter(|allowed| bytes > *allowed) {
-            return Err(SimulationError::TooMuchMemory {
-                samples: grid.len,
-                modes: count,
-                bytes,
-                allowed,
-            });
-        }
         let is_prescribed = !self.play.input.is_torque();
         let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
         let reaction = self.play.reaction(self.link);

@@ -15,6 +15,10 @@ use crate::numeric::{GaussRule, dot, piece_shapes};
 /// Gauss points of a piece beyond the order of its polynomials.
 const MORE_POINTS: usize = 3;
 
+/// Matrices that a play holds at the same time, about: stiffness, damping and mass of links and chain, and what Radau's and
+/// Newton's methods factor.
+const MATRICES: usize = 12;
+
 /// A body fixed to the end of a piece.
 #[derive(Debug, Clone, Copy)]
 struct Body {
@@ -54,9 +58,54 @@ pub(super) struct Chain {
     pub(super) damping: Vec<f64>,
 }
 
+/// A piece before its polynomials are made.
+struct PlannedPiece {
+    ends_m: [f64; 2],
+    order: usize,
+    stiffness: Taper,
+    mass: Taper,
+}
+
+/// The pieces of a link. `order` is given the ends of a piece in m, its mean stiffness in N m² and its mean mass in kg/m,
+/// and returns the order of the polynomials there, which is 2 or higher.
+fn planned(
+    link: &Link,
+    order: impl Fn([f64; 2], [f64; 2]) -> usize,
+) -> impl Iterator<Item = PlannedPiece> {
+    let same_m = POSITION_TOLERANCE * link.length_m();
+    let mut root_m = link.hub().radius_m;
+    link.segments().iter().flat_map(move |segment| {
+        let (inner_m, tip_m) = (root_m, root_m + segment.length_m);
+        root_m = tip_m;
+        let mut from_m = inner_m;
+        let piece = |end_m: f64| {
+            let [from, to] = [from_m, end_m].map(|x| ((x - inner_m) / segment.length_m).min(1.0));
+            let stiffness = segment.bending_stiffness_n_m2.between(from, to);
+            let mass = segment.mass_per_length_kg_m.between(from, to);
+            let ends_m = [from_m, end_m];
+            from_m = end_m;
+            let order = order(ends_m, [stiffness.mean(), mass.mean()]).max(2);
+            PlannedPiece { ends_m, order, stiffness, mass }
+        };
+        let pieces: Vec<_> =
+            piece_ends_m(link, [inner_m, tip_m], same_m).into_iter().map(piece).collect();
+        pieces
+    })
+}
+
+/// Number of coordinates of [`Chain::of`], before its matrices are made.
+pub(super) fn coordinates(link: &Link, order: impl Fn([f64; 2], [f64; 2]) -> usize) -> usize {
+    1 + planned(link, order).map(|piece| piece.order).sum::<usize>()
+}
+
+/// Memory in bytes that playing a chain of so many coordinates takes, about: its matrices, and `numbers` of each sample.
+pub(super) fn play_bytes(count: usize, samples: usize, numbers: usize) -> usize {
+    let matrices = MATRICES.saturating_mul(count.saturating_mul(count));
+    samples.saturating_mul(numbers).saturating_add(matrices).saturating_mul(size_of::<f64>())
+}
+
 impl Chain {
-    /// An undamped link with polynomials of order `order`, 2 or higher, on a piece whose ends in m and mean stiffness
-    /// in N m² and mass in kg/m it is given.
+    /// An undamped link with polynomials of the orders of [`planned`].
     pub(super) fn of(link: &Link, order: impl Fn([f64; 2], [f64; 2]) -> usize) -> Self {
         let hub = link.hub();
         let mut chain = Self {
@@ -70,25 +119,14 @@ impl Chain {
             damping: Vec::new(),
         };
         let mut bends = Vec::new();
-        let mut root_m = hub.radius_m;
-        for segment in link.segments() {
-            let tip_m = root_m + segment.length_m;
-            let mut from_m = root_m;
-            for end_m in piece_ends_m(link, [root_m, tip_m]) {
-                let [from, to] =
-                    [from_m, end_m].map(|x| ((x - root_m) / segment.length_m).min(1.0));
-                let stiffness = segment.bending_stiffness_n_m2.between(from, to);
-                let mass = segment.mass_per_length_kg_m.between(from, to);
-                let length_m = end_m - from_m;
-                let order = order([from_m, end_m], [stiffness.mean(), mass.mean()]).max(2);
-                let rule = GaussRule::new(order + MORE_POINTS);
-                let bodies = bodies_at(link, end_m);
-                chain.pieces.push(Piece::new(length_m, chain.count, (order, &rule), mass, bodies));
-                bends.push((rule, order, stiffness));
-                chain.count += order;
-                from_m = end_m;
-            }
-            root_m = tip_m;
+        for PlannedPiece { ends_m: [from_m, end_m], order, stiffness, mass } in planned(link, order)
+        {
+            let length_m = end_m - from_m;
+            let rule = GaussRule::new(order + MORE_POINTS);
+            let bodies = bodies_at(link, end_m);
+            chain.pieces.push(Piece::new(length_m, chain.count, (order, &rule), mass, bodies));
+            bends.push((rule, order, stiffness));
+            chain.count += order;
         }
         let Payload { mass_kg, inertia_kg_m2, offset_m: arm_m } = *link.payload();
         if let Some(last) = chain.pieces.last_mut() {
@@ -263,8 +301,7 @@ fn bodies_at(link: &Link, at_m: f64) -> Vec<Body> {
 }
 
 /// Where pieces of a segment end: at masses within it, and at its outer end.
-fn piece_ends_m(link: &Link, [root_m, tip_m]: [f64; 2]) -> Vec<f64> {
-    let same_m = POSITION_TOLERANCE * link.length_m();
+fn piece_ends_m(link: &Link, [root_m, tip_m]: [f64; 2], same_m: f64) -> Vec<f64> {
     let inside = |at_m: &f64| *at_m > root_m + same_m && *at_m < tip_m - same_m;
     let mut ends: Vec<f64> = link.masses().iter().map(|mass| mass.at_m).filter(inside).collect();
     ends.dedup_by(|a, b| *a - *b <= same_m);

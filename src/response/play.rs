@@ -82,6 +82,21 @@ pub(super) fn continued(grid: TimeGrid, until_s: Option<f64>) -> Result<TimeGrid
     Ok(TimeGrid { len: samples as usize, ..grid })
 }
 
+/// Refuses a play of so many samples and modes that takes more bytes than are allowed.
+///
+/// # Errors
+/// [`SimulationError::TooMuchMemory`].
+pub(super) fn refuse_memory(
+    (samples, modes): (usize, usize),
+    bytes: usize,
+    allowed: Option<usize>,
+) -> Result<(), SimulationError> {
+    match allowed.filter(|allowed| bytes > *allowed) {
+        Some(allowed) => Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed }),
+        None => Ok(()),
+    }
+}
+
 /// What to play on a link at rest, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {

@@ -16,6 +16,7 @@ use super::arm_rest::{ArmStart, at_rest};
 use super::balance::{Balance, Met};
 use crate::link::{Arm, Damping};
 use crate::numeric::dot;
+use crate::system::end_if_stopped;
 
 /// Most coordinates: matrices of so many are solved at many frequencies.
 const MOST_COORDINATES: usize = 400;
@@ -141,11 +142,11 @@ impl ArmPose {
         if given != links {
             return Err(PoseError::Directions { given, links });
         }
-        let chain = ArmChain::of(arm, highest_rad_s, more_orders, None);
-        let count = chain.count;
+        let count = ArmChain::coordinates(arm, highest_rad_s, more_orders, None);
         if count > MOST_COORDINATES {
             return Err(PoseError::TooMany { count, most: MOST_COORDINATES });
         }
+        let chain = ArmChain::of(arm, highest_rad_s, more_orders, None);
         let (mut betas_s, mut losses) = (vec![0.0; links], vec![0.0; links]);
         for (link, own) in arm.links().iter().enumerate() {
             if own.link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
@@ -236,6 +237,7 @@ impl ArmPose {
     /// q = (K + iG + iωD − ω²M)⁻¹ e_j
     /// ```
     pub fn response(&self, frequency_hz: f64) -> ArmResponse {
+        end_if_stopped();
         let (count, omega) = (self.count, std::f64::consts::TAU * frequency_hz);
         let mut dynamic = DMatrix::from_fn(count, count, |i, j| {
             let at = i * count + j;

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::balance::Balance;
 use crate::numeric::{Size, dot};
+use crate::system::end_if_stopped;
 
 /// Stages.
 const STAGES: usize = 3;
@@ -87,6 +88,7 @@ impl<'a> Radau<'a> {
         motion: &mut Motion,
         mut balance: impl FnMut(usize, &[f64], &[f64], &mut Balance),
     ) -> bool {
+        end_if_stopped();
         let (count, h) = (self.count, self.step_s);
         // As if the accelerations stayed what they are.
         let mut stages = vec![motion.accelerations.clone(); STAGES];

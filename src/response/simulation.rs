@@ -6,7 +6,7 @@ use super::driving::Driving;
 use super::error::{SimulationError, SimulationWarning};
 use super::history::Feedback;
 use super::modes::{Equations, ModeSelection};
-use super::play::{Input, LEFT_OUT, Play, Started};
+use super::play::{Input, LEFT_OUT, Play, Started, refuse_memory};
 use super::residual::{Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
@@ -14,6 +14,7 @@ use crate::link::{Link, ParameterError};
 use crate::modal::{DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
+use crate::system::end_if_stopped;
 use rayon::prelude::*;
 
 /// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
@@ -147,9 +148,7 @@ fn play_on(
     let modes = equations.coordinates.len();
     let samples = grid.len;
     let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
-    if let Some(allowed) = play.memory_bytes.filter(|allowed| bytes > *allowed) {
-        return Err(SimulationError::TooMuchMemory { samples, modes, bytes, allowed });
-    }
+    refuse_memory((samples, modes), bytes, play.memory_bytes)?;
     let record = Record::of(&equations, &driving, &grid, &start);
     let initial_tip_m = play.start_m(link);
     let from_rad = play.origin_rad(link).unwrap_or(0.0);
@@ -356,6 +355,7 @@ impl Simulation {
 impl ModalPlay {
     /// Total displacement of a node in m, every `every`-th sample.
     fn displacement_m(&self, mesh: &Mesh, node: usize, every: NonZeroUsize) -> Vec<f64> {
+        end_if_stopped();
         let at_node = |shape: &Shape| shape.displacement(mesh, node);
         let shapes: Vec<f64> = self.equations.shapes.iter().map(at_node).collect();
         let rest = self.initial_tip_m / mesh.length_m() * mesh.nodes_m()[node];

@@ -3,6 +3,7 @@ use nalgebra::DMatrix;
 use super::driving::{Cubic, Driving};
 use super::modes::{Equations, HubReaction};
 use crate::numeric::TimeGrid;
+use crate::system::end_if_stopped;
 
 /// Terms of the cubic that drives a step.
 const TERMS: usize = 4;
@@ -115,6 +116,7 @@ impl Stepper {
     ) {
         each(&self);
         for cubic in steps {
+            end_if_stopped();
             self.advance(&cubic);
             each(&self);
         }

@@ -232,3 +232,50 @@ fn what_playing_and_its_nodes_would_need_is_told_before_it_is_taken() {
     let output = bench.run_within(450, &few, Stdio::null());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }
+
+#[test]
+fn an_arm_of_many_pieces_is_counted_before_its_matrices_are_made() {
+    let bench = Bench::new();
+    let segments = |count: usize| {
+        let length_m = 0.7 / count as f64;
+        let one = format!("{{ length = {length_m}, EI = 60, mass_per_length = 0.8 }},");
+        format!("segments = [{}]\n", one.repeat(count))
+    };
+    let mut masses = String::new();
+    for k in 1..1500 {
+        write!(masses, "{{ at = {}, mass = 1e-4 }},", 0.7 * f64::from(k) / 1500.0).unwrap();
+    }
+    let many = [segments(1500), format!("{}masses = [{masses}]\n", segments(1))];
+    bench.write("m.toml", "at = [0.1, 1.2]\n[[frequency]]\nmode = 3\nvalue = 8.0\n");
+    bench.write("t.csv", "time,torque1,torque2\n0,0,0\n0.1,1,0\n0.2,0,1\n0.3,0,0\n");
+    for pieces in many {
+        let link =
+            |name: &str| format!("[[links]]\nname = \"{name}\"\nhub.inertia = 0.1\n{pieces}");
+        bench.write("arm.toml", format!("elbow = \"left\"\n{}{}", link("a"), link("b")));
+        let fit = ["fit", "arm.toml", "m.toml", "--free", "links.a.segments.*.EI"];
+        for (arguments, code) in [
+            (&["modes", "arm.toml", "--at", "0.1,1.2"][..], NOT_SOLVABLE),
+            (&["frf", "arm.toml", "--at", "0.1,1.2", "--points", "3"], NOT_SOLVABLE),
+            (&fit, REFUSED),
+        ] {
+            let output = bench.run_within(300, arguments, Stdio::null());
+            let message =
+                "the bending of all links takes 9002 coordinates, but must take at most 400";
+            bench.is_refusal(&output, code, message);
+        }
+        let simulate = ["simulate", "arm.toml", "t.csv", "--at", "0.1,1.2"];
+        let output = bench.run_within(300, &simulate, Stdio::null());
+        bench.is_refusal(&output, NOT_SOLVABLE, "modes would need");
+    }
+}
+
+#[test]
+fn a_link_of_many_pieces_is_counted_before_it_is_played_with_its_weight() {
+    let bench = Bench::new();
+    let one = "{ length = 0.001, EI = 60, mass_per_length = 0.8 },".repeat(3000);
+    let rest = "hub.inertia = 0.1\ngravity = [0, -9.81]\nstart_angle = 0.1\n";
+    bench.write("link.toml", format!("segments = [{one}]\n{rest}"));
+    bench.write("t.csv", "time,torque\n0,0\n0.1,1\n0.2,-1\n0.3,0\n");
+    let output = bench.run_within(300, &["simulate", "link.toml", "t.csv"], Stdio::null());
+    bench.is_refusal(&output, NOT_SOLVABLE, "modes would need");
+}
