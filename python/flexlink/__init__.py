@@ -36,7 +36,14 @@ from ._flexlink import (
     sweep,
     trajectory,
 )
-from ._messages import FlexlinkError, FlexlinkWarning, InputError, NotSolvableError, WriteError
+from ._messages import (
+    FlexlinkError,
+    FlexlinkWarning,
+    InputError,
+    NotSolvableError,
+    OutOfMemoryError,
+    WriteError,
+)
 
 __all__ = [
     "Arm",
@@ -50,6 +57,7 @@ __all__ = [
     "Link",
     "Motion",
     "NotSolvableError",
+    "OutOfMemoryError",
     "Run",
     "Simulation",
     "Solution",

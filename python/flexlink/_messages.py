@@ -23,6 +23,10 @@ class NotSolvableError(FlexlinkError, RuntimeError):
     """Link and motion are valid, but there is no answer."""
 
 
+class OutOfMemoryError(NotSolvableError, MemoryError):
+    """An answer takes more memory than there is; the call took none of it."""
+
+
 class WriteError(FlexlinkError):
     """Results cannot be written."""
 

@@ -1,5 +1,7 @@
 //! Columns of numbers in, samples out.
 
+use std::num::NonZeroUsize;
+
 use numpy::ndarray::ArrayView1;
 use numpy::{
     PyArray1, PyArray2, PyArrayDescrMethods as _, PyArrayMethods as _, PyUntypedArray,
@@ -11,7 +13,10 @@ use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
 use pyo3::types::PyDict;
 
+use flexlink::text::excerpt;
+
 use crate::messages::usage;
+use crate::terminal::memory;
 
 /// The numbers of a column: an array of one dimension, or what NumPy makes one of. Whole numbers and those of other
 /// widths are converted, complex ones, texts and objects are refused.
@@ -88,6 +93,61 @@ fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
     Ok(array.readonly().as_array().to_vec())
 }
 
+/// Numbers of nodes in a call.
+pub(crate) struct Nodes(Vec<usize>);
+
+impl Nodes {
+    /// Those of a call, or all of so many.
+    pub(crate) fn or_all(given: Option<Self>, all: usize) -> Vec<usize> {
+        given.map_or_else(|| (0..all).collect(), |own| own.0)
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Nodes {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let must = "must be the numbers of nodes, whole ones from 0 on";
+        let whole = |number: PyResult<Bound<'_, PyAny>>| -> PyResult<usize> {
+            let number = number?;
+            number.extract().map_err(|_| unlike("nodes", &number, must))
+        };
+        let numbers = given.try_iter().map_err(|_| unlike("nodes", &given, must))?;
+        numbers.map(whole).collect::<PyResult<_>>().map(Self)
+    }
+}
+
+/// Every so-many-th sample in a call.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Every(pub(crate) NonZeroUsize);
+
+impl Every {
+    pub(crate) const ALL: Self = Self(NonZeroUsize::MIN);
+}
+
+impl<'py> FromPyObject<'_, 'py> for Every {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let found =
+            given.extract().map_err(|_| unlike("every", &given, "must be a whole number above 0"));
+        found.map(Self)
+    }
+}
+
+/// The refusal of an argument that is not as it must be.
+pub(crate) fn unlike(name: &str, found: &Bound<'_, PyAny>, must: &str) -> PyErr {
+    let shown = found.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+    usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None).into()
+}
+
+/// Refuses an array of so many rows and columns that does not fit into the memory. It is computed column by column, and put
+/// into rows.
+pub(crate) fn check_rows(samples: usize, columns: usize) -> PyResult<()> {
+    let bytes = samples.saturating_mul(columns).saturating_mul(3 * size_of::<f64>());
+    Ok(memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?)
+}
+
 /// Samples that belong to an object, as an array that shows them without a copy. It keeps the object alive and cannot be
 /// written to.
 pub(crate) fn view<'py, T>(
@@ -112,8 +172,8 @@ pub(crate) fn rows<'py>(
     histories: &[impl AsRef<[f64]>],
     samples: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let numbers = (0..samples).flat_map(|k| histories.iter().map(move |own| own.as_ref()[k]));
-    let numbers: Vec<f64> = numbers.collect();
+    let mut numbers = Vec::with_capacity(samples * histories.len());
+    numbers.extend((0..samples).flat_map(|k| histories.iter().map(move |own| own.as_ref()[k])));
     PyArray1::from_vec(py, numbers).reshape([samples, histories.len()])
 }
 

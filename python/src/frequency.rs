@@ -15,11 +15,11 @@ use crate::arrays::{dictionary, rows};
 use crate::cli::arm_pose::ArmInPose;
 use crate::cli::frf::Frf;
 use crate::cli::modes::{computed, in_pose};
+use crate::interrupt::until_pressed;
 use crate::keywords;
 use crate::link::{Link, described_by};
 use crate::messages::{of_mesh, usage, warn};
 use crate::options::common::directions;
-use crate::pool;
 use crate::terminal::Failure;
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
@@ -49,7 +49,7 @@ pub(crate) fn modes<'py>(
     let at = at.map(Directions::list);
     if let Ok(arm) = link.cast::<Arm>() {
         let pose = ArmInPose::of(arm.get().specification.clone(), at.as_deref())?;
-        let found = py.detach(|| pool::install(|| pose.modes(count)))?;
+        let found = until_pressed(py, || pose.modes(count))?;
         let lists = [("mode, joints free,", &found.free), ("mode, rotors held,", &found.held)];
         let coarse = lists.map(|(what, own)| CoarseMesh::of(what, &own.errors));
         warn_of(py, coarse.into_iter().flatten())?;
@@ -64,13 +64,13 @@ pub(crate) fn modes<'py>(
     }
     let specification = &described_by::<Link>(link)?.get().specification;
     if let Some(at) = at.map(|at| directions(Some(&at), 1)).transpose()? {
-        let (_, found) = py.detach(|| pool::install(|| in_pose(specification, at[0], count)))?;
+        let (_, found) = until_pressed(py, || in_pose(specification, at[0], count))?;
         let lists = [("mode", &found.free), ("mode with the hub held", &found.held)];
         let coarse = lists.map(|(what, own)| CoarseMesh::of(what, &own.mesh_errors));
         warn_of(py, coarse.into_iter().flatten())?;
         return in_directions(py, &found.free.squares_per_s2, &found.held.squares_per_s2);
     }
-    let (_, found) = py.detach(|| pool::install(|| computed(specification, count)))?;
+    let (_, found) = until_pressed(py, || computed(specification, count))?;
     warn_of(py, found.warnings())?;
     of_link(py, found)
 }
@@ -165,7 +165,7 @@ pub(crate) fn frf<'py>(
     let columns = if let Ok(arm) = link.cast::<Arm>() {
         let at = read.frf.at.as_deref();
         let pose = ArmInPose::of(arm.get().specification.clone(), at)?;
-        let (_, found) = py.detach(|| pool::install(|| read.frf.compute_arm(&pose)))?;
+        let (_, found) = until_pressed(py, || read.frf.compute_arm(&pose))?;
         arm_response(&found)
     } else {
         let own = described_by::<Link>(link)?.get();
@@ -180,7 +180,7 @@ pub(crate) fn frf<'py>(
             let coarse = BandMeshError::of_errors(known).and_then(|error| error.warning);
             Ok((link_response(&rows, errors.as_deref()), coarse))
         };
-        let (columns, coarse) = py.detach(|| pool::install(compute))?;
+        let (columns, coarse) = until_pressed(py, compute)?;
         warn_of(py, coarse)?;
         columns
     };

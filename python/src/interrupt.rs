@@ -1,6 +1,7 @@
 //! Ctrl-C during long work.
 
 use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -9,6 +10,7 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
+use crate::pool;
 use crate::terminal::Failure;
 
 /// Between two looks whether Ctrl-C was pressed.
@@ -16,9 +18,9 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// Does work in a thread while this one asks Python whether Ctrl-C was pressed; `stop` is then true, and the work ends.
 pub(crate) fn interruptible<T: Send>(
-    work: impl FnOnce(&AtomicBool) -> Result<T, Failure> + Send,
+    work: impl FnOnce(&Arc<AtomicBool>) -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
-    let stop = &AtomicBool::new(false);
+    let stop = &Arc::new(AtomicBool::new(false));
     let (done, is_done) = channel();
     thread::scope(|scope| {
         let worker = scope.spawn(move || done.send(work(stop)));
@@ -39,6 +41,14 @@ pub(crate) fn interruptible<T: Send>(
             }
         }
     })
+}
+
+/// Does work that may be long on threads of its own, without Python, until Ctrl-C.
+pub(crate) fn until_pressed<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> PyResult<T> {
+    py.detach(|| interruptible(|stop| pool::stoppable(stop, work)))
 }
 
 fn check_signals(py: Python<'_>) -> PyResult<()> {

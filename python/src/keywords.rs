@@ -51,6 +51,11 @@ pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
         if value.is_none() {
             continue;
         }
+        let of = value.get_type();
+        if of.module()?.to_cow()? == "flexlink" {
+            let must = "must be a number, a text or the path of a file";
+            return Err(PyTypeError::new_err(format!("{key} = {of}, but {must}")));
+        }
         match value.cast::<PyBool>() {
             Ok(flag) if flag.is_true() => found.push(name),
             Ok(_) => {}
@@ -77,7 +82,9 @@ pub(crate) fn of_writing(
 
 /// The refusal of a keyword that is none of the `known`.
 pub(crate) fn unknown<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Failure {
-    usage(&format!("unexpected keyword `{key}`"), did_you_mean(key, known).as_deref())
+    // A keyword that other calls know is not meant to be itself.
+    let hint = did_you_mean(key, known.into_iter().filter(|other| *other != key));
+    usage(&format!("unexpected keyword `{key}`"), hint.as_deref())
 }
 
 /// A value as the command reads it: lists with commas, dictionaries as `quantity=column`.
@@ -185,8 +192,22 @@ pub(crate) fn document(keys: &Bound<'_, PyDict>) -> PyResult<String> {
     Ok(text)
 }
 
+/// Lists and dictionaries that a value may have within each other; files have three.
+const DEEPEST: usize = 32;
+
 /// A value in TOML, on one line.
 fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    toml_within(key, value, DEEPEST)
+}
+
+/// The same of a value with so many lists and dictionaries in each other at most.
+fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
+    let Some(inner) = depth.checked_sub(1) else {
+        let key = key.split('.').next().unwrap_or_default();
+        let must = format!("must be at most {DEEPEST} deep");
+        let message = format!("{key} = lists or dictionaries in each other, but {must}");
+        return Err(usage(&message, Some("a value that holds itself has no end")).into());
+    };
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(flag.is_true().to_string());
     }
@@ -202,19 +223,23 @@ fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(table) = value.cast::<PyDict>() {
         let pair = |(name, own): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
             let name: String = name.extract()?;
-            Ok(format!("{} = {}", quoted(&name), toml(&format!("{key}.{name}"), &own)?))
+            Ok(format!(
+                "{} = {}",
+                quoted(&name),
+                toml_within(&format!("{key}.{name}"), &own, inner)?
+            ))
         };
         let given = table.iter().filter(|(_, own)| !own.is_none());
         let pairs = given.map(pair).collect::<PyResult<Vec<String>>>()?;
         return Ok(format!("{{{}}}", pairs.join(", ")));
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let items = value.try_iter()?.map(|item| toml(key, &item?));
+        let items = value.try_iter()?.map(|item| toml_within(key, &item?, inner));
         return Ok(format!("[{}]", items.collect::<PyResult<Vec<String>>>()?.join(", ")));
     }
     // NumPy's numbers and arrays have Python's behind this.
     match value.call_method0("tolist") {
-        Ok(plain) if !plain.get_type().is(value.get_type()) => toml(key, &plain),
+        Ok(plain) if !plain.get_type().is(value.get_type()) => toml_within(key, &plain, inner),
         _ => {
             let found = value.get_type();
             let must = "must be a number, a text, a list or a dictionary";

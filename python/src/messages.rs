@@ -14,6 +14,7 @@ const CLASSES: &str = "flexlink._messages";
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         let class = match failure.exit {
+            _ if failure.is_of_memory => "OutOfMemoryError",
             Exit::Usage | Exit::InputRefused => "InputError",
             Exit::NotSolvable | Exit::Interrupted => "NotSolvableError",
             Exit::CannotWrite => "WriteError",

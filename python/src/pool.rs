@@ -1,9 +1,12 @@
 //! Threads that work for one process.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use flexlink::system::{Stopped, stop_by};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::terminal::{Exit, Failure};
 
@@ -40,9 +43,28 @@ pub(crate) fn apart<T: Send>(
     started(0)?.install(work)
 }
 
+/// The same on threads of its own that end the work when `stop` turns true.
+pub(crate) fn stoppable<T: Send>(
+    stop: &Arc<AtomicBool>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let flag = Arc::clone(stop);
+    let builder = ThreadPoolBuilder::new().start_handler(move |_| stop_by(Arc::clone(&flag)));
+    let threads = builder.build().map_err(|error| not_started(&error))?;
+    match catch_unwind(AssertUnwindSafe(|| threads.install(work))) {
+        Ok(found) => found,
+        Err(panic) if panic.is::<Stopped>() => {
+            Err(Failure::new(Exit::Interrupted, &"interrupted", None))
+        }
+        Err(panic) => resume_unwind(panic),
+    }
+}
+
 /// So many threads, or as many as cores for 0.
 pub(crate) fn started(threads: usize) -> Result<ThreadPool, Failure> {
-    ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
-        Failure::new(Exit::NotSolvable, &format!("cannot start threads: {error}"), None)
-    })
+    ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| not_started(&error))
+}
+
+fn not_started(error: &ThreadPoolBuildError) -> Failure {
+    Failure::new(Exit::NotSolvable, &format!("cannot start threads: {error}"), None)
 }

@@ -1,6 +1,5 @@
 //! `simulate`: a torque or a motion of the hub in arrays, played on a link.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use numpy::{PyArray1, PyArray2};
@@ -17,7 +16,8 @@ use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
 
 use crate::arm::Arm;
-use crate::arrays::{frame, rows, view};
+use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
+use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
 use crate::messages::{notice, objects, of_limit, warn};
@@ -81,7 +81,7 @@ pub(crate) fn simulate<'py>(
     let state = keywords.take("state")?.map(|given| state(&given, of_run, read)).transpose()?;
     let is_large = link.analysis.second_order_of(&link.link) != SecondOrder::None;
     let playing = Playing::take(&link.link, time, &keywords, (state, is_large))?;
-    let played = py.detach(|| pool::install(|| PlayedLink::of(link, playing)))?;
+    let played = until_pressed(py, || PlayedLink::of(link, playing))?;
     warn(py, &played.warnings)?;
     Ok(Bound::new(py, played)?.into_any())
 }
@@ -224,16 +224,17 @@ impl PlayedLink {
     }
 
     /// Displacements of nodes in m, as those of a solution.
-    #[pyo3(signature = (nodes=None, every=NonZeroUsize::MIN))]
+    #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(
         &self,
         py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-        every: NonZeroUsize,
+        nodes: Option<Nodes>,
+        every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let nodes = nodes.unwrap_or_else(|| (0..self.simulation.mesh.nodes_m().len()).collect());
-        let found =
-            py.detach(|| pool::install(|| Ok(self.simulation.displacements_m(&nodes, every)?)))?;
+        let nodes = Nodes::or_all(nodes, self.simulation.mesh.nodes_m().len());
+        check_rows(self.simulation.grid.thinned(every.0).len(), nodes.len())?;
+        let find = || Ok(self.simulation.displacements_m(&nodes, every.0)?);
+        let found = until_pressed(py, find)?;
         rows(py, &found.samples, found.grid.len())
     }
 

@@ -1,9 +1,6 @@
 //! `simulate` of an arm: torques of its joints in arrays, played.
 
-use std::num::NonZeroUsize;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -20,9 +17,9 @@ use flexlink::spec::ArmSpecification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Summary, read_state, state_json};
 
 use crate::arm::Arm;
-use crate::arrays::{column, columns, frame, rows, view};
+use crate::arrays::{Every, column, columns, frame, rows, view};
 use crate::cli::simulate::arm::{nodes_m, refusal};
-use crate::interrupt::interruptible;
+use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::messages::{notice, objects, of_joint_limit, usage};
 use crate::options::play_arm::{ArmTorques, Start, feedback};
@@ -142,31 +139,13 @@ impl ArmSimulation {
     ) -> PyResult<Self> {
         let given = Given::take(arm, time, keywords)?;
         let specification = arm.specification.clone();
-        py.detach(|| interruptible(|stop| pool::install(|| Self::of(specification, given, stop))))
+        until_pressed(py, || Self::of(specification, given))
     }
 
-    fn of(
-        specification: Box<ArmSpecification>,
-        given: Given,
-        stop: &AtomicBool,
-    ) -> Result<Self, Failure> {
+    fn of(specification: Box<ArmSpecification>, given: Given) -> Result<Self, Failure> {
         let tolerance = MeshPlan::smallest_tolerance(&specification.meshes);
         let play = given.played.play(given.until_s, tolerance);
-        let simulate = || {
-            simulate_arm(&specification.arm, &specification.meshes, &play, &|_| {
-                // The library knows no other way out; no hook of panics hears of it.
-                if stop.load(Ordering::Relaxed) {
-                    resume_unwind(Box::new(()));
-                }
-            })
-        };
-        let simulated = match catch_unwind(AssertUnwindSafe(simulate)) {
-            Ok(simulated) => simulated,
-            Err(_) if stop.load(Ordering::Relaxed) => {
-                return Err(Failure::new(Exit::Interrupted, &"interrupted", None));
-            }
-            Err(panic) => resume_unwind(panic),
-        };
+        let simulated = simulate_arm(&specification.arm, &specification.meshes, &play, &|_| {});
         let (motion, of_motion) = simulated.map_err(|error| {
             let (message, hint) = refusal(&error);
             Failure::new(Exit::NotSolvable, &message, hint)
@@ -301,21 +280,21 @@ impl ArmSimulation {
     }
 
     /// x and y in m of the nodes of a link, numbered from 0, of every ``every``-th sample: an array over time, node and axis.
-    #[pyo3(signature = (link, every=NonZeroUsize::MIN))]
+    #[pyo3(signature = (link, every=Every::ALL))]
     fn positions<'py>(
         &self,
         py: Python<'py>,
         link: usize,
-        every: NonZeroUsize,
+        every: Every,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let links = self.nodes_m.len();
         if link >= links {
             let message = format!("link = {link}, but must be below {links}, the number of links");
             return Err(usage(&message, None).into());
         }
-        let found = py.detach(|| self.motion.positions_m(&self.nodes_m, every));
+        let found = py.detach(|| self.motion.positions_m(&self.nodes_m, every.0));
         let histories: Vec<&[f64]> = found[link].iter().flatten().map(Vec::as_slice).collect();
-        let samples = self.motion.grid.thinned(every).len();
+        let samples = self.motion.grid.thinned(every.0).len();
         rows(py, &histories, samples)?.reshape([samples, found[link].len(), 2])
     }
 

@@ -1,6 +1,5 @@
 //! The solution of a link.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,8 +14,9 @@ use flexlink::link::ParameterError;
 use flexlink::result::{Exceeded, Limits, Metrics, StoredWarning};
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 
-use crate::arrays::{frame, rows, view};
+use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
 use crate::cli::solve::run::SolveOptions;
+use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
 use crate::messages::{objects, of_limit, of_remark, of_solution};
@@ -134,11 +134,12 @@ impl Solution {
     fn nodal<'py>(
         &self,
         py: Python<'py>,
-        nodes: Option<Vec<usize>>,
+        (nodes, every): (Option<Nodes>, Every),
         find: impl FnOnce(&LibrarySolution, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let nodes = nodes.unwrap_or_else(|| (0..self.solution.mesh().nodes_m().len()).collect());
-        let found = py.detach(|| pool::install(|| Ok(find(&self.solution, &nodes)?)))?;
+        let nodes = Nodes::or_all(nodes, self.solution.mesh().nodes_m().len());
+        check_rows(self.solution.grid.thinned(every.0).len(), nodes.len())?;
+        let found = until_pressed(py, || Ok(find(&self.solution, &nodes)?))?;
         rows(py, &found.samples, found.grid.len())
     }
 }
@@ -241,36 +242,40 @@ impl Solution {
 
     /// Displacements of nodes in m, numbered from 0 at the root, all by default: a row for each sample, or for every
     /// ``every``-th, a column for each node.
-    #[pyo3(signature = (nodes=None, every=NonZeroUsize::MIN))]
+    #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(
         &self,
         py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-        every: NonZeroUsize,
+        nodes: Option<Nodes>,
+        every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.nodal(py, nodes, |own, nodes| Ok(own.displacements(nodes, every)?.histories()))
+        self.nodal(py, (nodes, every), |own, nodes| {
+            Ok(own.displacements(nodes, every.0)?.histories())
+        })
     }
 
     /// The same of the deflections in m from the hub's tangent line.
-    #[pyo3(signature = (nodes=None, every=NonZeroUsize::MIN))]
+    #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn deflections<'py>(
         &self,
         py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-        every: NonZeroUsize,
+        nodes: Option<Nodes>,
+        every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.nodal(py, nodes, |own, nodes| Ok(own.deflections(nodes, every)?.histories()))
+        self.nodal(py, (nodes, every), |own, nodes| {
+            Ok(own.deflections(nodes, every.0)?.histories())
+        })
     }
 
     /// The same of the bending moments in N m.
-    #[pyo3(signature = (nodes=None, every=NonZeroUsize::MIN))]
+    #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn moments<'py>(
         &self,
         py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-        every: NonZeroUsize,
+        nodes: Option<Nodes>,
+        every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.nodal(py, nodes, |own, nodes| Ok(own.moments(nodes, every)?.histories()))
+        self.nodal(py, (nodes, every), |own, nodes| Ok(own.moments(nodes, every.0)?.histories()))
     }
 
     /// How exact the answer is, as in summary.json: ``errors["tip"]`` is the tip's distance from its motion over its

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
 
 use flexlink::sweep::{SweepKind, in_order};
 
 use crate::arm::{Arm, GivenPath};
+use crate::arrays::unlike;
 use crate::cli::sweep::tally::Tally;
 use crate::interrupt::interruptible;
 use crate::keywords;
@@ -54,16 +54,14 @@ pub(crate) fn sweep<'py>(
     link: &Bound<'py, PyAny>,
     cases: Vec<Bound<'py, PyDict>>,
     time: &Bound<'py, PyAny>,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     outputs: Option<PathBuf>,
     keywords: Option<Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
-    if threads == Some(0) {
-        return Err(PyValueError::new_err("threads = 0, but must be above 0"));
-    }
+    let threads = threads.map(Threads::number);
     let mut shared = if let Ok(arm) = link.cast::<Arm>() {
         let arm = arm.get();
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
@@ -76,6 +74,26 @@ pub(crate) fn sweep<'py>(
     };
     let rows = py.detach(|| interruptible(|stop| all_rows(&mut shared, &cases, threads, stop)))?;
     table(varied, shared.kind, rows)
+}
+
+/// A number of threads in a call, at most as many as the command takes.
+pub(crate) struct Threads(usize);
+
+impl Threads {
+    fn number(self) -> usize {
+        self.0
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Threads {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let number = given.extract().ok().filter(|threads| (1..=256).contains(threads));
+        number
+            .map(Self)
+            .ok_or_else(|| unlike("threads", &given, "must be a whole number from 1 to 256"))
+    }
 }
 
 /// The values of each key that cases change, in the order in which the keys come.

@@ -8,8 +8,8 @@ use flexlink::motion::{MotionColumns, PathColumns};
 
 use crate::arrays::dictionary;
 use crate::cli::trajectory::Trajectory;
+use crate::interrupt::until_pressed;
 use crate::keywords;
-use crate::pool;
 use crate::terminal::Failure;
 
 /// Keywords of `trajectory`.
@@ -66,7 +66,7 @@ pub(crate) fn trajectory<'py>(
     arguments.push(profile.to_owned());
     let read = Keywords::try_parse_from(arguments)
         .map_err(|error| keywords::refused::<Trajectory>(&error, &[], &RENAMED))?;
-    let columns = py.detach(|| pool::install(|| columns(&read.trajectory)))?;
+    let columns = until_pressed(py, || columns(&read.trajectory))?;
     dictionary(py, columns)
 }
 
