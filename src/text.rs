@@ -1,6 +1,7 @@
 //! Numbers and pieces of an input as messages show them.
 
 use std::borrow::Cow;
+use std::path::Path;
 
 /// Decimals that no number exceeds; the formatter of the standard library takes a few more.
 const MOST_DECIMALS: usize = 1100;
@@ -86,6 +87,30 @@ pub fn visible(text: &str) -> Cow<'_, str> {
         }
     }
     escaped.into()
+}
+
+/// A path for a line of text, its control characters escaped as in [`visible`].
+pub fn shown_path(path: &Path) -> String {
+    visible(&path.display().to_string()).into_owned()
+}
+
+/// A word of a command as a shell takes it.
+pub fn in_shell(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
+    if word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// The path of a file as a shell takes it: no program reads it as an option.
+pub fn path_in_shell(path: &str) -> String {
+    if path.starts_with('-') && path != "-" {
+        in_shell(&format!("./{path}"))
+    } else {
+        in_shell(path)
+    }
 }
 
 /// A document with the same characters escaped, its line ends and tabs kept.
@@ -192,5 +217,20 @@ mod tests {
         assert_eq!(did_you_mean("lenght", known), meant("length"));
         assert_eq!(did_you_mean("mass_per_lenght", known), meant("mass_per_length"));
         assert_eq!(did_you_mean("colour", known), None);
+    }
+
+    #[test]
+    fn a_shell_reads_words_as_they_were() {
+        for (word, text) in [
+            ("--window", "--window"),
+            ("payload.mass=\"50 g\"", "'payload.mass=\"50 g\"'"),
+            ("it's", "'it'\\''s'"),
+        ] {
+            assert_eq!(in_shell(word), text);
+        }
+        for (path, text) in [("-rf.csv", "./-rf.csv"), ("-", "-"), ("-a b", "'./-a b'"), ("a", "a")]
+        {
+            assert_eq!(path_in_shell(path), text);
+        }
     }
 }

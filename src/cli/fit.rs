@@ -14,6 +14,7 @@ use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, re
 use flexlink::store::{
     Fingerprint, FitInputs, NamedBy, NewFile, fit_json, fit_record, foreign_fit_record,
 };
+use flexlink::text::shown_path;
 
 use crate::options::common::option;
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
@@ -237,7 +238,7 @@ impl Fit {
         if let Some(output) = self.output.as_deref().filter(|file| !is_believed && file.exists()) {
             console::note(&format!("{} is not of this fit", output.display()));
         }
-        let written = page.map(|page| format!("written  {}\n", page.display()));
+        let written = page.map(|page| format!("written  {}\n", shown_path(&page)));
         Ok((replaced, written.unwrap_or_default()))
     }
 }

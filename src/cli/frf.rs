@@ -22,7 +22,7 @@ use super::arm_pose::ArmInPose;
 use crate::options::common::angle_rad;
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::keep_files;
-use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
+use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -116,7 +116,10 @@ impl Frf {
             let message = "--at is for an arm of several links, and the file has one";
             return Err(Failure::new(Exit::Usage, &message, None));
         }
+        let bar = StageBar::new();
+        bar.at("computing responses");
         let (rows, errors) = self.compute(&specification)?;
+        drop(bar);
         self.deliver(link_response(&rows, errors.as_deref()))?;
         let warnings = tell(&rows, errors.as_deref()) + warn_of_gravity(&specification.link);
         self.warnings.refuse(warnings)
@@ -134,7 +137,10 @@ impl Frf {
 
     /// Writes the response of an arm; returns the number of warnings.
     fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
+        let bar = StageBar::new();
+        bar.at("computing responses");
         let (modes, found) = self.compute_arm(pose)?;
+        drop(bar);
         self.deliver(arm_response(&found))?;
         Ok(pose.tell_responses(&modes, &found))
     }

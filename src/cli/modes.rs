@@ -23,7 +23,7 @@ use crate::options::common::{SyncArgs, angle_rad};
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::check_folder;
 use crate::terminal::text::{arm_modes_text, modes_text, pose_text};
-use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
+use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -120,7 +120,10 @@ impl Modes {
                 return Err(Failure::new(Exit::Usage, &message, None));
             }
         }
+        let bar = StageBar::new();
+        bar.at("finding modes and zeros");
         let (mesh, result) = computed(&specification, usize::from(self.count))?;
+        drop(bar);
         if let Some(folder) = &self.output {
             result.write(self.sync.stage(folder)?, self.digits)?;
         }
@@ -138,13 +141,17 @@ impl Modes {
     fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
         let ArmSpecification { arm, meshes, remarks, .. } = &*pose.specification;
         let count = usize::from(self.count);
+        let bar = StageBar::new();
+        bar.at("finding the modes");
         let modes = pose.modes(count)?;
+        bar.at("finding the zeros");
         let zeros = arm.links().iter().zip(meshes).map(|(own, plan)| {
             let (mesh, omega_rad_s) = resolved(&own.link, plan, count)?;
             let zeros = zeros_on(&mesh, count, omega_rad_s.last().copied().unwrap_or_default());
             Ok((zeros, mesh.nodes_m().to_vec()))
         });
         let zeros = zeros.collect::<Result<Vec<(LinkZeros, Vec<f64>)>, Failure>>()?;
+        drop(bar);
         let (zeros, nodes_m): (Vec<_>, Vec<_>) = zeros.into_iter().unzip();
         if let Some(folder) = &self.output {
             let nodes: usize = nodes_m.iter().map(Vec::len).sum();

@@ -7,6 +7,7 @@ use clap::Args;
 
 use flexlink::report::{Figure, Figures, page};
 use flexlink::store::{OutputFolder, REPORT, read_results};
+use flexlink::text::shown_path;
 
 use crate::terminal::console::is_standard_output;
 use crate::terminal::files::{keep_files, keep_page};
@@ -114,7 +115,7 @@ impl Report {
             None if self.output.is_none() => console::deliver_beside(file, page.as_bytes())?,
             None => console::deliver(Some(file), page.as_bytes())?,
         }
-        let line = || format!("written  {}\n", file.display());
+        let line = || format!("written  {}\n", shown_path(file));
         Ok(if is_standard_output(file) { String::new() } else { line() })
     }
 }
@@ -169,5 +170,5 @@ fn write_figures(
         output.file(&name, |out| out.write_all(&bytes))?;
     }
     output.replace()?;
-    Ok(format!("written  {} figures in {}\n", figures.drawn.len(), folder.display()))
+    Ok(format!("written  {} figures in {}\n", figures.drawn.len(), shown_path(folder)))
 }

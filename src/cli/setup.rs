@@ -11,6 +11,7 @@ use flexlink::csv::{Digits, write_path, write_trajectory};
 use flexlink::motion::{Curve, PathColumns, Profile};
 use flexlink::spec::link_file_schema;
 use flexlink::store::OutputFolder;
+use flexlink::text::shown_path;
 
 use crate::terminal::files::check_folder;
 use crate::terminal::{Exit, Failure, console};
@@ -60,7 +61,7 @@ impl Init {
         if self.quiet {
             return Ok(());
         }
-        let [described, moved, schema] = paths.map(|path| path.display().to_string());
+        let [described, moved, schema] = paths.map(|path| shown_path(&path));
         console::print(&format!("written  {described}, {moved} and {schema}\n"))
     }
 }

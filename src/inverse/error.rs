@@ -126,6 +126,11 @@ fn counted(samples: usize) -> String {
 }
 
 impl InversionError {
+    /// True if a file or an option asks for what the motion cannot have, whatever the link.
+    pub fn is_of_input(&self) -> bool {
+        matches!(self, Self::NoStartAngle | Self::Ends(RefusedEnds::Edges))
+    }
+
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {

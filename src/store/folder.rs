@@ -10,6 +10,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use thiserror::Error;
 
@@ -294,9 +295,26 @@ fn remove_left(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Removes the lock and the files that killed runs left in a folder, unless a run is writing into it.
+pub(super) fn clear(folder: &Path) {
+    let lock = folder.join(LOCK);
+    if !lock.is_file() {
+        return;
+    }
+    if let Ok(held) = Lock::take(&lock, Duration::ZERO, &|| {}) {
+        // Files of another user may have to stay.
+        let _ = held.is_exclusive.then(|| remove_left(folder));
+    }
+}
+
 /// Whether a folder of this name holds files that a run has not finished.
-pub(super) fn is_staging(name: &OsStr) -> bool {
+fn is_staging(name: &OsStr) -> bool {
     name.as_encoded_bytes().starts_with(STAGING.as_bytes())
+}
+
+/// Whether a run has an entry of this name while it writes into a folder.
+pub(super) fn is_aside(name: &OsStr) -> bool {
+    name == LOCK || is_staging(name)
 }
 
 /// Gives a file the permissions of the one that it replaces; a link, and a file system without permissions,

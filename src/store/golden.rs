@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json as object};
 use walkdir::WalkDir;
 
-use super::folder::{FolderError, OutputFolder, folder_of, is_staging};
+use super::folder::{FolderError, OutputFolder, clear, folder_of, is_aside};
 use super::json::json;
 use crate::compare::{ColumnComparison, Comparison, FileComparison, FileOutcome, TableComparison};
 use crate::csv::InputError;
@@ -34,7 +34,7 @@ impl CsvFolder {
         let mut found = Self::default();
         let entries = WalkDir::new(folder).min_depth(1).follow_links(true).into_iter();
         // Another run may be writing into the folder.
-        for entry in entries.filter_entry(|entry| !is_staging(entry.file_name())) {
+        for entry in entries.filter_entry(|entry| !is_aside(entry.file_name())) {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(error) => match stray_link(&error) {
@@ -107,7 +107,7 @@ pub struct GoldenChanges {
 
 /// Changes a folder of golden files, which is created where it is missing.
 ///
-/// All files are written aside before the first takes its name. If another run writes into it for
+/// All files are written aside before the first takes its name. What killed runs left in it is removed. If another run writes into it for
 /// more than a second, `on_wait` is called once.
 ///
 /// # Errors
@@ -135,6 +135,8 @@ pub fn change_golden_files(
         aside.file(own, |out| io::copy(&mut File::open(source)?, out).map(drop))?;
     }
     staged.into_values().try_for_each(OutputFolder::replace)?;
+    let within = WalkDir::new(folder).into_iter().flatten();
+    within.filter(|entry| entry.file_type().is_dir()).for_each(|inner| clear(inner.path()));
     for name in &changes.removed {
         let removed = real(folder, name).and_then(|_| fs::remove_file(folder.join(name)));
         removed.map_err(|cause| FolderError::new(folder, format!("remove {name}"), cause))?;

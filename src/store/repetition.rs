@@ -16,7 +16,7 @@ use super::run_tables::{REPORT, RESULT_FILES, SUMMARY};
 use super::summary::Summary;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::result::{Origin, Repeated, RepeatedFile, line_difference};
-use crate::text::excerpt;
+use crate::text::{excerpt, path_in_shell};
 
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
@@ -169,7 +169,7 @@ impl RunRecord {
 
     /// What to do about an input that is not found.
     fn give(&self) -> String {
-        let folder = self.folder.display();
+        let folder = path_in_shell(&self.folder.display().to_string());
         format!("name both: flexlink solve --repeat {folder} LINK MOTION, one of them may be `-`")
     }
 }

@@ -11,11 +11,11 @@ use super::arm_run::torque;
 use super::run_summary::tip_numbers;
 use super::run_tables::TORQUE;
 use super::summary::Summary;
-use crate::csv::{Column, ColumnGroup, Digits, NumberFormat, time_format, write_csv};
+use crate::csv::{Column, ColumnGroup, Digits, NumberFormat, sha256, time_format, write_csv};
 use crate::numeric::largest;
 use crate::response::Interpolation;
 use crate::result::{StoredWarning, TorqueTable};
-use crate::text::{plain, visible};
+use crate::text::{in_shell, path_in_shell, plain, visible};
 use crate::verify::TableError;
 
 /// Form of a file with a torque table.
@@ -164,8 +164,7 @@ impl TorqueFile<'_> {
             }
         };
         let head = format!(
-            "/*\n{comment} */\n#ifndef {macros}_H\n#define {macros}_H\n\n#define {macros}_LENGTH {length}\n\
-             {joints}#define {macros}_STEP_S {step}\n\n\
+            "#define {macros}_LENGTH {length}\n{joints}#define {macros}_STEP_S {step}\n\n\
              /* Time in s */\nstatic const double {stem}_time_s[{macros}_LENGTH] = {{\n"
         );
         let middle = format!(
@@ -174,7 +173,11 @@ impl TorqueFile<'_> {
             self.what()
         );
         let (times, torques) = (self.times(C_NUMBER), self.torques(signs));
-        [head.as_bytes(), &times, middle.as_bytes(), &torques, b"};\n\n#endif\n"].concat()
+        let body = [head.as_bytes(), &times, middle.as_bytes(), &torques, b"};\n"].concat();
+        // Of two tables of one name a compiler refuses the second: a guard of the name alone would leave it out.
+        let guard = format!("{macros}_H_{}", &sha256(&body)[..16].to_ascii_uppercase());
+        let begin = format!("/*\n{comment} */\n#ifndef {guard}\n#define {guard}\n\n");
+        [begin.as_bytes(), &body, b"\n#endif\n"].concat()
     }
 
     /// The MATLAB script. Octave, which has no `timeseries`, runs it up to there.
@@ -225,10 +228,11 @@ impl TorqueFile<'_> {
         let origin = self.summary.origin();
         let mut lines = vec![origin.title];
         lines.push(format!("{}, computed by flexlink {}:", self.what(), origin.version));
-        let names = origin.inputs.iter().map(|input| input.name.clone());
+        let names = origin.inputs.iter().map(|input| path_in_shell(&input.name));
+        let options = origin.arguments.into_iter().chain(self.summary.table_arguments());
         let words = ["flexlink", "solve"].map(str::to_owned).into_iter().chain(names);
-        let words = words.chain(origin.arguments).chain(self.summary.table_arguments());
-        lines.push(words.map(|word| in_shell(&word)).collect::<Vec<_>>().join(" "));
+        let words = words.chain(options.map(|word| in_shell(&word)));
+        lines.push(words.collect::<Vec<_>>().join(" "));
         let sums = origin.inputs.iter().map(|own| format!("{}: SHA-256 {}", own.name, own.sha256));
         lines.extend(sums);
         lines.extend(self.notes.iter().cloned());
@@ -251,16 +255,6 @@ fn rows(columns: &[&[f64]], format: NumberFormat, [before, between, after]: Sign
     text
 }
 
-/// A word of a command as a shell takes it.
-fn in_shell(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
-    if word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
-}
-
 /// A number as C reads one that is not whole.
 fn floating(value: f64) -> String {
     let text = plain(value);
@@ -278,17 +272,6 @@ mod tests {
             for stem in ["", "lift up", "a-b", "2nd", "_a", "µ"] {
                 assert!(!form.takes(stem) && TorqueForm::Csv.takes(stem), "{stem}");
             }
-        }
-    }
-
-    #[test]
-    fn a_shell_reads_words_as_they_were() {
-        for (word, text) in [
-            ("--window", "--window"),
-            ("payload.mass=\"50 g\"", "'payload.mass=\"50 g\"'"),
-            ("it's", "'it'\\''s'"),
-        ] {
-            assert_eq!(in_shell(word), text);
         }
     }
 

@@ -106,14 +106,17 @@ impl From<TableError> for Failure {
 impl From<InversionError> for Failure {
     fn from(error: InversionError) -> Self {
         let is_of_memory = matches!(error, InversionError::TooMuchMemory { .. });
-        Self { is_of_memory, ..Self::new(Exit::NotSolvable, &error, error.hint()) }
+        let exit = if error.is_of_input() { Exit::InputRefused } else { Exit::NotSolvable };
+        Self { is_of_memory, ..Self::new(exit, &error, error.hint()) }
     }
 }
 
 impl From<SimulationError> for Failure {
     fn from(error: SimulationError) -> Self {
         let is_of_memory = matches!(error, SimulationError::TooMuchMemory { .. });
-        Self { is_of_memory, ..Self::new(Exit::NotSolvable, &error, error.hint()) }
+        let is_of_input = matches!(error, SimulationError::NoStartAngle);
+        let exit = if is_of_input { Exit::InputRefused } else { Exit::NotSolvable };
+        Self { is_of_memory, ..Self::new(exit, &error, error.hint()) }
     }
 }
 
@@ -156,6 +159,7 @@ impl From<FitError> for Failure {
         };
         let exit = match &error {
             FitError::Curve(CurveError::TurnsAtOnce { .. }) => Exit::Usage,
+            FitError::Inversion(error) if error.is_of_input() => Exit::InputRefused,
             _ => Exit::NotSolvable,
         };
         Self::new(exit, &error, hint)

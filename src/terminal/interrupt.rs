@@ -1,7 +1,9 @@
 //! Signals: Ctrl-C, the system's request to end, and the abort where it refuses memory.
 
 use std::process;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use flexlink::store::abandon_unfinished;
 
@@ -9,6 +11,13 @@ use super::console;
 use super::exit::Exit;
 
 static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// Cases at work.
+static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+
+/// How long a program that is asked to end may write what it has, with no case at work: a pipe that nobody reads takes
+/// nothing.
+const LAST_WRITES: Duration = Duration::from_secs(2);
 
 /// From now on a request to end removes unfinished files and ends the program.
 pub(crate) fn end_in_order() {
@@ -28,15 +37,37 @@ pub(crate) fn end_aborts() {
 }
 
 /// From now on the first request to end sets the returned flag, and the work ends in order; the second
-/// ends the program at once.
+/// ends the program at once. So does the first where writing lasts when no case is [`at_work`].
 pub(crate) fn watch() -> &'static AtomicBool {
     listen(|signal| {
         if STOPPED.swap(true, Ordering::Relaxed) {
             end(signal);
         }
+        // In a thread of its own: standard error may be the pipe that takes nothing.
+        let _ = thread::Builder::new().spawn(move || end_idle(signal));
         console::line_below("finishing the cases that have begun; once more ends at once");
     });
     &STOPPED
+}
+
+/// Works on a case of a sweep, for which a request to end waits.
+pub(crate) fn at_work<T>(work: impl FnOnce() -> T) -> T {
+    AT_WORK.fetch_add(1, Ordering::Relaxed);
+    let found = work();
+    AT_WORK.fetch_sub(1, Ordering::Relaxed);
+    found
+}
+
+/// Ends the program when no case has been at work for a while.
+fn end_idle(signal: i32) {
+    let mut busy = Instant::now();
+    while busy.elapsed() < LAST_WRITES {
+        thread::sleep(Duration::from_millis(50));
+        if AT_WORK.load(Ordering::Relaxed) > 0 {
+            busy = Instant::now();
+        }
+    }
+    end(signal);
 }
 
 /// From now on a thread calls `on_signal` with each signal that asks to end, except those that the program
@@ -45,7 +76,6 @@ pub(crate) fn watch() -> &'static AtomicBool {
 #[cfg(unix)]
 fn listen(on_signal: impl Fn(i32) + Send + 'static) {
     use std::sync::mpsc;
-    use std::thread;
 
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;

@@ -201,3 +201,22 @@ fn modes_shapes_and_zeros_of_a_pose_are_tabled() {
         );
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn many_modes_tell_how_far_they_are() {
+    let bench = Bench::new();
+    bench.write("arm.toml", ARM);
+    let modes = format!(
+        "timeout 4 {} modes arm.toml --at 0.1,1.2 --count 1000",
+        env!("CARGO_BIN_EXE_flexlink")
+    );
+    let output = std::process::Command::new("script")
+        .args(["-qec", &modes, "/dev/null"])
+        .current_dir(bench.path("."))
+        .output();
+    // Without `script` there is no terminal to print to.
+    let Ok(output) = output else { return };
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("finding the "), "{told}");
+}

@@ -97,7 +97,7 @@ fn a_motion_as_angles_starts_at_its_own_angle() {
     assert!(stderr(&swept).contains("1 of 2 cases failed"), "{}", stderr(&swept));
     assert!(bench.read("swept.csv").contains("must be start_angle of the link file, 0.5 rad"));
     let nowhere = bench.run(&["solve", "anywhere.toml", "move.csv"]);
-    assert_eq!(nowhere.status.code(), Some(4));
+    assert_eq!(nowhere.status.code(), Some(3));
     assert!(stderr(&nowhere).contains("start_angle"), "{}", stderr(&nowhere));
 }
 
@@ -178,8 +178,13 @@ fn the_torque_of_a_link_with_weight_is_played() {
     let nowhere = STRIP.replace("start_angle = '-90 deg'\n", "");
     bench.write("nowhere.toml", &nowhere);
     let refused = bench.run(&["simulate", "nowhere.toml", "out/torque.csv"]);
-    assert_eq!(refused.status.code(), Some(4));
+    assert_eq!(refused.status.code(), Some(3));
     assert!(stderr(&refused).starts_with("error: start_angle is missing"), "{}", stderr(&refused));
+    let tip = "time,acceleration\n0,0\n0.1,1\n0.2,0\n0.3,-1\n0.4,0\n";
+    bench.write("tip.csv", tip);
+    let refused = bench.run(&["solve", "nowhere.toml", "tip.csv"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
+    assert!(stderr(&refused).contains("start_angle = nothing"), "{}", stderr(&refused));
 }
 
 #[test]

@@ -360,6 +360,24 @@ fn remarks_do_not_depend_on_the_order_of_the_cases() {
 }
 
 #[test]
+fn more_cases_than_a_run_can_solve_are_refused_before_the_first() {
+    let bench = Bench::new();
+    let thousand = |path: &str| format!("{path}=1:2:1000");
+    let paths = ["payload.mass", "payload.inertia", "hub.inertia", "hub.radius", "mesh.tolerance"];
+    let vary: Vec<String> =
+        paths.iter().flat_map(|path| ["--vary".into(), thousand(path)]).collect();
+    let vary: Vec<&str> = vary.iter().map(String::as_str).collect();
+    let output = sweep(&bench, &vary);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        stderr(&output),
+        "error: --vary: 1000000000000000 cases, but must be at most 1000000000 in one run\n\
+         hint: fewer values, or a part of them by --shard\n"
+    );
+    assert!(bench.names(".").is_empty());
+}
+
+#[test]
 fn two_tables_do_not_share_a_record() {
     let bench = Bench::new();
     let vary = ["--vary", "payload.mass=0,0.01", "-o"];

@@ -27,7 +27,12 @@ fn begun_with(bench: &Bench, signals: &[&str]) -> Child {
 }
 
 fn wait_for_rows(bench: &Bench, rows: usize) {
-    let written = || fs::read_to_string(bench.path("sweep.csv.part")).unwrap_or_default();
+    wait_for_part(bench, "sweep.csv", rows);
+}
+
+fn wait_for_part(bench: &Bench, table: &str, rows: usize) {
+    let part = bench.path(&format!("{table}.part"));
+    let written = || fs::read_to_string(&part).unwrap_or_default();
     let are_there = |_| {
         sleep(Duration::from_millis(5));
         written().lines().count() >= rows
@@ -282,4 +287,46 @@ fn a_shard_of_an_older_version_is_refused_with_the_advice_to_run_it_again() {
         "error: old.csv:1: format = nothing, but must be 2\n\
          hint: flexlink 0.0.9 wrote it in an older format: run it again\n"
     );
+}
+
+/// The first request ends a sweep whose rows nobody takes: a pipe that is full, or one that is never opened.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_sweep_whose_output_is_blocked_ends_at_the_first_request() {
+    let (link, motion) = (repository(LINK), repository(MOTION));
+    for (signal, output) in [("-TERM", "-"), ("-INT", "-"), ("-HUP", "-"), ("-TERM", "fifo")] {
+        let bench = Bench::new();
+        assert!(Command::new("mkfifo").arg(bench.path("fifo")).status().unwrap().success());
+        let count = if output == "-" { "1:2:2000" } else { "1:2:3" };
+        let vary = format!("segments.*.EI*={count}");
+        let sweep = ["sweep", &link, &motion, "--vary", &vary, "-q", "-o", output];
+        let mut program = with_signals(&["--default-signal=INT,TERM,HUP"], bench.program(&sweep));
+        let mut child = program.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        if output == "fifo" {
+            wait_for_part(&bench, "fifo", 5);
+        } else {
+            // The rows fill the pipe, which holds 64 KiB; then no more processor time is taken.
+            let taken = || {
+                let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+                stat.split(' ').nth(13).unwrap().to_owned()
+            };
+            let mut before = taken();
+            for _ in 0..60 {
+                sleep(Duration::from_millis(1500));
+                let now = taken();
+                if now != "0" && now == before {
+                    break;
+                }
+                before = now;
+            }
+        }
+        send(signal, &child);
+        let has_ended = (0..1500).any(|_| {
+            sleep(Duration::from_millis(10));
+            child.try_wait().unwrap().is_some()
+        });
+        let _ = child.kill();
+        let _ = child.wait();
+        assert!(has_ended, "{signal} {output}");
+    }
 }

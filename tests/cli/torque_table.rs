@@ -134,7 +134,7 @@ fn a_c_header_compiles_and_has_the_numbers_of_the_table() {
     let header = bench.read("my_move.h");
     assert!(header.starts_with("/*\n * no / * end * / here\n"), "{}", &header[..200]);
     assert!(
-        header.contains("SHA-256 ") && header.contains("#ifndef MY_MOVE_H\n"),
+        header.contains("SHA-256 ") && header.contains("#ifndef MY_MOVE_H_"),
         "{}",
         &header[..900]
     );

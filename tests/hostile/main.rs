@@ -10,6 +10,7 @@ mod links;
 mod memory;
 mod motions;
 mod places;
+mod printed;
 mod rights;
 mod threads;
 

@@ -9,7 +9,7 @@ use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, si
 use flexlink::result::{ArmPlayMetrics, FollowedTarget, TargetError};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{PlayedRun, RunInputs, SimulateFiles, Summary, state_json};
-use flexlink::text::plain;
+use flexlink::text::{plain, shown_path};
 
 use super::options::{Simulate, shown};
 use crate::options::common::refuse_for_arms;
@@ -59,7 +59,7 @@ impl Simulate {
         let exceeded = run.metrics.exceeded(run.limits);
         let limits = exceeded.iter();
         console::warnings(limits.map(|(joint, e)| (e.of_joint(*joint), e.hint())));
-        let written = format!("{} files in {}", run.file_names().len(), self.output.display());
+        let written = format!("{} files in {}", run.file_names().len(), shown_path(&self.output));
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
         self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())
     }

@@ -11,7 +11,7 @@ use flexlink::response::{CycleError, Play, PlayError, Simulation, SimulationErro
 use flexlink::result::{Comparison, FollowedTarget, Limits, PlayedMetrics, TargetError};
 use flexlink::spec::{Described, Specification};
 use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary, state_json};
-use flexlink::text::plain;
+use flexlink::text::{plain, shown_path};
 
 use self::arm::ArmInputs;
 pub(crate) use self::options::Simulate;
@@ -127,6 +127,7 @@ impl Simulate {
                 let message = format!("{place}{found}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
+            SimulationError::NoStartAngle => (Exit::InputRefused, String::new()),
             SimulationError::State { .. } => {
                 let file = inputs.playing.state.as_ref();
                 (Exit::InputRefused, file.map(|(file, _)| shown(file)).unwrap_or_default())
@@ -143,7 +144,6 @@ impl Simulate {
             | SimulationError::MasslessHub
             | SimulationError::NotDerived { .. }
             | SimulationError::NotConverged { .. }
-            | SimulationError::NoStartAngle
             | SimulationError::NoRest
             | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
@@ -213,7 +213,7 @@ impl Simulate {
         console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
         let text = || {
             let files = RunOutputs::simulation_file_names(target.as_ref()).len();
-            let written = format!("{files} files in {}", self.output.display());
+            let written = format!("{files} files in {}", shown_path(&self.output));
             let link = &inputs.specification.link;
             simulate_text(link, play, simulation, metrics, &played.findings(), written)
                 + &self.nodes.text(&[simulation.mesh.nodes_m()])

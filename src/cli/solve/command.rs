@@ -8,6 +8,7 @@ use flexlink::motion::Ends;
 use flexlink::numeric::TimeGrid;
 use flexlink::result::Remark;
 use flexlink::store::{REPORT, Summary};
+use flexlink::text::shown_path;
 
 use super::arm::{ArmProblem, SolvedRun};
 use super::problem::OneOrSeveral;
@@ -180,13 +181,13 @@ impl Solve {
     fn written(&self, grid: &TimeGrid, files: usize) -> String {
         let Some(output) = &self.output else { return String::new() };
         let rows = self.options.outputs().rows(grid);
-        format!("{}; {files} files in {}", rows_text(&rows), output.display())
+        format!("{}; {files} files in {}", rows_text(&rows), shown_path(output))
     }
 
     /// The line that says where the page is; empty without one.
     fn page_line(&self) -> String {
         let output = self.output.as_ref().filter(|_| self.report);
-        let line = |output: &PathBuf| format!("written  {}\n", output.join(REPORT).display());
+        let line = |output: &PathBuf| format!("written  {}\n", shown_path(&output.join(REPORT)));
         output.map(line).unwrap_or_default()
     }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use flexlink::csv::InputFile;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
-use flexlink::text::excerpt;
+use flexlink::text::{excerpt, path_in_shell};
 
 use super::command::Solve;
 use super::problem::OneOrSeveral;
@@ -93,7 +93,8 @@ impl Solve {
             if files.iter().any(is_other_table) {
                 console::hint(&match &self.output {
                     Some(output) => {
-                        let (run, output) = (run.display(), output.display());
+                        let [run, output] =
+                            [run, output].map(|own| path_in_shell(&own.display().to_string()));
                         format!("flexlink compare {run} {output} says by how much")
                     }
                     None => "-o DIR keeps the new results, for flexlink compare".to_owned(),

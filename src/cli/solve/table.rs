@@ -11,7 +11,7 @@ use flexlink::motion::Ends;
 use flexlink::response::Interpolation;
 use flexlink::result::{StoredWarning, TorqueTable};
 use flexlink::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
-use flexlink::text::{plain, significant};
+use flexlink::text::{plain, shown_path, significant};
 use flexlink::verify::{TableError, VerificationError, arm_table_error, table_error};
 
 use crate::options::common::{option, seconds};
@@ -300,7 +300,7 @@ impl WriteArgs {
 
     /// What the summary says of the table, and standard error where standard output has it.
     pub(super) fn text(&self, written: &WrittenTable) -> String {
-        let file = self.write.as_deref().unwrap_or(Path::new("-")).display();
+        let file = shown_path(self.write.as_deref().unwrap_or(Path::new("-")));
         let rows = rows_text(&written.table.grid().thinned(std::num::NonZeroUsize::MIN));
         let first = format!("{rows}; {file}");
         let lines = std::iter::once(&first).chain(&written.notes);

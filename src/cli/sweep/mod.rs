@@ -12,7 +12,7 @@ use clap::Args;
 
 use flexlink::store::{NamedBy, SweepRows, sweep_header, sweep_row};
 use flexlink::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
-use flexlink::text::{excerpt, visible};
+use flexlink::text::{excerpt, shown_path, visible};
 
 use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::console::is_standard_output;
@@ -62,6 +62,9 @@ have a unit. Several --vary make the product, the last one running fastest.
 
 An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint, \
 and of the motion duration*= alone is varied.";
+
+/// Most cases of one run: so many take weeks at a millisecond each.
+const MOST_CASES: usize = 1_000_000_000;
 
 /// Solve many cases: vary values of link and motion.
 #[derive(Debug, Args)]
@@ -181,7 +184,7 @@ impl Sweep {
             progress.advance();
             table.append(&line)
         };
-        let work = |k| cases.outcome(self.shard.case(k));
+        let work = |k| interrupt::at_work(|| cases.outcome(self.shard.case(k)));
         in_order(done..all, interrupt::watch(), work, take)
     }
 
@@ -223,14 +226,20 @@ impl Sweep {
         let refused = |error: PlanError| {
             Failure::new(Exit::Usage, &format!("--vary: {error}"), Some(error.hint()))
         };
-        SweepPlan::new(variations).map_err(refused)
+        let plan = SweepPlan::new(variations).map_err(refused)?;
+        let cases = self.shard.len(plan.cases());
+        if cases <= MOST_CASES {
+            return Ok(plan);
+        }
+        let message = format!("--vary: {cases} cases, but must be at most {MOST_CASES} in one run");
+        Err(Failure::new(Exit::Usage, &message, Some("fewer values, or a part of them by --shard")))
     }
 
     /// Prints that an earlier run has completed the sweep.
     fn tell_complete(&self, tally: &Tally) -> Result<(), Failure> {
         tally.warn();
         let (output, cases) = (self.output_path(), counted(tally.rows(), "case"));
-        self.say(&format!("complete {}, {cases}\n", output.display()))?;
+        self.say(&format!("complete {}, {cases}\n", shown_path(&output)))?;
         self.refuse(tally)
     }
 
@@ -268,7 +277,7 @@ impl Sweep {
 
     /// Prints what was done, and where the table is.
     fn report(&self, done: &str) -> Result<(), Failure> {
-        self.say(&format!("{done}\nwritten  {}\n", self.output_path().display()))
+        self.say(&format!("{done}\nwritten  {}\n", shown_path(&self.output_path())))
     }
 
     /// Prints to standard output, unless the table goes there.

@@ -8,7 +8,7 @@ use flexlink::compare::{
 };
 use flexlink::result::{LineDifference, Repeated, RepeatedFile};
 use flexlink::store::GoldenChanges;
-use flexlink::text::significant;
+use flexlink::text::{shown_path, significant, visible};
 
 /// A number of things, in singular or plural.
 pub(crate) fn counted(number: usize, thing: &str) -> String {
@@ -38,14 +38,14 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
 pub(crate) fn blessed_text(expected: &Path, changes: &GoldenChanges) -> String {
     let (written, removed) = (changes.written.len(), changes.removed.len());
     if written + removed == 0 {
-        return format!("blessed  nothing: {} is as it was\n", expected.display());
+        return format!("blessed  nothing: {} is as it was\n", shown_path(expected));
     }
     let files = counted(written, "file");
-    format!("blessed  {}: {files} written, {removed} removed\n", expected.display())
+    format!("blessed  {}: {files} written, {removed} removed\n", shown_path(expected))
 }
 
 fn file_text(file: &FileComparison) -> String {
-    let name = &file.name;
+    let name = visible(&file.name);
     match &file.outcome {
         FileOutcome::OnlyExpected(_) => format!("missing  {name}: only in EXPECTED\n"),
         FileOutcome::OnlyActual(_) => format!("new      {name}: only in ACTUAL\n"),
@@ -74,7 +74,7 @@ fn apart(table: &TableComparison) -> String {
     let worst = table.columns.iter().max_by(|a, b| a.relative().total_cmp(&b.relative()));
     match worst {
         Some(column) if column.relative() > 0.0 => {
-            format!(", to {:.1e} of the peak of {}", column.relative(), column.name)
+            format!(", to {:.1e} of the peak of {}", column.relative(), visible(&column.name))
         }
         _ => String::new(),
     }
@@ -84,7 +84,8 @@ fn differences(table: &TableComparison) -> String {
     let failing = table.failing();
     let columns = [("EXPECTED", &table.columns_expected), ("ACTUAL", &table.columns_actual)];
     let columns = columns.into_iter().filter(|(_, names)| !names.is_empty());
-    let columns = columns.map(|(side, names)| format!("  only in {side}: {}\n", names.join(", ")));
+    let columns =
+        columns.map(|(side, names)| format!("  only in {side}: {}\n", visible(&names.join(", "))));
     let rows = [("EXPECTED", table.rows_expected), ("ACTUAL", table.rows_actual)];
     let key = table.matched_by.as_deref();
     let rows = rows.into_iter().filter_map(|(side, rows)| Some(unmatched(side, rows?, key)));
@@ -101,7 +102,8 @@ fn unmatched(side: &str, rows: Unmatched, key: Option<&str>) -> String {
 
 fn columns_text(table: &TableComparison, failing: &[&ColumnComparison]) -> String {
     let shown = &failing[..failing.len().min(MOST_COLUMNS)];
-    let Some(longest) = shown.iter().map(|column| column.name.chars().count()).max() else {
+    let Some(longest) = shown.iter().map(|column| visible(&column.name).chars().count()).max()
+    else {
         return String::new();
     };
     let key = table.matched_by.as_deref().unwrap_or_default();
@@ -115,7 +117,7 @@ fn columns_text(table: &TableComparison, failing: &[&ColumnComparison]) -> Strin
         let worst = column.worst.as_ref()?;
         let key = worst.expected.key.map_or_else(String::new, key_text);
         let (rows, number) = (column.rows_beyond.to_string(), worst.expected.line.to_string());
-        Some(line(&column.name, &amounts(column, worst), &rows, &number, &key))
+        Some(line(&visible(&column.name), &amounts(column, worst), &rows, &number, &key))
     });
     let more = failing.len() - shown.len();
     let rest = (more > 0).then(|| format!("  and {}, see --json\n", counted(more, "column")));
@@ -173,18 +175,18 @@ const IN_ALL: usize = 48;
 
 /// A line for each file that differs from that of the run, and the result for all.
 pub(crate) fn repetition_text(files: &[RepeatedFile], run: &Path, kept: Option<&Path>) -> String {
-    let (all, run) = (files.len(), run.display());
+    let (all, run) = (files.len(), shown_path(run));
     let lines: Vec<String> = files.iter().filter_map(file_line).collect();
     let result = match lines.len() {
         0 => format!("same     {all} files of {run}, byte for byte\n"),
         differ => format!("result   {differ} of {all} files of {run} not the same\n"),
     };
-    let kept = kept.map(|folder| format!("written  {}\n", folder.display()));
+    let kept = kept.map(|folder| format!("written  {}\n", shown_path(folder)));
     lines.into_iter().chain([result]).chain(kept).collect()
 }
 
 fn file_line(file: &RepeatedFile) -> Option<String> {
-    let name = &file.name;
+    let name = visible(&file.name);
     match &file.outcome {
         Repeated::Same => None,
         Repeated::Missing => Some(format!("missing  {name}: the run wrote it\n")),
