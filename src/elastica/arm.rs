@@ -85,6 +85,7 @@ pub(crate) fn follow_arm_at(
         over_widest_band(
             &LEVELS,
             |level| follower.iterated_over(&linear, Until::Within(tolerance), level),
+            |error| !follower.needs_more(error),
             |found, narrower| {
                 found.iteration.error +=
                     follower.largest_change(&found.torques_n_m, &narrower.torques_n_m);

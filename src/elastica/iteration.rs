@@ -87,6 +87,7 @@ pub fn follow(
     over_widest_band(
         &NEGLIGIBLE,
         |negligible| link.iterated_over(&linear, second_order, tolerance, negligible),
+        |_| true,
         |found, narrower| {
             let (own, other) = (&found.motion.torque_n_m, &narrower.motion.torque_n_m);
             found.iteration.error += apart(other, own) / size(own, model.mesh());
@@ -95,13 +96,18 @@ pub fn follow(
     )
 }
 
-/// The motion over the widest band of loads that converges, of those on levels from the widest to the narrowest. What the next narrower one changes is added to its error; of
-/// the widest of all nothing is.
+/// The motion over the widest band of loads that converges and that the samples resolve, of those on levels from the widest
+/// to the narrowest. What the next narrower one changes is added to its error; of the widest of all nothing is. Errors that
+/// are not `of_band` are no reason for a narrower one.
 pub(super) fn over_widest_band<L: Copy, T>(
     levels: &[L],
     iterated: impl Fn(L) -> Result<T, ElasticaError>,
+    of_band: impl Fn(&ElasticaError) -> bool,
     add_error: impl Fn(&mut T, T),
 ) -> Result<T, ElasticaError> {
+    let is_of_band = |error: &ElasticaError| {
+        matches!(error, ElasticaError::Diverges { .. }) || error.is_of_step() && of_band(error)
+    };
     let mut refused = ElasticaError::Diverges { iterations: 0, change: f64::NAN };
     for (number, level) in levels[..levels.len() - 1].iter().enumerate() {
         match iterated(*level) {
@@ -111,10 +117,10 @@ pub(super) fn over_widest_band<L: Copy, T>(
                     add_error(&mut motion, narrower);
                     return Ok(motion);
                 }
-                Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+                Err(error) if is_of_band(&error) => refused = error,
                 Err(error) => return Err(error),
             },
-            Err(error @ ElasticaError::Diverges { .. }) => refused = error,
+            Err(error) if is_of_band(&error) => refused = error,
             Err(error) => return Err(error),
         }
     }

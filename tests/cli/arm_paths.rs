@@ -297,3 +297,58 @@ fn options_that_do_not_fit_a_path_are_refused_in_words() {
     let words = "--columns = x, but must also choose y";
     assert!(stderr(&output).contains(words), "{}", stderr(&output));
 }
+
+/// Three links under gravity that turn by a septic in 2 s, each joint its own way.
+fn turning(bench: &Bench, step_s: f64) -> Vec<(String, Vec<f64>)> {
+    let link = |name: &str, numbers: [f64; 5], end: &str| {
+        let [length, ei, mass, hub, tip] = numbers;
+        format!(
+            "[[links]]\nname = '{name}'\nsegments = [{{ length = {length}, EI = {ei}, mass_per_length = {mass} }}]\n\
+             hub = {{ inertia = {hub} }}\n{end} = {{ mass = {tip} }}\n\
+             damping = {{ model = 'rayleigh', beta = 2e-4 }}\n"
+        )
+    };
+    let arm = [
+        "gravity = [0, -9.81]\nelbow = 'left'\n".to_owned(),
+        link("a", [0.5, 80.0, 0.8, 0.02, 0.4], "tip"),
+        link("b", [0.4, 40.0, 0.6, 0.01, 0.3], "tip"),
+        link("c", [0.3, 15.0, 0.4, 0.004, 0.15], "payload"),
+    ];
+    bench.write("turning.toml", &arm.concat());
+    let steps = (2.0 / step_s).round();
+    let mut rows = "time,angle1,angle2,angle3\n".to_owned();
+    let mut k = 0.0;
+    while k <= steps {
+        let s: f64 = k / steps;
+        let q = s.powi(4) * (35.0 - s * (84.0 - s * (70.0 - 20.0 * s)));
+        let [a, b, c] = [[-1.2, 1.0], [-0.3, -0.6], [0.3, 0.8]].map(|[from, by]| from + by * q);
+        rows += &format!("{},{a},{b},{c}\n", 2.0 * s);
+        k += 1.0;
+    }
+    bench.write("turning.csv", &rows);
+    let output = bench.run(&["solve", "turning.toml", "turning.csv", "-o", "turned"]);
+    assert!(output.status.success(), "{step_s} s: {}", stderr(&output));
+    bench.table("turned/torques.csv")
+}
+
+#[test]
+fn a_finer_step_of_the_same_path_is_solved_and_gives_the_torques_of_the_coarser_one() {
+    let bench = Bench::new();
+    let coarse = turning(&bench, 0.002);
+    for times in [1_usize, 2, 4] {
+        let step_s = 0.001 / f64::from(u32::try_from(times).unwrap());
+        let fine = turning(&bench, step_s);
+        for (own, other) in coarse.iter().zip(&fine).skip(1) {
+            let peak = own.1.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
+            // The windows begin where the torques leave their rest: rows are matched by their times.
+            let apart = coarse[0].1.iter().zip(&own.1).filter_map(|(time, torque)| {
+                let row = fine[0].1.iter().position(|own| (own - time).abs() < 1e-6)?;
+                Some((torque - other.1[row]).abs())
+            });
+            let apart: Vec<f64> = apart.collect();
+            assert!(apart.len() > 900, "{}: {} rows", own.0, apart.len());
+            let most = apart.into_iter().fold(0.0, f64::max);
+            assert!(most < 1e-5 * peak, "{step_s} s, {}: {most} of {peak}", own.0);
+        }
+    }
+}
