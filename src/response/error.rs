@@ -137,7 +137,7 @@ impl SimulationError {
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
                 "an earlier end, or a torque with a longer step"
             }
-            Self::NotConverged { .. } => "a shorter step, smaller gains, or a hub with inertia",
+            Self::NotConverged { .. } => "damping, as beta = 2e-3, hub.inertia or a shorter step",
             Self::NotFinite { .. } => "the inputs are too large for double precision",
             Self::EndsEarly { .. } => "the simulation goes on to the torque's end by itself",
             Self::NotDerived { .. } => {

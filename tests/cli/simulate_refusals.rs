@@ -100,3 +100,32 @@ fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     let warnings = &bench.json("simulated/summary.json")["warnings"];
     assert_eq!(warnings[0]["kind"], "late_target");
 }
+
+#[test]
+fn an_undamped_link_and_arm_that_are_let_go_are_played_or_damping_is_named() {
+    let bench = Bench::new();
+    let link = "segments = [{ length = 1.0, EI = 1.5, mass_per_length = 0.3 }]\n";
+    bench.write("pinned.toml", &format!("gravity = [0, -9.81]\nstart_angle = 0.0\n{link}"));
+    let short = "segments = [{ length = 0.5, EI = 10.0, mass_per_length = 0.4 }]\n";
+    let links = format!("[[links]]\nname = 'a'\n{short}[[links]]\nname = 'b'\n{short}");
+    bench.write("double.toml", &format!("gravity = [0, -9.81]\n{links}"));
+    let rows =
+        |zeros: &str| (0..40).map(|k| format!("{},{zeros}\n", 0.001 * f64::from(k))).collect();
+    let rows: [String; 2] = ["0", "0,0"].map(rows);
+    bench.write("torque.csv", &format!("time,torque\n{}", rows[0]));
+    bench.write("torques.csv", &format!("time,torque1,torque2\n{}", rows[1]));
+    let damped = "damping={ model = \"rayleigh\", beta = 2e-3 }";
+    let arm = ["double.toml", "torques.csv", "--at", "0,0"];
+    for (inputs, sets) in [
+        (&["pinned.toml", "torque.csv"][..], &[damped.to_owned()][..]),
+        (&arm, &["a", "b"].map(|own| format!("links.{own}.{damped}"))),
+    ] {
+        let free = bench.run(&[&["simulate"], inputs, &["-o", "free"]].concat());
+        let told = stderr(&free);
+        assert!(free.status.success() || told.contains("hint: damping"), "{told}");
+        assert!(free.status.success() || told.contains("beta"), "{told}");
+        let sets: Vec<&str> = sets.iter().flat_map(|own| ["--set", own]).collect();
+        let played = bench.run(&[&["simulate"], inputs, &sets, &["-o", "damped"]].concat());
+        assert!(played.status.success(), "{}", stderr(&played));
+    }
+}

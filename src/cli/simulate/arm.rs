@@ -155,7 +155,9 @@ pub(crate) fn refusal(error: &SimulationError) -> (String, Option<&'static str>)
             return (message.to_owned(), Some(hint));
         }
         SimulationError::NotConverged { .. } => {
-            Some("a shorter step of the torques, smaller ones, or smaller gains")
+            let hint = "damping of the links by rayleigh, as beta = 1e-3; a shorter step of the torques, smaller ones, or \
+                        smaller gains";
+            Some(hint)
         }
         SimulationError::State { .. } => Some("--save-state of a run of the same arm writes it"),
         _ => error.hint(),
