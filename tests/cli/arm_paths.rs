@@ -315,16 +315,14 @@ fn turning(bench: &Bench, step_s: f64) -> Vec<(String, Vec<f64>)> {
         link("c", [0.3, 15.0, 0.4, 0.004, 0.15], "payload"),
     ];
     bench.write("turning.toml", &arm.concat());
-    let steps = (2.0 / step_s).round();
-    let mut rows = "time,angle1,angle2,angle3\n".to_owned();
-    let mut k = 0.0;
-    while k <= steps {
-        let s: f64 = k / steps;
+    let row = |k: i32| {
+        let s = f64::from(k) * step_s / 2.0;
         let q = s.powi(4) * (35.0 - s * (84.0 - s * (70.0 - 20.0 * s)));
         let [a, b, c] = [[-1.2, 1.0], [-0.3, -0.6], [0.3, 0.8]].map(|[from, by]| from + by * q);
-        rows += &format!("{},{a},{b},{c}\n", 2.0 * s);
-        k += 1.0;
-    }
+        format!("{},{a},{b},{c}\n", 2.0 * s)
+    };
+    let rows = (0..).take_while(|k| f64::from(*k) * step_s < 2.0 + 0.5 * step_s).map(row);
+    let rows = format!("time,angle1,angle2,angle3\n{}", rows.collect::<Vec<_>>().concat());
     bench.write("turning.csv", &rows);
     let output = bench.run(&["solve", "turning.toml", "turning.csv", "-o", "turned"]);
     assert!(output.status.success(), "{step_s} s: {}", stderr(&output));

@@ -109,9 +109,10 @@ fn an_undamped_link_and_arm_that_are_let_go_are_played_or_damping_is_named() {
     let short = "segments = [{ length = 0.5, EI = 10.0, mass_per_length = 0.4 }]\n";
     let links = format!("[[links]]\nname = 'a'\n{short}[[links]]\nname = 'b'\n{short}");
     bench.write("double.toml", &format!("gravity = [0, -9.81]\n{links}"));
-    let rows =
-        |zeros: &str| (0..40).map(|k| format!("{},{zeros}\n", 0.001 * f64::from(k))).collect();
-    let rows: [String; 2] = ["0", "0,0"].map(rows);
+    let rows = ["0", "0,0"].map(|zeros: &str| {
+        let rows = (0..40).map(|k| format!("{},{zeros}\n", 0.001 * f64::from(k)));
+        rows.collect::<Vec<_>>().concat()
+    });
     bench.write("torque.csv", &format!("time,torque\n{}", rows[0]));
     bench.write("torques.csv", &format!("time,torque1,torque2\n{}", rows[1]));
     let damped = "damping={ model = \"rayleigh\", beta = 2e-3 }";
