@@ -111,6 +111,7 @@ fn of_link(py: Python<'_>, found: ModesResult) -> PyResult<Bound<'_, PyDict>> {
     let table = dictionary(py, columns)?;
     let held_hz = found.held.omega_rad_s.iter().map(|omega| omega / TAU).collect();
     table.set_item("held_hz", PyArray1::from_vec(py, held_hz))?;
+    table.set_item("held_damping_ratio", PyArray1::from_vec(py, found.held.damping_ratios))?;
     // A row for each mode.
     table.set_item("shapes", rows(py, &found.shapes, nodes)?.call_method0("transpose")?)?;
     Ok(table)

@@ -315,16 +315,14 @@ impl Problem {
                          ones, as many as links, are swings"
                     }
                 }),
-                LinkFitError::NoVibration(_) => {
-                    Some("`flexlink modes --at` lists the modes of the file's arm")
-                }
+                LinkFitError::NoVibration(_) => Some(match &self.own {
+                    Described::Link(_) => "`flexlink modes` lists the modes of the link",
+                    Described::Arm(_) => "`flexlink modes --at` lists the modes of the file's arm",
+                }),
                 LinkFitError::Distant { .. } => {
                     Some("check its unit, mode, hub or pose, and the units of the link file")
                 }
                 LinkFitError::Coarse { .. } => Some("measure lower modes"),
-                LinkFitError::Friction(_) => {
-                    Some("ratios with joints = \"held\", or no viscous_friction in the arm file")
-                }
                 LinkFitError::Drive => Some(
                     "leave [drive] out and add the rotor's N² J to hub.inertia; a joint's stiffness is \
                      fitted to frequencies alone",

@@ -12,6 +12,7 @@ use flexlink::modal::{
     DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, held_frequencies, mode,
     natural_frequencies, pose_squares, real_frequency_zeros, torque_zeros,
 };
+use flexlink::response::damping_ratios;
 use flexlink::result::{
     CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares, Remark, mesh_errors,
 };
@@ -48,7 +49,8 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// positive at the tip. Zeros are those of
 /// the transfer from hub torque to tip: they set how long before the tip the torque must start. An
 /// automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh error of each
-/// number is measured on elements of half the length; above 1 % there is a warning.
+/// number is measured on elements of half the length; above 1 % there is a warning. Damping ratios are those of
+/// the complex modes: the damping of the link, friction of its hub and the spring of its joint together.
 ///
 /// Of a link file with a [drive] the rotor is held, not the hub: the hub is then on the joint's spring or, if the joint is
 /// stiff, clamped.
@@ -279,10 +281,15 @@ pub(crate) fn computed(
     let joint_stiffness_n_m_rad = held_by(link);
     let (held_rad_s, held_errors) =
         with_errors(&mesh, &|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
-    let held =
-        HeldModes { joint_stiffness_n_m_rad, omega_rad_s: held_rad_s, mesh_errors: held_errors };
+    let ratios = |hub, omegas: &[f64]| damping_ratios((link, &mesh, &law), hub, omegas);
+    let held = HeldModes {
+        joint_stiffness_n_m_rad,
+        damping_ratios: ratios(PoseHub::Spring(joint_stiffness_n_m_rad), &held_rad_s),
+        omega_rad_s: held_rad_s,
+        mesh_errors: held_errors,
+    };
     let result = ModesResult {
-        damping_ratios: law.modal_ratios(&omega_rad_s),
+        damping_ratios: ratios(PoseHub::Free, &omega_rad_s),
         mesh_errors: mesh_errors(&mesh, &omega_rad_s, &natural_frequencies(&finer, count)),
         zeros: zeros_on(&mesh, count, highest),
         nodes_m: mesh.nodes_m().to_vec(),

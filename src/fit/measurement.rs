@@ -1,7 +1,7 @@
 use super::response::MOST_UNCERTAIN;
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError};
-use crate::modal::{held_frequencies, natural_frequencies};
+use crate::modal::{PoseHub, held_frequencies, natural_frequencies};
 use crate::response::PoseError;
 use crate::text::significant;
 use serde::Serialize;
@@ -142,13 +142,21 @@ pub(super) enum End {
 impl End {
     pub(super) const ALL: [Self; 3] = [Self::Free, Self::Held, Self::Clamped];
 
-    /// The first `count` natural frequencies in rad/s; fewer where the mesh has fewer.
-    pub(super) fn frequencies(self, link: &Link, mesh: &Mesh, count: usize) -> Vec<f64> {
+    /// What holds the hub of a link.
+    pub(super) fn hub(self, link: &Link) -> PoseHub {
         let joint = || link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad);
         match self {
-            Self::Free => natural_frequencies(mesh, count),
-            Self::Held => held_frequencies(mesh, joint(), count),
-            Self::Clamped => held_frequencies(mesh, f64::INFINITY, count),
+            Self::Free => PoseHub::Free,
+            Self::Held => PoseHub::Spring(joint()),
+            Self::Clamped => PoseHub::Spring(f64::INFINITY),
+        }
+    }
+
+    /// The first `count` natural frequencies in rad/s; fewer where the mesh has fewer.
+    pub(super) fn frequencies(self, link: &Link, mesh: &Mesh, count: usize) -> Vec<f64> {
+        match self.hub(link) {
+            PoseHub::Free => natural_frequencies(mesh, count),
+            PoseHub::Spring(stiffness) => held_frequencies(mesh, stiffness, count),
         }
     }
 }
@@ -296,7 +304,7 @@ pub enum LinkFitError<E> {
     NoMode(Observable),
     /// The mode does not vibrate.
     #[error(
-        "{0} was measured, but this mode does not vibrate in its pose: nothing brings the arm back"
+        "{0} was measured, but this mode does not vibrate: nothing brings it back, or friction holds it"
     )]
     NoVibration(Observable),
     /// The polynomials do not resolve the measured modes.
@@ -307,11 +315,6 @@ pub enum LinkFitError<E> {
         /// The change.
         change: f64,
     },
-    /// Friction of joints is no part of a mode's damping ratio.
-    #[error(
-        "{0} was measured, but the friction of free joints is no part of a mode's damping ratio"
-    )]
-    Friction(Observable),
     /// The link has no response or history on a fine mesh.
     #[error(
         "the link has nothing to compare with the measurements: its hub moves no mass, or its damping by \

@@ -11,11 +11,11 @@ use super::motor::with_motor_friction;
 use super::record::Record;
 use super::response::Response;
 use crate::beam::{Mesh, MeshPlan};
-use crate::link::{Arm, ArmLink, Link, ParameterError};
+use crate::link::{Arm, Link, ParameterError};
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, model_of};
 use crate::numeric::Size;
-use crate::response::{ArmPose, MORE_ORDERS, MOST_REFINEMENTS, PoseError};
+use crate::response::{ArmPose, MORE_ORDERS, MOST_REFINEMENTS, PoseError, damping_ratios};
 
 /// Largest relative error of a frequency that the mesh may have while a start is tried.
 pub(super) const COARSE: f64 = 1e-5;
@@ -57,8 +57,7 @@ impl Specimen {
         })
     }
 
-    /// The refinements to start with. Refuses an arm whose measured modes are not found exactly, or whose joints damp them by
-    /// friction.
+    /// The refinements to start with. Refuses an arm whose measured modes are not found exactly.
     pub(super) fn checked<E>(&self, measured: &Measurements) -> Result<u32, LinkFitError<E>> {
         let Self::Arm(arm) = self else { return self.refinements(measured, COARSE) };
         let (refinements, change) = raised(arm, measured.values(), COARSE)?;
@@ -66,17 +65,7 @@ impl Specimen {
         if change.is_finite() && change > COARSE {
             return Err(LinkFitError::Coarse { change });
         }
-        let has_friction = |own: &ArmLink| own.link.joint().friction_n_m_s_rad > 0.0;
-        let is_rubbed = |value: &&Measured| {
-            let mode = value.observable.arm_mode();
-            value.observable.is_damping() && mode.is_some_and(|mode| mode.joints == HubEnd::Free)
-        };
-        match measured.values().iter().find(is_rubbed) {
-            Some(value) if arm.links().iter().any(has_friction) => {
-                Err(LinkFitError::Friction(value.observable.clone()))
-            }
-            _ => Ok(refinements),
-        }
+        Ok(refinements)
     }
 
     /// The delays in whole samples by which its histories lie best over the records whose sensors may be late.
@@ -173,12 +162,13 @@ fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option
         let (free, held) = &found[poses.iter().position(|at_rad| **at_rad == own.at_rad)?];
         let modes = if own.joints == HubEnd::Free { free } else { held };
         let mode = modes.get(own.mode - 1)?;
-        // A mode that does not vibrate has no ratio.
-        let hertz = mode.square_per_s2.sqrt() / TAU;
-        Some(
-            mode.damping_ratio
-                .map_or(f64::NAN, |ratio| if observable.is_damping() { ratio } else { hertz }),
-        )
+        Some(if observable.is_damping() {
+            mode.damping_ratio.unwrap_or(f64::NAN)
+        } else if mode.square_per_s2 > 0.0 {
+            mode.square_per_s2.sqrt() / TAU
+        } else {
+            f64::NAN
+        })
     };
     Ok(values.iter().map(value).collect())
 }
@@ -248,13 +238,23 @@ impl Measurements {
     fn predicted_values(&self, link: &Link, mesh: &Mesh) -> Vec<Option<f64>> {
         let law = DampingLaw::of(link, mesh).ok();
         let known = End::ALL.map(|end| end.frequencies(link, mesh, self.most(end)));
+        // Ratios up to the highest mode whose ratio was measured.
+        let ratios = End::ALL.map(|end| {
+            let is_own = |own: &Observable| own.is_damping() && own.end() == Some(end);
+            let own = self.values().iter().map(|measured| &measured.observable);
+            let most = own.filter(|own| is_own(own)).map(Observable::number).max().unwrap_or(0);
+            let omegas = &known[end as usize];
+            let omegas = &omegas[..most.min(omegas.len())];
+            match &law {
+                Some(law) if most > 0 => damping_ratios((link, mesh, law), end.hub(link), omegas),
+                _ => Vec::new(),
+            }
+        });
         let value = |Measured { observable, .. }: &Measured| {
-            let (omegas, index) = (&known[observable.end()? as usize], observable.number() - 1);
+            let (end, index) = (observable.end()? as usize, observable.number() - 1);
             match observable {
-                Observable::Damping { .. } => {
-                    law.as_ref()?.modal_ratios(omegas).get(index).copied()
-                }
-                _ => omegas.get(index).map(|omega| omega / TAU),
+                Observable::Damping { .. } => ratios[end].get(index).copied(),
+                _ => known[end].get(index).map(|omega| omega / TAU),
             }
         };
         self.values().iter().map(value).collect()

@@ -6,7 +6,10 @@ use maud::{Markup, html};
 
 use super::link::given;
 use crate::link::{Damping, Drive, Link, Segment};
-use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros};
+use crate::modal::{
+    DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
+};
+use crate::response::damping_ratios;
 use crate::result::{StoredCheck, StoredRun};
 use crate::text::{digits_beyond, significant};
 
@@ -138,9 +141,13 @@ fn damping_words(damping: &Damping) -> String {
 /// Natural frequencies in Hz with their damping ratios, and the first zeros.
 pub(super) fn modes(run: &StoredRun) -> Markup {
     let frequencies = natural_frequencies(&run.mesh, REPORTED_MODES);
-    let ratios = DampingLaw::of(&run.link, &run.mesh).map(|law| law.modal_ratios(&frequencies));
-    let ratio =
-        |k: usize| ratios.as_ref().map_or_else(|_| "not known".to_owned(), |all| given(all[k], ""));
+    let ratios = DampingLaw::of(&run.link, &run.mesh)
+        .map(|law| damping_ratios((&run.link, &run.mesh, &law), PoseHub::Free, &frequencies));
+    let ratio = |k: usize| match &ratios {
+        Err(_) => "not known".to_owned(),
+        Ok(all) if all[k].is_nan() => "none: it does not vibrate".to_owned(),
+        Ok(all) => given(all[k], ""),
+    };
     let rows = html! {
         @for (k, omega) in frequencies.iter().enumerate() { tr {
             th scope="row" { (k + 1) }

@@ -101,7 +101,7 @@ pub struct ArmPose {
     pub(super) stiffness: Vec<f64>,
     pub(super) loss: Vec<f64>,
     pub(super) damping: Vec<f64>,
-    friction_n_m_s_rad: Vec<f64>,
+    pub(super) friction_n_m_s_rad: Vec<f64>,
     /// Place of the tip in m, and R of x and y.
     tip_m: [f64; 2],
     pub(super) tip_rows: [Vec<f64>; 2],

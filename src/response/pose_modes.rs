@@ -2,8 +2,10 @@
 //! changes nothing more.
 
 use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
 use rayon::prelude::*;
 
+use super::damped_modes::{SmallMotions, damping_ratio};
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
 use crate::numeric::{Size, SymmetricEigen, dot, magnitude};
@@ -25,7 +27,8 @@ const NO_TURN: f64 = 1e-9;
 pub struct PoseMode {
     /// ω² in 1/s²; below 0 where the arm leaves the pose as e^{√(−ω²) t}.
     pub square_per_s2: f64,
-    /// Viscous damping ratio by the links' own damping; none where nothing vibrates.
+    /// Viscous damping ratio of the complex mode, by the links' own damping and the friction of the joints; none where
+    /// nothing vibrates.
     pub damping_ratio: Option<f64>,
     /// How far each joint turns, the largest 1; all 0 where none does.
     pub joints: Vec<f64>,
@@ -124,19 +127,21 @@ impl ArmPose {
         if springs_n_m_rad.is_none() && !self.has_weight {
             // Nothing brings a free arm back; dense algebra leaves round-off.
             for swing in found.iter_mut().take(self.joints.len()) {
-                (swing.square_per_s2, swing.damping_ratio) = (0.0, None);
+                swing.square_per_s2 = 0.0;
             }
         }
+        let motions = Matrices::of(self, &stiffness, &moves);
+        found.par_iter_mut().filter(|mode| mode.square_per_s2 > 0.0).for_each(|mode| {
+            let x: Vec<f64> = moves.iter().map(|k| mode.shape[*k]).collect();
+            mode.damping_ratio = damping_ratio(&motions, mode.square_per_s2.sqrt(), &x);
+        });
         Ok(found)
     }
 
-    /// The mode of a shape, ω² by Rayleigh's quotient.
+    /// The undamped mode of a shape, ω² by Rayleigh's quotient.
     fn mode(&self, stiffness: &[f64], x: &[f64]) -> PoseMode {
         let mass = quadratic(&self.mass, x);
         let square_per_s2 = quadratic(stiffness, x) / mass;
-        let omega = square_per_s2.sqrt();
-        let viscous = quadratic(&self.damping, x) / (2.0 * omega);
-        let ratio = (viscous + quadratic(&self.loss, x) / (2.0 * square_per_s2)) / mass;
         let largest = |values: &mut dyn Iterator<Item = f64>| {
             values.fold(0.0, |most: f64, own| if own.abs() > most.abs() { own } else { most })
         };
@@ -147,10 +152,70 @@ impl ArmPose {
         let factor = f64::copysign(1.0, if turns { turn } else { tip }) / mass.sqrt();
         PoseMode {
             square_per_s2,
-            damping_ratio: (square_per_s2 > 0.0).then_some(ratio),
+            damping_ratio: None,
             joints: self.joints.iter().map(part).collect(),
             shape: x.iter().map(|own| factor * own).collect(),
         }
+    }
+}
+
+/// The matrices of the coordinates that move.
+struct Matrices {
+    mass: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    /// Of links and joints, viscous, and the loss of hysteretic links.
+    damping: DMatrix<f64>,
+    loss: DMatrix<f64>,
+}
+
+impl Matrices {
+    fn of(pose: &ArmPose, stiffness: &[f64], moves: &[usize]) -> Self {
+        let part = |full: &[f64]| {
+            let at = |i: usize, j: usize| full[moves[i] * pose.count + moves[j]];
+            DMatrix::from_fn(moves.len(), moves.len(), at)
+        };
+        let mut damping = pose.damping.clone();
+        for (joint, friction) in pose.joints.iter().zip(&pose.friction_n_m_s_rad) {
+            damping[joint * pose.count + joint] += friction;
+        }
+        Self {
+            mass: part(&pose.mass),
+            stiffness: part(stiffness),
+            damping: part(&damping),
+            loss: part(&pose.loss),
+        }
+    }
+
+    /// The viscous damping between two coordinates for motions `e^{st}`, |s| being `rate_per_s`.
+    fn viscous(&self, at: (usize, usize), rate_per_s: f64) -> f64 {
+        self.damping[at] + self.loss[at] / rate_per_s
+    }
+}
+
+/// Products of the rows of a matrix with x.
+fn times(count: usize, at: impl Fn(usize, usize) -> f64, x: &[Complex64]) -> Vec<Complex64> {
+    let row = |i: usize| (0..count).map(|j| x[j] * at(i, j)).sum();
+    (0..count).map(row).collect()
+}
+
+impl SmallMotions for Matrices {
+    fn inertia(&self, x: &[Complex64]) -> Vec<Complex64> {
+        times(x.len(), |i, j| self.mass[(i, j)], x)
+    }
+
+    fn damping(&self, s_per_s: Complex64, x: &[Complex64]) -> Vec<Complex64> {
+        let rate_per_s = magnitude(s_per_s);
+        times(x.len(), |i, j| self.viscous((i, j), rate_per_s), x)
+    }
+
+    fn solved(&self, s_per_s: Complex64, share: f64, y: &[Complex64]) -> Option<Vec<Complex64>> {
+        let (rate_per_s, square) = (magnitude(s_per_s), s_per_s * s_per_s);
+        let matrix = DMatrix::from_fn(y.len(), y.len(), |i, j| {
+            let damping = s_per_s * (share * self.viscous((i, j), rate_per_s));
+            square * self.mass[(i, j)] + damping + self.stiffness[(i, j)]
+        });
+        let found = matrix.lu().solve(&DVector::from_column_slice(y))?;
+        Some(found.as_slice().to_vec())
     }
 }
 

@@ -104,7 +104,7 @@ impl BandMeshError {
 pub struct ModesResult {
     /// Natural frequencies in rad/s, the rigid rotation left out.
     pub omega_rad_s: Vec<f64>,
-    /// Damping ratio of each mode.
+    /// Damping ratio of each mode, the hub's friction counted; NaN where it does not vibrate.
     pub damping_ratios: Vec<f64>,
     /// Relative errors that the mesh causes in the natural frequencies; NaN where unknown, as below.
     pub mesh_errors: Vec<f64>,
@@ -138,7 +138,9 @@ pub struct HeldModes {
     pub joint_stiffness_n_m_rad: f64,
     /// Natural frequencies in rad/s.
     pub omega_rad_s: Vec<f64>,
-    /// Relative errors that the mesh causes in them.
+    /// Damping ratio of each mode, as of the free hub.
+    pub damping_ratios: Vec<f64>,
+    /// Relative errors that the mesh causes in the frequencies.
     pub mesh_errors: Vec<f64>,
 }
 

@@ -33,7 +33,8 @@ impl ModesResult {
         let shapes = names.iter().zip(&self.shapes).map(|(name, shape)| (&name[..], &shape[..]));
         let shapes: Vec<_> = [("x_m", &self.nodes_m[..])].into_iter().chain(shapes).collect();
         folder.file(SHAPES, |out| write_columns(out, None, &shapes, digits))?;
-        let own = [("mesh_error", &self.held.mesh_errors[..])];
+        let held = &self.held;
+        let own = [("damping_ratio", &held.damping_ratios[..]), ("mesh_error", &held.mesh_errors)];
         folder.file(HELD, |out| write_modes(out, &self.held.omega_rad_s, &own, digits))?;
         let zeros = zero_columns(&self.zeros);
         let zeros: Vec<_> = zeros.iter().map(|(name, values)| (*name, &values[..])).collect();
@@ -297,6 +298,7 @@ pub fn modes_json(result: &ModesResult) -> String {
     let held = json!({
         "joint_stiffness_n_m_rad": result.held.joint_stiffness_n_m_rad,
         "frequency_hz": hertz(&result.held.omega_rad_s),
+        "damping_ratio": result.held.damping_ratios,
         "mesh_error": result.held.mesh_errors,
     });
     as_text(&json!({

@@ -80,7 +80,6 @@ fn what_is_no_mode_of_the_arm_is_refused() {
     let bench = Bench::new();
     let head = "at = [0, 0.5]\n";
     let cases = [
-        ("[[damping]]\nmode = 3\nratio = 0.01\n", "friction of free joints is no part of a mode's"),
         (
             "[[frequency]]\nmode = 1\njoints = 'held'\nat = [1e5, 0]\nvalue = 2\n",
             "at most 1e4 in size",

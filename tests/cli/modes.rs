@@ -52,7 +52,9 @@ fn a_link_with_a_drive_also_has_the_modes_of_the_held_rotor() {
     assert_eq!(bench.names("m"), ["held_modes.csv", "mode_shapes.csv", "modes.csv", "zeros.csv"]);
     let table = bench.table("m/held_modes.csv");
     let names: Vec<&str> = table.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, ["mode", "omega_rad_s", "frequency_hz", "period_s", "mesh_error"]);
+    let expected =
+        ["mode", "omega_rad_s", "frequency_hz", "period_s", "damping_ratio", "mesh_error"];
+    assert_eq!(names, expected);
     assert_eq!((rows.len(), table[0].1.as_slice()), (3, &[1.0, 2.0, 3.0][..]));
     for (k, squared) in [34.14, 1383.24, 11_084.49].into_iter().enumerate() {
         let [omega, hertz, period] = [1, 2, 3].map(|column| table[column].1[k]);
@@ -60,10 +62,13 @@ fn a_link_with_a_drive_also_has_the_modes_of_the_held_rotor() {
         assert!((hertz * std::f64::consts::TAU / omega - 1.0).abs() < 1e-9);
         assert!((hertz * period - 1.0).abs() < 1e-9);
         let printed: Vec<f64> = rows[k].iter().map(|cell| cell.parse().unwrap()).collect();
-        assert_eq!(printed.len(), 5, "{text}");
+        assert_eq!(printed.len(), 6, "{text}");
         for (cell, value) in printed[1..4].iter().zip([omega, hertz, period]) {
             assert!((cell / value - 1.0).abs() < 1e-7, "{cell} for {value}");
         }
+        // The joint's spring has no damping of its own.
+        let ratio = table[4].1[k];
+        assert!((printed[4] / ratio - 1.0).abs() < 1e-3 && ratio < 0.02, "{text}");
     }
 }
 

@@ -17,11 +17,11 @@ pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> Stri
     let mut lines = vec![link_line(link, mesh)];
     let without = if link.drive().is_some() { ", without the rotor" } else { "" };
     lines.push(format!("hub free{without}"));
-    let ratios = Some(&result.damping_ratios[..]);
-    lines.extend(mode_rows(&result.omega_rad_s, ratios, &result.mesh_errors));
+    lines.extend(mode_rows(&result.omega_rad_s, &result.damping_ratios, &result.mesh_errors));
     lines.extend(zero_rows(&result.zeros));
     lines.push(hub_held(link));
-    lines.extend(mode_rows(&result.held.omega_rad_s, None, &result.held.mesh_errors));
+    let held = &result.held;
+    lines.extend(mode_rows(&held.omega_rad_s, &held.damping_ratios, &held.mesh_errors));
     title(link) + &lines.join("\n") + "\n"
 }
 
@@ -93,17 +93,13 @@ pub(super) fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<S
 
 pub(super) const MESH_ERROR: &str = "mesh error";
 
-/// A heading, then a row a mode, with its damping ratio where these are given.
-fn mode_rows(
-    omega_rad_s: &[f64],
-    damping_ratios: Option<&[f64]>,
-    mesh_errors: &[f64],
-) -> Vec<String> {
-    let damping = damping_ratios.map_or("", |_| "damping");
-    let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", damping, MESH_ERROR];
+/// A heading, then a row a mode, with its damping ratio where it vibrates.
+fn mode_rows(omega_rad_s: &[f64], damping_ratios: &[f64], mesh_errors: &[f64]) -> Vec<String> {
+    let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", "damping", MESH_ERROR];
     let modes = omega_rad_s.iter().zip(mesh_errors).enumerate().map(|(mode, (omega, error))| {
         let [omega, hertz, period] = [*omega, omega / TAU, TAU / omega].map(|x| significant(x, 8));
-        let ratio = damping_ratios.map_or(String::new(), |ratios| significant(ratios[mode], 4));
+        let ratio = damping_ratios[mode];
+        let ratio = if ratio.is_nan() { "none".to_owned() } else { significant(ratio, 4) };
         row([&format!("{}", mode + 1), &omega, &hertz, &period, &ratio, &share(*error)])
     });
     std::iter::once(row(heading)).chain(modes).collect()

@@ -4,6 +4,7 @@
 
 mod arms;
 mod closed_loops;
+mod ratios;
 mod records;
 mod responses;
 mod rigs;

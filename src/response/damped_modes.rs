@@ -1,0 +1,117 @@
+//! Complex modes of damped small motions: each undamped mode is followed while its damping grows from none to all.
+
+use num_complex::Complex64;
+
+use crate::numeric::magnitude;
+
+/// Most iterations at one share of the damping, and the relative change of s at which they end.
+const MOST_ITERATIONS: usize = 20;
+const SETTLED: f64 = 1e-12;
+
+/// Largest difference of a step of s from the tangent, over the step; larger ones are halved.
+const OFF_TANGENT: f64 = 0.25;
+
+/// Least step of the share of the damping. Where it does not do, the mode is about to stop vibrating.
+const LEAST_STEP: f64 = 1e-5;
+
+/// Share of the damping ratio beyond which a motion that hardly turns back is none that vibrates.
+const MOST_RATIO: f64 = 0.999_999;
+
+/// The equations `(s² M + s C + K) x = 0` of small motions, all symmetric. A loss that does not depend on the
+/// frequency, hysteretic damping, is the viscous one of the same work a cycle, `G/|s|`, in C.
+pub(super) trait SmallMotions {
+    /// `M x`.
+    fn inertia(&self, x: &[Complex64]) -> Vec<Complex64>;
+
+    /// `C x` at s.
+    fn damping(&self, s_per_s: Complex64, x: &[Complex64]) -> Vec<Complex64>;
+
+    /// `(s² M + s t C + K)⁻¹ y` for a share t of the damping; none where it is singular.
+    fn solved(&self, s_per_s: Complex64, share: f64, y: &[Complex64]) -> Option<Vec<Complex64>>;
+}
+
+/// A complex mode with a share of the damping.
+#[derive(Clone)]
+struct Followed {
+    s_per_s: Complex64,
+    x: Vec<Complex64>,
+}
+
+/// The damping ratio `−Re s/|s|` of the mode whose undamped frequency and shape are given, all damping counted; none where
+/// it does not vibrate.
+pub(super) fn damping_ratio(
+    motions: &impl SmallMotions,
+    omega_rad_s: f64,
+    x: &[f64],
+) -> Option<f64> {
+    let x = x.iter().map(|x| Complex64::from(*x)).collect();
+    let start = Followed { s_per_s: Complex64::new(0.0, omega_rad_s), x };
+    let mut known = start.settled(motions, 0.0)?;
+    let (mut share, mut step) = (0.0_f64, 1.0);
+    while share < 1.0 {
+        let next = (share + step).min(1.0);
+        let tangent = known.tangent(motions, share) * (next - share);
+        let begun = Followed { s_per_s: known.s_per_s + tangent, x: known.x.clone() };
+        let is_followed = |found: &Followed| {
+            let moved = found.s_per_s - known.s_per_s;
+            let room = OFF_TANGENT * magnitude(moved) + SETTLED * magnitude(known.s_per_s);
+            magnitude(moved - tangent) <= room
+        };
+        match begun.settled(motions, next).filter(is_followed) {
+            Some(found) => {
+                (known, share) = (found, next);
+                step *= 2.0;
+            }
+            None => step *= 0.5,
+        }
+        if step < LEAST_STEP {
+            return None;
+        }
+    }
+    // From 0, so that nothing that damps is 0 and not −0.
+    let ratio = 0.0 - known.s_per_s.re / magnitude(known.s_per_s);
+    (ratio < MOST_RATIO).then_some(ratio)
+}
+
+impl Followed {
+    /// `d/ds (s² M + s t C + K) x`.
+    fn slope(&self, motions: &impl SmallMotions, share: f64) -> Vec<Complex64> {
+        let damped = motions.damping(self.s_per_s, &self.x);
+        let parts = motions.inertia(&self.x).into_iter().zip(damped);
+        parts.map(|(inertia, damped)| self.s_per_s * 2.0 * inertia + damped * share).collect()
+    }
+
+    /// ds/dt, t being the share of the damping.
+    fn tangent(&self, motions: &impl SmallMotions, share: f64) -> Complex64 {
+        let damped = product(&self.x, &motions.damping(self.s_per_s, &self.x));
+        -self.s_per_s * damped / product(&self.x, &self.slope(motions, share))
+    }
+
+    /// The mode itself, by inverse iteration with the quotient of Rayleigh that symmetric matrices have:
+    ///
+    /// ```text
+    /// (s² M + s t C + K) u = p,    p = d/ds (s² M + s t C + K) x,    s ← s − pᵀx/pᵀu,    x ← u
+    /// ```
+    fn settled(mut self, motions: &impl SmallMotions, share: f64) -> Option<Self> {
+        for _ in 0..MOST_ITERATIONS {
+            let slope = self.slope(motions, share);
+            // Exactly at the mode there is no inverse.
+            let Some(next) = motions.solved(self.s_per_s, share, &slope) else { return Some(self) };
+            let change = product(&slope, &self.x) / product(&slope, &next);
+            if !change.is_finite() {
+                return Some(self);
+            }
+            self.s_per_s -= change;
+            self.x = next.into_iter().map(|u| u * change).collect();
+            if magnitude(change) <= SETTLED * magnitude(self.s_per_s) {
+                return Some(self);
+            }
+        }
+        None
+    }
+}
+
+/// `xᵀ y`, nothing conjugated.
+pub(super) fn product(x: &[Complex64], y: &[Complex64]) -> Complex64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}

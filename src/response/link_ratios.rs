@@ -1,0 +1,157 @@
+//! Damping ratios of the modes of one link as it stands: its hub free, with friction, on a spring or clamped.
+
+use num_complex::Complex64;
+
+use super::damped_modes::{SmallMotions, damping_ratio, product};
+use super::modes::{Equations, HubReaction};
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::modal::{DampingLaw, ModalBasis, PoseHub, flexible_modes};
+use crate::numeric::{Size, magnitude};
+
+/// Modes of the free link beyond those asked for that the first sum has, and most of all of them, unless more are asked for.
+const MORE_MODES: usize = 12;
+const MOST_MODES: usize = 200;
+
+/// Relative change of a ratio by twice as many modes that ends the summing.
+const TOLERANCE: f64 = 1e-7;
+
+/// The viscous damping ratios of the modes whose undamped frequencies in rad/s are given, the first ones of the link with
+/// this hub: those of the complex modes of
+///
+/// ```text
+/// (s² + c_k s + ω_k²) q_k + p_k (κ + b s) pᵀq = 0
+/// ```
+///
+/// q being the modes of the free link, p their hub angles, κ the spring and b the hub's friction. Hysteretic damping has
+/// `c_k = 2ξω_k²/|s|`. NaN of a mode that does not vibrate.
+pub fn damping_ratios(
+    (link, mesh, law): (&Link, &Mesh, &DampingLaw),
+    hub: PoseHub,
+    omega_rad_s: &[f64],
+) -> Vec<f64> {
+    let friction_n_m_s_rad = link.joint().friction_n_m_s_rad;
+    let at_hub = match hub {
+        // The modes of the free link are those that the law damps.
+        PoseHub::Free if friction_n_m_s_rad == 0.0 => return law.modal_ratios(omega_rad_s),
+        PoseHub::Free => (0.0, friction_n_m_s_rad),
+        // A clamped hub rubs nothing.
+        PoseHub::Spring(f64::INFINITY) => (f64::INFINITY, 0.0),
+        PoseHub::Spring(stiffness) => (stiffness, friction_n_m_s_rad),
+    };
+    let all = flexible_modes(mesh);
+    let mut count = (2 * omega_rad_s.len() + MORE_MODES).min(all);
+    let on = |count: usize| {
+        let hub = OnHub::new((mesh, law), count, at_hub);
+        let ratio = |(k, omega): (usize, &f64)| hub.ratio(k, *omega).unwrap_or(f64::NAN);
+        omega_rad_s.iter().enumerate().map(ratio).collect::<Vec<f64>>()
+    };
+    let mut known = on(count);
+    while count < all && count < MOST_MODES {
+        count = (2 * count).min(all);
+        let finer = on(count);
+        let changes = known.iter().zip(&finer).map(|(known, finer)| {
+            if known.is_nan() && finer.is_nan() { 0.0 } else { (known - finer).abs() / finer.abs() }
+        });
+        let change = changes.fold(0.0, Size::larger);
+        known = finer;
+        if change <= TOLERANCE {
+            break;
+        }
+    }
+    known
+}
+
+/// The modes of the free link, and what acts on their hub.
+struct OnHub {
+    /// ω², viscous rates in 1/s, losses 2ξω² in 1/s² and hub angles of the coordinates, the rigid rotation first.
+    squares: Vec<f64>,
+    rates_per_s: Vec<f64>,
+    losses: Vec<f64>,
+    hub_angles: Vec<f64>,
+    /// Infinite where the hub is clamped.
+    spring_n_m_rad: f64,
+    friction_n_m_s_rad: f64,
+}
+
+impl OnHub {
+    fn new(
+        (mesh, law): (&Mesh, &DampingLaw),
+        count: usize,
+        (spring_n_m_rad, friction_n_m_s_rad): (f64, f64),
+    ) -> Self {
+        let basis = ModalBasis::lowest(mesh, count);
+        let own = Equations::new(mesh, law, basis, HubReaction::default()).coordinates;
+        let squares: Vec<f64> = own.iter().map(|own| own.square).collect();
+        let (rates_per_s, losses) = match law {
+            DampingLaw::Hysteretic { ratio } => {
+                (vec![0.0; own.len()], squares.iter().map(|square| 2.0 * ratio * square).collect())
+            }
+            _ => (own.iter().map(|own| own.rate_per_s).collect(), vec![0.0; own.len()]),
+        };
+        let hub_angles = own.iter().map(|own| own.hub_angle).collect();
+        Self { squares, rates_per_s, losses, hub_angles, spring_n_m_rad, friction_n_m_s_rad }
+    }
+
+    /// Damping ratio of the mode of this number from 0 and this undamped frequency.
+    fn ratio(&self, number: usize, omega_rad_s: f64) -> Option<f64> {
+        let alone = |own: usize| {
+            let unit = (0..self.squares.len()).map(|k| if k == own { 1.0 } else { 0.0 });
+            unit.collect::<Vec<f64>>()
+        };
+        let apart = |k: usize| self.squares[k] - omega_rad_s * omega_rad_s;
+        let x = if self.spring_n_m_rad == 0.0 {
+            alone(number + 1)
+        } else if let Some(own) = (0..self.squares.len()).find(|k| apart(*k) == 0.0) {
+            // A mode of the free link that does not turn the hub.
+            alone(own)
+        } else {
+            (0..self.squares.len()).map(|k| self.hub_angles[k] / apart(k)).collect()
+        };
+        damping_ratio(self, omega_rad_s, &x)
+    }
+
+    /// `pᵀ x`.
+    fn hub_angle(&self, x: &[Complex64]) -> Complex64 {
+        x.iter().zip(&self.hub_angles).map(|(x, angle)| x * *angle).sum()
+    }
+}
+
+impl SmallMotions for OnHub {
+    fn inertia(&self, x: &[Complex64]) -> Vec<Complex64> {
+        x.to_vec()
+    }
+
+    fn damping(&self, s_per_s: Complex64, x: &[Complex64]) -> Vec<Complex64> {
+        let at_hub = self.hub_angle(x) * self.friction_n_m_s_rad;
+        let size = magnitude(s_per_s);
+        let of = |k: usize| {
+            x[k] * (self.rates_per_s[k] + self.losses[k] / size) + at_hub * self.hub_angles[k]
+        };
+        (0..x.len()).map(of).collect()
+    }
+
+    /// By the formula of Sherman and Morrison, as only the hub's spring and friction couple the coordinates.
+    fn solved(&self, s_per_s: Complex64, share: f64, y: &[Complex64]) -> Option<Vec<Complex64>> {
+        let size = magnitude(s_per_s);
+        let own = |k: usize| {
+            let rate = self.rates_per_s[k] + self.losses[k] / size;
+            (s_per_s * s_per_s + s_per_s * (share * rate) + self.squares[k]).inv()
+        };
+        let own: Vec<Complex64> = (0..y.len()).map(own).collect();
+        let alone: Vec<Complex64> = y.iter().zip(&own).map(|(y, own)| y * own).collect();
+        let of_hub: Vec<Complex64> =
+            self.hub_angles.iter().zip(&own).map(|(angle, own)| own * *angle).collect();
+        let compliance = self.hub_angle(&of_hub);
+        let at_hub = s_per_s * (share * self.friction_n_m_s_rad) + self.spring_n_m_rad;
+        let torque = self.hub_angle(&alone)
+            * if self.spring_n_m_rad.is_infinite() {
+                compliance.inv()
+            } else {
+                at_hub / (at_hub * compliance + 1.0)
+            };
+        let found: Vec<_> =
+            alone.iter().zip(&of_hub).map(|(own, hub)| own - hub * torque).collect();
+        product(&found, &found).is_finite().then_some(found)
+    }
+}

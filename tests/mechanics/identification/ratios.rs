@@ -1,0 +1,263 @@
+//! Damping ratios behind springs, with friction and held hubs, against all eigenvalues of matrices that are assembled here.
+
+use flexlink::beam::Mesh;
+use flexlink::fit::{HubEnd, Measured, Measurements, Observable};
+use flexlink::modal::{DampingLaw, PoseHub, held_frequencies, natural_frequencies};
+use flexlink::response::{arm_modes, damping_ratios};
+use flexlink::spec::{Described, LinkDocument};
+use nalgebra::{DMatrix, Matrix4};
+
+use super::fitted;
+
+const ELEMENTS: usize = 10;
+const LENGTH_M: f64 = 0.6;
+const STIFFNESS_N_M2: f64 = 2.0;
+const MASS_KG_M: f64 = 0.25;
+const HUB_KG_M2: f64 = 0.003;
+const PAYLOAD_KG: f64 = 0.05;
+
+fn text(friction: f64, damping: &str, drive: &str) -> String {
+    format!(
+        "[[segments]]\nlength = {LENGTH_M}\nEI = {STIFFNESS_N_M2}\nmass_per_length = {MASS_KG_M}\n\
+         elements = {ELEMENTS}\n[hub]\ninertia = {HUB_KG_M2}\nviscous_friction = {friction}\n\
+         [payload]\nmass = {PAYLOAD_KG}\n[damping]\n{damping}\n{drive}"
+    )
+}
+
+/// Mass and stiffness on the hub's angle, then displacement and slope of each node: the hub is at the first node.
+fn matrices() -> [DMatrix<f64>; 2] {
+    let h = LENGTH_M / ELEMENTS as f64;
+    let mass = Matrix4::new(
+        156.0,
+        22.0 * h,
+        54.0,
+        -13.0 * h,
+        22.0 * h,
+        4.0 * h * h,
+        13.0 * h,
+        -3.0 * h * h,
+        54.0,
+        13.0 * h,
+        156.0,
+        -22.0 * h,
+        -13.0 * h,
+        -3.0 * h * h,
+        -22.0 * h,
+        4.0 * h * h,
+    ) * (MASS_KG_M * h / 420.0);
+    let bending = Matrix4::new(
+        12.0,
+        6.0 * h,
+        -12.0,
+        6.0 * h,
+        6.0 * h,
+        4.0 * h * h,
+        -6.0 * h,
+        2.0 * h * h,
+        -12.0,
+        -6.0 * h,
+        12.0,
+        -6.0 * h,
+        6.0 * h,
+        2.0 * h * h,
+        -6.0 * h,
+        4.0 * h * h,
+    ) * (STIFFNESS_N_M2 / (h * h * h));
+    let all = 2 * ELEMENTS + 2;
+    let assembled = |own: &Matrix4<f64>| {
+        let mut sum = DMatrix::zeros(all, all);
+        for element in 0..ELEMENTS {
+            let mut part = sum.view_mut((2 * element, 2 * element), (4, 4));
+            part += own;
+        }
+        sum
+    };
+    let [mut mass, bending] = [&mass, &bending].map(assembled);
+    mass[(1, 1)] += HUB_KG_M2;
+    mass[(all - 2, all - 2)] += PAYLOAD_KG;
+    [mass, bending].map(|whole| whole.remove_row(0).remove_column(0))
+}
+
+/// `−Re s/|s|` of the modes that vibrate, the slowest first, from all eigenvalues of the companion matrix.
+fn of_matrices(
+    mass: &DMatrix<f64>,
+    damping: &DMatrix<f64>,
+    stiffness: &DMatrix<f64>,
+) -> Vec<[f64; 2]> {
+    let size = mass.nrows();
+    let factor = mass.clone().cholesky().unwrap();
+    let mut companion = DMatrix::zeros(2 * size, 2 * size);
+    companion.view_mut((0, size), (size, size)).fill_with_identity();
+    companion.view_mut((size, 0), (size, size)).copy_from(&-factor.solve(stiffness));
+    companion.view_mut((size, size), (size, size)).copy_from(&-factor.solve(damping));
+    let found = companion.complex_eigenvalues();
+    let vibrating = found.iter().filter(|s| s.im > 1e-3);
+    let mut modes: Vec<[f64; 2]> = vibrating.map(|s| [s.norm(), -s.re / s.norm()]).collect();
+    modes.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    modes
+}
+
+/// `M Φ diag(2ζω) Φᵀ M` of the modes Φ of the free hub.
+fn modal_damping(mass: &DMatrix<f64>, bending: &DMatrix<f64>, ratio: f64) -> DMatrix<f64> {
+    let lower = mass.clone().cholesky().unwrap().l();
+    let half = lower.solve_lower_triangular(bending).unwrap();
+    let whole = lower.solve_lower_triangular(&half.transpose()).unwrap();
+    let eigen = whole.symmetric_eigen();
+    let rates = eigen.eigenvalues.map(|square| 2.0 * ratio * square.max(0.0).sqrt());
+    let shapes = &lower * eigen.eigenvectors;
+    &shapes * DMatrix::from_diagonal(&rates) * shapes.transpose()
+}
+
+/// The program's ratios of the first four modes.
+fn found(text: &str, hub: PoseHub) -> Vec<f64> {
+    let document = LinkDocument::read("link.toml", text).unwrap();
+    let Described::Link(own) = document.described("link.toml", &[]).unwrap() else {
+        panic!("a link")
+    };
+    let mesh = Mesh::new(&own.link, &own.mesh).unwrap();
+    let law = DampingLaw::of(&own.link, &mesh).unwrap();
+    let omegas = match hub {
+        PoseHub::Free => natural_frequencies(&mesh, 4),
+        PoseHub::Spring(stiffness) => held_frequencies(&mesh, stiffness, 4),
+    };
+    damping_ratios((&own.link, &mesh, &law), hub, &omegas)
+}
+
+fn with(mut matrix: DMatrix<f64>, at_hub: f64) -> DMatrix<f64> {
+    matrix[(0, 0)] += at_hub;
+    matrix
+}
+
+fn assert_equal(found: &[f64], exact: &[[f64; 2]], what: &str) {
+    assert_eq!(found.len(), 4, "{what}");
+    for (found, [_, exact]) in found.iter().zip(exact) {
+        assert!((found / exact - 1.0).abs() < 1e-6, "{what}: {found} is not {exact}");
+    }
+}
+
+/// Light and heavy friction, free and behind a spring: Rayleigh's damping of the bending.
+#[test]
+fn friction_of_the_hub_and_a_spring_without_loss_are_counted() {
+    let [mass, bending] = matrices();
+    let beta_s = 2e-4;
+    for friction in [0.0, 0.001, 0.05, 0.3] {
+        for (hub, spring) in [(PoseHub::Free, 0.0), (PoseHub::Spring(5.0), 5.0)] {
+            let damping = with(&bending * beta_s, friction);
+            let exact = of_matrices(&mass, &damping, &with(bending.clone(), spring));
+            let link =
+                text(friction, &format!("model = 'rayleigh'\nalpha = 0.0\nbeta = {beta_s}"), "");
+            let found = found(&link, hub);
+            // The free rotation with friction does not vibrate; a heavily rubbed hub on its spring neither.
+            let vibrating: Vec<f64> =
+                found.iter().copied().filter(|ratio| !ratio.is_nan()).collect();
+            for (k, ratio) in vibrating.iter().enumerate() {
+                let [_, exact] = exact[k];
+                assert!(
+                    (ratio / exact - 1.0).abs() < 1e-6,
+                    "{friction}, {hub:?}: {ratio}, {exact}"
+                );
+            }
+            assert!(vibrating.len() >= 3, "{friction}, {hub:?}: {found:?}");
+        }
+    }
+}
+
+/// The loss of hysteretic bending behind a spring, at each mode's own frequency, by a fixed point of it.
+#[test]
+fn a_spring_takes_its_share_of_the_strain_from_hysteretic_damping() {
+    let [mass, bending] = matrices();
+    let (ratio, stiffness) = (0.05, with(bending.clone(), 5.0));
+    let exact: Vec<[f64; 2]> = (0..4)
+        .map(|mode| {
+            let viscous =
+                |rate: f64| of_matrices(&mass, &(&bending * (2.0 * ratio / rate)), &stiffness);
+            let start = of_matrices(&mass, &(&bending * 0.0), &stiffness)[mode];
+            (0..6).fold(start, |known, _| viscous(known[0])[mode])
+        })
+        .collect();
+    let link = text(0.0, "model = 'hysteretic'\nratio = 0.05", "");
+    assert_equal(&found(&link, PoseHub::Spring(5.0)), &exact, "on a spring");
+    for ratio in found(&link, PoseHub::Spring(f64::INFINITY)) {
+        assert!((ratio - 0.05).abs() < 1e-9, "a clamped link is all bending: {ratio}");
+    }
+}
+
+/// Ratios of the free hub's modes, of which a held hub mixes all.
+#[test]
+fn modal_ratios_are_those_of_the_free_hub() {
+    let [mass, bending] = matrices();
+    let damping = modal_damping(&mass, &bending, 0.02);
+    let link = text(0.0, "model = 'modal'\nratio = 0.02", "");
+    let inner = |whole: &DMatrix<f64>| whole.clone().remove_row(0).remove_column(0);
+    let clamped = of_matrices(&inner(&mass), &inner(&damping), &inner(&bending));
+    assert_equal(&found(&link, PoseHub::Spring(f64::INFINITY)), &clamped, "clamped");
+    assert!(clamped[0][1] < 0.01, "far from the 0.02 of the file: {clamped:?}");
+    let sprung = of_matrices(&mass, &damping, &with(bending, 30.0));
+    assert_equal(&found(&link, PoseHub::Spring(30.0)), &sprung, "on a spring");
+}
+
+/// A rod that does not bend, on a spring and with friction at its hub: `ζ = b/(2√(κ I))`, and none above 1.
+#[test]
+fn a_stiff_link_on_a_spring_is_an_oscillator() {
+    let link = |friction: f64| {
+        text(friction, "model = 'hysteretic'\nratio = 0.0", "").replace("EI = 2", "EI = 2e6")
+    };
+    let inertia = HUB_KG_M2 + MASS_KG_M * LENGTH_M.powi(3) / 3.0 + PAYLOAD_KG * LENGTH_M.powi(2);
+    for ratio in [0.01, 0.3, 0.9] {
+        let friction = 2.0 * ratio * (5.0 * inertia).sqrt();
+        let found = found(&link(friction), PoseHub::Spring(5.0))[0];
+        assert!((found / ratio - 1.0).abs() < 1e-4, "{found} is not {ratio}");
+    }
+    assert!(found(&link(3.0 * (5.0 * inertia).sqrt()), PoseHub::Spring(5.0))[0].is_nan());
+}
+
+fn measured(hub: HubEnd, value: f64) -> Measurements {
+    let observable = Observable::Damping { mode: 1, hub };
+    let value = Measured { observable, value, uncertainty: Some(0.01 * value) };
+    Measurements::new(vec![value], vec![], vec![]).unwrap()
+}
+
+#[test]
+fn the_fitted_damping_gives_the_measured_ratio_behind_a_spring_and_with_friction() {
+    let [mass, bending] = matrices();
+    let law = |beta: f64| format!("model = 'rayleigh'\nalpha = 0.0\nbeta = {beta}");
+    let drive = "[drive]\njoint_stiffness = 5.0\n";
+    for (hub, spring, drive) in [(HubEnd::Free, 0.0, ""), (HubEnd::Held, 5.0, drive)] {
+        let damping = with(&bending * 3e-4, 0.01);
+        let [_, ratio] = of_matrices(&mass, &damping, &with(bending.clone(), spring))[0];
+        let found =
+            fitted(&text(0.01, &law(2e-4), drive), &measured(hub, ratio), &["damping.beta"]);
+        let factor = found.unwrap().values[0].factor;
+        assert!((factor / 1.5 - 1.0).abs() < 1e-4, "{hub:?}: {factor}");
+    }
+}
+
+/// An arm whose outer link is next to nothing has the ratios of its inner link: friction, a spring and both.
+#[test]
+fn joints_of_an_arm_rub_as_the_hub_of_a_link_does() {
+    let [mass, bending] = matrices();
+    for (friction, spring) in [(0.05, None), (0.05, Some(5.0)), (0.0, Some(5.0))] {
+        let drive =
+            spring.map_or(String::new(), |k| format!("drive = {{ joint_stiffness = {k} }}\n"));
+        let arm = format!(
+            "[[links]]\nsegments = [{{ length = {LENGTH_M}, EI = {STIFFNESS_N_M2}, mass_per_length = {MASS_KG_M} }}]\n\
+             hub = {{ inertia = {HUB_KG_M2}, viscous_friction = {friction} }}\ntip = {{ mass = {PAYLOAD_KG} }}\n\
+             damping = {{ model = 'rayleigh', beta = 2e-4 }}\n{drive}\
+             [[links]]\nsegments = [{{ length = 0.01, EI = 1.0, mass_per_length = 1e-4 }}]\n"
+        );
+        let document = LinkDocument::read("arm.toml", &arm).unwrap();
+        let Described::Arm(own) = document.described("arm.toml", &[]).unwrap() else {
+            panic!("an arm")
+        };
+        let modes = arm_modes(&own.arm, &[0.3, 0.3], 1, 1e-8).unwrap();
+        // The two swings of the free joints come first.
+        let mode = if spring.is_some() { &modes.held.modes[0] } else { &modes.free.modes[2] };
+        let stiffness = with(bending.clone(), spring.unwrap_or(0.0));
+        let [_, exact] = of_matrices(&mass, &with(&bending * 2e-4, friction), &stiffness)[0];
+        let found = mode.damping_ratio.unwrap();
+        assert!(
+            (found / exact - 1.0).abs() < 1e-3,
+            "{friction}, {spring:?}: {found} is not {exact}"
+        );
+    }
+}
