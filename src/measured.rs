@@ -6,13 +6,17 @@ use std::path::Path;
 use thiserror::Error;
 
 use crate::csv::{
-    InputError, InputFile, Reading, TableError, TableFormat, read_frequency_response, read_record,
+    ColumnChoice, InputError, InputFile, Reading, TableError, TableFormat, read_decay,
+    read_frequency_response, read_record,
 };
 use crate::fit::{
-    Channel, Gain, Measured, Measurements, Motor, Record, RecordInput, RecordedInput, Response,
+    Channel, Decay, Gain, Measured, Measurements, MeasurementsError, Motor, Record, RecordInput,
+    RecordedInput, Response, Specimen,
 };
 use crate::response::Interpolation;
-use crate::spec::{MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements};
+use crate::spec::{
+    DecayFile, MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements,
+};
 
 /// Measurements, the files that they are from, and how these were read.
 #[derive(Debug)]
@@ -21,7 +25,7 @@ pub struct MeasuredSet {
     pub measurements: Measurements,
     /// The file of measured values.
     pub file: InputFile,
-    /// The files that it names, in its order: responses, then records.
+    /// The files that it names, in its order: responses, then records, then decays.
     pub named: Vec<InputFile>,
     /// How each of them was read, after its name.
     pub readings: Vec<(String, Reading)>,
@@ -40,8 +44,13 @@ pub enum MeasuredError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// Numbers that cannot be fitted to, with their file.
-    #[error("{0}")]
-    Refused(String),
+    #[error("{message}")]
+    Refused {
+        /// The file, and what is wrong.
+        message: String,
+        /// What the user can do about it.
+        hint: Option<&'static str>,
+    },
 }
 
 impl MeasuredError {
@@ -51,23 +60,31 @@ impl MeasuredError {
             Self::Input(error) => error.hint(),
             Self::Spec(error) => error.hint(),
             Self::Table(error) => error.hint(),
-            Self::Refused(_) => None,
+            Self::Refused { hint, .. } => *hint,
         }
     }
 
     fn refused(file: &InputFile, error: &impl Display) -> Self {
-        Self::Refused(format!("{}: {error}", file.shown))
+        Self::Refused { message: format!("{}: {error}", file.shown), hint: None }
+    }
+
+    fn hinting(self, own: Option<&'static str>) -> Self {
+        match self {
+            Self::Refused { message, hint } => Self::Refused { message, hint: own.or(hint) },
+            other => other,
+        }
     }
 }
 
-/// Reads a file of measured values (TOML) of an arm of so many `links`, or of one link, and all files that it names.
+/// Reads a file of measured values (TOML) of a link or an arm, and all files that it names. Modes are looked for in decays
+/// about where the link or the arm has them.
 ///
 /// # Errors
 /// [`MeasuredError`] names the file, and the line where one is at fault.
-pub fn read_measured(path: &Path, links: usize) -> Result<MeasuredSet, MeasuredError> {
+pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, MeasuredError> {
     let file = InputFile::read_toml(path)?;
-    let MeasuredFile { mut values, responses, records, motor } =
-        read_measurements(&file.shown, file.text()?, links)?;
+    let MeasuredFile { mut values, responses, records, decays, motor } =
+        read_measurements(&file.shown, file.text()?, of.links())?;
     let (mut read_responses, mut read_records) = (Vec::new(), Vec::new());
     let (mut named, mut readings) = (Vec::new(), Vec::new());
     for response in responses {
@@ -88,9 +105,54 @@ pub fn read_measured(path: &Path, links: usize) -> Result<MeasuredSet, MeasuredE
         read_records.push(record);
         named.push(table);
     }
-    let measurements = Measurements::new(values, read_responses, read_records)
-        .map_err(|error| MeasuredError::refused(&file, &error))?;
+    let mut read_decays = Vec::new();
+    for decay in decays {
+        let table = InputFile::read_beside(path, &decay.file)?;
+        let (decay, taken, reading) = decay_of(&table, decay, of)?;
+        values.extend(taken);
+        readings.push((table.shown.clone(), reading));
+        read_decays.push(decay);
+        named.push(table);
+    }
+    let has_decays = !read_decays.is_empty();
+    let measurements = Measurements::new(values, read_responses, read_records);
+    let measurements = measurements.map_err(|error| {
+        let is_mixed =
+            matches!(error, MeasurementsError::Mixed { .. } | MeasurementsError::MixedFile(_));
+        let hint = (has_decays && is_mixed).then_some(OF_DECAYS);
+        MeasuredError::refused(&file, &error).hinting(hint)
+    })?;
+    let measurements = measurements.with_decays(read_decays);
     Ok(MeasuredSet { measurements, file, named, readings })
+}
+
+/// What to do about values without uncertainty beside those of a decay.
+const OF_DECAYS: &str = "the values of a [[decay]] have the uncertainties that its samples show: give one to all others, \
+                         or write the values of the decay as [[frequency]] and [[damping]] without";
+
+/// The modes of a decay, the values that are taken from it, and how it was read.
+fn decay_of(
+    table: &InputFile,
+    decay: DecayFile,
+    of: &Specimen,
+) -> Result<(Decay, Vec<Measured>, Reading), MeasuredError> {
+    let DecayFile { file, frequencies, values, uncertainty, sensor, span_s, skip, columns } = decay;
+    let format = TableFormat { skip, columns: choices(table, &columns)?, ..TableFormat::default() };
+    let (mut samples, reading) = read_decay(&table.shown, &table.bytes, sensor, span_s, &format)?;
+    samples.name = file;
+    let within = frequencies.into_iter().map(|own| (own.clone(), of.around_hz(&own)));
+    let decay = Decay::of(samples, &within.collect::<Vec<_>>(), values)
+        .map_err(|error| MeasuredError::refused(table, &error).hinting(Some(error.hint())))?;
+    let taken = decay.values(values, uncertainty.unwrap_or(0.0));
+    Ok((decay, taken, reading))
+}
+
+/// Columns that were chosen.
+fn choices(table: &InputFile, columns: &[String]) -> Result<Vec<ColumnChoice>, MeasuredError> {
+    let choice = |text: &String| {
+        text.parse().map_err(|error| MeasuredError::refused(table, &format!("columns: {error}")))
+    };
+    columns.iter().map(choice).collect()
 }
 
 fn read_response(
@@ -133,11 +195,8 @@ fn record_of(
 ) -> Result<(Record, Reading), MeasuredError> {
     let refused = |error: &dyn Display| MeasuredError::refused(table, &error);
     let sensors: Vec<_> = of.channels.iter().map(|channel| channel.sensor).collect();
-    let mut format = TableFormat { skip: of.skip, ..TableFormat::default() };
-    for choice in &of.columns {
-        let choice = choice.parse().map_err(|error| refused(&format!("columns: {error}")))?;
-        format.columns.push(choice);
-    }
+    let columns = choices(table, &of.columns)?;
+    let mut format = TableFormat { skip: of.skip, columns, ..TableFormat::default() };
     for scale in &of.scale {
         let scale = scale.parse().map_err(|error| refused(&format!("scale: {error}")))?;
         format.scales.push(scale);
@@ -170,7 +229,8 @@ fn record_of(
         (RecordedInput::Torque, _) => RecordInput::Torque(read.input, of.hold),
     };
     let record = Record::new(of.file, read.step_s, input, channels.collect(), of.is_delay_free);
-    Ok((record.map_err(|error| refused(&error))?, read.reading))
+    let record = record.map_err(|error| refused(&error).hinting(error.hint()))?;
+    Ok((record, read.reading))
 }
 
 #[cfg(test)]
@@ -179,6 +239,13 @@ mod tests {
 
     use super::*;
     use crate::fit::Observable;
+    use crate::spec::read_specification;
+
+    fn any_link() -> Specimen {
+        let text = "segments = [{ length = 1, EI = 1, mass_per_length = 1 }]\nhub.inertia = 1";
+        let own = read_specification("link.toml", text, &[]).unwrap();
+        Specimen::from((own.link, own.mesh))
+    }
 
     /// Samples, uncertainties and units of a record in degrees, microstrain at 0.4 mm, counts and volts.
     #[test]
@@ -194,7 +261,7 @@ mod tests {
         fs::write(folder.path().join("log.csv"), log).unwrap();
         let path = folder.path().join("measured.toml");
         fs::write(&path, text).unwrap();
-        let read = read_measured(&path, 1).unwrap();
+        let read = read_measured(&path, &any_link()).unwrap();
         let channels = read.measurements.records()[0].channels();
         let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found}");
         near(channels[0].samples[2], std::f64::consts::PI);
@@ -204,7 +271,7 @@ mod tests {
         near(channels[2].samples[1], 0.01);
         near(channels[2].uncertainty.unwrap(), 5e-4);
         fs::write(&path, text.to_owned() + &text.replace("hold = 'linear'", "")).unwrap();
-        let twice = read_measured(&path, 1).unwrap_err().to_string();
+        let twice = read_measured(&path, &any_link()).unwrap_err().to_string();
         assert!(twice.ends_with("measured.toml: hub_angle of log.csv is given twice"), "{twice}");
     }
 
@@ -227,7 +294,7 @@ mod tests {
         let text = "[[response]]\nfile = 'loop.csv'\ntransfer = 'hub_angle'\nloop = 'closed'\n";
         fs::write(folder.path().join("loop.csv"), table(&[4.0, 9.0])).unwrap();
         fs::write(&path, text.to_owned() + "first_zero = 2\nuncertainty = 0.01\n").unwrap();
-        let read = read_measured(&path, 1).unwrap();
+        let read = read_measured(&path, &any_link()).unwrap();
         assert_eq!(read.measurements.responses().len() + read.named.len(), 1);
         for (k, exact) in [(0, 4.0), (1, 9.0)] {
             let zero = &read.measurements.values()[k];
@@ -236,7 +303,7 @@ mod tests {
             assert!(zero.uncertainty.unwrap() < 0.001 * exact, "{zero:?}");
         }
         fs::write(folder.path().join("loop.csv"), table(&[])).unwrap();
-        let refused = read_measured(&path, 1).unwrap_err().to_string();
+        let refused = read_measured(&path, &any_link()).unwrap_err().to_string();
         assert!(refused.contains("loop.csv: dips = none"), "{refused}");
     }
 
@@ -251,9 +318,9 @@ mod tests {
         let text = "[[record]]\nfile = 'log.csv'\ninput = 'torque'\n[[record.channel]]\nsensor = 'hub_angle'\n";
         let path = folder.path().join("measured.toml");
         fs::write(&path, text).unwrap();
-        assert!(read_measured(&path, 1).unwrap().readings[0].1.jitter().is_some());
+        assert!(read_measured(&path, &any_link()).unwrap().readings[0].1.jitter().is_some());
         fs::write(&path, text.replace("'torque'\n", "'torque'\nhold = 'zero'\n")).unwrap();
-        let refused = read_measured(&path, 1).unwrap_err().to_string();
+        let refused = read_measured(&path, &any_link()).unwrap_err().to_string();
         assert!(refused.contains("log.csv: times = off a uniform step"), "{refused}");
     }
 }

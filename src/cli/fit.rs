@@ -41,6 +41,11 @@ measured.toml holds any of
   [[damping]]
   mode = 1
   ratio = 0.013            # or peaks = [1.0, 0.92, 0.85]
+  [[decay]]                # after a pluck or a blow
+  file = \"pluck.csv\"       # time and a sensor, in any unit
+  hub = \"held\"             # or \"free\", the default
+  mode = [1, 2]            # default 1
+  from = \"0.35 s\"          # after the release
   [[response]]             # per torque
   file = \"frf.csv\"         # frequency, real, imaginary
   transfer = \"hub_angle\"   # hub_rate, tip_deflection,
@@ -70,7 +75,8 @@ that of an arm, in poses
   joints = \"free\"          # the default, or \"held\"
   at = [\"0 deg\", \"90 deg\"] # of each link, inner first
   value = \"8.3 Hz\"
-  [[damping]]              # mode, joints, at, ratio";
+  [[damping]]              # mode, joints, at, ratio
+  [[decay]]                # file, mode, joints, at";
 
 /// The link or the arm that was measured: values of its file from frequencies, damping ratios, responses and records.
 ///
@@ -267,9 +273,9 @@ impl Problem {
         measured: &Path,
         arguments: Vec<String>,
     ) -> Result<(Self, Vec<InputFile>, Readings), Failure> {
-        let links = match &own {
-            Described::Link(_) => 1,
-            Described::Arm(own) => own.arm.links().len(),
+        let specimen = match &own {
+            Described::Link(own) => Specimen::from((own.link.clone(), own.mesh.clone())),
+            Described::Arm(own) => Specimen::Arm(own.arm.clone()),
         };
         let document = LinkDocument::read(&link.shown, link.text()?)?;
         let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
@@ -283,7 +289,8 @@ impl Problem {
             }
             free.push((value, bounds));
         }
-        let MeasuredSet { measurements, file, named, readings } = read_measured(measured, links)?;
+        let MeasuredSet { measurements, file, named, readings } =
+            read_measured(measured, &specimen)?;
         let [of_link, of_measured] = [&link, &file].map(Fingerprint::of);
         let of_named = named.iter().map(Fingerprint::of).collect();
         let inputs = FitInputs { link: of_link, measured: of_measured, named: of_named, arguments };

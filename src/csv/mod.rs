@@ -3,6 +3,7 @@
 mod bare_phase;
 mod cells;
 mod columns;
+mod decay;
 mod dialect;
 mod format;
 mod given;
@@ -24,6 +25,7 @@ mod samples;
 mod table;
 mod unit_name;
 
+pub use decay::read_decay;
 pub use dialect::{Decimal, Delimiter};
 pub use format::{ColumnChoice, ColumnScale, Reading, TableFormat};
 pub(crate) use heading::{check_separator, refuse_missing};

@@ -106,7 +106,7 @@ fn driving(input: RecordedInput) -> Quantity {
     }
 }
 
-fn shown(sensor: Sensor) -> Quantity {
+pub(super) fn shown(sensor: Sensor) -> Quantity {
     match sensor {
         Sensor::HubAngle => HUB_ANGLE,
         Sensor::HubRate => HUB_RATE,
@@ -121,12 +121,17 @@ fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), Ta
     let mut columns = Columns::find_all(&RECORD, header)?;
     if let Some(missing) = wanted.iter().find(|wanted| find(&columns.headings, **wanted).is_none())
     {
-        let of_tip = [DEFLECTION, ACCELERATION].contains(missing);
-        let word = if of_tip { format!("tip_{}", missing.word) } else { missing.word.to_owned() };
-        return Err(refuse_missing(&names(fields), &word, place).or_hint(CHOICES.to_owned()));
+        let missing = refuse_missing(&names(fields), &word_of(*missing), place);
+        return Err(missing.or_hint(CHOICES.to_owned()));
     }
     columns.headings.retain(|heading| wanted.contains(&heading.quantity));
     Ok((columns, Reading::default()))
+}
+
+/// The name of a quantity in messages.
+pub(super) fn word_of(quantity: Quantity) -> String {
+    let of_tip = [DEFLECTION, ACCELERATION].contains(&quantity);
+    if of_tip { format!("tip_{}", quantity.word) } else { quantity.word.to_owned() }
 }
 
 /// All that a simulation gives.

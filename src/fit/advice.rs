@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use super::decay::Decay;
 use super::measurement::Observable;
-use super::misfits::{Misfit, RecordMisfit, is_too_small};
+use super::misfits::{Misfit, RecordMisfit, STRAY, is_too_small};
 use super::outcome::FitOutcome;
 use crate::model::Sensor;
 use crate::text::significant;
@@ -38,6 +39,24 @@ pub enum FitWarning {
         /// The difference over the root mean square of all.
         times: f64,
         /// Its time in s after the first sample.
+        time_s: f64,
+    },
+    /// A decay whose logarithm is not straight.
+    BentDecay {
+        /// File of the decay.
+        name: String,
+        /// The mode's damping ratio.
+        observable: Observable,
+        /// The ratio of the first samples and that of the last.
+        ratios: [f64; 2],
+    },
+    /// A sample of a decay that is far off.
+    StrayOfDecay {
+        /// File of the decay.
+        name: String,
+        /// The difference over the root mean square of all.
+        times: f64,
+        /// Its time in s.
         time_s: f64,
     },
     /// Differences far smaller than the uncertainties.
@@ -82,6 +101,20 @@ impl fmt::Display for FitWarning {
                 significant(*time_s, 4),
                 significant(*times, 2)
             ),
+            Self::BentDecay { name, observable, ratios: [first, last] } => write!(
+                f,
+                "{name}: the logarithm of the amplitude is not straight: {observable} is {} at the beginning and {} at \
+                 the end, as {} makes it",
+                significant(*first, 2),
+                significant(*last, 2),
+                if first < last { "dry friction" } else { "the drag of air" }
+            ),
+            Self::StrayOfDecay { name, times, time_s } => write!(
+                f,
+                "{name}: the sample at {} s is off the decay by {} times the root mean square of all differences",
+                significant(*time_s, 4),
+                significant(*times, 2)
+            ),
             Self::TooSmall { chi_squared, degrees_of_freedom } => write!(
                 f,
                 "chi² {} with {degrees_of_freedom} degrees of freedom is far too small: the uncertainties \
@@ -106,6 +139,8 @@ impl FitWarning {
             Self::Unchecked => "unchecked",
             Self::Correlated { .. } => "correlated_differences",
             Self::Stray { .. } => "stray_sample",
+            Self::BentDecay { .. } => "bent_decay",
+            Self::StrayOfDecay { .. } => "stray_sample_of_decay",
             Self::TooSmall { .. } => "small_chi_squared",
             Self::NoisyInput { .. } => "noisy_input",
         }
@@ -116,7 +151,11 @@ impl FitWarning {
         match self {
             Self::Outlier { .. } => "measure it again, or give it its true uncertainty",
             Self::Unchecked => "measure more, or free less",
-            Self::Stray { .. } => {
+            Self::BentDecay { .. } => {
+                "cut the decay to where it is exponential with from and until; it must begin after the release. No \
+                 damping ratio describes the rest"
+            }
+            Self::Stray { .. } | Self::StrayOfDecay { .. } => {
                 "correct the samples that were lost or cut off, or leave them out"
             }
             Self::TooSmall { .. } => {
@@ -149,7 +188,24 @@ impl FitOutcome {
             degrees_of_freedom: self.degrees_of_freedom,
         });
         let of_records = self.records.iter().flat_map(RecordMisfit::warnings);
-        outliers.chain(unchecked).chain(small).chain(of_records).collect()
+        let of_decays = self.decays.iter().flat_map(Decay::warnings);
+        outliers.chain(unchecked).chain(small).chain(of_records).chain(of_decays).collect()
+    }
+}
+
+impl Decay {
+    fn warnings(&self) -> Vec<FitWarning> {
+        let name = || self.name.clone();
+        let bent = self.modes.iter().filter_map(|mode| {
+            let observable = mode.ratio.observable.clone();
+            Some(FitWarning::BentDecay { name: name(), observable, ratios: mode.bent? })
+        });
+        let (times, time_s) = self.largest;
+        // Where the decay is bent, its differences are no noise.
+        let is_bent = self.modes.iter().any(|mode| mode.bent.is_some());
+        let is_stray = times > STRAY && !is_bent;
+        let stray = is_stray.then(|| FitWarning::StrayOfDecay { name: name(), times, time_s });
+        bent.chain(stray).collect()
     }
 }
 
@@ -190,7 +246,7 @@ impl Misfit {
                 .to_owned(),
             Self::Contradiction { .. } => {
                 "one measurement far off has another mode, hub or pose than it says; if all are off, enlarge the \
-                 uncertainties to what the measurements are worth, or free the value that differs from the \
+                 uncertainties to what the measurements are worth (uncertainty = 0.01 in a [[decay]]), or free the value that differs from the \
                  link file"
                     .to_owned()
             }

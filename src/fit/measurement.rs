@@ -112,6 +112,26 @@ impl Observable {
         matches!(self, Self::Damping { .. } | Self::ArmDamping(_))
     }
 
+    /// The damping ratio of the mode whose frequency this is.
+    pub(super) fn ratio(&self) -> Self {
+        match self.clone() {
+            Self::Frequency { mode, hub } => Self::Damping { mode, hub },
+            Self::ArmFrequency(own) => Self::ArmDamping(own),
+            other => other,
+        }
+    }
+
+    /// The same of the mode of another number.
+    pub(super) fn numbered(&self, number: usize) -> Self {
+        match self.clone() {
+            Self::Frequency { hub, .. } => Self::Frequency { mode: number, hub },
+            Self::Damping { hub, .. } => Self::Damping { mode: number, hub },
+            Self::Zero { .. } => Self::Zero { zero: number },
+            Self::ArmFrequency(own) => Self::ArmFrequency(ArmMode { mode: number, ..own }),
+            Self::ArmDamping(own) => Self::ArmDamping(ArmMode { mode: number, ..own }),
+        }
+    }
+
     /// Unit of its value; none of a ratio.
     pub fn unit(&self) -> &'static str {
         if self.is_damping() { "" } else { "Hz" }
@@ -176,6 +196,15 @@ impl Measured {
     /// Uncertainty over the value; 1 where it is not known.
     pub(super) fn relative(&self) -> f64 {
         self.uncertainty.map_or(1.0, |uncertainty| uncertainty / self.value)
+    }
+
+    /// The value with its uncertainty in two digits, `2.3286 ± 0.0012`, without the unit.
+    pub fn shown(&self) -> String {
+        let Some(uncertainty) = self.uncertainty else { return significant(self.value, 5) };
+        let order = |number: f64| libm::log10(number.abs()).floor();
+        let least = 2.0 + order(self.value) - order(uncertainty);
+        let digits = (2_usize..12).find(|digits| *digits as f64 >= least).unwrap_or(12);
+        format!("{} ± {}", significant(self.value, digits), significant(uncertainty, 2))
     }
 
     /// Refuses what cannot be measured.

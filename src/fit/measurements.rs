@@ -1,3 +1,4 @@
+use super::decay::Decay;
 use super::measurement::{Measured, MeasurementsError};
 use super::record::{Record, RecordFit};
 use super::response::{Overlay, Response, ResponseFit};
@@ -9,6 +10,8 @@ pub struct Measurements {
     values: Vec<Measured>,
     responses: Vec<Response>,
     records: Vec<Record>,
+    /// Decays, whose values are among the others.
+    decays: Vec<Decay>,
 }
 
 /// What a link or an arm has in place of the measurements.
@@ -39,7 +42,7 @@ impl Measurements {
         if kinds == 0 {
             return Err(MeasurementsError::Empty);
         }
-        let measurements = Self { values, responses, records };
+        let measurements = Self { values, responses, records, decays: Vec::new() };
         let is_known = measurements.has_uncertainties();
         for (k, measured) in measurements.values.iter().enumerate() {
             let observable = || measured.observable.clone();
@@ -63,6 +66,17 @@ impl Measurements {
             Some(name) => Err(MeasurementsError::MixedFile(name.to_owned())),
             None => Ok(measurements),
         }
+    }
+
+    /// The same with the decays that some of the values are from.
+    #[must_use]
+    pub fn with_decays(self, decays: Vec<Decay>) -> Self {
+        Self { decays, ..self }
+    }
+
+    /// Values alone, of which nothing is checked.
+    pub(super) fn of_values(values: Vec<Measured>) -> Self {
+        Self { values, responses: Vec::new(), records: Vec::new(), decays: Vec::new() }
     }
 
     /// A file and a sensor of it that are given twice.
@@ -89,6 +103,11 @@ impl Measurements {
     /// The records in their order.
     pub fn records(&self) -> &[Record] {
         &self.records
+    }
+
+    /// The decays that some of the values are from.
+    pub fn decays(&self) -> &[Decay] {
+        &self.decays
     }
 
     /// The same with the beginning of each record alone.

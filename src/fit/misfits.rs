@@ -35,7 +35,7 @@ const MOST_CORRELATED: f64 = 0.999;
 const CORRELATED: f64 = 1.5;
 
 /// Root mean squares beyond which a difference is none of many normal ones: one in a billion.
-const STRAY: f64 = 6.0;
+pub(super) const STRAY: f64 = 6.0;
 
 /// A measurement beside its prediction.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -15,6 +15,8 @@
 
 mod advice;
 mod alignment;
+mod damped;
+mod decay;
 mod dips;
 mod least_squares;
 mod measurement;
@@ -27,8 +29,10 @@ mod record_parts;
 mod response;
 mod specimen;
 mod value;
+mod vibrations;
 
 pub use advice::FitWarning;
+pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
 pub use least_squares::fit;
 pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;

@@ -5,6 +5,7 @@ use std::fmt;
 use faer::Mat;
 use serde::Serialize;
 
+use super::decay::Decay;
 use super::measurements::{Measurements, Prediction};
 use super::misfits::{DELAY_UNIT, Misfit, Misfits, RecordMisfit, Residual};
 use super::record::Record;
@@ -76,6 +77,9 @@ pub struct FitOutcome {
     pub responses: Vec<ResponseMisfit>,
     /// The records in their order.
     pub records: Vec<RecordMisfit>,
+    /// The decays that some of the measurements are from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub decays: Vec<Decay>,
     /// Correlation of the free values, row by row; empty where a value is not determined.
     pub correlation: Vec<Vec<f64>>,
     /// Combinations of free values that the data do not determine.
@@ -179,6 +183,7 @@ impl FitOutcome {
             residuals: misfits.residuals,
             responses: misfits.responses,
             records: misfits.records,
+            decays: measurements.decays().to_vec(),
         }
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use super::alignment::{Alignment, Freedom, Overlaid, longest_delay, rough_delay};
 use super::motor::with_motor_friction;
 use super::record_parts::{
-    Channel, FEWEST, RecordError, RecordInput, check, is_constant, rms, rms_about_mean,
+    Channel, FEWEST, INPUT, RecordError, RecordInput, check, is_constant, rms, rms_about_mean,
 };
 use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
@@ -82,11 +82,11 @@ impl Record {
         if driving.len() < FEWEST {
             return Err(RecordError::Few(driving.len()));
         }
-        check("the input", driving, driving.len())?;
+        check(INPUT, driving, driving.len())?;
         // A torque that begins with the record and stays moves the link.
         let is_rest = matches!(driven, Driven::Angle(_)) || driving[0] == 0.0;
         if is_rest && is_constant(driving) {
-            return Err(RecordError::Constant { channel: "the input".to_owned() });
+            return Err(RecordError::Constant { channel: INPUT.to_owned() });
         }
         let mut sizes = Vec::new();
         for channel in &channels {

@@ -16,6 +16,9 @@ const LARGEST: f64 = 1e150;
 /// Fewest samples of a record.
 pub(super) const FEWEST: usize = 4;
 
+/// What errors call the samples that drive the link.
+pub(super) const INPUT: &str = "the input";
+
 /// What drives the link that is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordedInput {
@@ -139,6 +142,15 @@ impl RecordInput {
             }
             Self::HubAngle(samples) => (Driven::Angle(samples), 0.0),
         }
+    }
+}
+
+impl RecordError {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        let is_undriven = matches!(self, Self::Constant { channel } if channel == INPUT);
+        is_undriven
+            .then_some("[[decay]] with file, mode and hub reads a free decay, which nothing drives")
     }
 }
 

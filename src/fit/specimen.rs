@@ -68,6 +68,32 @@ impl Specimen {
         Ok(refinements)
     }
 
+    /// Number of links.
+    pub fn links(&self) -> usize {
+        match self {
+            Self::Link(_) => 1,
+            Self::Arm(arm) => arm.links().len(),
+        }
+    }
+
+    /// The frequencies in Hz that are nearer to this one than to those of the modes below and above it, by their
+    /// logarithms; all where there is no such mode.
+    pub fn around_hz(&self, frequency: &Observable) -> [f64; 2] {
+        let number = frequency.number();
+        let value = |number: usize| {
+            let observable = frequency.numbered(number);
+            let measured = Measured { observable, value: 1.0, uncertainty: None };
+            let measured = Measurements::of_values(vec![measured]);
+            let refinements = self.refinements::<()>(&measured, COARSE).ok()?;
+            let hertz = self.predicted(&measured, refinements, &[])?.values[0];
+            hertz.filter(|hertz| hertz.is_finite() && *hertz > 0.0)
+        };
+        let Some(own) = value(number) else { return [0.0, f64::INFINITY] };
+        let below = if number > 1 { value(number - 1) } else { None };
+        let border = |other: f64| (own * other).sqrt();
+        [below.map_or(0.0, border), value(number + 1).map_or(f64::INFINITY, border)]
+    }
+
     /// The delays in whole samples by which its histories lie best over the records whose sensors may be late.
     pub(super) fn rough_delays(
         &self,

@@ -10,6 +10,7 @@ mod drawing;
 mod figure;
 mod figures;
 mod fit;
+mod fit_figures;
 mod fit_starts;
 mod frequency;
 mod limited;

@@ -2,6 +2,7 @@ use serde::de::Deserialize;
 
 use super::document::shown;
 use super::error::{Fault, SpecError};
+use super::measured_decay::{DecayFile, RawDecay};
 use super::measured_files::{
     RawGain, RawMotor, RawRecord, RawSensor, RecordFile, check_motor, checked,
 };
@@ -24,6 +25,8 @@ struct RawMeasurements {
     response: Vec<RawResponse>,
     #[serde(default, deserialize_with = "tables")]
     record: Vec<RawRecord>,
+    #[serde(default, deserialize_with = "tables")]
+    decay: Vec<RawDecay>,
     motor: Option<RawMotor>,
 }
 
@@ -36,6 +39,8 @@ pub struct MeasuredFile {
     pub responses: Vec<ResponseFile>,
     /// Recorded histories in files of their own.
     pub records: Vec<RecordFile>,
+    /// Free decays in files of their own.
+    pub decays: Vec<DecayFile>,
     /// The motor at the hub.
     pub motor: Option<Motor>,
 }
@@ -71,7 +76,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
         ("record", !raw.record.is_empty()),
     ];
     for (key, _) in of_one_link.into_iter().filter(|(_, is_given)| *is_given) {
-        of.refuse_for_arms(key, "[[frequency]] and [[damping]] alone")?;
+        of.refuse_for_arms(key, "[[frequency]], [[damping]] and [[decay]] alone")?;
     }
     let mut values = Vec::new();
     for (number, raw) in raw.frequency.into_iter().enumerate() {
@@ -80,6 +85,9 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
     for (number, raw) in raw.damping.into_iter().enumerate() {
         values.push(raw.convert(&format!("damping.{number}"), &of)?);
     }
+    let decays = raw.decay.into_iter().enumerate();
+    let decays = decays.map(|(number, raw)| raw.convert(&format!("decay.{number}"), &of));
+    let decays = decays.collect::<Result<Vec<_>, Fault>>()?;
     let motor = raw.motor.map(RawMotor::convert).transpose()?;
     let mut responses = Vec::new();
     for (number, raw) in raw.response.into_iter().enumerate() {
@@ -89,17 +97,18 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
     for (number, raw) in raw.record.into_iter().enumerate() {
         records.push(raw.convert(&format!("record.{number}"), motor.is_some())?);
     }
-    if values.is_empty() && responses.is_empty() && records.is_empty() {
+    if values.is_empty() && responses.is_empty() && records.is_empty() && decays.is_empty() {
         let hint = if of.is_arm() {
-            "[[frequency]] with mode, value, joints and at, [[damping]] with mode, ratio, joints and at"
+            "[[frequency]] with mode, value, joints and at, [[damping]] with mode, ratio, joints and at, [[decay]] \
+             with file, mode, joints and at"
         } else {
-            "[[frequency]] with mode, value and hub, [[damping]] with mode and ratio, \
+            "[[frequency]] with mode, value and hub, [[damping]] with mode and ratio, [[decay]] with file, mode and hub, \
              [[response]] with file and transfer, [[record]] with file, input and channel"
         };
         let message = "measurements = none, but must be at least one";
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }
-    Ok(MeasuredFile { values, responses, records, motor })
+    Ok(MeasuredFile { values, responses, records, decays, motor })
 }
 
 /// A frequency response in a file of its own.

@@ -22,11 +22,12 @@ pub(super) struct MeasuredOf {
 }
 
 /// The keys that say of which mode a value is.
-struct ModeKeys {
-    mode: usize,
-    hub: Option<RawHub>,
-    joints: Option<RawHub>,
-    at: Option<Vec<Angle>>,
+#[derive(Clone)]
+pub(super) struct ModeKeys {
+    pub(super) mode: usize,
+    pub(super) hub: Option<RawHub>,
+    pub(super) joints: Option<RawHub>,
+    pub(super) at: Option<Vec<Angle>>,
 }
 
 impl MeasuredOf {
@@ -75,6 +76,12 @@ impl MeasuredOf {
             }
             None => Ok(Some(at_rad)),
         }
+    }
+
+    /// The natural frequency of a mode.
+    pub(super) fn frequency(&self, path: &str, keys: ModeKeys) -> Result<Observable, Fault> {
+        let of_link = |mode, hub| Observable::Frequency { mode, hub };
+        self.mode(path, keys, of_link, Observable::ArmFrequency)
     }
 
     /// The mode of a value: of the link by the first, of the arm by the second of two kinds.
@@ -141,7 +148,7 @@ pub(super) struct RawDamping {
 
 #[derive(Debug, Clone, Copy, serde::Deserialize)]
 #[serde(rename_all = "lowercase", expecting = "a string")]
-enum RawHub {
+pub(super) enum RawHub {
     Free,
     Held,
 }
@@ -199,12 +206,7 @@ impl RawFrequency {
     pub(super) fn convert(self, path: &str, of: &MeasuredOf) -> Result<Measured, Fault> {
         let Self { mode, zero, hub, joints, at, value: Hertz(value), uncertainty } = self;
         let observable = match (mode, zero) {
-            (Some(Count(mode)), None) => of.mode(
-                path,
-                ModeKeys { mode, hub, joints, at },
-                |mode, hub| Observable::Frequency { mode, hub },
-                Observable::ArmFrequency,
-            )?,
+            (Some(Count(mode)), None) => of.frequency(path, ModeKeys { mode, hub, joints, at })?,
             (None, Some(Count(zero))) => {
                 of.refuse_for_arms(&format!("{path}.zero"), "`mode`")?;
                 let beside =

@@ -20,6 +20,7 @@ mod document;
 mod error;
 mod free;
 mod measured;
+mod measured_decay;
 mod measured_files;
 mod measured_values;
 mod overrides;
@@ -36,6 +37,7 @@ pub use document::{ArmSpecification, Described, LinkDocument, read_specification
 pub use error::SpecError;
 pub use free::{FreeValue, rewrite};
 pub use measured::{MeasuredFile, ResponseFile, read_measurements};
+pub use measured_decay::DecayFile;
 pub use measured_files::{ChannelFile, RecordFile};
 pub use overrides::Override;
 pub use schema::{link_file_schema, unit_of_key};

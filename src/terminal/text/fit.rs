@@ -1,6 +1,6 @@
 //! What `fit` prints.
 
-use flexlink::fit::{ChannelMisfit, FitOutcome, FittedValue, Replaced};
+use flexlink::fit::{ChannelMisfit, DecayMode, FitOutcome, FittedValue, Measured, Replaced};
 use flexlink::text;
 
 /// Correlation from which on two values are said to go together.
@@ -69,6 +69,22 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
             let [gain, offset] = [shown("gain", gain), shown("offset", offset)];
             let name = format!("  {}", sensor.word());
             lines.push(row([&name, &gain, &offset, &format!("{} rms", percent(*rms))]));
+        }
+    }
+    for decay in &outcome.decays {
+        let name = format!("decay {}: {}", decay.name, decay.column);
+        let count = format!("{} samples", decay.samples);
+        lines.push(row([&name, &count, "", &format!("{} rms", percent(decay.rms))]));
+        for DecayMode { frequency, ratio, .. } in &decay.modes {
+            let name = format!("  {}", frequency.observable);
+            let unit = frequency.observable.unit();
+            let [hertz, ratio] = [frequency, ratio].map(Measured::shown);
+            lines.push(format!("{name:<width$} {hertz} {unit}, damping ratio {ratio}"));
+        }
+        if !decay.others_hz.is_empty() {
+            let hertz = decay.others_hz.iter().map(|hertz| significant(*hertz, 4));
+            let hertz = hertz.collect::<Vec<_>>().join(", ");
+            lines.push(format!("{:<width$} {hertz} Hz", "  no mode that was asked for"));
         }
     }
     for (k, correlations) in outcome.correlation.iter().enumerate() {

@@ -4,6 +4,7 @@
 
 mod arms;
 mod closed_loops;
+mod decays;
 mod ratios;
 mod records;
 mod responses;
