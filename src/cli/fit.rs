@@ -87,6 +87,8 @@ that of an arm, in poses
 /// measurement beside the fitted link's value, and what the data do not determine; -o writes the link file
 /// with the values replaced, comments and all else kept, and its record NAME.json beside NAME.toml.
 ///
+/// Where other values fit about as well, they are printed, a warning says so, and the 95 % cover them all.
+///
 /// Without uncertainties the standard errors follow from the differences that remain; of few differences the
 /// 95 % are wide, by Student's distribution. Where the data do not determine all free values, or do not fit
 /// the link, no link file is written, and the exit code is 4.
@@ -112,6 +114,10 @@ pub(crate) struct Fit {
     /// Link file NAME.toml to write; its record NAME.json goes beside it [default: none is written].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    /// Where other values fit about as well, write no link file, and end with exit code 4.
+    #[arg(long)]
+    strict: bool,
 
     /// Write a page with measured and fitted over each other, even where no link file is written
     /// [default FILE: NAME.html beside the link file NAME.toml of -o, else fit.html].
@@ -151,7 +157,10 @@ impl Fit {
         self.keep(&inputs)?;
         let problem = self.load()?;
         let bar = StageBar::new();
-        let outcome = problem.fit(&|tried| bar.tried(tried))?;
+        let mut outcome = problem.fit(&|tried| bar.tried(tried))?;
+        if self.strict {
+            outcome.refuse_several();
+        }
         drop(bar);
         if problem.plays_as_viscous() {
             console::note(

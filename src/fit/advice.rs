@@ -9,6 +9,10 @@ use super::outcome::FitOutcome;
 use crate::model::Sensor;
 use crate::text::significant;
 
+/// What helps against several answers.
+const TELL_APART: &str = "measure what tells the answers apart, another mode, the hub held or a mass, or bound the \
+                          values with --free PATH=LOW:HIGH";
+
 /// What the user of a fit must know to judge it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FitWarning {
@@ -18,6 +22,11 @@ pub enum FitWarning {
         observable: Observable,
         /// Distance from the fitted link's value, in uncertainties.
         uncertainties: f64,
+    },
+    /// Other values that fit the measurements about as well.
+    Ambiguous {
+        /// How many other answers there are.
+        others: usize,
     },
     /// As many measured numbers as free values.
     Unchecked,
@@ -83,6 +92,9 @@ impl fmt::Display for FitWarning {
                 "{observable} is {} uncertainties away from the fitted value",
                 significant(*uncertainties, 2)
             ),
+            Self::Ambiguous { others } => {
+                write!(f, "{}: the 95 % cover them all", as_well(*others))
+            }
             Self::Unchecked => f.write_str(
                 "there are no more measurements than free values: nothing checks the fit",
             ),
@@ -131,11 +143,22 @@ impl fmt::Display for FitWarning {
     }
 }
 
+/// That there are several answers.
+pub(super) fn as_well(others: usize) -> String {
+    let fit = if others == 1 {
+        "one other answer fits".to_owned()
+    } else {
+        format!("{others} other answers fit")
+    };
+    format!("{fit} the measurements about as well")
+}
+
 impl FitWarning {
     /// Its kind in the record.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Outlier { .. } => "outlier",
+            Self::Ambiguous { .. } => "ambiguous",
             Self::Unchecked => "unchecked",
             Self::Correlated { .. } => "correlated_differences",
             Self::Stray { .. } => "stray_sample",
@@ -150,6 +173,7 @@ impl FitWarning {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Outlier { .. } => "measure it again, or give it its true uncertainty",
+            Self::Ambiguous { .. } => TELL_APART,
             Self::Unchecked => "measure more, or free less",
             Self::BentDecay { .. } => {
                 "cut the decay to where it is exponential with from and until; it must begin after the release. No \
@@ -181,6 +205,8 @@ impl FitOutcome {
             observable: residual.measured.observable.clone(),
             uncertainties: residual.uncertainties.unwrap_or_default().abs(),
         });
+        let others = self.other_answers.len();
+        let ambiguous = (others > 0).then_some(FitWarning::Ambiguous { others });
         let unchecked = (self.degrees_of_freedom == 0).then_some(FitWarning::Unchecked);
         let small = self.chi_squared.filter(|found| is_too_small(*found, self.degrees_of_freedom));
         let small = small.map(|chi_squared| FitWarning::TooSmall {
@@ -189,7 +215,8 @@ impl FitOutcome {
         });
         let of_records = self.records.iter().flat_map(RecordMisfit::warnings);
         let of_decays = self.decays.iter().flat_map(Decay::warnings);
-        outliers.chain(unchecked).chain(small).chain(of_records).chain(of_decays).collect()
+        let of_values = outliers.chain(ambiguous).chain(unchecked).chain(small);
+        of_values.chain(of_records).chain(of_decays).collect()
     }
 }
 
@@ -254,6 +281,7 @@ impl Misfit {
                                      delay of the channel, the input and its hold, a motion before the first \
                                      sample, a sensor at its end, or what the link file lacks"
                 .to_owned(),
+            Self::Ambiguous { .. } => TELL_APART.to_owned(),
             Self::Unknown => "bound the free values with --free PATH=LOW:HIGH, or start nearer the \
                               measurements with --set"
                 .to_owned(),

@@ -18,14 +18,14 @@ const STEP: f64 = 2e-4;
 
 /// How far an iteration goes.
 #[derive(Clone, Copy)]
-struct Depth {
+pub(super) struct Depth {
     /// Relative error of the frequencies on its mesh.
-    mesh_tolerance: f64,
+    pub(super) mesh_tolerance: f64,
     /// Change of the logarithms that ends it.
-    settled: f64,
+    pub(super) settled: f64,
     /// Decrease of the sum of squares over itself that ends it, too.
-    little: f64,
-    most_iterations: usize,
+    pub(super) little: f64,
+    pub(super) most_iterations: usize,
 }
 
 /// To tell which start leads to the best fit.
@@ -33,7 +33,7 @@ const SURVEY: Depth =
     Depth { mesh_tolerance: COARSE, settled: 1e-4, little: 1e-4, most_iterations: 30 };
 
 /// To the last digits.
-const POLISH: Depth =
+pub(super) const POLISH: Depth =
     Depth { mesh_tolerance: FINE, settled: 1e-9, little: 0.0, most_iterations: 60 };
 
 /// Square of a column of the Jacobian over the largest that counts as none.
@@ -48,12 +48,6 @@ const WEIGHINGS: usize = 3;
 /// Shares of the records that are fitted before the whole.
 const BEGINNINGS: [f64; 2] = [1.0 / 16.0, 1.0 / 4.0];
 
-/// Starts beside that of the file.
-const OTHER_STARTS: usize = 3;
-
-/// Largest factor between the file's value and another start.
-const FARTHEST_START: f64 = 5.0;
-
 /// Sum of squares over the best start's below which another start is a better one.
 const BETTER: f64 = 0.99;
 
@@ -63,7 +57,7 @@ const TIE: f64 = 1e-8;
 /// Finds the factors on the free values of a link or an arm with which it fits the measurements best.
 ///
 /// `specimen_at` makes an [`Arm`](crate::link::Arm), or a link and the plan of its mesh, of factors on the free values. The
-/// sum of the squared residuals is minimised from the file's own values and from three other starts, up to five times
+/// sum of the squared residuals is minimised from the file's own values and from other starts, up to five times
 /// larger or smaller.
 ///
 /// # Errors
@@ -76,17 +70,23 @@ pub fn fit<S: Into<Specimen>, E: Send>(
     let problem = Problem { measurements, free, specimen_at };
     let own = vec![0.0; free.len() + measurements.records_with_free_delay().count()];
     problem.check(&own)?;
-    let starts: Vec<Vec<f64>> = (0..=OTHER_STARTS).map(|number| problem.start(number)).collect();
+    let starts = problem.starts();
     let ends: Vec<Option<End>> = starts.par_iter().map(|x| problem.survey(x.clone())).collect();
     let told =
         starts.iter().zip(&ends).map(|(from, end)| told(from, end.as_ref(), free.len())).collect();
-    let mut ends = ends.into_iter();
-    let first = ends.next().flatten().unwrap_or(End { x: own, ..End::NONE });
-    let best = ends.flatten().reduce(|a, b| if b.cost < a.cost { b } else { a });
-    let better =
-        best.filter(|best| best.cost < BETTER * first.cost && best.cost < first.cost - TIE);
+    let mut ends = ends;
+    let first = ends[0].take().unwrap_or(End { x: own, ..End::NONE });
+    let mut others: Vec<End> = ends.into_iter().flatten().collect();
+    // The first of equals.
+    let best = (0..others.len()).reduce(|a, b| if others[b].cost < others[a].cost { b } else { a });
+    let better = best
+        .filter(|k| others[*k].cost < BETTER * first.cost && others[*k].cost < first.cost - TIE);
     let is_from_other_start = better.is_some();
-    let survey = better.unwrap_or(first).x;
+    let main = match better {
+        Some(k) => std::mem::replace(&mut others[k], first),
+        None => first,
+    };
+    let (survey, surveyed) = (main.x, main.cost);
     let mut end = problem.descend(survey.clone(), POLISH).unwrap_or(End { x: survey, ..End::NONE });
     let mut weighed = measurements.clone();
     for _ in 0..WEIGHINGS {
@@ -104,14 +104,15 @@ pub fn fit<S: Into<Specimen>, E: Send>(
     let jacobian = problem.jacobian(&x, refinements, true);
     let predicted = problem.predicted(&x, refinements);
     let course = Course { is_from_other_start, has_settled, iterations, starts: told };
-    Ok(FitOutcome::of(&weighed, free, &x, predicted.as_ref(), &jacobian, course))
+    let outcome = FitOutcome::of(&weighed, free, &x, predicted.as_ref(), &jacobian, course);
+    Ok(problem.with_other_answers(outcome, (&x, predicted.as_ref()), others, surveyed))
 }
 
 /// Where an iteration ended, the sum of squares there, and whether no step led further down.
-struct End {
+pub(super) struct End {
     /// Logarithms of the factors, then delays in units of [`DELAY_UNIT`] samples.
-    x: Vec<f64>,
-    cost: f64,
+    pub(super) x: Vec<f64>,
+    pub(super) cost: f64,
     iterations: usize,
     has_settled: bool,
 }
@@ -133,19 +134,30 @@ fn told(from: &[f64], end: Option<&End>, free: usize) -> StartEnd {
     }
 }
 
-struct Problem<'a, F> {
-    measurements: &'a Measurements,
-    free: &'a [Free],
-    specimen_at: F,
+pub(super) struct Problem<'a, F> {
+    pub(super) measurements: &'a Measurements,
+    pub(super) free: &'a [Free],
+    pub(super) specimen_at: F,
 }
 
 impl<'a, F> Problem<'a, F> {
-    fn by_ref(&self) -> Problem<'a, &F> {
+    /// The bounds of a logarithm, or of a delay.
+    pub(super) fn bounds(&self, k: usize) -> [f64; 2] {
+        if let Some(free) = self.free.get(k) {
+            return free.factors.map(libm::log);
+        }
+        let mut records = self.measurements.records_with_free_delay();
+        let record = records.nth(k - self.free.len());
+        let longest = record.map_or(0, Record::longest_delay) as f64;
+        [-longest / DELAY_UNIT, longest / DELAY_UNIT]
+    }
+
+    pub(super) fn by_ref(&self) -> Problem<'a, &F> {
         Problem { measurements: self.measurements, free: self.free, specimen_at: &self.specimen_at }
     }
 }
 
-impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> {
+impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> {
     fn specimen(&self, x: &[f64]) -> Result<Specimen, E> {
         let factors: Vec<f64> = x[..self.free.len()].iter().map(|x| libm::exp(*x)).collect();
         (self.specimen_at)(&factors).map(Into::into)
@@ -190,7 +202,7 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
         Ok(())
     }
 
-    fn refinements(&self, x: &[f64], tolerance: f64) -> Option<u32> {
+    pub(super) fn refinements(&self, x: &[f64], tolerance: f64) -> Option<u32> {
         self.specimen(x).ok()?.refinements::<E>(self.measurements, tolerance).ok()
     }
 
@@ -205,7 +217,7 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
     }
 
     /// Derivatives of the residuals, on one mesh: of second order, or of fourth.
-    fn jacobian(&self, x: &[f64], refinements: u32, is_exact: bool) -> Mat<f64> {
+    pub(super) fn jacobian(&self, x: &[f64], refinements: u32, is_exact: bool) -> Mat<f64> {
         let [rows, _] = self.measurements.rows();
         let at = |k: usize, step: f64| {
             let mut beside = x.to_vec();
@@ -234,32 +246,6 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
         });
         let columns: Vec<Col<f64>> = columns.collect();
         Mat::from_fn(rows, x.len(), |row, column| columns[column][row])
-    }
-
-    /// The bounds of a logarithm, or of a delay.
-    fn bounds(&self, k: usize) -> [f64; 2] {
-        if let Some(free) = self.free.get(k) {
-            return free.factors.map(libm::log);
-        }
-        let mut records = self.measurements.records_with_free_delay();
-        let record = records.nth(k - self.free.len());
-        let longest = record.map_or(0, Record::longest_delay) as f64;
-        [-longest / DELAY_UNIT, longest / DELAY_UNIT]
-    }
-
-    /// Number 0 is the file's own; the others are Halton's points in the logarithms. No sensor is late.
-    fn start(&self, number: usize) -> Vec<f64> {
-        const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
-        let reach = libm::log(FARTHEST_START);
-        let place = |k: usize| {
-            let [low, high] = self.bounds(k);
-            let (low, high) = (low.max(-reach), high.min(reach));
-            low + (high - low) * halton(number, BASES[k % BASES.len()])
-        };
-        let logarithm = |k: usize| if number == 0 { 0.0 } else { place(k) };
-        let logarithms: Vec<f64> = (0..self.free.len()).map(logarithm).collect();
-        let delays = self.measurements.records_with_free_delay().map(|_| 0.0);
-        logarithms.iter().copied().chain(delays).collect()
     }
 
     /// Iterates from a start. Over records it goes on from what their beginnings have led to, in which a wrong
@@ -302,7 +288,7 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
 
     /// Iterates from a start to the least sum of squares near it; none where the start makes no link with
     /// the measured modes.
-    fn descend(&self, mut x: Vec<f64>, depth: Depth) -> Option<End> {
+    pub(super) fn descend(&self, mut x: Vec<f64>, depth: Depth) -> Option<End> {
         let mut damping = 1e-3;
         let mut refinements = self.refinements(&x, depth.mesh_tolerance)?;
         let mut residuals = self.residuals(&x, refinements)?;
@@ -384,15 +370,4 @@ impl<S: Into<Specimen>, E, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> 
         }
         next
     }
-}
-
-/// The `number`-th point of Halton's sequence in (0, 1), from 1.
-fn halton(number: usize, base: usize) -> f64 {
-    let (mut rest, mut share, mut sum) = (number, 1.0, 0.0);
-    while rest > 0 {
-        share /= base as f64;
-        sum += share * (rest % base) as f64;
-        rest /= base;
-    }
-    sum
 }

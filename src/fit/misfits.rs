@@ -109,6 +109,12 @@ pub enum Misfit {
     /// The iteration has not come to an end.
     #[error("no link file is written: the sum of squares still falls after the last iteration")]
     Unsettled,
+    /// The data have several answers, and were to have one.
+    #[error("no link file is written: {}", super::advice::as_well(*others))]
+    Ambiguous {
+        /// How many other answers there are.
+        others: usize,
+    },
     /// The best values make no link with finite differences from the measurements.
     #[error(
         "no link file is written: the differences from the measurements cannot be computed at the best values"

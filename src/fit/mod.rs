@@ -15,6 +15,7 @@
 
 mod advice;
 mod alignment;
+mod answers;
 mod damped;
 mod decay;
 mod dips;
@@ -28,10 +29,12 @@ mod record;
 mod record_parts;
 mod response;
 mod specimen;
+mod starts;
 mod value;
 mod vibrations;
 
 pub use advice::FitWarning;
+pub use answers::OtherAnswer;
 pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
 pub use least_squares::fit;
 pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};

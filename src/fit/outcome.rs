@@ -5,6 +5,7 @@ use std::fmt;
 use faer::Mat;
 use serde::Serialize;
 
+use super::answers::OtherAnswer;
 use super::decay::Decay;
 use super::measurements::{Measurements, Prediction};
 use super::misfits::{DELAY_UNIT, Misfit, Misfits, RecordMisfit, Residual};
@@ -16,7 +17,7 @@ use super::value::{FittedValue, Free, Spread, correlation};
 const NO_PART: f64 = 1e-4;
 
 /// Relative misfit that is taken for usual where neither uncertainties nor differences tell it.
-const USUAL_MISFIT: f64 = 0.02;
+pub(super) const USUAL_MISFIT: f64 = 0.02;
 
 /// Why free values are not determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -71,6 +72,8 @@ impl fmt::Display for Undetermined {
 pub struct FitOutcome {
     /// The free values in their order.
     pub values: Vec<FittedValue>,
+    /// Other values that fit about as well, the best first.
+    pub other_answers: Vec<OtherAnswer>,
     /// The measurements in their order.
     pub residuals: Vec<Residual>,
     /// The responses in their order.
@@ -172,6 +175,7 @@ impl FitOutcome {
             chi_squared: misfits.has_uncertainties.then_some(misfits.sum),
             degrees_of_freedom: misfits.degrees_of_freedom,
             values,
+            other_answers: Vec::new(),
             correlation,
             undetermined,
             rms_misfit: misfits.rms,
@@ -184,6 +188,16 @@ impl FitOutcome {
             responses: misfits.responses,
             records: misfits.records,
             decays: measurements.decays().to_vec(),
+        }
+    }
+}
+
+impl FitOutcome {
+    /// Takes a fit of several answers for none to believe.
+    pub fn refuse_several(&mut self) {
+        let others = self.other_answers.len();
+        if others > 0 && self.misfit.is_none() {
+            self.misfit = Some(Misfit::Ambiguous { others });
         }
     }
 }

@@ -63,7 +63,8 @@ pub struct FittedValue {
     /// Standard error over the value; none where it is not known.
     pub relative_standard_error: Option<f64>,
     /// Factors on the fitted value between which the true one lies in 95 of 100 cases, by Student's
-    /// distribution where the standard error is that of the differences; none where it is not known.
+    /// distribution where the standard error is that of the differences, with those of all other answers; none where
+    /// it is not known.
     pub relative_interval_95: Option<[f64; 2]>,
     /// True if it lies on one of its bounds.
     pub is_at_bound: bool,

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::fit_figures::{figures, labels};
-use super::fit_starts::starts;
+use super::fit_starts::{other_answers, starts};
 use super::page::{Section, all_figures, document, inputs, made_by};
 use super::tables::table;
 use crate::fit::{FitOutcome, FittedValue, Replaced, Residual};
@@ -42,6 +42,9 @@ pub fn fit_page(report: &FitReport) -> String {
     sections.push(Section::glossary());
     let values = html! { (values(outcome)) (replacements(replaced, *written)) };
     sections.push(Section::new("values", "Values", values));
+    if !outcome.other_answers.is_empty() {
+        sections.push(Section::new("answers", "Other answers", other_answers(outcome)));
+    }
     if !outcome.correlation.is_empty() && outcome.values.len() > 1 {
         sections.push(Section::new("correlations", "Correlations", correlations(outcome)));
     }

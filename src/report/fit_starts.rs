@@ -6,6 +6,23 @@ use super::fit::shown;
 use super::tables::table;
 use crate::fit::FitOutcome;
 
+/// Other values that fit about as well.
+pub(super) fn other_answers(outcome: &FitOutcome) -> Markup {
+    let paths = outcome.values.iter().map(|value| value.path.as_str());
+    let head: Vec<&str> = paths.chain(["sum of squares"]).collect();
+    let rows = html! {
+        @for answer in &outcome.other_answers { tr {
+            @for factor in &answer.factors { td { (shown(*factor, 5)) } }
+            td { (shown(answer.sum_of_squares, 5)) }
+        } }
+    };
+    html! {
+        p { "These factors fit the measurements about as well: their sums of squares are less than 3.84 above the \
+             least, in units of the variance of the differences." }
+        (table(&head, &rows))
+    }
+}
+
 /// Where each start ended.
 pub(super) fn starts(outcome: &FitOutcome) -> Markup {
     let factors = |of: &[f64]| of.iter().map(|f| shown(*f, 4)).collect::<Vec<_>>().join(", ");

@@ -75,7 +75,7 @@ fn the_record_has_what_a_fit_was_given_and_where_it_went() {
     let high = mass["relative_interval_95"][1].as_f64().unwrap();
     assert!((high.ln() / error - 12.7062).abs() < 1e-4, "{mass}");
     let starts = record["starts"].as_array().unwrap();
-    assert_eq!(starts.len(), 4);
+    assert_eq!(starts.len(), 16);
     for start in starts {
         assert!((start["to"][1].as_f64().unwrap() / factor - 1.0).abs() < 1e-3, "{start}");
         assert!(start["iterations"].as_u64().unwrap() > 0, "{start}");

@@ -19,6 +19,7 @@ mod ends;
 mod exits;
 mod files;
 mod fit;
+mod fit_answers;
 mod fit_decay;
 mod fit_files;
 mod fit_hostile;

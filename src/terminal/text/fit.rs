@@ -1,6 +1,8 @@
 //! What `fit` prints.
 
-use flexlink::fit::{ChannelMisfit, DecayMode, FitOutcome, FittedValue, Measured, Replaced};
+use flexlink::fit::{
+    ChannelMisfit, DecayMode, FitOutcome, FittedValue, Measured, OtherAnswer, Replaced,
+};
 use flexlink::text;
 
 /// Correlation from which on two values are said to go together.
@@ -18,6 +20,11 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     let width = paths.fold(27, usize::max);
     let mut lines = vec![value_row(heads, width)];
     lines.extend(outcome.values.iter().map(|value| value_text(value, width)));
+    for OtherAnswer { factors, sum_of_squares } in &outcome.other_answers {
+        let factors: Vec<String> = factors.iter().map(|f| significant(*f, 5)).collect();
+        let sum = significant(*sum_of_squares, 3);
+        lines.push(format!("another answer: factors {}, sum of squares {sum}", factors.join(", ")));
+    }
     for Replaced { path, before, after } in replaced {
         lines.push(format!("{path} = {after}, was {before}"));
     }

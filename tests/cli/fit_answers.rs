@@ -1,0 +1,141 @@
+//! Several answers that fit about as well: printed, warned of, covered by the intervals, refused by --strict.
+
+use super::{Bench, stderr, stdout};
+
+const LINK: &str = "[[segments]]\nlength = 0.24\nEI = 6.2687\nmass_per_length = 0.30039\n\
+                    [[segments]]\nlength = 0.36\nEI = 6.5037\nmass_per_length = 0.30039\n\
+                    [hub]\ninertia = 0.030758\n[payload]\nmass = 0.15570\n";
+
+/// Frequencies with the hub free, then held, of the link with its values times [`TRUE_OF_LINK`], with errors of 1 %.
+const OF_LINK: [[f64; 2]; 6] = [
+    [4.211594645883026, 0.042392255],
+    [29.76240357831934, 0.298144947],
+    [90.24766126255952, 0.887707608],
+    [3.082433413185474, 0.030622487],
+    [29.153400615086287, 0.296399093],
+    [88.7083380304385, 0.887129540],
+];
+
+const TRUE_OF_LINK: [f64; 4] = [0.557, 0.890, 1.967, 0.631];
+
+const ARM: &str = "elbow = 'left'\n\
+    [[links]]\nname = 'l0'\nsegments = [{ length = 0.5, EI = 20.0, mass_per_length = 0.6 }]\n\
+    hub = { inertia = 0.01 }\ntip = { mass = 0.5 }\ndamping = { model = 'rayleigh', beta = 2e-4 }\n\
+    drive = { joint_stiffness = 200.0 }\n\
+    [[links]]\nname = 'l1'\nsegments = [{ length = 0.4, EI = 4.0, mass_per_length = 0.3 }]\n\
+    hub = { inertia = 0.002 }\npayload = { mass = 0.15 }\ndamping = { model = 'rayleigh', beta = 2e-4 }\n\
+    drive = { joint_stiffness = 90.0 }\n";
+
+/// The frequencies with held joints straight, then at right angles, of the arm with its values times
+/// [`TRUE_OF_ARM`], with errors of 0.3 %.
+const OF_ARM: [[f64; 2]; 8] = [
+    [1.8054945560499644, 0.0054448776],
+    [6.364761028291148, 0.0191711581],
+    [24.115955304304805, 0.0726444965],
+    [30.815435109996418, 0.0925438644],
+    [2.2372909111735177, 0.0067587633],
+    [4.370196361108707, 0.0131180226],
+    [24.02384770152103, 0.0722790961],
+    [30.676978541574027, 0.0917848787],
+];
+
+const TRUE_OF_ARM: [f64; 4] = [1.25, 1.0 / 0.75, 0.75, 1.0 / 1.5];
+
+fn write_link(bench: &Bench) -> [&'static str; 4] {
+    bench.write("link.toml", LINK);
+    let entries = OF_LINK.iter().enumerate().map(|(k, [value, uncertainty])| {
+        let (mode, hub) = (k % 3 + 1, ["free", "held"][k / 3]);
+        format!(
+            "[[frequency]]\nmode = {mode}\nhub = '{hub}'\nvalue = {value}\nuncertainty = {uncertainty}\n"
+        )
+    });
+    bench.write("measured.toml", &entries.collect::<String>());
+    ["segments.0.EI", "segments.1.EI", "hub.inertia", "payload.mass"]
+}
+
+fn write_arm(bench: &Bench) -> [&'static str; 4] {
+    bench.write("link.toml", ARM);
+    let entries = OF_ARM.iter().enumerate().map(|(k, [value, uncertainty])| {
+        let (mode, elbow) = (k % 4 + 1, [0, 90][k / 4]);
+        format!(
+            "[[frequency]]\nmode = {mode}\nat = ['0 deg', '{elbow} deg']\njoints = 'held'\nvalue = {value}\n\
+             uncertainty = {uncertainty}\n"
+        )
+    });
+    bench.write("measured.toml", &entries.collect::<String>());
+    [
+        "links.l1.segments.*.EI",
+        "links.l1.payload.mass",
+        "links.l0.drive.joint_stiffness",
+        "links.l1.drive.joint_stiffness",
+    ]
+}
+
+fn fit(bench: &Bench, free: [&str; 4], more: &[&str]) -> std::process::Output {
+    let free = free.iter().flat_map(|path| ["--free", path]);
+    let arguments: Vec<&str> =
+        ["fit", "link.toml", "measured.toml"].into_iter().chain(free).collect();
+    bench.run(&[&arguments[..], more].concat())
+}
+
+/// Fits, and checks that each true factor lies within its interval; returns the factors of all answers.
+fn covering(bench: &Bench, free: [&str; 4], exact: [f64; 4]) -> Vec<Vec<f64>> {
+    let out = fit(bench, free, &["-o", "f.toml", "--report"]);
+    assert!(out.status.success(), "{}", stderr(&out));
+    assert!(stderr(&out).contains("the measurements about as well"), "{}", stderr(&out));
+    let record = bench.json("f.json");
+    let values = record["values"].as_array().unwrap();
+    for (value, exact) in values.iter().zip(exact) {
+        let factor = value["factor"].as_f64().unwrap();
+        let end = |k: usize| factor * value["relative_interval_95"][k].as_f64().unwrap();
+        assert!(end(0) < exact && exact < end(1), "{} … {} {value}", end(0), end(1));
+    }
+    let chi_squared = record["chi_squared"].as_f64().unwrap();
+    let others = record["other_answers"].as_array().unwrap();
+    for other in others {
+        let more = other["sum_of_squares"].as_f64().unwrap() - chi_squared;
+        assert!((-1e-2..3.842).contains(&more), "{other}");
+    }
+    assert_eq!(stdout(&out).matches("another answer: factors ").count(), others.len());
+    assert!(bench.read("f.html").contains("Other answers"));
+    assert_eq!(record["warnings"][0]["kind"], "ambiguous");
+    let factors = |other: &serde_json::Value| {
+        let factors = other["factors"].as_array().unwrap();
+        factors.iter().map(|factor| factor.as_f64().unwrap()).collect()
+    };
+    let best = values.iter().map(|value| value["factor"].as_f64().unwrap()).collect();
+    others.iter().map(factors).chain([best]).collect()
+}
+
+#[test]
+fn the_intervals_of_a_link_cover_all_answers() {
+    let bench = Bench::new();
+    let free = write_link(&bench);
+    covering(&bench, free, TRUE_OF_LINK);
+}
+
+#[test]
+fn an_arm_has_the_answer_near_the_truth_beside_the_better_one() {
+    let bench = Bench::new();
+    let free = write_arm(&bench);
+    let answers = covering(&bench, free, TRUE_OF_ARM);
+    let is_near = |answer: &Vec<f64>| {
+        answer.iter().zip(TRUE_OF_ARM).all(|(found, exact)| (found / exact - 1.0).abs() < 0.03)
+    };
+    assert!(answers.iter().any(is_near) && !answers.iter().all(is_near), "{answers:?}");
+}
+
+#[test]
+fn strict_takes_several_answers_for_none() {
+    let bench = Bench::new();
+    let free = write_arm(&bench);
+    let out = fit(&bench, free, &["--strict", "-o", "f.toml"]);
+    assert_eq!(out.status.code(), Some(4), "{}", stderr(&out));
+    let told =
+        "error: no link file is written: one other answer fits the measurements about as well";
+    assert!(stderr(&out).contains(told), "{}", stderr(&out));
+    assert!(!bench.path("f.toml").exists() && bench.path("f.json").exists());
+    // One answer is one with --strict, too.
+    let one = bench.run(&["fit", "link.toml", "measured.toml", "--free", free[0], "--strict"]);
+    assert!(!stderr(&one).contains("about as well"), "{}", stderr(&one));
+}
