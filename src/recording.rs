@@ -11,16 +11,17 @@ mod outliers;
 
 pub use outliers::{Outlier, outliers};
 
-/// Fewest changes of the numbers between two powers of ten from which their digits are judged. Of four
+/// Fewest different sizes of the numbers between two powers of ten from which their digits are judged. Of four
 /// numbers without trailing zeros one in ten thousand has all last digits 0.
-const FEWEST_CHANGES: usize = 4;
+const FEWEST_DIFFERENT: usize = 4;
 
 /// The numbers between two powers of ten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Decade {
-    /// Number of times that the value has changed.
-    changes: usize,
-    last: f64,
+    /// The first different sizes.
+    sizes: [f64; FEWEST_DIFFERENT],
+    /// How many there are.
+    different: usize,
     /// Most decimals.
     decimals: i32,
 }
@@ -45,12 +46,15 @@ impl Digits {
     /// Counts the digits of one number.
     pub fn count(&mut self, text: &str, value: f64) {
         let Some((first, decimals)) = places(text) else { return };
-        let decade =
-            self.decades.entry(first).or_insert(Decade { changes: 0, last: f64::NAN, decimals });
-        if value.to_bits() != decade.last.to_bits() {
-            decade.changes += 1;
+        let none = Decade { sizes: [0.0; FEWEST_DIFFERENT], different: 0, decimals };
+        let decade = self.decades.entry(first).or_insert(none);
+        let known = &decade.sizes[..decade.different];
+        if known.len() < FEWEST_DIFFERENT
+            && known.iter().all(|size| size.total_cmp(&value.abs()).is_ne())
+        {
+            decade.sizes[decade.different] = value.abs();
+            decade.different += 1;
         }
-        decade.last = value;
         decade.decimals = decade.decimals.max(decimals);
     }
 
@@ -70,7 +74,7 @@ impl Digits {
     /// ```
     pub fn rounding(&self) -> Option<Rounding> {
         let (power, _) =
-            self.decades.iter().rev().find(|(_, decade)| decade.changes >= FEWEST_CHANGES)?;
+            self.decades.iter().rev().find(|(_, decade)| decade.different >= FEWEST_DIFFERENT)?;
         let own = self.decades.range(..=power);
         let digits = own.map(|(power, decade)| power + decade.decimals).max()?;
         let decimals = digits - power;

@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use super::format::Reading;
-use super::motion::MotionTable;
+use super::motion::{MotionTable, digits_of};
 use super::outliers::Judged;
 use super::path::PathTable;
 use super::place::Place;
 use super::rows::TableError;
 use super::samples::MIN_SAMPLES;
-use crate::motion::{Ends, MotionColumns, PathColumns, Recording, Uncertainty};
+use crate::motion::{Ends, MotionColumns, PathColumns, Uncertainty};
 use crate::recording::{Digits, Rounding};
 
 impl MotionTable {
@@ -40,17 +40,19 @@ impl MotionTable {
         ];
         let given = given.into_iter().filter_map(|(own, values)| Some((own, values.as_deref()?)));
         check(name, time_s, given.collect())?;
-        let uncertainty = columns.displacement_m.as_deref().and_then(|own| rounded(own, 1.0));
-        Ok(Self::of_checked(name, columns, uncertainty))
+        let in_place = columns.displacement_m.as_deref().and_then(|own| rounded(own, 1.0));
+        Ok(Self::of_checked(name, columns, in_place))
     }
 
-    fn of_checked(name: &str, columns: MotionColumns, uncertainty: Option<Uncertainty>) -> Self {
+    fn of_checked(name: &str, columns: MotionColumns, in_place: Option<Uncertainty>) -> Self {
+        let integrated = [&columns.acceleration_m_s2, &columns.velocity_m_s]
+            .map(|own| own.as_deref().and_then(rounding));
         Self {
+            recording: digits_of(&columns, in_place, integrated),
             columns,
             name: name.to_owned(),
             lines: Vec::new(),
             reading: Reading::default(),
-            recording: Recording { uncertainty, ..Recording::default() },
             first_angle_rad: None,
             ends: Ends::default(),
         }
@@ -70,8 +72,8 @@ impl MotionTable {
         let displacement_m = Some(angle_rad.iter().map(|angle| angle * link_length_m).collect());
         let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
         let first_angle_rad = angle_rad.first().copied();
-        let uncertainty = rounded(angle_rad, link_length_m);
-        Ok(Self { first_angle_rad, ..Self::of_checked(name, columns, uncertainty) })
+        let in_place = rounded(angle_rad, link_length_m);
+        Ok(Self { first_angle_rad, ..Self::of_checked(name, columns, in_place) })
     }
 }
 
@@ -93,8 +95,14 @@ impl PathTable {
     }
 }
 
-/// To which decimal numbers are rounded, by the shortest text of each that reads back to it.
+/// How places are rounded.
 fn rounded(values: &[f64], metres_per_value: f64) -> Option<Uncertainty> {
+    let Rounding { decimals, step } = rounding(values)?;
+    Some(Uncertainty::Rounded { decimals, step_m: step * metres_per_value })
+}
+
+/// To which decimal numbers are rounded, by the shortest text of each that reads back to it.
+fn rounding(values: &[f64]) -> Option<Rounding> {
     let mut digits = Digits::default();
     let mut text = String::new();
     for value in values {
@@ -103,8 +111,7 @@ fn rounded(values: &[f64], metres_per_value: f64) -> Option<Uncertainty> {
         let _ = write!(text, "{value}");
         digits.count(&text, *value);
     }
-    let Rounding { decimals, step } = digits.rounding()?;
-    Some(Uncertainty::Rounded { decimals, step_m: step * metres_per_value })
+    digits.rounding()
 }
 
 /// Refuses samples of which a reader of files would have refused the row.

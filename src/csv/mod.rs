@@ -1,6 +1,7 @@
 //! CSV: reading, writing, and numbers as text; the name and the unit of every column once.
 
 mod bare_phase;
+mod between;
 mod cells;
 mod columns;
 mod decay;

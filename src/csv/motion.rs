@@ -165,9 +165,11 @@ pub fn read_motion_table_as(
 ) -> Result<MotionTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
     samples.check_outliers(name)?;
+    let [acceleration, velocity, displacement, angle] =
+        [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE].map(|quantity| samples.rounding_of(quantity));
     let (angle, rounding) = match take_angle(&mut samples, name, link_length_m)? {
         Some((angle, rounding)) => (Some(angle), rounding),
-        None => (samples.take(ANGLE), samples.rounding()),
+        None => (samples.take(ANGLE), displacement.or(angle)),
     };
     let mut per_value = 1.0;
     let mut first_angle_rad = None;
@@ -179,7 +181,7 @@ pub fn read_motion_table_as(
         per_value = link_length_m;
         angle
     });
-    let uncertainty = rounding.map(|Rounding { decimals, step }| Uncertainty::Rounded {
+    let in_place = rounding.map(|Rounding { decimals, step }| Uncertainty::Rounded {
         decimals,
         step_m: step * per_value,
     });
@@ -190,10 +192,34 @@ pub fn read_motion_table_as(
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
     let Samples { lines, reading, .. } = samples;
-    let recording = Recording { uncertainty, dropped: reading.dropped, ..Recording::default() };
+    let recording = Recording {
+        dropped: reading.dropped,
+        ..digits_of(&columns, in_place, [acceleration, velocity])
+    };
     let name = name.to_owned();
     let ends = Ends::default();
     Ok(MotionTable { columns, name, lines, reading, recording, first_angle_rad, ends })
+}
+
+/// What the digits of a motion's columns tell of it: those of the column that it is made of, and of the velocities at its
+/// ends.
+pub(super) fn digits_of(
+    columns: &MotionColumns,
+    in_place: Option<Uncertainty>,
+    [acceleration, velocity]: [Option<Rounding>; 2],
+) -> Recording {
+    let integrated = |rounding: Option<Rounding>, times| {
+        let of = |Rounding { decimals, step }| Uncertainty::Integrated { times, decimals, step };
+        rounding.map(of)
+    };
+    let once = integrated(velocity, 1);
+    let uncertainty = match (&columns.acceleration_m_s2, &columns.displacement_m) {
+        (Some(_), _) => integrated(acceleration, 2),
+        (None, Some(_)) => in_place,
+        (None, None) => once,
+    };
+    let velocity_m_s = once.map(|own| own.deviation());
+    Recording { uncertainty, velocity_m_s, ..Recording::default() }
 }
 
 /// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up

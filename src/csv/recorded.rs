@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use super::between;
 use super::motion::{MotionTable, whole_steps};
 use super::rows::{Place, TableError};
 use super::samples::refuse_samples;
 use crate::link::Gravity;
-use crate::motion::{Ends, MotionColumns, Recording, TipMotion, Uncertainty, wrapped};
+use crate::motion::{Between, Ends, MotionColumns, Recording, TipMotion, Uncertainty, wrapped};
 use crate::numeric::{CubicSpline, SplineEnds};
 use crate::recording::{jitter, rested};
 use crate::text::{plain, significant};
@@ -66,16 +67,18 @@ impl MotionTable {
         };
         uniform.check_ends()?;
         let Self { columns, name, lines, recording, ends, .. } = uniform;
+        let acceleration = columns.acceleration_m_s2.clone();
         let motion = TipMotion::with_ends(columns, ends)
             .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))?;
-        // The digits of a displacement that is only compared with an acceleration do not matter.
-        let uncertainty = recording.uncertainty.filter(|_| motion.is_from_displacement());
         let moves_by_column = ends == Ends::AtRest && motion.ends() == Ends::Moving;
-        let recording = Recording { uncertainty, moves_by_column, ..recording };
-        if let Some(uncertainty) = uncertainty {
-            check_worth(&motion, &uncertainty, &name)?;
+        let mut recording = Recording { moves_by_column, ..recording };
+        if let Some(acceleration) = acceleration {
+            let of_integral = between::of_acceleration(&motion, &acceleration);
+            recording.between = recording.between.or(of_integral);
         }
-        Ok(motion.recorded(recording))
+        let motion = motion.recorded(recording);
+        check_worth(&motion, &name)?;
+        Ok(motion)
     }
 
     /// Refuses velocities at the ends that would be those of rounded rows: these follow from four of them.
@@ -91,7 +94,7 @@ impl MotionTable {
         };
         let most_m =
             samples.windows(2).fold(0.0_f64, |most, two| most.max((two[1] - two[0]).abs()));
-        let off_m = OF_FOUR_ROWS * uncertainty.deviation_m();
+        let off_m = OF_FOUR_ROWS * uncertainty.deviation();
         if off_m <= LEAST_WORTH_OF_ENDS * most_m {
             return Ok(());
         }
@@ -142,8 +145,19 @@ impl MotionTable {
             values.as_deref().map(|values| uniform.interpolated(values, ends))
         };
         let columns = &self.columns;
+        let known_s = &columns.time_s;
+        let spacing_s = (known_s[known_s.len() - 1] - known_s[0]) / (known_s.len() - 1) as f64;
         let ends = self.ends.said_by(columns.velocity_m_s.as_deref());
         let rests = if ends == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
+        let earlier = self.recording.between;
+        let between = match (&columns.acceleration_m_s2, &columns.displacement_m) {
+            (Some(own), _) => between::of_spline_of_acceleration(known_s, own),
+            (None, Some(own)) => {
+                let spline_m = between::of_spline_m(known_s, own, rests).max(earlier.spline_m);
+                Between { spline_m, ..earlier }
+            }
+            (None, None) => earlier,
+        };
         Self {
             lines: uniform.lines(&self.lines),
             columns: MotionColumns {
@@ -154,20 +168,23 @@ impl MotionTable {
             },
             name: self.name,
             reading: self.reading,
-            recording: self.recording,
+            recording: Recording { spacing_s: Some(spacing_s), between, ..self.recording },
             first_angle_rad: self.first_angle_rad,
             ends: self.ends,
         }
     }
 
     /// The same with the displacement in place of a velocity that is alone.
-    pub(super) fn with_integral(self) -> Self {
+    pub(super) fn with_integral(mut self) -> Self {
         let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
             self.columns;
         let (velocity_m_s, displacement_m) = match (velocity_m_s, displacement_m) {
             (Some(velocity), None) if acceleration_m_s2.is_none() => {
                 let ends = self.ends.said_by(Some(&velocity));
                 let integral = integral(&time_s, &velocity, ends);
+                if ends != Ends::Periodic {
+                    self.recording.between = between::of_velocity(&time_s, &velocity);
+                }
                 // What it says of the ends is not in the displacement.
                 ((ends != Ends::AtRest).then_some(velocity), Some(integral))
             }
@@ -249,14 +266,11 @@ fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
 }
 
 /// Refuses a displacement that is hardly more than its uncertainty.
-fn check_worth(
-    motion: &TipMotion,
-    uncertainty: &Uncertainty,
-    name: &str,
-) -> Result<(), TableError> {
+fn check_worth(motion: &TipMotion, name: &str) -> Result<(), TableError> {
+    let uncertain = motion.recording().uncertainty;
+    let Some(tolerance_m) = uncertain.and(motion.known_to_m()) else { return Ok(()) };
     let grid = motion.grid();
     let travel_m = motion.target(grid.time_s(0), grid.end_s()).largest_travel_m();
-    let tolerance_m = uncertainty.tolerance_m(grid.len);
     if tolerance_m <= LEAST_WORTH * travel_m {
         return Ok(());
     }
@@ -266,7 +280,7 @@ fn check_worth(
         significant(tolerance_m / LEAST_WORTH, 3),
         significant(tolerance_m, 3)
     );
-    let hint = "write the displacement with more decimals, or record it with less noise";
+    let hint = "write the samples with more decimals, or record them with less noise";
     let place = Place { file: name, line: None };
     Err(place.refuse("displacement", found, must).with_hint(Some(hint.to_owned())))
 }

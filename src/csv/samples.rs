@@ -4,7 +4,8 @@ use super::columns::{Columns, FirstRow, Header};
 use super::dialect::{Delimiter, Dialect};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, check_separator,
+    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
+    check_separator,
 };
 use super::outliers::{Judged, mend};
 use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
@@ -174,11 +175,6 @@ impl Samples {
         uniform_s
     }
 
-    /// To which decimal the displacement or angle is rounded, the step in SI.
-    pub(super) fn rounding(&self) -> Option<Rounding> {
-        [DISPLACEMENT, ANGLE].into_iter().find_map(|quantity| self.rounding_of(quantity))
-    }
-
     /// To which decimal a quantity that is followed is rounded, the step in SI.
     pub(super) fn rounding_of(&self, quantity: Quantity) -> Option<Rounding> {
         let is_meant = |(heading, _): &(&Heading, &Digits)| heading.quantity == quantity;
@@ -224,7 +220,8 @@ impl Samples {
 
 /// True of what a motion or a path prescribes: the digits of its samples tell how far they are to be trusted.
 fn is_followed(quantity: Quantity) -> bool {
-    [DISPLACEMENT, ANGLE, PATH_X, PATH_Y].contains(&quantity) || ANGLES.contains(&quantity)
+    let of_a_tip = [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, PATH_X, PATH_Y];
+    of_a_tip.contains(&quantity) || ANGLES.contains(&quantity)
 }
 
 /// Refuses one of the samples whose `lines` these are, or all of them, for the reason `why`.

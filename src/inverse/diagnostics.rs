@@ -108,7 +108,7 @@ impl Diagnostics<'_> {
             .chain(is_long.then_some(Warning::LongWindow { rows, times }))
             .chain(self.inexact_window())
             .chain(blocked_tip(mesh, spectrum, tolerance))
-            .chain(near_nyquist(spectrum).filter(|_| spectrum.cutoff.input.is_none()))
+            .chain(near_nyquist(spectrum).filter(|_| !spectrum.cutoff.is_set_by_input()))
             .chain(above_mesh(mesh, spectrum, &self.moving_torque_n_m()))
             .chain(coarse_mesh)
             .chain(few_modes)
@@ -201,7 +201,7 @@ impl Diagnostics<'_> {
     fn unsettled_torque(&self) -> Option<Warning> {
         let cutoff = &self.answer.period.spectrum.cutoff;
         // What the digits leave open is measured as the error of the input.
-        if cutoff.input.is_some() || cutoff.looser_rad_s >= cutoff.omega_rad_s {
+        if cutoff.is_set_by_input() || cutoff.looser_rad_s >= cutoff.omega_rad_s {
             return None;
         }
         let driven = self.driven();

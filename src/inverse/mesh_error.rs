@@ -17,6 +17,7 @@
 //! ∫ |H| (−dε),   ε = ε(ω_c) (ω/ω_c)^{−f},   ω_c < ω < ω_c (ε(ω_c)/ε_wanted)^{1/f}
 //! ```
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -121,7 +122,7 @@ pub(super) fn uncertain(
     peaks: &PerQuantity<f64>,
 ) -> Result<PerQuantity<f64>, ModelError> {
     let watch = &Unwatched;
-    let [within, beyond] = [period.of_noise(input.deviation_m), period.beyond(input)];
+    let [within, beyond] = [period.of_noise(&input.noise), period.beyond(input)];
     let of_within = Amplitudes::of(DrivenModel { model, period: &within, watch }, probes)?;
     let of_beyond = Amplitudes::of(DrivenModel { model, period: &beyond, watch }, probes);
     let Ok(of_beyond) = of_beyond else { return Ok(peaks.zip(peaks, |_, _| 1.0)) };
@@ -183,7 +184,8 @@ impl Amplitudes {
         let bins = self.hub.torque_n_m.len();
         let tip_m: Vec<Complex64> = (0..bins)
             .map(|k| match k {
-                0 => Complex64::ZERO,
+                // Where the tip ends is no wave: of the sum of squares that waves have, it has half.
+                0 => (FRAC_1_SQRT_2 * tip.travel_m()).into(),
                 _ => -tip.acceleration_m_s2[k] / tip.omegas_rad_s[k].powi(2),
             })
             .collect();

@@ -2,17 +2,15 @@
 
 use num_complex::Complex64;
 
+use super::noise::UNCERTAIN;
 use super::period::farthest_m;
-use super::samples::Source;
+use super::samples::{Ends, Source};
 use super::spectrum::{Cutoff, InputBand, LOOSER, ROLL_OFF, Shortfall, TipSpectrum, weight};
 use super::tip_motion::TipMotion;
 use crate::numeric::{FourierPair, fast_length, largest};
 
 /// Largest tolerance that is searched for.
 const LARGEST_TOLERANCE: f64 = 0.1;
-
-/// Uncertainty of the samples, over the travel, from which on it is reported if every frequency is solved.
-const UNCERTAIN: f64 = 1e-6;
 
 /// Least and largest exponent with which the tip's error is taken to fall beyond the band of uncertain
 /// samples: an acceleration that jumps has 2, and the smoothest motions fall faster than any power.
@@ -54,6 +52,9 @@ struct Left {
     error_m: f64,
 }
 
+/// What a cut-off in rad/s may leave out in m.
+type Allowed<'a> = &'a dyn Fn(f64) -> f64;
+
 /// The displacement of a motion over frequency, from which that above a cut-off is computed.
 struct Residual {
     omegas_rad_s: Vec<f64>,
@@ -67,12 +68,10 @@ struct Residual {
 impl TipMotion {
     /// The lowest cut-off whose tip error is at most `tolerance` times the travel at all times; all
     /// frequencies for a tolerance of 0 or below, and no fewer than for 0.1. It depends on the motion alone,
-    /// on no link. Samples that are more uncertain than that are followed as closely as they deserve, see
-    /// [`Uncertainty::tolerance_m`](super::Uncertainty::tolerance_m); a cut-off that the recording prescribes
-    /// is taken as it is.
+    /// on no link. Samples that are more uncertain than that are followed as closely as they deserve; a cut-off
+    /// that the recording prescribes is taken as it is.
     ///
-    /// If even the highest cut-off, whose roll-off ends at the Nyquist frequency, has a larger error, it is
-    /// returned with the reason.
+    /// If even the highest cut-off has a larger error, it is returned with the reason.
     pub fn cutoff(&self, tolerance: f64) -> Cutoff {
         let chosen_rad_s = self.recording().lowpass_rad_s;
         if tolerance <= 0.0 && chosen_rad_s.is_none() {
@@ -95,23 +94,31 @@ impl TipMotion {
         let period = self.over_period(len, seam, Cutoff::ALL);
         let travel_m = period.histories.largest_travel_m();
         let wanted_m = tolerance.max(0.0) * travel_m;
-        let uncertain_m = self.uncertain_m(tolerance, travel_m);
-        let allowed_m = uncertain_m.map_or(wanted_m, |m| m.min(LARGEST_TOLERANCE * travel_m));
+        let noise = self.uncertain(tolerance, travel_m);
+        let most_m = LARGEST_TOLERANCE * travel_m;
+        let allowed_m = |omega_rad_s: f64| {
+            noise.map_or(wanted_m, |noise| wanted_m.max(noise.followed_m(omega_rad_s)).min(most_m))
+        };
         let found = match chosen_rad_s {
             Some(omega_rad_s) => chosen(&period.spectrum, omega_rad_s),
-            None if uncertain_m.is_some() => self.above_noise(&period.spectrum, allowed_m),
-            None => self.lowest(&period.spectrum, allowed_m),
+            None => self.above_noise(&period.spectrum, wanted_m, &allowed_m),
         };
-        let input = uncertain_m.and(self.recording().uncertainty).map(|uncertainty| {
+        let input = noise.map(|noise| {
             let (residual, ..) = Residual::bracketed(&period.spectrum, found.tip_error_m);
             let coarse = residual.looser(residual.left_by(found.omega_rad_s), COARSE * travel_m);
             let octaves = libm::log2(found.omega_rad_s / coarse.omega_rad_s);
             let fall = libm::log2(coarse.error_m / found.tip_error_m) / octaves;
-            // Over less than an octave it is not known: that of a motion whose jerk jumps.
-            let fall = if octaves > 1.0 { fall.clamp(FALLS.0, FALLS.1) } else { USUAL_FALL };
+            let fall = match self.ends() {
+                Ends::Periodic => fall.max(FALLS.0), // a cycle of few harmonics has no others
+                // Over less than an octave it is not known: that of a motion whose jerk jumps.
+                _ if octaves > 1.0 => fall.clamp(FALLS.0, FALLS.1),
+                _ => USUAL_FALL,
+            };
+            let followed_m = allowed_m(found.omega_rad_s);
             InputBand {
-                deviation_m: uncertainty.deviation_m(),
-                followed_m: allowed_m,
+                noise,
+                sets_band: followed_m > wanted_m,
+                followed_m,
                 wanted_m: wanted_m.max(UNCERTAIN * travel_m),
                 fall,
             }
@@ -123,11 +130,11 @@ impl TipMotion {
     fn all_frequencies(&self) -> Cutoff {
         let farthest_m = match &*self.samples().source {
             Source::Displacement { samples, .. } => farthest_m(samples[0], samples),
-            Source::Acceleration(_) => 0.0,
+            Source::Acceleration(_) => self.travel_m().abs(),
         };
-        let uncertain_m = self.uncertain_m(0.0, farthest_m);
-        let input = uncertain_m.and(self.recording().uncertainty).map(|uncertainty| InputBand {
-            deviation_m: uncertainty.deviation_m(),
+        let input = self.uncertain(0.0, farthest_m).map(|noise| InputBand {
+            noise,
+            sets_band: true,
             followed_m: 0.0,
             wanted_m: 0.0,
             fall: FALLS.0,
@@ -135,28 +142,27 @@ impl TipMotion {
         Cutoff { input, ..Cutoff::ALL }
     }
 
-    /// Distance in m within which the samples can be followed, where that is more than the tolerance.
-    fn uncertain_m(&self, tolerance: f64, travel_m: f64) -> Option<f64> {
-        let matters_m = if tolerance > 0.0 { tolerance } else { UNCERTAIN } * travel_m;
-        let own = self.recording().uncertainty?;
-        Some(own.tolerance_m(self.grid().len)).filter(|m| *m > matters_m)
-    }
-
-    /// The lowest cut-off that leaves at most `allowed_m`; a much lower one that leaves little more, if there
-    /// is one: what lies between them is noise.
-    fn above_noise(&self, spectrum: &TipSpectrum, allowed_m: f64) -> Cutoff {
-        let [found, eased] = [1.0, EASED].map(|factor| self.lowest(spectrum, factor * allowed_m));
+    /// The lowest cut-off that leaves at most `allowed_m`; where that is more than wanted, a much lower one that
+    /// leaves little more, if there is one: what lies between them is noise.
+    fn above_noise(&self, spectrum: &TipSpectrum, wanted_m: f64, allowed_m: Allowed<'_>) -> Cutoff {
+        let found = self.lowest(spectrum, allowed_m);
+        if allowed_m(found.omega_rad_s) <= wanted_m {
+            return found;
+        }
+        let eased = self.lowest(spectrum, &|omega_rad_s| EASED * allowed_m(omega_rad_s));
         if LOWERED * eased.omega_rad_s < found.omega_rad_s { eased } else { found }
     }
 
     /// The lowest cut-off that leaves at most `allowed_m`, or the highest one with the reason why it leaves
     /// more.
-    fn lowest(&self, spectrum: &TipSpectrum, allowed_m: f64) -> Cutoff {
-        let (residual, low, high) = Residual::bracketed(spectrum, allowed_m);
+    fn lowest(&self, spectrum: &TipSpectrum, allowed_m: Allowed<'_>) -> Cutoff {
+        let omegas = &spectrum.omegas_rad_s;
+        let least_m = allowed_m(omegas[omegas.len() - 1] / ROLL_OFF);
+        let (residual, low, high) = Residual::bracketed(spectrum, least_m);
         let high = residual.left_by(high);
-        let (found, looser, shortfall) = if high.error_m > allowed_m {
+        let (found, looser, shortfall) = if high.error_m > allowed_m(high.omega_rad_s) {
             let fall = libm::log2(residual.left_by(0.5 * high.omega_rad_s).error_m / high.error_m);
-            let finer = libm::pow(allowed_m / high.error_m, 1.0 / SURE_FALL);
+            let finer = libm::pow(least_m / high.error_m, 1.0 / SURE_FALL);
             let shortfall = if fall > LEAST_FALL {
                 Shortfall::Step(STEP_MARGIN * finer * self.grid().step_s)
             } else {
@@ -164,8 +170,9 @@ impl TipMotion {
             };
             (high, high, Some(shortfall))
         } else {
-            let found = residual.lowest(residual.left_by(low), high, allowed_m, PRECISION);
-            (found, residual.looser(found, LOOSER * allowed_m), None)
+            let low = residual.too_low(residual.left_by(low), allowed_m);
+            let found = residual.lowest(low, high, allowed_m, PRECISION);
+            (found, residual.looser(found, LOOSER * allowed_m(found.omega_rad_s)), None)
         };
         Cutoff {
             omega_rad_s: found.omega_rad_s,
@@ -244,32 +251,43 @@ impl Residual {
 
     /// The lowest cut-off that leaves at most `allowed_m`; `from` leaves no more.
     fn looser(&self, from: Left, allowed_m: f64) -> Left {
-        let mut low = self.left_by(0.5 * from.omega_rad_s);
-        // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
-        while low.error_m <= allowed_m && low.omega_rad_s > 0.0 {
-            low = self.left_by(0.5 * low.omega_rad_s);
-        }
-        self.lowest(low, from, allowed_m, LOOSER_PRECISION)
+        let low = self.too_low(self.left_by(0.5 * from.omega_rad_s), &|_| allowed_m);
+        self.lowest(low, from, &|_| allowed_m, LOOSER_PRECISION)
     }
 
-    /// The lowest cut-off in a bracket that leaves at most `allowed_m`, to the relative precision
-    /// `precision`; `high` leaves no more.
+    /// A cut-off that leaves more than it may, this one or one lower by octaves.
+    fn too_low(&self, mut low: Left, allowed_m: Allowed<'_>) -> Left {
+        // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
+        while low.error_m <= allowed_m(low.omega_rad_s) && low.omega_rad_s > 0.0 {
+            low = self.left_by(0.5 * low.omega_rad_s);
+        }
+        low
+    }
+
+    /// The lowest cut-off in a bracket that leaves at most what it may, to the relative precision `precision`; `high`
+    /// leaves no more.
     ///
     /// The error falls about as a power of the cut-off, so that the next trial lies on the power law through
     /// both ends. If that left more than half of the bracket, the following trial halves it.
-    fn lowest(&self, mut low: Left, mut high: Left, allowed_m: f64, precision: f64) -> Left {
+    fn lowest(
+        &self,
+        mut low: Left,
+        mut high: Left,
+        allowed_m: Allowed<'_>,
+        precision: f64,
+    ) -> Left {
         let ratio = |low: Left, high: Left| libm::log(high.omega_rad_s / low.omega_rad_s);
         let mut is_power_law = true;
         while high.omega_rad_s > (1.0 + precision) * low.omega_rad_s {
             let width = ratio(low, high);
             let fall = libm::log(low.error_m / high.error_m);
-            let share = libm::log(allowed_m / high.error_m) / fall;
+            let share = libm::log(allowed_m(high.omega_rad_s) / high.error_m) / fall;
             let share = if is_power_law && share.is_finite() { share } else { 0.5 };
             // No closer to an end than needed to close the bracket.
             let least = 0.9 * precision;
             let below = (share * width).min(width - least).max(least.min(0.5 * width));
             let tried = self.left_by(high.omega_rad_s * libm::exp(-below));
-            if tried.error_m <= allowed_m {
+            if tried.error_m <= allowed_m(tried.omega_rad_s) {
                 high = tried;
             } else {
                 low = tried;

@@ -33,6 +33,7 @@ const LAST_DECIMAL: f64 = 1.0 + 1e-9;
 
 /// One coordinate over time.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "an arm has few coordinates")]
 enum Course {
     Held(f64),
     Moving(TipMotion),
@@ -98,7 +99,7 @@ impl ArmPath {
             // A change by the last decimal is none.
             let step_m = own.0.rounded.map_or(0.0, |rounded| match rounded {
                 Uncertainty::Rounded { step_m, .. } => own.1 * step_m * LAST_DECIMAL,
-                Uncertainty::Noisy { .. } => 0.0,
+                _ => 0.0,
             });
             let is_held = range_m(&own) <= step_m.max(HELD * widest_m);
             Course::of(&time_s, own, is_held)
@@ -155,7 +156,7 @@ impl ArmPath {
     pub fn rounded(&self) -> Option<(i32, f64)> {
         let each = self.moving().filter_map(|motion| match motion.recording().uncertainty? {
             Uncertainty::Rounded { decimals, step_m } => Some((decimals, step_m)),
-            Uncertainty::Noisy { .. } => None,
+            _ => None,
         });
         each.max_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -295,7 +296,7 @@ impl Course {
             Uncertainty::Rounded { decimals, step_m } => {
                 Uncertainty::Rounded { decimals, step_m: length_m * step_m }
             }
-            noisy @ Uncertainty::Noisy { .. } => noisy,
+            other => other,
         };
         let recording = Recording { uncertainty: column.rounded.map(in_m), ..Recording::default() };
         let name = column.name.clone();

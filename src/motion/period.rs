@@ -6,6 +6,7 @@ use num_complex::Complex64;
 
 use super::error::MotionError;
 use super::images::Images;
+use super::noise::Noise;
 use super::samples::{Ends, Samples, Source};
 use super::spectrum::{Cutoff, InputBand, TipSpectrum};
 use crate::numeric::{fast_length, largest};
@@ -36,10 +37,10 @@ impl TipPeriod {
         }
     }
 
-    /// A period whose tip moves by noise alone, of this standard deviation in m, up to the same cut-off: each
-    /// frequency has its expected amplitude.
-    pub(crate) fn of_noise(&self, deviation_m: f64) -> Self {
-        let spectrum = self.spectrum.of_noise(deviation_m);
+    /// A period whose tip moves by the samples' errors alone, up to the same cut-off: each frequency has its
+    /// expected amplitude.
+    pub(crate) fn of_noise(&self, noise: &Noise) -> Self {
+        let spectrum = self.spectrum.of_noise(noise);
         Self {
             histories: TipHistories::of(&self.samples, &spectrum),
             spectrum,

@@ -32,6 +32,15 @@ pub enum Uncertainty {
         /// Largest distance in m by which the rests at the ends were moved to their means.
         moved_m: f64,
     },
+    /// Velocities or accelerations, which are integrated, are rounded.
+    Integrated {
+        /// How often they are integrated: once or twice.
+        times: i32,
+        /// Number of decimals in the unit of their file.
+        decimals: i32,
+        /// The last decimal in m/s or m/s².
+        step: f64,
+    },
 }
 
 /// What is known of the samples of a motion beside their values. By default they are exact.
@@ -48,26 +57,73 @@ pub struct Recording {
     pub moves_by_column: bool,
     /// Cut-off in rad/s that the user has chosen; `None`: the one that the tip needs.
     pub lowpass_rad_s: Option<f64>,
+    /// Mean time in s between the samples that were recorded, where they are interpolated.
+    pub spacing_s: Option<f64>,
+    /// Standard deviation in m/s of the velocities that are given beside what the motion is made of.
+    pub velocity_m_s: Option<f64>,
+    /// What the motion may be off by between the samples that were recorded.
+    pub between: Between,
     /// Direction in rad of the chord, from the axis to the tip, where the displacement is 0, if the samples were
     /// given as angles of a link with gravity.
     pub start_angle_rad: Option<f64>,
 }
 
+/// What a motion may be off by between the samples that were recorded. By default it is known there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Between {
+    /// Standard deviation of its displacement in m, from sample to sample.
+    pub spline_m: f64,
+    /// What its displacement is off by as a whole in m, where it is an integral.
+    pub displacement_m: f64,
+    /// What its velocity is off by in m/s.
+    pub velocity_m_s: f64,
+}
+
+impl Between {
+    /// The larger of this and another one.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            spline_m: self.spline_m.max(other.spline_m),
+            displacement_m: self.displacement_m.max(other.displacement_m),
+            velocity_m_s: self.velocity_m_s.max(other.velocity_m_s),
+        }
+    }
+
+    fn scaled(self, distance: f64, duration: f64) -> Self {
+        let distance = distance.abs();
+        Self {
+            spline_m: distance * self.spline_m,
+            displacement_m: distance * self.displacement_m,
+            velocity_m_s: distance / duration * self.velocity_m_s,
+        }
+    }
+}
+
 impl Uncertainty {
-    /// Standard deviation of a sample in m. That of rounding is evenly distributed over one step.
-    pub fn deviation_m(&self) -> f64 {
+    /// How often the samples are integrated to give displacements.
+    pub fn times(&self) -> i32 {
+        if let Self::Integrated { times, .. } = self { *times } else { 0 }
+    }
+
+    /// Standard deviation of a sample in m, m/s or m/s². That of rounding is evenly distributed over one step.
+    pub fn deviation(&self) -> f64 {
         match self {
-            Self::Rounded { step_m, .. } => step_m / 12.0_f64.sqrt(),
+            Self::Rounded { step_m: step, .. } | Self::Integrated { step, .. } => {
+                step / 12.0_f64.sqrt()
+            }
             Self::Noisy { deviation_m, .. } => *deviation_m,
         }
     }
 
-    /// Distance in m within which a motion can follow `samples` samples: the largest error of one of them,
+    /// Distance in m within which a motion can follow `samples` displacements: the largest error of one of them,
     /// and √3 standard deviations for what the cut-off leaves out of the motion itself. For rounding this
-    /// is one step; the largest of n normal errors is √(2 ln n) deviations.
+    /// is one step; the largest of n normal errors is √(2 ln n) deviations. What is integrated is followed
+    /// by its frequencies, and has 0.
     pub fn tolerance_m(&self, samples: usize) -> f64 {
         match self {
             Self::Rounded { step_m, .. } => *step_m,
+            Self::Integrated { .. } => 0.0,
             Self::Noisy { deviation_m, .. } => {
                 let largest = (2.0 * libm::log(samples.max(2) as f64)).sqrt();
                 (largest + 3.0_f64.sqrt()) * deviation_m
@@ -75,7 +131,7 @@ impl Uncertainty {
         }
     }
 
-    fn scaled(self, distance: f64) -> Self {
+    fn scaled(self, distance: f64, duration: f64) -> Self {
         let distance = distance.abs();
         match self {
             Self::Rounded { decimals, step_m } => {
@@ -85,6 +141,9 @@ impl Uncertainty {
                 let [deviation_m, moved_m] = [deviation_m, moved_m].map(|x| distance * x);
                 Self::Noisy { deviation_m, moved_m }
             }
+            Self::Integrated { times, decimals, step } => {
+                Self::Integrated { times, decimals, step: distance / duration.powi(times) * step }
+            }
         }
     }
 }
@@ -93,7 +152,10 @@ impl Recording {
     /// With displacements and duration times these factors.
     pub(super) fn scaled(self, distance: f64, duration: f64) -> Self {
         Self {
-            uncertainty: self.uncertainty.map(|own| own.scaled(distance)),
+            uncertainty: self.uncertainty.map(|own| own.scaled(distance, duration)),
+            between: self.between.scaled(distance, duration),
+            spacing_s: self.spacing_s.map(|own| duration * own),
+            velocity_m_s: self.velocity_m_s.map(|own| distance.abs() / duration * own),
             lowpass_rad_s: self.lowpass_rad_s.map(|own| own / duration),
             ..self
         }
@@ -103,7 +165,7 @@ impl Recording {
     pub(super) fn moving_samples(&self, places_m: &[f64]) -> Option<(usize, usize)> {
         match self.uncertainty? {
             Uncertainty::Noisy { deviation_m, .. } => moving_beyond_noise(places_m, deviation_m),
-            Uncertainty::Rounded { .. } => None,
+            Uncertainty::Rounded { .. } | Uncertainty::Integrated { .. } => None,
         }
     }
 

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
+use super::noise::Noise;
 use super::samples::{Ends, Samples, Source};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
@@ -36,8 +37,10 @@ pub struct Cutoff {
 /// Uncertain samples, and how far the torque that follows depends on the cut-off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputBand {
-    /// Standard deviation of a sample in m.
-    pub deviation_m: f64,
+    /// Errors of the samples.
+    pub noise: Noise,
+    /// True where these set the cut-off, and not what exact samples would be solved to.
+    pub sets_band: bool,
     /// Distance in m within which the samples are followed.
     pub followed_m: f64,
     /// Largest error in m of the solved tip that exact samples would be solved to.
@@ -68,6 +71,16 @@ impl Cutoff {
     /// True if every frequency is kept.
     pub fn keeps_all(&self) -> bool {
         self.omega_rad_s.is_infinite()
+    }
+
+    /// Distance in m within which uncertain samples are followed, where their errors set it.
+    pub fn followed_m(&self) -> Option<f64> {
+        self.input.filter(|input| input.sets_band).map(|input| input.followed_m)
+    }
+
+    /// True if the samples' errors set it, and not what exact samples would be solved to.
+    pub fn is_set_by_input(&self) -> bool {
+        self.input.is_some_and(|input| input.sets_band)
     }
 
     /// Factor on the amplitude at ω ≥ 0: 1 up to the cut-off, then a raised cosine over half of it.
@@ -213,16 +226,18 @@ impl TipSpectrum {
         }
     }
 
-    /// The spectrum of noise of this standard deviation in m: σ/√N at each frequency of the band.
-    pub(super) fn of_noise(&self, deviation_m: f64) -> Self {
-        let amplitude_m = deviation_m / (self.pair.len() as f64).sqrt();
+    /// The spectrum of the samples' errors: their expected amplitude at each frequency of the band, and where the tip
+    /// ends.
+    pub(super) fn of_noise(&self, of_samples: &Noise) -> Self {
         let mut noise = self.clone();
         for (k, omega) in self.omegas_rad_s.iter().enumerate() {
-            let amplitude_m = if k == 0 { 0.0 } else { amplitude_m * self.cutoff.weight(*omega) };
+            let amplitude_m = || of_samples.amplitude_m(*omega, self.pair.len());
+            let amplitude_m = if k == 0 { 0.0 } else { amplitude_m() * self.cutoff.weight(*omega) };
             noise.acceleration_m_s2[k] = (-omega * omega * amplitude_m).into();
             noise.velocity_m_s[k] = Complex64::new(0.0, omega * amplitude_m);
             noise.magnitudes_m_s2[k] = omega * omega * amplitude_m;
         }
+        noise.velocity_m_s[0] = (of_samples.travel_m() / self.period_s()).into();
         noise.mean_m_s2 = None;
         noise.largest_m_s2 = largest(&noise.magnitudes_m_s2);
         noise

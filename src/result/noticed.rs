@@ -116,7 +116,11 @@ impl Remark {
         let [before_m_s, after_m_s] = motion.end_velocities_m_s();
         let moves = recording.moves_by_column.then_some(Self::MovingEnds { before_m_s, after_m_s });
         let uncertain = recording.uncertainty.and_then(|uncertainty| {
-            let followed = uncertainty.tolerance_m(grid.len) / travel_m;
+            let followed_m = match uncertainty {
+                Uncertainty::Integrated { .. } => motion.cutoff(tolerance).followed_m()?,
+                _ => uncertainty.tolerance_m(grid.len),
+            };
+            let followed = followed_m / travel_m;
             // At 0 all frequencies are solved, whatever the samples are worth.
             let is_raised = tolerance > 0.0 && followed > tolerance;
             (is_raised && recording.lowpass_rad_s.is_none()).then_some(match uncertainty {
@@ -125,6 +129,11 @@ impl Remark {
                 }
                 Uncertainty::Noisy { deviation_m, moved_m } => {
                     Self::Noise { deviation_m, moved_m, followed, tolerance }
+                }
+                Uncertainty::Integrated { times, decimals, step } => {
+                    let column = if times == 1 { "velocity" } else { "acceleration" }.to_owned();
+                    let half_step = 0.5 * step;
+                    Self::IntegratedDigits { column, decimals, half_step, followed, tolerance }
                 }
             })
         });

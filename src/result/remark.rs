@@ -161,6 +161,24 @@ pub enum Remark {
         /// The same for exact samples.
         tolerance: f64,
     },
+    /// A velocity or an acceleration with few digits.
+    #[error(
+        "the {column} has {decimals} decimals, ±{half_step:.1e} {}: the tip is followed to {followed:.1e} of its travel \
+         instead of {tolerance:e}",
+        if column == "velocity" { "m/s" } else { "m/s²" }
+    )]
+    IntegratedDigits {
+        /// The column: `velocity` or `acceleration`.
+        column: String,
+        /// Number of decimals in the unit of the file.
+        decimals: i32,
+        /// Half of the last decimal in m/s or m/s².
+        half_step: f64,
+        /// Share of its travel that the tip is followed to.
+        followed: f64,
+        /// The same for exact samples.
+        tolerance: f64,
+    },
     /// A path with few digits.
     #[error(
         "the path has {decimals} decimals, ±{half_step_m:.1e} m: the tip is followed to {followed:.1e} of its way instead of \
@@ -251,6 +269,7 @@ impl Remark {
             Self::DroppedOutliers { .. } => "dropped_outliers",
             Self::MovingEnds { .. } => "moving_ends",
             Self::FewDigits { .. } => "few_digits",
+            Self::IntegratedDigits { .. } => "integrated_digits",
             Self::PathDigits { .. } => "path_digits",
             Self::Noise { .. } => "noise",
             Self::Jumps { .. } => "jumps",
@@ -280,6 +299,9 @@ impl Remark {
             }
             Self::FewDigits { .. } => {
                 "write the displacement with more decimals, or give --noise if these are exact"
+            }
+            Self::IntegratedDigits { .. } => {
+                "write more decimals; where these are exact, zeros at the end say so: 0.500000000"
             }
             Self::PathDigits { .. } => {
                 "write the path with more decimals; the errors of the input say what that does"

@@ -41,8 +41,8 @@ impl Random {
     }
 }
 
-/// Displacement over the time from 0 to 1, from 0 to 1.
-type Shape = fn(f64) -> f64;
+/// Displacement from 0 to 1 over the time from 0 to 1, its first and its second derivative.
+type Shape = fn(f64) -> [f64; 3];
 
 /// A motion from rest to rest with half its duration of rest on either side.
 #[derive(Clone, Copy)]
@@ -62,7 +62,24 @@ impl Move {
 
     /// Displacement in m at a time in s from the first sample.
     fn at(&self, time_s: f64) -> f64 {
-        self.travel_m * (self.shape)((time_s / self.duration_s - 0.5).clamp(0.0, 1.0))
+        self.derivatives(time_s)[0]
+    }
+
+    /// Displacement in m, velocity and acceleration there.
+    fn derivatives(&self, time_s: f64) -> [f64; 3] {
+        let [x, v, a] = (self.shape)((time_s / self.duration_s - 0.5).clamp(0.0, 1.0));
+        let rate = self.duration_s.recip();
+        [x, rate * v, rate * rate * a].map(|own| self.travel_m * own)
+    }
+
+    /// A file of its velocity or acceleration in so many decimals.
+    fn file_of(&self, order: usize, decimals: usize) -> String {
+        let mut text = format!("time,{}\n", ["displacement", "velocity", "acceleration"][order]);
+        for k in 0..=2 * self.steps {
+            let time_s = f64::from(k) * self.step_s();
+            writeln!(text, "{time_s:.12},{:.decimals$}", self.derivatives(time_s)[order]).unwrap();
+        }
+        text
     }
 
     /// The exact motion with so many samples for each.
@@ -87,16 +104,26 @@ impl Move {
     }
 }
 
-fn septic(s: f64) -> f64 {
-    s.powi(4) * (35.0 - 84.0 * s + 70.0 * s * s - 20.0 * s.powi(3))
+fn septic(s: f64) -> [f64; 3] {
+    [
+        s.powi(4) * (35.0 - 84.0 * s + 70.0 * s * s - 20.0 * s.powi(3)),
+        140.0 * (s * (1.0 - s)).powi(3),
+        420.0 * (s * (1.0 - s)).powi(2) * (1.0 - 2.0 * s),
+    ]
 }
 
-fn min_jerk(s: f64) -> f64 {
-    s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+fn min_jerk(s: f64) -> [f64; 3] {
+    [
+        s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
+        30.0 * (s * (1.0 - s)).powi(2),
+        60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+    ]
 }
 
-fn sine(s: f64) -> f64 {
-    s - (std::f64::consts::TAU * s).sin() / std::f64::consts::TAU
+fn sine(s: f64) -> [f64; 3] {
+    use std::f64::consts::TAU;
+    let turned = TAU * s;
+    [s - turned.sin() / TAU, 1.0 - turned.cos(), TAU * turned.sin()]
 }
 
 fn paper() -> Link {
@@ -136,19 +163,25 @@ fn recorded(link: &Link, text: &str) -> Result<Solution, TableError> {
 
 /// Largest difference of the torques at any time, over the peak of the first.
 fn apart(found: &Solution, exact: &Solution) -> f64 {
+    apart_in(found, exact, |solution| solution.torque_n_m.clone())
+}
+
+/// The same of any history.
+fn apart_in(found: &Solution, exact: &Solution, of: fn(&Solution) -> Vec<f64>) -> f64 {
+    let [found_in, exact_in] = [found, exact].map(of);
     let at = |time_s: f64| {
         let place = (time_s - exact.grid.time_s(0)) / exact.grid.step_s;
         let before = place.floor();
         let sample = |k: f64| {
-            let inside = k >= 0.0 && k < exact.torque_n_m.len() as f64;
-            if inside { exact.torque_n_m[k as usize] } else { 0.0 }
+            let inside = k >= 0.0 && k < exact_in.len() as f64;
+            if inside { exact_in[k as usize] } else { 0.0 }
         };
         let share = place - before;
         (1.0 - share) * sample(before) + share * sample(before + 1.0)
     };
-    let off = found.torque_n_m.iter().enumerate();
-    let off: Vec<f64> = off.map(|(k, torque)| torque - at(found.grid.time_s(k))).collect();
-    largest(&off) / largest(&found.torque_n_m)
+    let off = found_in.iter().enumerate();
+    let off: Vec<f64> = off.map(|(k, own)| own - at(found.grid.time_s(k))).collect();
+    largest(&off) / largest(&found_in)
 }
 
 #[test]
@@ -242,4 +275,81 @@ fn the_stated_input_error_holds_for_random_links_and_motions() {
         }
     }
     println!("stated over true error at least {least:.2}; {refused} refused");
+}
+
+#[test]
+fn the_stated_input_error_holds_for_velocities_and_accelerations_of_few_digits() {
+    let mut random = Random(11);
+    let shapes: [Shape; 3] = [septic, min_jerk, sine];
+    let mut ratios = Vec::new();
+    for case in 0..8 {
+        let (link, hertz) = random_link(&mut random);
+        let wanted = Move {
+            shape: shapes[case % 3],
+            travel_m: link.length_m() * random.between(0.05, 0.3),
+            duration_s: random.between(1.0, 5.0) / hertz,
+            steps: random.between(100.0, 1000.0) as u32,
+        };
+        let exact = solved(&link, &wanted.exact(8));
+        // The acceleration of the others has kinks, which its samples alone miss.
+        let orders = if case % 3 == 0 { vec![1, 2] } else { vec![1] };
+        for order in orders {
+            let times = (0..=2 * wanted.steps).map(|k| f64::from(k) * wanted.step_s());
+            let peak =
+                times.map(|time_s| wanted.derivatives(time_s)[order].abs()).fold(0.0, f64::max);
+            // From 10 to 100 of the last decimal, from 100 to 1000, …
+            let decimals =
+                (2.0 + f64::from(case as u32 / 3 % 3) - peak.log10().floor()) as usize - 1;
+            let found = recorded(&link, &wanted.file_of(order, decimals)).unwrap();
+            let errors = found.accuracy.errors;
+            let of_torque = (apart(&found, &exact), errors.torque);
+            let of_hub = (
+                apart_in(&found, &exact, Solution::hub_acceleration_rad_s2),
+                errors.hub_acceleration.unwrap(),
+            );
+            for (apart, own) in [of_torque, of_hub] {
+                let stated = own.mesh + own.window + own.input.unwrap_or(0.0);
+                println!(
+                    "case {case} order {order} decimals {decimals}: {apart:.1e} of {stated:.1e}"
+                );
+                assert!(apart <= 2.0 * stated, "case {case}, order {order}: {apart} {stated}");
+                assert!(stated <= 30.0 * apart, "case {case}, order {order}: {apart} {stated}");
+                ratios.push(apart / stated);
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!("true over stated error: median {:.2}", ratios[ratios.len() / 2]);
+}
+
+#[test]
+fn the_stated_input_error_holds_for_coarse_tables_that_are_resampled() {
+    let mut random = Random(5);
+    let shapes: [Shape; 3] = [septic, min_jerk, sine];
+    for case in 0..18 {
+        let (link, hertz) = random_link(&mut random);
+        let wanted = Move {
+            shape: shapes[case % 3],
+            travel_m: link.length_m() * random.between(0.05, 0.3),
+            duration_s: random.between(2.0, 5.0) / hertz,
+            steps: 400,
+        };
+        let exact = solved(&link, &wanted.exact(4));
+        let rows = [10, 20, 30, 50][case % 4];
+        let mut text = "time,displacement\n".to_owned();
+        for k in 0..=2 * rows {
+            let is_end = k == 0 || k == 2 * rows;
+            let off = if is_end { 0.0 } else { random.between(-0.2, 0.2) };
+            let time_s = (f64::from(k) + off) * wanted.duration_s / f64::from(rows);
+            writeln!(text, "{time_s:.15e},{:.17e}", wanted.at(time_s)).unwrap();
+        }
+        let table = read_motion_table("move.csv", text.as_bytes(), link.length_m()).unwrap();
+        let motion = table.resampled(wanted.step_s()).unwrap().into_motion().unwrap();
+        let found = solved(&link, &motion);
+        let (apart, own) = (apart(&found, &exact), found.accuracy.errors.torque);
+        let stated = own.mesh + own.window + own.input.unwrap_or(0.0);
+        println!("case {case}, {rows} rows: {apart:.1e} of {stated:.1e}");
+        assert!(apart <= 2.0 * stated, "case {case}, {rows} rows: {apart} {stated}");
+        assert!(stated <= 30.0 * apart, "case {case}, {rows} rows: {apart} {stated}");
+    }
 }

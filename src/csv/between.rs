@@ -1,0 +1,125 @@
+//! What a motion may be off by between the samples of its table.
+//!
+//! A spline through every second sample misses the others by a power of the spacing more than one through all misses the
+//! motion: the fourth power, or less where the samples are too coarse for it, as every fourth sample tells.
+
+use crate::motion::{Between, Ends, TipMotion};
+use crate::numeric::{CubicSpline, SplineEnds};
+
+/// Powers of the spacing with which the error of a spline falls: where the curve has a kink, and where it is smooth.
+const POWERS: (f64, f64) = (2.0, 4.0);
+
+/// Root mean square of a spline's error between two samples, over its largest value.
+const ROOT_MEAN_SQUARE: f64 = 0.64;
+
+/// A curve through samples, and what it is at the times of all.
+type Drawn<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
+
+/// Largest error of a curve that is drawn through samples, by curves through fewer of them. `drawn` gives the values at
+/// the times of all samples; the error falls with this power of the spacing at least.
+fn error_of(time_s: &[f64], values: &[f64], least_power: f64, drawn: Drawn<'_>) -> f64 {
+    let all = drawn(time_s, values);
+    let [half, quarter] = [2, 4].map(|stride| {
+        let last = values.len() - 1;
+        let few = |own: &[f64]| -> Vec<f64> {
+            (0..=last).filter(|k| k % stride == 0 || *k == last).map(|k| own[k]).collect()
+        };
+        let (times, values) = (few(time_s), few(values));
+        if times.len() < CubicSpline::MIN_POINTS {
+            return 0.0;
+        }
+        let fewer = drawn(&times, &values);
+        fewer.iter().zip(&all).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    });
+    let power = libm::log2(quarter / half).clamp(least_power, POWERS.1);
+    let power = if quarter > 0.0 { power } else { least_power };
+    if half > 0.0 { half / libm::pow(2.0, power) } else { 0.0 }
+}
+
+/// Standard deviation in m of what a spline through displacements is off by between them.
+pub(super) fn of_spline_m(time_s: &[f64], displacement_m: &[f64], ends: SplineEnds) -> f64 {
+    let drawn = |times: &[f64], values: &[f64]| {
+        let spline = CubicSpline::new(times, values, ends);
+        time_s.iter().map(|t| spline.value(*t)).collect()
+    };
+    ROOT_MEAN_SQUARE * error_of(time_s, displacement_m, POWERS.0, &drawn)
+}
+
+/// What the integral of a velocity is off by.
+pub(super) fn of_velocity(time_s: &[f64], velocity_m_s: &[f64]) -> Between {
+    let drawn = |times: &[f64], values: &[f64]| {
+        let spline = CubicSpline::new(times, values, SplineEnds::NotAKnot);
+        let integral = CubicSpline::new(times, &spline.integral(), SplineEnds::NotAKnot);
+        time_s.iter().map(|t| integral.value(*t)).collect()
+    };
+    let displacement_m = error_of(time_s, velocity_m_s, POWERS.0, &drawn);
+    // A kink of the velocity is missed by more than every second sample tells.
+    Between { spline_m: displacement_m, displacement_m, ..Between::default() }
+}
+
+/// What the two integrals of an acceleration are off by, that a spline through it has.
+pub(super) fn of_spline_of_acceleration(time_s: &[f64], acceleration_m_s2: &[f64]) -> Between {
+    let drawn = |times: &[f64], values: &[f64]| {
+        let spline = |values: &[f64]| CubicSpline::new(times, values, SplineEnds::NotAKnot);
+        let velocity = spline(values).integral();
+        // The tip comes to rest where it ends.
+        let excess = velocity[times.len() - 1] / (times[times.len() - 1] - times[0]);
+        let at_rest: Vec<f64> =
+            velocity.iter().zip(times).map(|(v, t)| v - excess * (t - times[0])).collect();
+        let place = spline(&spline(&at_rest).integral());
+        time_s.iter().map(|t| place.value(*t)).collect()
+    };
+    let displacement_m = error_of(time_s, acceleration_m_s2, POWERS.1, &drawn);
+    let lasts_s = time_s[time_s.len() - 1] - time_s[0];
+    Between { spline_m: 0.0, displacement_m, velocity_m_s: 2.0 * displacement_m / lasts_s }
+}
+
+/// What an acceleration may be off by between its samples: what another rule of integration makes of them.
+pub(super) fn of_acceleration(motion: &TipMotion, acceleration_m_s2: &[f64]) -> Between {
+    let grid = motion.grid();
+    if motion.ends() == Ends::Periodic || motion.is_from_displacement() {
+        return Between::default();
+    }
+    let (first, last) = motion.moving_samples();
+    let time_s: Vec<f64> = (0..grid.len).map(|k| k as f64 * grid.step_s).collect();
+    let integral = |values: &[f64]| -> Vec<f64> {
+        CubicSpline::new(&time_s, values, SplineEnds::NotAKnot).integral()
+    };
+    let [before_m_s, after_m_s] = motion.end_velocities_m_s();
+    let mut velocity_m_s = integral(acceleration_m_s2);
+    let left_m_s = velocity_m_s[grid.len - 1] - (after_m_s - before_m_s);
+    let lasts = (last - first).max(1) as f64;
+    for (k, velocity) in velocity_m_s.iter_mut().enumerate() {
+        let share = (k.clamp(first, last) - first) as f64 / lasts;
+        *velocity += before_m_s - share * left_m_s;
+    }
+    let displacement_m = integral(&velocity_m_s);
+    let target = motion.target(grid.time_s(0), grid.end_s());
+    let own_m = target.displacement_m();
+    let off_m = |(a, b): (&f64, &f64)| (a - (b - own_m[0])).abs();
+    let displacement_m = displacement_m.iter().zip(own_m).map(off_m).fold(0.0, f64::max);
+    // A velocity that is off from one end to the other moves the tip by about half of it.
+    let velocity_m_s = 2.0 * displacement_m / (lasts * grid.step_s);
+    Between { displacement_m, velocity_m_s, ..Between::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_splines_error_is_told_by_every_second_sample() {
+        let septic = |u: f64| u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3));
+        for count in [10_u32, 16, 25, 40, 80] {
+            let jitter = |k: u32| 0.2 * f64::from((k * 7919) % 101) / 50.0 - 0.2;
+            let inner = (1..count).map(|k| (f64::from(k) + jitter(k)) / f64::from(count));
+            let time_s: Vec<f64> = [0.0].into_iter().chain(inner).chain([1.0]).collect();
+            let places_m: Vec<f64> = time_s.iter().map(|t| septic(*t)).collect();
+            let spline = CubicSpline::new(&time_s, &places_m, SplineEnds::Clamped);
+            let fine = (0..=4000).map(|k| f64::from(k) / 4000.0);
+            let true_m = fine.map(|t| (spline.value(t) - septic(t)).abs()).fold(0.0, f64::max);
+            let told_m = of_spline_m(&time_s, &places_m, SplineEnds::Clamped) / ROOT_MEAN_SQUARE;
+            assert!((0.4..5.0).contains(&(told_m / true_m)), "{count}: {told_m} of {true_m}");
+        }
+    }
+}
