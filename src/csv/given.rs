@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::digits::digits_of;
 use super::format::Reading;
-use super::motion::{MotionTable, digits_of};
+use super::motion::MotionTable;
 use super::outliers::Judged;
 use super::path::PathTable;
 use super::place::Place;

@@ -6,6 +6,7 @@ mod cells;
 mod columns;
 mod decay;
 mod dialect;
+mod digits;
 mod format;
 mod given;
 mod heading;

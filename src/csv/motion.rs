@@ -1,5 +1,6 @@
 use std::io::{self, Write};
 
+use super::digits::digits_of;
 use super::format::{Reading, TableFormat};
 use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
 use super::motion_columns::{motion_columns, take_angle};
@@ -199,27 +200,6 @@ pub fn read_motion_table_as(
     let name = name.to_owned();
     let ends = Ends::default();
     Ok(MotionTable { columns, name, lines, reading, recording, first_angle_rad, ends })
-}
-
-/// What the digits of a motion's columns tell of it: those of the column that it is made of, and of the velocities at its
-/// ends.
-pub(super) fn digits_of(
-    columns: &MotionColumns,
-    in_place: Option<Uncertainty>,
-    [acceleration, velocity]: [Option<Rounding>; 2],
-) -> Recording {
-    let integrated = |rounding: Option<Rounding>, times| {
-        let of = |Rounding { decimals, step }| Uncertainty::Integrated { times, decimals, step };
-        rounding.map(of)
-    };
-    let once = integrated(velocity, 1);
-    let uncertainty = match (&columns.acceleration_m_s2, &columns.displacement_m) {
-        (Some(_), _) => integrated(acceleration, 2),
-        (None, Some(_)) => in_place,
-        (None, None) => once,
-    };
-    let velocity_m_s = once.map(|own| own.deviation());
-    Recording { uncertainty, velocity_m_s, ..Recording::default() }
 }
 
 /// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up

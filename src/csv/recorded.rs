@@ -268,7 +268,9 @@ fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
 /// Refuses a displacement that is hardly more than its uncertainty.
 fn check_worth(motion: &TipMotion, name: &str) -> Result<(), TableError> {
     let uncertain = motion.recording().uncertainty;
-    let Some(tolerance_m) = uncertain.and(motion.known_to_m()) else { return Ok(()) };
+    // A square that overflows tells nothing; such motions are refused for their torque.
+    let known_to_m = uncertain.and(motion.known_to_m()).filter(|m| m.is_finite());
+    let Some(tolerance_m) = known_to_m else { return Ok(()) };
     let grid = motion.grid();
     let travel_m = motion.target(grid.time_s(0), grid.end_s()).largest_travel_m();
     if tolerance_m <= LEAST_WORTH * travel_m {

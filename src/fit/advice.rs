@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::decay::Decay;
 use super::measurement::Observable;
-use super::misfits::{Misfit, RecordMisfit, STRAY, is_too_small};
+use super::misfits::{Misfit, RecordMisfit, STRAY, as_well, is_too_small};
 use super::outcome::FitOutcome;
 use crate::model::Sensor;
 use crate::text::significant;
@@ -141,16 +141,6 @@ impl fmt::Display for FitWarning {
             ),
         }
     }
-}
-
-/// That there are several answers.
-pub(super) fn as_well(others: usize) -> String {
-    let fit = if others == 1 {
-        "one other answer fits".to_owned()
-    } else {
-        format!("{others} other answers fit")
-    };
-    format!("{fit} the measurements about as well")
 }
 
 impl FitWarning {

@@ -1,25 +1,14 @@
 //! Other answers: ends of other starts that the data do not tell from the best one, and intervals that cover them.
 
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::least_squares::{Depth, End, POLISH, Problem};
 use super::measurements::Prediction;
 use super::misfits::Misfits;
-use super::outcome::{FitOutcome, USUAL_MISFIT};
+use super::outcome::{FitOutcome, OtherAnswer, USUAL_MISFIT};
 use super::specimen::{FINE, Specimen};
 use super::value::Spread;
 use crate::numeric::NORMAL_95;
-
-/// Values of an end of another start that fits the measurements about as well as the best one: its sum of squares is
-/// less than 3.84 above the least, in units of the variance of the residuals.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OtherAnswer {
-    /// Factors on the free values in their order.
-    pub factors: Vec<f64>,
-    /// Sum of the squared residuals there.
-    pub sum_of_squares: f64,
-}
 
 /// To find the least sum of squares with one value held.
 const HELD: Depth =

@@ -110,7 +110,7 @@ pub enum Misfit {
     #[error("no link file is written: the sum of squares still falls after the last iteration")]
     Unsettled,
     /// The data have several answers, and were to have one.
-    #[error("no link file is written: {}", super::advice::as_well(*others))]
+    #[error("no link file is written: {}", as_well(*others))]
     Ambiguous {
         /// How many other answers there are.
         others: usize,
@@ -366,4 +366,14 @@ impl Record {
         };
         channels.map(overlay).collect()
     }
+}
+
+/// That there are several answers.
+pub(super) fn as_well(others: usize) -> String {
+    let fit = if others == 1 {
+        "one other answer fits".to_owned()
+    } else {
+        format!("{others} other answers fit")
+    };
+    format!("{fit} the measurements about as well")
 }

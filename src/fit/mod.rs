@@ -34,14 +34,13 @@ mod value;
 mod vibrations;
 
 pub use advice::FitWarning;
-pub use answers::OtherAnswer;
 pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
 pub use least_squares::fit;
 pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use misfits::{ChannelMisfit, Misfit, RecordMisfit, Residual};
 pub use motor::Motor;
-pub use outcome::{FitOutcome, Openness, StartEnd, Undetermined};
+pub use outcome::{FitOutcome, Openness, OtherAnswer, StartEnd, Undetermined};
 pub use record::Record;
 pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
 pub use response::{Coordinate, Gain, Overlay, Response, ResponseError, ResponseMisfit, Spacing};

@@ -5,13 +5,22 @@ use std::fmt;
 use faer::Mat;
 use serde::Serialize;
 
-use super::answers::OtherAnswer;
 use super::decay::Decay;
 use super::measurements::{Measurements, Prediction};
 use super::misfits::{DELAY_UNIT, Misfit, Misfits, RecordMisfit, Residual};
 use super::record::Record;
 use super::response::{Overlay, ResponseMisfit};
 use super::value::{FittedValue, Free, Spread, correlation};
+
+/// Values of an end of another start that fits the measurements about as well as the best one: its sum of squares is
+/// less than 3.84 above the least, in units of the variance of the residuals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OtherAnswer {
+    /// Factors on the free values in their order.
+    pub factors: Vec<f64>,
+    /// Sum of the squared residuals there.
+    pub sum_of_squares: f64,
+}
 
 /// Share of a direction below which a value takes no part in it.
 const NO_PART: f64 = 1e-4;

@@ -17,6 +17,7 @@ mod samples;
 mod scale;
 mod spectrum;
 mod tip_motion;
+mod uncertain;
 
 pub use course::Course;
 pub use curve::Curve;

@@ -3,15 +3,12 @@
 use maud::{Markup, html};
 
 use super::fit_figures::{figures, labels};
-use super::fit_starts::{other_answers, starts};
+use super::fit_starts::{UNKNOWN, other_answers, shown, starts};
 use super::page::{Section, all_figures, document, inputs, made_by};
 use super::tables::table;
 use crate::fit::{FitOutcome, FittedValue, Replaced, Residual};
 use crate::result::Origin;
 use crate::text::{plain, significant, visible_document};
-
-/// Of a number that is none.
-const UNKNOWN: &str = "not known";
 
 /// What the page of a fit shows.
 #[derive(Debug, Clone)]
@@ -78,14 +75,6 @@ fn sentence(message: &str) -> String {
     let mut letters = message.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string());
     format!("{}{}.", first.unwrap_or_default(), letters.as_str())
-}
-
-/// Digits as a page shows them.
-pub(super) fn shown(value: f64, digits: usize) -> String {
-    if !value.is_finite() {
-        return UNKNOWN.to_owned();
-    }
-    significant(value, digits).replace('-', "−")
 }
 
 fn percent(share: f64, digits: usize) -> String {

@@ -2,9 +2,20 @@
 
 use maud::{Markup, html};
 
-use super::fit::shown;
 use super::tables::table;
 use crate::fit::FitOutcome;
+use crate::text::significant;
+
+/// Of a number that is none.
+pub(super) const UNKNOWN: &str = "not known";
+
+/// Digits as a page shows them.
+pub(super) fn shown(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.to_owned();
+    }
+    significant(value, digits).replace('-', "−")
+}
 
 /// Other values that fit about as well.
 pub(super) fn other_answers(outcome: &FitOutcome) -> Markup {

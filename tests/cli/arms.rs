@@ -290,7 +290,7 @@ fn a_path_of_few_digits_is_told_with_what_that_does() {
         format!("{:.2},{:.3},{:.3}\n", numbers[0], numbers[1], numbers[2])
     });
     bench.write("rounded.csv", &format!("time,x,y\n{}", rounded.collect::<String>()));
-    let within = ["--set", "links.upper.limits.torque=50", "-q"];
+    let within = ["--set", "links.upper.limits.torque=50"];
     let told =
         bench.run(&[&["solve", "arm.toml", "rounded.csv", "-o", "few"][..], &within].concat());
     let words =

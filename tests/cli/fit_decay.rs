@@ -49,7 +49,7 @@ fn a_pluck_gives_stiffness_and_damping() {
     let measured = format!("{DECAY}from = '0.4 s'\n");
     let out = fit(&bench, &measured, &["-o", "fitted.toml", "--report"]);
     assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
+    let record: Value = serde_json::from_str(&bench.read("fitted.json")).unwrap();
     for (k, exact) in [0.18, 0.012].into_iter().enumerate() {
         let value = &record["values"][k];
         let (found, error) = (&value["after"], &value["relative_standard_error"]);

@@ -37,7 +37,7 @@ fn fit(bench: &Bench, table: &str) -> Output {
 fn check(bench: &Bench, table: &str, told: &[&str]) {
     let out = fit(bench, table);
     assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fit.json")).unwrap();
+    let record: Value = serde_json::from_str(&bench.read("fitted.json")).unwrap();
     let factor = record["values"][0]["factor"].as_f64().unwrap();
     assert!((factor / 1.1 - 1.0).abs() < 1e-5, "{factor}");
     for words in told {

@@ -35,9 +35,9 @@ fn a_recording_is_solved_as_its_standard_form_is() {
                 displacement from column 2 \"Weg\" in mm\n\
                 remark: excel_de.csv: columns not read: 3 \"Kraft (N)\"\n\
                 hint: --columns QUANTITY=NUMBER reads one of them instead\n";
-    let found = told(&bench, &["solve", &link, "excel_de.csv", "-o", "found", "-q"]);
+    let found = told(&bench, &["solve", &link, "excel_de.csv", "-o", "found"]);
     let rest = found.strip_prefix(note).unwrap_or_else(|| panic!("{found}"));
-    assert_eq!(told(&bench, &["solve", &link, "standard.csv", "-o", "standard", "-q"]), rest);
+    assert_eq!(told(&bench, &["solve", &link, "standard.csv", "-o", "standard"]), rest);
     for name in ["torque.csv", "hub_angle.csv", "tip.csv"] {
         let [found, standard] =
             ["found", "standard"].map(|run| bench.read(&format!("{run}/{name}")));
@@ -70,7 +70,7 @@ fn a_slip_beside_a_known_column_is_remarked() {
         .map(|row| if row.starts_with("time") { format!("{row}\n") } else { format!("{row},0\n") })
         .collect();
     bench.write("slip.csv", &rows);
-    let found = told(&bench, &["verify", &repository(LINK), "slip.csv", "-q"]);
+    let found = told(&bench, &["verify", &repository(LINK), "slip.csv"]);
     let remark = "remark: slip.csv: columns not read: 3 \"acelleration\"\n\
                   hint: did you mean acceleration by \"acelleration\"?\n";
     assert!(found.starts_with(remark), "{found}");
@@ -201,7 +201,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         let text = stderr(&refused);
         assert!(text.contains("bad.csv:82: ") && text.contains("it is 0.00500 m"), "{text}");
         assert!(text.contains("--drop-outliers"), "{text}");
-        let dropped = ["solve", &file, "bad.csv", "-q", "--drop-outliers", "-o", "dropped"];
+        let dropped = ["solve", &file, "bad.csv", "--drop-outliers", "-o", "dropped"];
         let text = told(&bench, &dropped);
         let remark = "remark: 1 sample was replaced by what its neighbours lead to\n";
         assert!(text.contains(remark), "{text}");
@@ -209,7 +209,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         let kinds = summary["remarks"].as_array().unwrap().iter();
         assert!(kinds.map(|own| &own["kind"]).any(|kind| kind == "dropped_outliers"), "{summary}");
         assert_eq!(summary["inputs"]["arguments"], serde_json::json!(["--drop-outliers"]));
-        told(&bench, &["solve", &file, &file_of_good, "-q", "-o", "good"]);
+        told(&bench, &["solve", &file, &file_of_good, "-o", "good"]);
         // By the time in whole steps: the runs may begin one apart.
         let of = |folder: &str| -> BTreeMap<String, f64> {
             let columns = bench.table(&format!("{folder}/{torque}.csv"));
@@ -225,7 +225,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         let worst = differences.into_iter().fold(0.0_f64, f64::max);
         assert!(worst < 1e-2 * peak, "{name}: {worst} of {peak}");
         // Nothing was replaced in a good file.
-        let text = told(&bench, &["solve", &file, &file_of_good, "-q", "--drop-outliers"]);
+        let text = told(&bench, &["solve", &file, &file_of_good, "--drop-outliers"]);
         assert!(!text.contains("replaced"), "{text}");
     }
 }

@@ -19,9 +19,8 @@ fn a_resampling_step_must_fit_the_motion() {
         refused(step_s, "be finite and above 0", None);
     }
     refused(2.0, "be at most 1 s, which gives 4 samples", None);
-    let shortest = 3.0 / 9_999_999.0;
-    let must = format!("be at least {shortest} s, which gives 1e7 samples");
-    refused(1e-9, &must, None);
+    let must = "be at least 3.00000e-7 s, which gives 1e7 samples";
+    refused(1e-9, must, None);
     let must = "divide the motion's 3 s into whole steps";
     let hint = "the nearest steps that do are 0.6 s and 0.75 s";
     refused(0.7, must, Some(hint));

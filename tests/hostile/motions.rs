@@ -95,7 +95,7 @@ fn a_step_that_drifts_by_1e_9_is_uniform_by_1e_6_is_told_and_by_1e_4_is_refused(
     assert_eq!(warnings(&drifting(1e-9)), "");
     let bench = Bench::new();
     bench.write("motion.csv", drifting(1e-6));
-    let output = bench.run(&["solve", "link.toml", "motion.csv", "-o", "out", "-q"]);
+    let output = bench.run(&["solve", "link.toml", "motion.csv", "-o", "out"]);
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stderr);
     assert!(told.starts_with("remark: the times are off a uniform grid"), "{told}");

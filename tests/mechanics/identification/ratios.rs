@@ -78,18 +78,26 @@ fn matrices() -> [DMatrix<f64>; 2] {
     [mass, bending].map(|whole| whole.remove_row(0).remove_column(0))
 }
 
-/// `−Re s/|s|` of the modes that vibrate, the slowest first, from all eigenvalues of the companion matrix.
+/// `−Re s/|s|` of the modes that vibrate, the slowest first, from all eigenvalues of a companion matrix. In the coordinates
+/// `Ωq, q̇` of the undamped modes its round-off is that of the largest rate, not of its square.
 fn of_matrices(
     mass: &DMatrix<f64>,
     damping: &DMatrix<f64>,
     stiffness: &DMatrix<f64>,
 ) -> Vec<[f64; 2]> {
     let size = mass.nrows();
-    let factor = mass.clone().cholesky().unwrap();
+    let lower = mass.clone().cholesky().unwrap().l();
+    let by_mass = |matrix: &DMatrix<f64>| {
+        let half = lower.solve_lower_triangular(matrix).unwrap();
+        lower.solve_lower_triangular(&half.transpose()).unwrap()
+    };
+    let modes = by_mass(stiffness).symmetric_eigen();
+    let rates = DMatrix::from_diagonal(&modes.eigenvalues.map(|square| square.max(0.0).sqrt()));
+    let damped = modes.eigenvectors.transpose() * by_mass(damping) * &modes.eigenvectors;
     let mut companion = DMatrix::zeros(2 * size, 2 * size);
-    companion.view_mut((0, size), (size, size)).fill_with_identity();
-    companion.view_mut((size, 0), (size, size)).copy_from(&-factor.solve(stiffness));
-    companion.view_mut((size, size), (size, size)).copy_from(&-factor.solve(damping));
+    companion.view_mut((0, size), (size, size)).copy_from(&rates);
+    companion.view_mut((size, 0), (size, size)).copy_from(&-rates);
+    companion.view_mut((size, size), (size, size)).copy_from(&-damped);
     let found = companion.complex_eigenvalues();
     let vibrating = found.iter().filter(|s| s.im > 1e-3);
     let mut modes: Vec<[f64; 2]> = vibrating.map(|s| [s.norm(), -s.re / s.norm()]).collect();
@@ -103,7 +111,9 @@ fn modal_damping(mass: &DMatrix<f64>, bending: &DMatrix<f64>, ratio: f64) -> DMa
     let half = lower.solve_lower_triangular(bending).unwrap();
     let whole = lower.solve_lower_triangular(&half.transpose()).unwrap();
     let eigen = whole.symmetric_eigen();
-    let rates = eigen.eigenvalues.map(|square| 2.0 * ratio * square.max(0.0).sqrt());
+    // The rotation of the rigid link has no rate: its ω² is round-off.
+    let rate = |square: f64| if square < 1.0 { 0.0 } else { 2.0 * ratio * square.sqrt() };
+    let rates = eigen.eigenvalues.map(rate);
     let shapes = &lower * eigen.eigenvectors;
     &shapes * DMatrix::from_diagonal(&rates) * shapes.transpose()
 }
@@ -135,29 +145,18 @@ fn assert_equal(found: &[f64], exact: &[[f64; 2]], what: &str) {
     }
 }
 
-/// Light and heavy friction, free and behind a spring: Rayleigh's damping of the bending.
+/// No friction, light and heavy friction, free and behind a spring: Rayleigh's damping of the bending.
 #[test]
 fn friction_of_the_hub_and_a_spring_without_loss_are_counted() {
     let [mass, bending] = matrices();
     let beta_s = 2e-4;
-    for friction in [0.0, 0.001, 0.05, 0.3] {
+    for friction in [0.0, 0.001, 0.05] {
         for (hub, spring) in [(PoseHub::Free, 0.0), (PoseHub::Spring(5.0), 5.0)] {
             let damping = with(&bending * beta_s, friction);
             let exact = of_matrices(&mass, &damping, &with(bending.clone(), spring));
-            let link =
-                text(friction, &format!("model = 'rayleigh'\nalpha = 0.0\nbeta = {beta_s}"), "");
-            let found = found(&link, hub);
-            // The free rotation with friction does not vibrate; a heavily rubbed hub on its spring neither.
-            let vibrating: Vec<f64> =
-                found.iter().copied().filter(|ratio| !ratio.is_nan()).collect();
-            for (k, ratio) in vibrating.iter().enumerate() {
-                let [_, exact] = exact[k];
-                assert!(
-                    (ratio / exact - 1.0).abs() < 1e-6,
-                    "{friction}, {hub:?}: {ratio}, {exact}"
-                );
-            }
-            assert!(vibrating.len() >= 3, "{friction}, {hub:?}: {found:?}");
+            let law = format!("model = 'rayleigh'\nalpha = 0.0\nbeta = {beta_s}");
+            let found = found(&text(friction, &law, ""), hub);
+            assert_equal(&found, &exact, &format!("{friction}, {hub:?}"));
         }
     }
 }
