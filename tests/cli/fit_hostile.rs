@@ -35,9 +35,10 @@ fn a_sample_whose_square_is_no_number_is_refused_when_it_is_read() {
         "measured.toml",
         "[[record]]\nfile = 'log.csv'\ninput = 'torque'\n[[record.channel]]\nsensor = 'hub_angle'\n",
     );
-    let rows: String =
-        (0..40).map(|k| format!("{},{},{}\n", 0.01 * f64::from(k), k % 3, k)).collect();
-    let table = format!("time,torque,hub_angle\n{rows}").replace(",7\n", ",1e200\n");
+    let table = (0..40).fold("time,torque,hub_angle\n".to_owned(), |text, k| {
+        format!("{text}{},{},{}\n", 0.01 * f64::from(k), k % 3, k)
+    });
+    let table = table.replace(",7\n", ",1e200\n");
     bench.write("log.csv", &table);
     let (code, told) = fit(&bench, "segments.*.EI");
     assert!(code == Some(3) && told.contains("log.csv: sample 7 of hub_angle"), "{code:?}: {told}");

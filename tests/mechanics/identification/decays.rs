@@ -92,7 +92,7 @@ fn dry_friction_and_drag_bend_the_logarithm() {
         let (omega, friction) = (TAU * 2.0, 0.02);
         let half = (omega * t / (0.5 * TAU)).floor();
         let amplitude = 1.0 - (2.0 * half + 1.0) * friction;
-        let side = if half as i64 % 2 == 0 { friction } else { -friction };
+        let side = if half.rem_euclid(2.0) < 0.5 { friction } else { -friction };
         amplitude * (omega * t).cos() + side
     };
     let ratios = |at: &dyn Fn(f64) -> f64| {
