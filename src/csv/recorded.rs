@@ -265,12 +265,11 @@ fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
     all[len..2 * len].iter().map(|m| m - all[len]).collect()
 }
 
-/// Refuses a displacement that is hardly more than its uncertainty.
+/// Refuses a displacement that is hardly more than its uncertainty. What velocities or accelerations leave uncertain is an
+/// error of the solution, which warns of it.
 fn check_worth(motion: &TipMotion, name: &str) -> Result<(), TableError> {
-    let uncertain = motion.recording().uncertainty;
-    // A square that overflows tells nothing; such motions are refused for their torque.
-    let known_to_m = uncertain.and(motion.known_to_m()).filter(|m| m.is_finite());
-    let Some(tolerance_m) = known_to_m else { return Ok(()) };
+    let uncertain = motion.recording().uncertainty.filter(|own| own.times() == 0);
+    let Some(tolerance_m) = uncertain.and(motion.known_to_m()) else { return Ok(()) };
     let grid = motion.grid();
     let travel_m = motion.target(grid.time_s(0), grid.end_s()).largest_travel_m();
     if tolerance_m <= LEAST_WORTH * travel_m {
