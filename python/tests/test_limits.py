@@ -7,6 +7,7 @@ import sys
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -62,16 +63,16 @@ def test_values_within_each_other_are_refused_at_a_depth(depth: int) -> None:
     own: dict[str, object] = {}
     own["a"] = own
     link = flexlink.Link(segments=[STRIP])
+    calls: list[Callable[[Any], object]] = [
+        lambda value: flexlink.Link(segments=value),
+        lambda value: flexlink.Arm(links=value),
+        lambda value: link.changed({"hub": value}),
+        lambda value: flexlink.sweep(link, [{"hub": value}], MOTION),
+    ]
     for value in (table, items, itself, own):
-        calls: list[Callable[[], object]] = [
-            lambda value=value: flexlink.Link(segments=value),
-            lambda value=value: flexlink.Arm(links=value),
-            lambda value=value: link.changed({"hub": value}),
-            lambda value=value: flexlink.sweep(link, [{"hub": value}], MOTION),
-        ]
         for call in calls:
             with pytest.raises(flexlink.InputError, match="must be at most 32 deep"):
-                call()
+                call(value)
     # Dropping what is 100,000 deep takes Python's own care.
     while isinstance(table, dict) and table:
         table = table["a"]
@@ -124,9 +125,11 @@ def test_refusals_name_the_argument() -> None:
         for every in (0, -1, 1.5, 10**30):
             with pytest.raises(flexlink.InputError, match="^every = .*, but must be a whole number above 0"):
                 own.displacements(every=every)  # type: ignore[arg-type]
-        assert own.displacements(np.array([0, 1]), every=np.int64(2)).shape[1] == 2
+        few: Any = np.array([0, 1])
+        second: Any = np.int64(2)
+        assert own.displacements(few, every=second).shape[1] == 2
     for threads in (0, -1, 10**9, 10**30):
         with pytest.raises(flexlink.InputError, match="^threads = .*, but must be a whole number from 1 to 256"):
             flexlink.sweep(link, [{}], MOTION, threads=threads)
     with pytest.raises(TypeError, match="^link = <class 'flexlink.Link'>, but must be a number, a text or the path"):
-        flexlink.trajectory("septic", distance="60 deg", duration=0.6, step=0.002, link=link)
+        flexlink.trajectory("septic", distance="60 deg", duration=0.6, step=0.002, link=link)  # type: ignore[arg-type]
