@@ -72,19 +72,25 @@ pub fn wait_if_ending() {
     drop(hold_off_the_end());
 }
 
+/// How often a thread tries to hold off the end, and what it waits between two tries.
+const TRIES: usize = 50;
+const BETWEEN_TRIES: Duration = Duration::from_millis(2);
+
 /// Removes everything unfinished of a program that is about to exit. A run that is just renaming its
 /// files finishes that first; afterwards no thread creates or renames a file of a run.
 pub fn abandon_unfinished() {
     abandon(hold_off_the_end());
 }
 
-/// The same in a thread that may itself be creating or renaming files: it removes nothing while any
-/// thread does.
+/// The same in a thread that may itself be creating or renaming files: it waits for other threads that do, but not for
+/// long, and then removes nothing.
 pub fn try_abandon_unfinished() {
-    match UNFINISHED.try_lock() {
-        Ok(paths) => abandon(paths),
-        Err(sync::TryLockError::Poisoned(poisoned)) => abandon(poisoned.into_inner()),
-        Err(sync::TryLockError::WouldBlock) => {}
+    for _ in 0..TRIES {
+        match UNFINISHED.try_lock() {
+            Ok(paths) => return abandon(paths),
+            Err(sync::TryLockError::Poisoned(poisoned)) => return abandon(poisoned.into_inner()),
+            Err(sync::TryLockError::WouldBlock) => thread::sleep(BETWEEN_TRIES),
+        }
     }
 }
 
