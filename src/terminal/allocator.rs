@@ -5,7 +5,8 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Write as _, stderr};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::ptr;
+use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
 use std::thread;
 use std::time::Duration;
 
@@ -46,6 +47,18 @@ fn given(block: *mut u8, bytes: usize) -> *mut u8 {
     block
 }
 
+/// Memory that is given back where the system refuses more, so that unfinished files can be removed.
+static RESERVE: AtomicPtr<u8> = AtomicPtr::new(ptr::null_mut());
+
+/// The size of it: removing a folder reads its names into 32 KB.
+const RESERVED: Layout = Layout::new::<[u8; 1 << 18]>();
+
+/// Sets memory aside for the end of a program that finds no more.
+pub(super) fn reserve() {
+    // SAFETY: the size is not zero.
+    RESERVE.store(unsafe { System.alloc(RESERVED) }, Ordering::Release);
+}
+
 /// Ends the program. The thread may hold any lock, so this waits for none without end, and takes no
 /// memory before it has printed the message.
 #[cold]
@@ -59,6 +72,11 @@ fn end(bytes: usize) -> ! {
             "`ulimit` may limit it; fewer --threads need less; a sweep goes on with --resume";
         let message = "error: out of memory: the system refuses another";
         let _ = stderr().write_fmt(format_args!("{message} {bytes} bytes\nhint: {hint}\n"));
+        let reserve = RESERVE.swap(ptr::null_mut(), Ordering::AcqRel);
+        if !reserve.is_null() {
+            // SAFETY: `reserve` got it from this allocator with this layout, and nobody else has it now.
+            unsafe { System.dealloc(reserve, RESERVED) }
+        }
         try_abandon_unfinished();
     }
     // What a usual exit does may take memory.

@@ -8,7 +8,7 @@ use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use flexlink::system::{available_addresses, available_memory, is_data_limited};
 use flexlink::text::gigabytes;
 
-use super::allocator::{keep_freed_memory, limit_arenas};
+use super::allocator::{keep_freed_memory, limit_arenas, reserve};
 use super::exit::{Exit, Failure};
 use super::interrupt::end_aborts;
 
@@ -40,6 +40,7 @@ fn size(bytes: u64) -> usize {
 /// to more, threads share arenas; without a limit, they keep the memory that they free. Call it before the
 /// program starts threads.
 pub(crate) fn check_program() -> Result<(), Failure> {
+    reserve();
     let Some(left) = address_space() else {
         keep_freed_memory();
         return Ok(());
