@@ -16,7 +16,7 @@ thread_local! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// From now on [`end_if_stopped`] ends the work of this thread when the flag is true. A thread keeps its first flag.
+/// From now on `end_if_stopped` ends the work of this thread when the flag is true. A thread keeps its first flag.
 pub fn stop_by(flag: Arc<AtomicBool>) {
     STOP.with(|own| drop(own.set(flag)));
 }

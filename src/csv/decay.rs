@@ -54,7 +54,7 @@ const OF_DECAY: &str = "sensor = \"tip_acceleration\" names the column that vibr
 /// ```
 ///
 /// # Errors
-/// As [`read_record`], and if several columns change or none does.
+/// As [`read_record`](super::read_record), and if several columns change or none does.
 pub fn read_decay(
     name: &str,
     bytes: &[u8],
