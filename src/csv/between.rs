@@ -6,6 +6,9 @@
 use crate::motion::{Between, Ends, TipMotion};
 use crate::numeric::{CubicSpline, SplineEnds};
 
+/// Samples beyond which an acceleration is known between them, and comparing two rules would take memory.
+const MOST_SAMPLES: usize = 1_000_000;
+
 /// Powers of the spacing with which the error of a spline falls: where the curve has a kink, and where it is smooth.
 const POWERS: (f64, f64) = (2.0, 4.0);
 
@@ -77,7 +80,8 @@ pub(super) fn of_spline_of_acceleration(time_s: &[f64], acceleration_m_s2: &[f64
 /// What an acceleration may be off by between its samples: what another rule of integration makes of them.
 pub(super) fn of_acceleration(motion: &TipMotion, acceleration_m_s2: &[f64]) -> Between {
     let grid = motion.grid();
-    if motion.ends() == Ends::Periodic || motion.is_from_displacement() {
+    let is_known = motion.ends() == Ends::Periodic || grid.len > MOST_SAMPLES;
+    if is_known || motion.is_from_displacement() {
         return Between::default();
     }
     let (first, last) = motion.moving_samples();
