@@ -237,7 +237,10 @@ fn drives(arm: &Arm, play: &ArmPlay<'_>) -> Result<Vec<Drive>, SimulationError> 
             }
         };
         let pieces = pieces(&samples, play.interpolation);
-        Ok(Drive::Torque(Driving { samples, pieces, hold, repeats: false }, reaction))
+        Ok(Drive::Torque(
+            Driving { samples, pieces, hold, repeats: false, turning: None },
+            reaction,
+        ))
     };
     play.torques.iter().enumerate().map(drive).collect()
 }

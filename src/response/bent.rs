@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use super::balance::Balance;
 use super::chain::{Chain, coordinates, play_bytes};
-use super::driving::{Cubic, CycleError, Driving};
+use super::driving::{Cubic, CycleError, Driving, Step};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
 use super::modes::HubReaction;
 use super::play::{Input, Play, refuse_memory};
@@ -57,6 +57,8 @@ pub struct BentPlay {
     from_rad: f64,
     /// Direction of the chord less that of the hub at the last sample in rad.
     bent_rad: f64,
+    /// Rate of the reference, with which the damping of a loop turns, at each sample in rad/s.
+    turning_rad_s: Vec<f64>,
 }
 
 /// Torque of the motor; angle, rate and acceleration of the hub; displacement, velocity and acceleration of the tip.
@@ -193,6 +195,7 @@ impl Problem<'_> {
         let mut motion = Motion { rates, accelerations: vec![0.0; count], q };
         chain.balance(&motion.q, &motion.rates, &mut balance);
         let holding_n_m = -balance.force[0];
+        chain.turn(self.driving.turning_at(0), &mut balance);
         drive.apply(self.driving.at(0), (&motion.q, &motion.rates), &mut balance);
         if let Some(first) = balance.accelerations() {
             motion.accelerations = first;
@@ -208,17 +211,20 @@ impl Problem<'_> {
             chord_rad: Vec::with_capacity(grid.len),
             from_rad,
             bent_rad: 0.0,
+            turning_rad_s: self.driving.turning_rad_s(grid.len),
             chain,
         };
         let mut histories: Histories = [(); 7].map(|()| Vec::with_capacity(grid.len));
         let places = Radau::places();
-        let mut advance = |chain: &Chain, motion: &mut Motion, sample: usize, cubic: &Cubic| {
+        let mut advance = |chain: &Chain, motion: &mut Motion, sample: usize, driven: &Step| {
             let is_done = (0..steps).all(|step| {
                 radau.advance(motion, |stage, q, rates, balance| {
                     let s = (step as f64 + places[stage]) / steps as f64;
-                    let input = cubic.iter().rev().fold(0.0, |sum, term| sum * s + term);
+                    let at =
+                        |cubic: &Cubic| cubic.iter().rev().fold(0.0, |sum, term| sum * s + term);
                     chain.balance(q, rates, balance);
-                    drive.apply(input, (q, rates), balance);
+                    chain.turn(at(&driven.turning), balance);
+                    drive.apply(at(&driven.input), (q, rates), balance);
                 })
             });
             let time_s = grid.time_s(sample + 1);
@@ -231,13 +237,13 @@ impl Problem<'_> {
                 return Err(CycleError::Free.into());
             }
             let cycle = (&self.driving, self.play.input.grid());
-            settle(&mut motion, cycle, is_free || is_prescribed, |motion, sample, cubic| {
-                advance(&found.chain, motion, sample, cubic)
+            settle(&mut motion, cycle, is_free || is_prescribed, |motion, sample, step| {
+                advance(&found.chain, motion, sample, step)
             })?;
         }
         found.observe(&mut motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
-        for (sample, cubic) in self.driving.steps(grid.len).enumerate() {
-            advance(&found.chain, &mut motion, sample, &cubic)?;
+        for (sample, step) in self.driving.steps(grid.len).enumerate() {
+            advance(&found.chain, &mut motion, sample, &step)?;
             let input = (self.driving.at(sample + 1), &drive);
             found.observe(&mut motion, input, &mut balance, &mut histories);
         }
@@ -300,6 +306,7 @@ impl BentPlay {
             // Friction acts on the hub; the rest of the reaction is the motor's.
             let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
             // Where the torque jumps, those of the last step's end are of the torque before.
+            self.chain.turn(self.turning_rad_s[self.chord_rad.len()], balance);
             drive.apply(input, (q, rates), balance);
             if let Some(now) = balance.accelerations() {
                 motion.accelerations = now;
@@ -344,13 +351,11 @@ impl BentPlay {
 
     /// A warning of a torque that does not begin with what holds the link.
     pub(super) fn unheld(&self, torque_n_m: &[f64]) -> Option<SimulationWarning> {
-        let holding_n_m = self.holding_n_m;
-        let [low, high] = extremes(torque_n_m);
+        let (holding_n_m, [low, high]) = (self.holding_n_m, extremes(torque_n_m));
         let (first, range) = (torque_n_m[0], high - low);
-        let size = if range > 0.0 { range } else { holding_n_m.abs() };
         // A link that hangs straight is held by round-off.
         let least = STEP_SHARE * STEP_SHARE * self.chain.weight_moment_n_m();
-        let size = size.max(least);
+        let size = if range > 0.0 { range } else { holding_n_m.abs() }.max(least);
         let share = (first - holding_n_m).abs() / size;
         let warning = SimulationWarning::BeginsUnheld { torque_n_m: first, holding_n_m, share };
         (share > STEP_SHARE).then_some(warning)
@@ -389,6 +394,7 @@ impl BentPlay {
     /// Power that damping and friction dissipate at a sample in W.
     pub(super) fn loss_w(&self, sample: usize) -> f64 {
         let rates = self.record.at(sample).1;
-        self.chain.damped_w(rates) + self.friction_n_m_s_rad * rates[0] * rates[0]
+        let friction_w = self.friction_n_m_s_rad * rates[0] * rates[0];
+        self.chain.damped_w(rates, self.turning_rad_s[sample]) + friction_w
     }
 }

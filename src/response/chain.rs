@@ -274,10 +274,16 @@ impl Chain {
         [energies.kinetic_j, energies.potential_j]
     }
 
-    /// Power in W that damping of the link dissipates.
-    pub(super) fn damped_w(&self, rates: &[f64]) -> f64 {
+    /// Lets the damping turn with a reference at a rate in rad/s.
+    pub(super) fn turn(&self, turning_rad_s: f64, into: &mut Balance) {
+        let drags = self.damping.iter().step_by(self.count);
+        into.force.iter_mut().zip(drags).for_each(|(force, drag)| *force += drag * turning_rad_s);
+    }
+
+    /// Power in W that damping of the link dissipates, turning with a reference at a rate in rad/s.
+    pub(super) fn damped_w(&self, rates: &[f64], turning_rad_s: f64) -> f64 {
         let rows = self.damping.chunks_exact(self.count).zip(rates);
-        rows.map(|(row, own)| own * dot(row, rates)).sum()
+        rows.map(|(row, own)| own * (dot(row, rates) - row[0] * turning_rad_s)).sum()
     }
 
     /// The tip and how it moves.

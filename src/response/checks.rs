@@ -115,7 +115,8 @@ impl Simulation {
             Played::Elastica(bent) => return bent.loss_w(sample),
         };
         let rate = modes.record.at(sample).1;
-        modes.equations.damped_w(rate)
+        let turning_rad_s = modes.turning_rad_s.get(sample).copied().unwrap_or(0.0);
+        modes.equations.damped_w(rate, turning_rad_s)
             + modes.equations.reaction.friction_n_m_s_rad * self.hub_rate_rad_s[sample].powi(2)
     }
 
@@ -266,6 +267,7 @@ impl ModalPlay {
             shapes: self.equations.shapes[..1].to_vec(),
             reaction: HubReaction::default(),
             damping: None,
+            drags: None,
             prescribed: None,
         };
         let mut q = Vec::with_capacity(torque_n_m.len());

@@ -17,6 +17,22 @@ pub(super) struct Driving {
     pub(super) hold: f64,
     /// Whether the first sample follows the last.
     pub(super) repeats: bool,
+    /// Rate in rad/s of the reference, with which the damping of a loop turns; none: at rest.
+    pub(super) turning: Option<Box<Self>>,
+}
+
+/// What drives one step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    pub(super) input: Cubic,
+    /// Rate of the reference.
+    pub(super) turning: Cubic,
+}
+
+impl From<Cubic> for Step {
+    fn from(input: Cubic) -> Self {
+        Self { input, turning: [0.0; 4] }
+    }
 }
 
 impl Driving {
@@ -26,7 +42,7 @@ impl Driving {
         let mut pieces = pieces(&wrapped(&samples, 0.0, around), interpolation);
         pieces.drain(..around);
         pieces.truncate(around);
-        Self { samples, pieces, hold: 0.0, repeats: true }
+        Self { samples, pieces, hold: 0.0, repeats: true, turning: None }
     }
 
     /// At a sample, also after the input's last.
@@ -35,12 +51,29 @@ impl Driving {
         self.samples.get(sample).copied().unwrap_or(self.hold)
     }
 
+    /// Rate of the reference at a sample in rad/s.
+    pub(super) fn turning_at(&self, sample: usize) -> f64 {
+        self.turning.as_ref().map_or(0.0, |turning| turning.at(sample))
+    }
+
+    /// Rates of the reference at so many samples in rad/s.
+    pub(super) fn turning_rad_s(&self, samples: usize) -> Vec<f64> {
+        (0..samples).map(|sample| self.turning_at(sample)).collect()
+    }
+
     /// Over each step between so many samples.
-    pub(super) fn steps(&self, samples: usize) -> impl Iterator<Item = Cubic> {
-        (0..samples.saturating_sub(1)).map(|k| {
-            let k = if self.repeats { k % self.pieces.len() } else { k };
-            self.pieces.get(k).copied().unwrap_or(self.held())
+    pub(super) fn steps(&self, samples: usize) -> impl Iterator<Item = Step> {
+        let turning = self.turning.as_deref();
+        (0..samples.saturating_sub(1)).map(move |k| Step {
+            input: self.piece(k),
+            turning: turning.map_or([0.0; 4], |turning| turning.piece(k)),
         })
+    }
+
+    /// Over the step after a sample.
+    fn piece(&self, sample: usize) -> Cubic {
+        let sample = if self.repeats { sample % self.pieces.len() } else { sample };
+        self.pieces.get(sample).copied().unwrap_or(self.held())
     }
 
     /// Over any step after the last sample.

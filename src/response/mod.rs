@@ -20,6 +20,7 @@ mod damped_modes;
 mod driving;
 mod error;
 mod history;
+mod hub_loop;
 mod link_ratios;
 mod modes;
 mod play;

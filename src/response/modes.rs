@@ -6,9 +6,7 @@ use crate::beam::Mesh;
 use crate::modal::{
     DampingLaw, ModalBasis, Mode, Shape, flexible_modes, modes_below, natural_frequencies,
 };
-use crate::numeric::{
-    FourierPair, SymmetricEigen, TimeGrid, angular_frequency, fast_length, magnitude,
-};
+use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length, magnitude};
 
 /// One modal coordinate: `q̈ + c q̇ + ω² q = p u`, u the torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,8 +38,10 @@ pub(super) struct HubReaction {
 /// The link in modal coordinates (Bayo 1987, eqs 11 and 12): rigid rotation first.
 ///
 /// ```text
-/// q̈ + diag(2ζω) q̇ + diag(ω²) q + p (k pᵀq + d pᵀq̇) = p u
+/// q̈ + C (q̇ − x₀ Ω) + diag(ω²) q + p (k pᵀq + d pᵀq̇) = p u
 /// ```
+///
+/// C is diag(2ζω), or that of a loop. x₀ is the rigid rotation by a unit angle, and Ω the rate of the loop's reference.
 #[derive(Debug, Clone)]
 pub(super) struct Equations {
     pub(super) coordinates: Vec<Coordinate>,
@@ -49,6 +49,8 @@ pub(super) struct Equations {
     pub(super) reaction: HubReaction,
     /// Damping between the coordinates in 1/s, row by row; none: each has its own rate.
     pub(super) damping: Option<Vec<f64>>,
+    /// `C x₀` in a loop, whose damping turns with the reference.
+    pub(super) drags: Option<Vec<f64>>,
     /// Set where the hub moves as prescribed, and u is its acceleration.
     pub(super) prescribed: Option<PrescribedHub>,
 }
@@ -94,7 +96,7 @@ impl Equations {
             coordinates.push(coordinate(omega_rad_s * omega_rad_s, rate_per_s, &shape));
             shapes.push(shape);
         }
-        Self { coordinates, shapes, reaction, damping: None, prescribed: None }
+        Self { coordinates, shapes, reaction, damping: None, drags: None, prescribed: None }
     }
 
     /// Period of the first flexible mode in s.
@@ -112,30 +114,36 @@ impl Equations {
         q.iter().zip(&self.coordinates).map(|(q, c)| q * c.tip).sum()
     }
 
-    /// Accelerations of the coordinates under the input `u`.
-    pub(super) fn accelerations(&self, q: &[f64], rate: &[f64], u: f64) -> Vec<f64> {
+    /// Accelerations of the coordinates under the input `u`, the reference turning at a rate in rad/s.
+    pub(super) fn accelerations(
+        &self,
+        q: &[f64],
+        rate: &[f64],
+        (u, turning_rad_s): (f64, f64),
+    ) -> Vec<f64> {
         let net = u - self.reaction.torque_n_m(self.hub(q), self.hub(rate));
         let own = |k: usize| {
             let Coordinate { square, drive, .. } = self.coordinates[k];
-            drive * net - self.damped(k, rate) - square * q[k]
+            drive * net - self.damped(k, rate, turning_rad_s) - square * q[k]
         };
         (0..q.len()).map(own).collect()
     }
 
-    /// Damping of a coordinate: Σ c q̇.
-    pub(super) fn damped(&self, k: usize, rate: &[f64]) -> f64 {
-        match &self.damping {
+    /// Damping of a coordinate: Σ c q̇, less what turns with the reference.
+    fn damped(&self, k: usize, rate: &[f64], turning_rad_s: f64) -> f64 {
+        let own = match &self.damping {
             None => self.coordinates[k].rate_per_s * rate[k],
             Some(damping) => {
                 let row = &damping[k * rate.len()..][..rate.len()];
                 row.iter().zip(rate).map(|(c, rate)| c * rate).sum()
             }
-        }
+        };
+        own - self.drags.as_ref().map_or(0.0, |drags| drags[k] * turning_rad_s)
     }
 
-    /// Power that damping and drag dissipate at these rates in W.
-    pub(super) fn damped_w(&self, rate: &[f64]) -> f64 {
-        let own = |k: usize| rate[k] * self.damped(k, rate);
+    /// Power that damping and drag dissipate at these rates in W, the reference turning at a rate in rad/s.
+    pub(super) fn damped_w(&self, rate: &[f64], turning_rad_s: f64) -> f64 {
+        let own = |k: usize| rate[k] * self.damped(k, rate, turning_rad_s);
         let damped: f64 = (0..rate.len()).map(own).sum();
         let Some(PrescribedHub { inertia_kg_m2, drag_per_s }) = self.prescribed else {
             return damped;
@@ -247,98 +255,6 @@ pub(super) fn kept_modes(
         highest_hz: highest / TAU,
     };
     (basis, selection)
-}
-
-/// The equations of the free link with the hub's motion in place of the motor's torque: the coordinates are
-/// the hub angle and the modes of the link held at its hub.
-///
-/// A held mode x is a sum of free modes whose hub angle vanishes. The flexible ones are independent; the
-/// rigid rotation follows from them, `x₀ = −Σ p_k x_k/p₀`. So the held frequencies ω are those of
-///
-/// ```text
-/// (1 + p pᵀ/p₀²) x = diag(ω_k²) x/ω²
-/// ```
-///
-/// solved in `y = ω_k x_k` for 1/ω², as exact for low modes as the free ones are. With X the held modes,
-/// mass-normalised, and h = x₀/p₀ their product with the rotation by a unit angle,
-///
-/// ```text
-/// η̈ + D η̇ + diag(ω²) η = −h (θ̈ + α θ̇),    D = Xᵀ diag(c) X
-/// T = (θ̈ + α θ̇)/p₀² + hᵀ(η̈ + α η̇) + b θ̇
-/// ```
-///
-/// T is the rate of the whole link's angular momentum, and what friction and drag take. Where the ratio of
-/// hysteretic damping ξ stands for a viscous one, it is that of the modes that vibrate: D = 2ξω.
-///
-/// The link is rigidly fixed to the hub: the motor side of a link file's `[drive]` is no part of it, and
-/// `hub.inertia` must include the rotor reflected through the gear, N² J.
-///
-/// None where the numbers are not finite.
-pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
-    let rigid = free.coordinates.first()?;
-    let found = held_modes(free)?;
-    let count = found.len();
-    let mut coordinates = vec![Coordinate {
-        square: 0.0,
-        rate_per_s: 0.0,
-        drive: 1.0,
-        hub_angle: 1.0,
-        tip: rigid.tip / rigid.hub_angle,
-    }];
-    let mut shapes = vec![free.shapes[0].clone().scaled(rigid.hub_angle.recip())];
-    let mut modes: Vec<Vec<f64>> = Vec::with_capacity(count);
-    for (number, (omega_rad_s, mode)) in found.into_iter().enumerate() {
-        coordinates.push(Coordinate {
-            square: omega_rad_s * omega_rad_s,
-            rate_per_s: 2.0 * law.modal_ratio(number + 1, omega_rad_s) * omega_rad_s,
-            drive: -mode[0] / rigid.hub_angle,
-            hub_angle: 0.0,
-            tip: mode.iter().zip(&free.coordinates).map(|(x, free)| x * free.tip).sum(),
-        });
-        shapes.push(Shape { hub_angle: 0.0, ..Shape::sum(&mode, &free.shapes) });
-        modes.push(mode);
-    }
-    let drag_per_s = law.mass_rate_per_s();
-    let damping = (law.is_modal() || drag_per_s != 0.0).then(|| {
-        let size = count + 1;
-        let mut damping = vec![0.0; size * size];
-        for (i, own) in modes.iter().enumerate() {
-            let row = &mut damping[(i + 1) * size..][..size];
-            row[0] = -drag_per_s * coordinates[i + 1].drive;
-            for (j, other) in modes.iter().enumerate() {
-                let rates = free.coordinates.iter().map(|mode| mode.rate_per_s);
-                let terms = own.iter().zip(other).zip(rates).map(|((a, b), rate)| rate * a * b);
-                row[j + 1] = terms.sum();
-            }
-        }
-        damping
-    });
-    let prescribed = PrescribedHub { inertia_kg_m2: rigid.hub_angle.powi(-2), drag_per_s };
-    let reaction = free.reaction.of_friction();
-    Some(Equations { coordinates, shapes, reaction, damping, prescribed: Some(prescribed) })
-}
-
-/// Frequencies ω in rad/s and shapes x of the modes of the held hub, as sums of free modes; the lowest first.
-pub(super) fn held_modes(free: &Equations) -> Option<Vec<(f64, Vec<f64>)>> {
-    let [rigid, flexible @ ..] = &free.coordinates[..] else { return None };
-    let count = flexible.len();
-    let scaled = |mode: &Coordinate| mode.hub_angle / rigid.hub_angle / mode.square.sqrt();
-    let mut matrix = vec![0.0; count * count];
-    for (i, own) in flexible.iter().enumerate() {
-        for (j, other) in flexible.iter().enumerate().take(i + 1) {
-            matrix[i * count + j] = scaled(own) * scaled(other);
-        }
-        matrix[i * count + i] += own.square.recip();
-    }
-    let eigen = SymmetricEigen::new(count, matrix)?;
-    let mode = |k: usize| {
-        let omega_rad_s = eigen.values[k].sqrt().recip();
-        let own = eigen.vector(k).iter().zip(flexible);
-        let own: Vec<f64> = own.map(|(y, mode)| omega_rad_s * y / mode.square.sqrt()).collect();
-        let turned: f64 = own.iter().zip(flexible).map(|(x, mode)| x * mode.hub_angle).sum();
-        (omega_rad_s, std::iter::once(-turned / rigid.hub_angle).chain(own).collect())
-    };
-    Some((0..count).rev().map(mode).collect())
 }
 
 #[cfg(test)]

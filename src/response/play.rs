@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
+use super::hub_loop::{held, in_loop};
 use super::modes::{
-    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, kept_modes, torque_band_rad_s,
+    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, kept_modes, torque_band_rad_s,
 };
-use super::shape::in_loop;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
-use crate::link::Link;
+use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, ModalBasis};
 use crate::motion::is_repeated;
 use crate::numeric::TimeGrid;
@@ -266,7 +266,13 @@ impl<'a> Play<'a> {
                     return Err(CycleError::Reference { jump_rad }.into());
                 }
                 let (samples, pieces, _) = hub.accelerations(turn_rad);
-                return Ok(Driving { samples, pieces, hold: 0.0, repeats: turn_rad.is_some() });
+                return Ok(Driving {
+                    samples,
+                    pieces,
+                    hold: 0.0,
+                    repeats: turn_rad.is_some(),
+                    turning: None,
+                });
             }
         };
         let own = torque.torque_n_m();
@@ -285,15 +291,23 @@ impl<'a> Play<'a> {
                 (samples, kept_n_m + feedback.stiffness_n_m_rad() * turn_rad)
             }
         };
-        Ok(match self.cycle_turn_rad {
-            Some(_) => Driving::repeated(samples, self.interpolation),
+        let between = |samples: Vec<f64>, interpolation, hold, turning| match self.cycle_turn_rad {
+            Some(_) => Driving { turning, ..Driving::repeated(samples, interpolation) },
             None => Driving {
-                pieces: pieces(&samples, self.interpolation),
+                pieces: pieces(&samples, interpolation),
                 samples,
                 hold,
                 repeats: false,
+                turning,
             },
-        })
+        };
+        let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { .. });
+        let reference = self.feedback.filter(|of| is_hysteretic && of.stiffness_n_m_rad() > 0.0);
+        let turning = reference.map(|of| {
+            let rate_rad_s = of.rate_rad_s(repeats);
+            Box::new(between(rate_rad_s, Interpolation::Cubic, 0.0, None))
+        });
+        Ok(between(samples, self.interpolation, hold, turning))
     }
 }
 

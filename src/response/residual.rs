@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::driving::Cubic;
+use super::driving::{Cubic, Step};
 use super::modes::Equations;
 use super::stepper::Stepper;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
@@ -43,7 +43,7 @@ impl ResidualVibration {
     pub(super) fn of(
         equations: &Equations,
         (coordinates, rates): (&[f64], &[f64]),
-        held: &Cubic,
+        held: Cubic,
         reading: &Reading,
         travel_m: f64,
     ) -> Self {
@@ -54,10 +54,10 @@ impl ResidualVibration {
         let mut stepper = Stepper::new(equations, step_s).starting_at(coordinates, rates);
         let read = |q: &[f64], rate: &[f64]| reading.of(equations, q, rate);
         let mut vibration = vec![read(coordinates, rates)];
-        let watch = PERIODS * STEPS;
+        let (watch, held) = (PERIODS * STEPS, Step::from(held));
         for _ in 0..WATCHES {
             for _ in 0..watch {
-                stepper.advance(held);
+                stepper.advance(&held);
                 vibration.push(read(&stepper.coordinates(), &stepper.rates()));
             }
             let recent = &vibration[vibration.len() - watch..];

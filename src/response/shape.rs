@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use super::balance::Balance;
 use super::chain::Chain;
 use super::error::SimulationError;
-use super::modes::{Equations, HubReaction, held_modes};
+use super::hub_loop::HubLoop;
+use super::modes::HubReaction;
 use super::state::State;
 use crate::link::Link;
 use crate::modal::DampingLaw;
@@ -114,16 +115,16 @@ fn newton_change(
     slopes.lu().solve(now)
 }
 
-/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link, of its held hub
-/// or, under the reaction at a hub that is free, in part of the free one, whose first frequency is given:
+/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link with its hub held, free
+/// or, of frequencies below the first one given, in a loop. With s the link's share of the mode's energy,
 ///
 /// ```text
-/// D = 2ξ Σ ω M ψ ψᵀ M = 2ξ Σ ω⁻¹ (L z)(L z)ᵀ,    L⁻¹ M L⁻ᵀ z = ω⁻² z,   K = L Lᵀ
+/// D = 2ξ Σ s ω M ψ ψᵀ M = 2ξ Σ s ω⁻¹ (L z)(L z)ᵀ,    L⁻¹ M L⁻ᵀ z = ω⁻² z,   K = L Lᵀ
 /// ```
 pub(super) fn viscous(
     chain: &Chain,
     law: &DampingLaw,
-    free_hub: Option<(HubReaction, f64)>,
+    loop_at: Option<(HubReaction, f64)>,
 ) -> Option<Vec<f64>> {
     let ratio = match law {
         DampingLaw::Hysteretic { ratio } => *ratio,
@@ -132,7 +133,7 @@ pub(super) fn viscous(
         }
         _ => return None,
     };
-    let (count, own) = (chain.count, chain.count - 1);
+    let count = chain.count;
     let mut damping = vec![0.0; count * count];
     if ratio == 0.0 {
         return Some(damping);
@@ -140,82 +141,44 @@ pub(super) fn viscous(
     let mut balance = Balance::default();
     chain.balance(&vec![0.0; count], &vec![0.0; count], &mut balance);
     let mass = &balance.mass;
-    let held_share = free_hub.map_or(1.0, |(reaction, first)| held_share(reaction, mass[0], first));
-    let stiffness = DMatrix::from_fn(own, own, |i, j| chain.stiffness[(i + 1) * count + j + 1]);
-    let factor = stiffness.cholesky()?.l();
-    for (part, follows) in [(1.0 - held_share, 1.0), (held_share, 0.0)] {
+    let held = HubLoop { held_share: 1.0, spring_n_m_rad: None };
+    let HubLoop { held_share, spring_n_m_rad } =
+        loop_at.map_or(held, |(reaction, first)| HubLoop::of(reaction, mass[0], first));
+    for (part, spring_n_m_rad, is_free) in
+        [(1.0 - held_share, spring_n_m_rad, true), (held_share, None, false)]
+    {
         if part == 0.0 {
             continue;
         }
-        // The hub follows so that no momentum is left, or stays.
-        let bent = DMatrix::from_fn(own, own, |i, j| {
-            let hub = mass[(i + 1) * count] * mass[j + 1] / mass[0];
-            mass[(i + 1) * count + j + 1] - follows * hub
+        let first = usize::from(spring_n_m_rad.is_none());
+        let size = count - first;
+        let bent = DMatrix::from_fn(size, size, |i, j| {
+            let own = mass[(i + first) * count + j + first];
+            // A hub that is free follows so that no momentum is left.
+            let follows = is_free && spring_n_m_rad.is_none();
+            own - if follows { mass[(i + 1) * count] * mass[j + 1] / mass[0] } else { 0.0 }
         });
+        let mut stiffness =
+            DMatrix::from_fn(size, size, |i, j| chain.stiffness[(i + first) * count + j + first]);
+        stiffness[(0, 0)] += spring_n_m_rad.unwrap_or(0.0);
+        let factor = stiffness.cholesky()?.l();
         let half = factor.solve_lower_triangular(&bent)?;
         let whole = factor.solve_lower_triangular(&half.transpose())?;
         // Symmetric, so that the order of its entries does not matter.
-        let modes = SymmetricEigen::new(own, whole.iter().copied().collect())?;
+        let modes = SymmetricEigen::new(size, whole.iter().copied().collect())?;
         for (k, square) in modes.values.iter().enumerate() {
-            let stiff = &factor * DVector::from_column_slice(modes.vector(k));
-            let share = part * 2.0 * ratio * square.max(0.0).sqrt();
-            for i in 0..own {
-                for j in 0..own {
-                    damping[(i + 1) * count + j + 1] += share * stiff[i] * stiff[j];
+            let z = modes.vector(k);
+            let stiff = &factor * DVector::from_column_slice(z);
+            let link_share: f64 = z[1 - first..].iter().map(|z| z * z).sum();
+            let share = part * 2.0 * ratio * link_share * square.max(0.0).sqrt();
+            for i in 0..size {
+                for j in 0..size {
+                    damping[(i + first) * count + j + first] += share * stiff[i] * stiff[j];
                 }
             }
         }
     }
     Some(damping)
-}
-
-/// Part w of the held hub's damping in that of a hysteretic link under these gains. The ratio ξ belongs to the strain of
-/// the link, so its viscous matrix depends on the modes that vibrate: those of the free hub without feedback, those of the
-/// held hub under stiff feedback. Between them the matrix is
-///
-/// ```text
-/// D = (1 − w) D_free + w D_held,    w = |Z|²/(|Z|² + (I ω₁²)²),    Z = k + iω₁ d
-/// ```
-///
-/// with the gains k and d, the inertia I about the axis and the first frequency ω₁ of the free hub. Neither matrix
-/// damps a rotation of the unbent link.
-fn held_share(reaction: HubReaction, inertia_kg_m2: f64, omega_rad_s: f64) -> f64 {
-    let rate_n_m_s_rad = reaction.damping_n_m_s_rad - reaction.friction_n_m_s_rad;
-    let stiffness = reaction.stiffness_n_m_rad / inertia_kg_m2 / omega_rad_s.powi(2);
-    let rate = rate_n_m_s_rad / inertia_kg_m2 / omega_rad_s;
-    let square = stiffness * stiffness + rate * rate;
-    if square.is_finite() { square / (1.0 + square) } else { 1.0 }
-}
-
-/// Damps the modes of the loop where feedback holds the hub of a hysteretic link; leaves other equations as they are.
-pub(super) fn in_loop(mut free: Equations, law: &DampingLaw) -> Equations {
-    let DampingLaw::Hysteretic { ratio } = *law else { return free };
-    let [rigid, first, ..] = &free.coordinates[..] else { return free };
-    let share = held_share(free.reaction, rigid.hub_angle.powi(-2), first.square.sqrt());
-    if ratio == 0.0 || share == 0.0 {
-        return free;
-    }
-    let Some(modes) = held_modes(&free) else { return free };
-    let count = free.coordinates.len();
-    let mut damping = vec![0.0; count * count];
-    for (k, coordinate) in free.coordinates.iter().enumerate() {
-        damping[k * count + k] = (1.0 - share) * coordinate.rate_per_s;
-    }
-    for (omega_rad_s, mode) in modes {
-        // The coordinate of the held mode: the rotation with the hub bends nothing.
-        let follows = mode[0] / rigid.hub_angle;
-        let pairs = mode.iter().zip(&free.coordinates);
-        let mut bends: Vec<f64> = pairs.map(|(x, free)| x - follows * free.hub_angle).collect();
-        bends[0] = 0.0;
-        let rate_per_s = share * 2.0 * ratio * omega_rad_s;
-        for (own, row) in bends.iter().zip(damping.chunks_exact_mut(count)) {
-            row.iter_mut()
-                .zip(&bends)
-                .for_each(|(entry, other)| *entry += rate_per_s * own * other);
-        }
-    }
-    free.damping = Some(damping);
-    free
 }
 
 impl Chain {

@@ -21,6 +21,9 @@ use rayon::prelude::*;
 /// rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
 
+/// The rate of a reference, its cubics, and the copy that the balance of energy reads.
+const BYTES_OF_TURNING: usize = 48;
+
 /// The motion of a link under a torque, or on a hub that moves as prescribed. The times of all histories are
 /// [`Simulation::grid`].
 #[derive(Debug, Clone)]
@@ -77,6 +80,8 @@ pub struct ModalPlay {
     pub(super) repeats: bool,
     pub(super) equations: Equations,
     pub(super) record: Record,
+    /// Rate of the reference in rad/s at each sample where the damping of a loop turns with it, else empty.
+    pub(super) turning_rad_s: Vec<f64>,
 }
 
 /// Computes the motion of a link under a torque, or on a hub that moves as prescribed: direct dynamics in
@@ -88,7 +93,7 @@ pub struct ModalPlay {
 ///
 /// The modes are those within the band of the input; the others act as one residual mode with their static
 /// response. Hysteretic damping has no equation in time: its ratio is taken as the viscous ratio of every
-/// mode, of the held ones where the hub moves as prescribed or stiff feedback holds it. An automatic mesh is
+/// mode, of the held ones where the hub moves as prescribed, of those of the loop under feedback. An automatic mesh is
 /// refined until it follows the input's band to the plan's tolerance.
 ///
 /// # Errors
@@ -147,7 +152,8 @@ fn play_on(
         Started::of(link, (&mesh, &law), (play, &driving), band_rad_s)?;
     let modes = equations.coordinates.len();
     let samples = grid.len;
-    let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE);
+    let turning = if driving.turning.is_some() { BYTES_OF_TURNING } else { 0 };
+    let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE + turning);
     refuse_memory((samples, modes), bytes, play.memory_bytes)?;
     let record = Record::of(&equations, &driving, &grid, &start);
     let initial_tip_m = play.start_m(link);
@@ -164,7 +170,9 @@ fn play_on(
     let residual = play
         .cycle_turn_rad
         .is_none()
-        .then(|| ResidualVibration::of(&equations, last, &held, &reading, tip.largest_travel_m()));
+        .then(|| ResidualVibration::of(&equations, last, held, &reading, tip.largest_travel_m()));
+    let has_turning = driving.turning.is_some();
+    let turning_rad_s = driving.turning_rad_s(if has_turning { grid.len } else { 0 });
     let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
     let [begins, ends] = play.input.warnings(&torque_n_m);
     let cut = SimulationWarning::StateCut { share: left_out };
@@ -196,6 +204,7 @@ fn play_on(
             repeats: play.cycle_turn_rad.is_some(),
             equations,
             record,
+            turning_rad_s,
         }),
         natural_frequencies_rad_s: natural_frequencies(&mesh, REPORTED_MODES),
         mesh,
@@ -271,8 +280,8 @@ fn observed(
     let mut columns = [(); 7].map(|()| Vec::with_capacity(grid.len));
     for sample in 0..grid.len {
         let (q, rate) = record.at(sample);
-        let input = driving.at(sample);
-        let acceleration = equations.accelerations(q, rate, input);
+        let (input, turning_rad_s) = (driving.at(sample), driving.turning_at(sample));
+        let acceleration = equations.accelerations(q, rate, (input, turning_rad_s));
         let (angle, hub_rate) = (equations.hub(q), equations.hub(rate));
         let row = [
             equations.motor_n_m(q, rate, &acceleration, input),

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::driving::{Cubic, CycleError, Driving};
+use super::driving::{CycleError, Driving, Step};
 use super::error::SimulationError;
 use super::modes::Equations;
 use super::radau::Motion;
@@ -174,7 +174,7 @@ pub(super) fn of_cycle(
 ) -> Result<[Vec<f64>; 2], CycleError> {
     let stepper = Stepper::new(equations, step_s);
     let mut cycle = stepper.clone();
-    driving.steps(samples + 1).for_each(|cubic| cycle.advance(&cubic));
+    driving.steps(samples + 1).for_each(|step| cycle.advance(&step));
     let mut right = DVector::from_column_slice(cycle.state());
     let states = right.len();
     let mut matrix = DMatrix::identity(states, states) - stepper.transition_over(samples);
@@ -222,15 +222,15 @@ pub(super) fn settle(
     motion: &mut Motion,
     (driving, grid): (&Driving, TimeGrid),
     is_free: bool,
-    mut advance: impl FnMut(&mut Motion, usize, &Cubic) -> Result<(), SimulationError>,
+    mut advance: impl FnMut(&mut Motion, usize, &Step) -> Result<(), SimulationError>,
 ) -> Result<(), SimulationError> {
     let cycle_s = grid.len as f64 * grid.step_s;
     let mut last = f64::INFINITY;
     for _ in 0..MOST_CYCLES {
         let start = motion.clone();
         let mut turned_rad = 0.0_f64;
-        for (sample, cubic) in driving.steps(grid.len + 1).enumerate() {
-            advance(motion, sample, &cubic)?;
+        for (sample, step) in driving.steps(grid.len + 1).enumerate() {
+            advance(motion, sample, &step)?;
             turned_rad = turned_rad.max((motion.q[0] - start.q[0]).abs());
         }
         let bent_rad = largest_difference(&motion.q[1..], &start.q[1..]);

@@ -1,6 +1,6 @@
 use nalgebra::DMatrix;
 
-use super::driving::{Cubic, Driving};
+use super::driving::{Driving, Step};
 use super::modes::{Equations, HubReaction};
 use crate::numeric::TimeGrid;
 use crate::system::end_if_stopped;
@@ -20,8 +20,10 @@ const TERMS: usize = 4;
 pub(super) struct Stepper {
     count: usize,
     transition: Transition,
-    /// Answers of the state to the terms of the cubic.
+    /// Answers of the state to the terms of the input's cubic.
     answers: [Vec<f64>; TERMS],
+    /// Answers to those of the reference's rate, with which the damping of a loop turns.
+    of_turning: Option<[Vec<f64>; TERMS]>,
     /// Coordinates and rates are kept in one unit: s q and q̇, s = max(ω, 1/Δt).
     scales: Vec<f64>,
     /// Scaled coordinates, then rates.
@@ -49,11 +51,14 @@ impl Stepper {
         let reacts = stiffness_n_m_rad != 0.0 || damping_n_m_s_rad != 0.0;
         let is_coupled = reacts || equations.damping.is_some();
         let step = |first, size| exponential(&generator(equations, &scales, first, size, step_s));
-        let (transition, answers) = if is_coupled {
+        let (transition, answers, of_turning) = if is_coupled {
             let step = step(0, count);
             let column = |column: usize| (0..2 * count).map(|row| step[(row, column)]).collect();
             let transition = (0..2 * count).flat_map(|k| -> Vec<f64> { column(k) }).collect();
-            (Transition::Coupled(transition), [0, 1, 2, 3].map(|term| column(2 * count + term)))
+            let answers = |first: usize| [0, 1, 2, 3].map(|term| column(first + term));
+            let of_turning = equations.drags.as_deref();
+            let of_turning = of_turning.map(|_| answers(2 * count + TERMS));
+            (Transition::Coupled(transition), answers(2 * count), of_turning)
         } else {
             let steps: Vec<DMatrix<f64>> = (0..count).map(|first| step(first, 1)).collect();
             let column = |column: usize| {
@@ -61,10 +66,10 @@ impl Stepper {
                 rows.flat_map(|row| steps.iter().map(move |step| step[(row, column)])).collect()
             };
             let (on_coordinates, on_rates) = (column(0), column(1));
-            (Transition::Alone { on_coordinates, on_rates }, [2, 3, 4, 5].map(column))
+            (Transition::Alone { on_coordinates, on_rates }, [2, 3, 4, 5].map(column), None)
         };
         let rest = || vec![0.0; 2 * count];
-        Self { count, transition, answers, scales, state: rest(), next: rest() }
+        Self { count, transition, answers, of_turning, scales, state: rest(), next: rest() }
     }
 
     /// Continues from these coordinates and rates.
@@ -78,7 +83,7 @@ impl Stepper {
     }
 
     /// Advances by one step.
-    pub(super) fn advance(&mut self, cubic: &Cubic) {
+    pub(super) fn advance(&mut self, step: &Step) {
         match &self.transition {
             Transition::Alone { on_coordinates, on_rates } => {
                 let (coordinates, rates) = self.state.split_at(self.count);
@@ -100,10 +105,13 @@ impl Stepper {
                 }
             }
         }
-        let [first, second, third, fourth] = &self.answers;
-        for (k, next) in self.next.iter_mut().enumerate() {
-            let driven = first[k] * cubic[0] + second[k] * cubic[1];
-            *next += driven + third[k] * cubic[2] + fourth[k] * cubic[3];
+        let parts = [(Some(&self.answers), &step.input), (self.of_turning.as_ref(), &step.turning)];
+        for (answers, cubic) in parts {
+            let Some([first, second, third, fourth]) = answers else { continue };
+            for (k, next) in self.next.iter_mut().enumerate() {
+                let driven = first[k] * cubic[0] + second[k] * cubic[1];
+                *next += driven + third[k] * cubic[2] + fourth[k] * cubic[3];
+            }
         }
         std::mem::swap(&mut self.state, &mut self.next);
     }
@@ -111,13 +119,13 @@ impl Stepper {
     /// Advances by all `steps`; calls `each` before the first and after each of them.
     pub(super) fn run(
         mut self,
-        steps: impl IntoIterator<Item = Cubic>,
+        steps: impl IntoIterator<Item = impl Into<Step>>,
         mut each: impl FnMut(&Self),
     ) {
         each(&self);
-        for cubic in steps {
+        for step in steps {
             end_if_stopped();
-            self.advance(&cubic);
+            self.advance(&step.into());
             each(&self);
         }
     }
@@ -245,7 +253,8 @@ fn generator(
 ) -> DMatrix<f64> {
     let coordinates = &equations.coordinates[first..first + count];
     let scales = &scales[first..first + count];
-    let (states, size) = (2 * count, 2 * count + TERMS);
+    let (states, drags) = (2 * count, equations.drags.as_deref());
+    let size = states + if drags.is_some() { 2 * TERMS } else { TERMS };
     let mut generator = DMatrix::<f64>::zeros(size, size);
     for (i, own) in coordinates.iter().enumerate() {
         generator[(i, count + i)] = step_s * scales[i];
@@ -259,6 +268,9 @@ fn generator(
             }
         }
         generator[(count + i, states)] = step_s * own.drive;
+        if let Some(drags) = drags {
+            generator[(count + i, states + TERMS)] = step_s * drags[first + i];
+        }
         for (j, other) in coordinates.iter().enumerate() {
             let coupling = step_s * own.drive * other.hub_angle;
             let reaction = equations.reaction;
@@ -266,8 +278,10 @@ fn generator(
             generator[(count + i, count + j)] -= coupling * reaction.damping_n_m_s_rad;
         }
     }
-    for term in 1..TERMS {
-        generator[(states + term - 1, states + term)] = term as f64;
+    for cubic in (states..size).step_by(TERMS) {
+        for term in 1..TERMS {
+            generator[(cubic + term - 1, cubic + term)] = term as f64;
+        }
     }
     generator
 }

@@ -2,14 +2,16 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::super::dense::{assembly::Assembly, damping};
 use super::{difference, link, mesh_of, played, sine, smooth, solved, times, torque_of};
+use faer::{Mat, c64};
 use flexlink::beam::{Mesh, hub_response};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, LinkParts, Taper};
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::root;
-use flexlink::response::{Feedback, HubReference, Interpolation, Play, Torque};
+use flexlink::response::{Feedback, HubReference, Interpolation, Play, State, Torque};
 use flexlink::result::FollowedTarget;
 
 /// Bayo's link with a viscous ratio in every mode.
@@ -35,13 +37,101 @@ fn a_hysteretic_link_in_a_stiff_loop_moves_as_on_the_moved_hub() {
     for is_large in [false, true] {
         let moved = Play { until_s, is_large, ..Play::turning(&hub) };
         let moved = played(&link, &plan, &moved).tip.displacement_m;
-        let [stiff, stiffer] = [100.0, 1e4].map(|gain| {
-            let feedback = around(&wanted, (gain * 20.0, gain), true);
+        let in_loop = |gains: Gains| {
+            let feedback = around(&wanted, gains, true);
             let play = Play { feedback: Some(&feedback), until_s, is_large, ..Play::of(&torque) };
-            difference(&played(&link, &plan, &play).tip.displacement_m, &moved)
-        });
-        assert!(stiff < 1e-3 && stiffer < 1e-5, "{is_large}: {stiff:e}, {stiffer:e}");
+            played(&link, &plan, &play)
+        };
+        let [stiff, stiffer, undamped] = [(2e3, 100.0), (2e5, 1e4), (2e5, 0.0)]
+            .map(|gains| difference(&in_loop(gains).tip.displacement_m, &moved));
+        assert!(
+            stiff < 1e-3 && stiffer < 1e-5 && undamped < 1e-4,
+            "{is_large}: {stiff:e}, {stiffer:e}, {undamped:e}"
+        );
+        // The damping of a loop of middle stiffness turns with the reference: what it takes is accounted for.
+        let balances = in_loop((40.0, 0.5)).energy(20).balances;
+        let most_j = balances.iter().map(|at| at.kinetic_j).fold(0.0, f64::max);
+        for at in &balances {
+            let off_j = (at.work_j - at.kinetic_j - at.strain_j - at.dissipated_j).abs();
+            assert!(off_j < 1e-6 * most_j, "{is_large}: {off_j:e} J of {most_j} J");
+        }
     }
+}
+
+/// Frequencies in rad/s and shapes of the modes with a spring at the hub, and damping ratios of the complex stiffness
+/// `K(1 + 2iξ)` of the link beside it, from frame elements that are integrated here.
+fn on_a_spring(link: &Link, nodes_m: &[f64], spring: f64) -> (Vec<f64>, Mat<f64>, Vec<f64>) {
+    let Damping::Hysteretic { ratio } = *link.damping() else { panic!("no hysteretic link") };
+    let [mass, stiffness] = Assembly::of_link(link, nodes_m).mass_and_stiffness();
+    let size = mass.nrows();
+    let mut with_spring = stiffness.clone();
+    with_spring[(0, 0)] += spring;
+    let (_, shapes) = damping::modes(&mass, &with_spring);
+    // Exactly symmetric, as the shapes make the mass 1.
+    let lossy = shapes.transpose() * &stiffness * &shapes;
+    let elastic = shapes.transpose() * &with_spring * &shapes;
+    let complex =
+        Mat::from_fn(size, size, |i, j| c64::new(elastic[(i, j)], 2.0 * ratio * lossy[(i, j)]));
+    let mut squares = complex.eigenvalues().unwrap();
+    squares.sort_by(|a, b| a.re.total_cmp(&b.re));
+    let of = |square: &c64| (square.sqrt().norm(), square.sqrt().im / square.sqrt().norm());
+    let (omega_rad_s, ratios) = squares.iter().map(of).unzip();
+    (omega_rad_s, shapes, ratios)
+}
+
+/// Each mode of a loop has the damping of the link's share of its strain energy: soft loops, those of middle stiffness and
+/// stiff ones.
+#[test]
+fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
+    let link = link(|parts| parts.damping = Damping::Hysteretic { ratio: 0.02 });
+    let plan = mesh_of(&link, 10);
+    let mesh = Mesh::new(&link, &plan).unwrap();
+    let nodes_m = mesh.nodes_m();
+    let mut on_the_spring = 0;
+    for spring in [1.0, 10.0, 40.0, 100.0, 300.0, 1e3, 1e4] {
+        let (omega_rad_s, shapes, ratios) = on_a_spring(&link, nodes_m, spring);
+        for mode in 0..3 {
+            let of_node = |node: usize, part: usize| match (node, part) {
+                (0, 0) => 0.0,
+                (0, _) => 1e-4 * shapes[(0, mode)],
+                _ => 1e-4 * shapes[(2 * node - 1 + part, mode)],
+            };
+            let along = |part| (0..nodes_m.len()).map(|node| of_node(node, part)).collect();
+            let period_s = TAU / omega_rad_s[mode];
+            let time_s = times(period_s / 50.0, 250);
+            let none = Torque::new(&time_s, vec![0.0; 251]).unwrap();
+            let still = HubReference::new(&time_s, vec![0.0; 251], None).unwrap();
+            let feedback = Feedback::new(spring, 0.0, still).unwrap();
+            // The elastica takes seconds.
+            let ways = if spring.total_cmp(&40.0).is_eq() { 2 } else { 1 };
+            for is_large in [false, true].into_iter().take(ways) {
+                let rest = || Some(vec![0.0; nodes_m.len()]);
+                let state = State {
+                    time_s: 0.0,
+                    x_m: nodes_m.to_vec(),
+                    slope_rad: along(1),
+                    slope_rate_rad_s: vec![0.0; nodes_m.len()],
+                    displacement_m: (!is_large).then(|| along(0)),
+                    velocity_m_s: rest().filter(|_| !is_large),
+                };
+                let play = Play {
+                    feedback: Some(&feedback),
+                    state: Some(&state),
+                    is_large,
+                    ..Play::of(&none)
+                };
+                let tip = played(&link, &plan, &play).tip;
+                let size =
+                    |k: usize| tip.displacement_m[k].hypot(tip.velocity_m_s[k] / omega_rad_s[mode]);
+                let found = (size(0) / size(250)).ln() / (5.0 * TAU);
+                let what = format!("{spring} N m/rad, mode {mode}, large: {is_large}");
+                let off = found / ratios[mode] - 1.0;
+                assert!(off.abs() < 0.03, "{what}: {found} is {off:e} off");
+            }
+            on_the_spring += usize::from((ratios[mode] / 0.02 - 1.0).abs() > 0.1);
+        }
+    }
+    assert!(on_the_spring > 8, "{on_the_spring} modes store much energy in the spring");
 }
 
 /// Gains in N m/rad and N m s/rad.
