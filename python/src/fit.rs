@@ -10,10 +10,10 @@ use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
 use crate::arm::Arm;
 use crate::cli::fit::{Problem, Unfitted, check_output};
+use crate::interrupt::until_pressed;
 use crate::link::{Link, Source, described_by};
 use crate::messages::{notice, objects, usage, warn};
 use crate::options::common::option;
-use crate::pool;
 use crate::terminal::{Failure, console};
 
 /// A link or an arm fitted to measurements.
@@ -41,7 +41,7 @@ pub(crate) fn fit(
         Ok(arm) => &arm.get().source,
         Err(_) => &described_by::<Link>(link)?.get().source,
     };
-    let fit = py.detach(|| pool::install(|| fitted(source, &measured, &free)))?;
+    let fit = until_pressed(py, || fitted(source, &measured, &free))?;
     warn(py, &fit.warnings())?;
     Ok(fit)
 }

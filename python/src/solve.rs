@@ -7,11 +7,11 @@ use flexlink::inverse::{Resources, invert_with};
 use flexlink::spec::Specification;
 
 use crate::arm::{Arm, GivenPath, solved_arm};
+use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
 use crate::messages::warn;
 use crate::motion::Call;
-use crate::pool;
 use crate::solution::Solution;
 use crate::terminal::{Failure, memory};
 
@@ -48,13 +48,13 @@ pub(crate) fn solve<'py>(
         let arm = arm.get();
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
         let arguments = keywords::arguments(&keywords)?;
-        let solution = py.detach(|| pool::install(|| solved_arm(arm, given, arguments)))?;
+        let solution = until_pressed(py, || solved_arm(arm, given, arguments))?;
         warn(py, &solution.warnings)?;
         return Ok(Bound::new(py, solution)?.into_any());
     }
     let link = described_by::<Link>(link)?.get();
     let call = Call::take(time, &keywords)?;
-    let solution = py.detach(|| pool::install(|| solved(link, call)))?;
+    let solution = until_pressed(py, || solved(link, call))?;
     warn(py, &solution.warnings)?;
     Ok(Bound::new(py, solution)?.into_any())
 }

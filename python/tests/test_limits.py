@@ -85,6 +85,7 @@ LONG = {
     "trajectory": f"fl.trajectory('best', distance=0.3, step=0.0002, link={str(LINK)!r}, fit_limit='torque=1')",
     "frf": "fl.frf(fine, points=5_000_000)",
     "displacements": "solution.displacements()",
+    "solve": "fl.solve(fine, **fl.trajectory('septic', distance=0.3, duration=20.0, step=0.00001))",
 }
 
 

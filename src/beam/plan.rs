@@ -69,13 +69,12 @@ impl MeshPlan {
             return Err(ParameterError::new("numbers of elements", own.len(), "", must));
         }
         let pieces = pieces(link);
-        let needed = |segment| pieces.iter().filter(|p: &&Piece| p.segment == segment).count();
-        for (segment, count) in own.iter().enumerate() {
-            if let Some(count) = count.filter(|c| *c < needed(segment)) {
-                let must = format!(
-                    "must be at least {}: lumped masses divide the segment",
-                    needed(segment)
-                );
+        // Every segment has a piece, and those of one follow each other.
+        let of_segments = || pieces.chunk_by(|a, b| a.segment == b.segment).zip(own).enumerate();
+        for (segment, (of_segment, count)) in of_segments() {
+            let needed = of_segment.len();
+            if let Some(count) = count.filter(|c| *c < needed) {
+                let must = format!("must be at least {needed}: lumped masses divide the segment");
                 let parameter = format!("segments.{segment}.elements");
                 return Err(ParameterError::new(parameter, count, "", must));
             }
@@ -100,11 +99,9 @@ impl MeshPlan {
             _ => Self::COARSEST.saturating_sub(fixed).max(open.len()),
         };
         let mut shares = divide(link, &open, rest);
-        for (segment, count) in own.iter().enumerate() {
+        for (_, (of_segment, count)) in of_segments() {
             if let Some(count) = count {
-                let pieces: Vec<Piece> =
-                    pieces.iter().filter(|p| p.segment == segment).copied().collect();
-                shares.extend(divide(link, &pieces, *count));
+                shares.extend(divide(link, of_segment, *count));
             }
         }
         shares.sort_by(|(a, _), (b, _)| {

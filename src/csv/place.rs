@@ -32,8 +32,9 @@ impl TableError {
         let message = self.message.replace("--columns", "columns");
         let speaks_of_option = self.hint.as_deref().is_some_and(|hint| hint.contains("--"));
         let is_of_unit = message.contains("unit of") || message.contains("unit in brackets");
-        // What a unit must be instead helps here, too.
-        let own = self.hint.filter(|own| is_of_unit && own.starts_with("write "));
+        // What a unit must be instead helps here, too, and what speaks of no option.
+        let helps = |own: &String| own.starts_with("write ") || !(is_of_unit || speaks_of_option);
+        let own = self.hint.filter(helps);
         let hint = match own {
             None if speaks_of_option || is_of_unit => Some(hint.to_owned()),
             own => own,

@@ -14,6 +14,7 @@ use crate::beam::{LoadedMotion, Loads};
 use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::FourierPair;
+use crate::system::end_if_stopped;
 
 /// Share of the torque's amplitudes, all added up, that is round-off in shapes and moments.
 const ROUND_OFF: f64 = 1e-12;
@@ -52,6 +53,7 @@ impl LinkOnChord<'_> {
         let answers: Vec<_> = (0..band)
             .into_par_iter()
             .map(|bin| {
+                end_if_stopped();
                 let loads = self.moved(bin, vec![[Complex64::ZERO; 2]; nodes]);
                 self.model.loaded_motion(self.chord.omega_rad_s(bin), &loads)
             })
@@ -85,7 +87,10 @@ impl LinkOnChord<'_> {
         let width = 2 * self.model.mesh().nodes_m().len();
         (0..orders * width)
             .into_par_iter()
-            .map(|column| self.history(answers, column % width, column / width, pair))
+            .map(|column| {
+                end_if_stopped();
+                self.history(answers, column % width, column / width, pair)
+            })
             .collect()
     }
 
@@ -114,6 +119,7 @@ impl LinkOnChord<'_> {
     ) -> Vec<LoadedMotion<Complex64>> {
         let spectra: Vec<_> = loads.par_iter().map(|history| pair.amplitudes(history)).collect();
         let at = |bin: usize| {
+            end_if_stopped();
             let nodal = spectra.chunks(2).map(|node| [node[0][bin], node[1][bin]]).collect();
             self.model.loaded_motion(self.chord.omega_rad_s(bin), &self.moved(bin, nodal))
         };

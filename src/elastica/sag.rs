@@ -18,6 +18,7 @@ use super::loads::{BentLink, Instant, Scratch, SecondOrder};
 use crate::beam::{Loads, Mesh};
 use crate::model::Model;
 use crate::numeric::{FourierPair, Size, extremes};
+use crate::system::end_if_stopped;
 
 /// Directions of the chord at which the sag is computed, until the polynomial through them is exact between them; the
 /// sag is the same after a whole turn, so that more is not needed.
@@ -113,6 +114,7 @@ impl Sag {
                 models.iter().map(|model| vec![0.0; 2 * model.mesh().nodes_m().len()]).collect();
             let mut found: Vec<Vec<f64>> = Vec::new();
             for k in *from..pair.len().min(from + CHUNK) {
+                end_if_stopped();
                 if found.is_empty() || !arm.rests(k * stride, (k - 1) * stride) {
                     resting.settle(k * stride, &mut bent)?;
                 }

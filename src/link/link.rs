@@ -1,5 +1,7 @@
 //! The whole link.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use super::damping::Damping;
@@ -84,11 +86,10 @@ impl Link {
             let must = "must hold at least one segment";
             return Err(ParameterError::new("segments", "[]", "", must));
         }
+        let mut names = BTreeSet::new();
         for (index, segment) in parts.segments.iter().enumerate() {
             segment.check(index)?;
-            let twin = |other: &Segment| segment.name.is_some() && other.name == segment.name;
-            if parts.segments[..index].iter().any(twin) {
-                let name = segment.name.as_deref().unwrap_or_default();
+            if let Some(name) = segment.name.as_deref().filter(|name| !names.insert(*name)) {
                 let parameter = format!("segments.{index}.name");
                 let must = "must be unique, and a segment before it has this name";
                 return Err(ParameterError::new(parameter, format!("{name:?}"), "", must));

@@ -111,3 +111,16 @@ fn what_a_record_is_not_is_refused_with_its_file() {
         assert!(text.contains(expected), "{text}");
     }
 }
+
+#[test]
+fn names_in_a_comment_of_a_record_get_the_hint_of_numbers() {
+    let bench = Bench::new();
+    bench.write("link.toml", LINK);
+    bench.write("log.csv", "#Zeit\tM\tWinkel\n0.000\t0\t0.0\n0.002\t1\t0.1\n");
+    bench.write("measured.toml", RECORD);
+    let out = bench.run(&["fit", "link.toml", "measured.toml", "--free", "hub.inertia"]);
+    let told = stderr(&out);
+    assert!(told.contains("log.csv:2: columns = time=\"Zeit\", but must be one of"), "{told}");
+    assert!(told.ends_with("choose columns by number, as in time=2\n"), "{told}");
+    assert_eq!(out.status.code(), Some(3));
+}

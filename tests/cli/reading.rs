@@ -108,12 +108,22 @@ fn torques_targets_and_references_are_read_in_any_form() {
 #[test]
 fn times_in_days_are_told_before_the_work_and_the_refusal_names_the_unit() {
     let bench = Bench::new();
-    let row = |k: i32| {
-        let u = f64::from(k) / 100.0;
-        let (day, m) = (45349.0 + u / 86400.0, u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u));
-        format!("{day:.10},{m:.9}\n")
+    let rows_from = |first_day: f64| {
+        let row = |k: i32| {
+            let u = f64::from(k) / 100.0;
+            let (day, m) = (first_day + u / 86400.0, u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u));
+            format!("{day:.12},{m:.9}\n")
+        };
+        (0..=100).map(row).collect::<Vec<_>>().concat()
     };
-    let rows = (0..=100).map(row).collect::<Vec<_>>().concat();
+    // Of days that begin at 0 the window alone would be large.
+    bench.write("days.csv", &format!("time,displacement\n{}", rows_from(0.0)));
+    let output = bench.run(&["solve", &repository(LINK), "days.csv"]);
+    let found = stderr(&output);
+    assert!(found.starts_with("remark: the tip moves for 1.157e-5 s"), "{found}");
+    assert!(found.contains("\nerror: days.csv: time = such that "), "{found}");
+    assert_eq!(output.status.code(), Some(3));
+    let rows = rows_from(45349.0);
     bench.write("days.csv", &format!("time,displacement\n{rows}"));
     let output = bench.run(&["solve", &repository(LINK), "days.csv"]);
     let found = stderr(&output);

@@ -53,8 +53,12 @@ impl Simulate {
             OneOrSeveral::One(inputs) => inputs,
             OneOrSeveral::Several(inputs) => return self.run_arm(&inputs),
         };
+        let stages = self.print.stages();
+        stages.at("playing");
         let played = self.compute(&inputs)?;
+        stages.at("writing");
         let summary = self.write(&inputs, &played)?;
+        drop(stages);
         let warnings = self.tell(&inputs, &played, &summary)?;
         self.warnings.refuse(warnings)
     }

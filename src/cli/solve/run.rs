@@ -5,13 +5,14 @@ use std::path::Path;
 use clap::{Args, Parser};
 
 use flexlink::csv::{Digits, InputFile};
-use flexlink::inverse::{Analysis, Resources, Solution, invert_with};
+use flexlink::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
 use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::{Described, Specification};
 use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
+use flexlink::text::gigabytes;
 use flexlink::verify::Verification;
 
 use crate::cli::verify::verified;
@@ -20,7 +21,10 @@ use crate::options::common::{NodeArgs, digits_arguments};
 use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described, remarks};
 use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::text::memory_text;
-use crate::terminal::{Failure, StageBar, console, memory};
+use crate::terminal::{Exit, Failure, StageBar, console, memory};
+
+/// Most memory in bytes of an inversion whose times are probably in another unit.
+const DOUBTED_BYTES: usize = 1_000_000_000;
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
@@ -187,15 +191,21 @@ impl<'a> Problem<'a> {
     pub(super) fn solve(&self, stages: &StageBar) -> Result<Solved, Failure> {
         let Specification { link, mesh, analysis, limits, .. } = &self.specification;
         let memory_bytes = memory::available();
-        let resources = Resources { memory_bytes, watch: stages, ..Resources::default() };
         let analysis = self.options.analysis(analysis);
         // Times in another unit make the work large or impossible: they are told before it.
         let duration = Remark::on_duration(&self.motion);
         stages.above(|| console::remarks(&duration));
+        let most = memory_bytes.unwrap_or(usize::MAX);
+        let allowed = duration.as_ref().map_or(most, |_| most.min(DOUBTED_BYTES));
+        let allowed = (allowed < usize::MAX).then_some(allowed);
+        let resources = Resources { memory_bytes: allowed, watch: stages, ..Resources::default() };
         let solution =
             invert_with(link, mesh, &self.motion, &analysis, &resources).map_err(|error| {
-                let failure = Failure::from(error);
                 let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
+                if let InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } = error {
+                    return Failure::new(Exit::InputRefused, &self.doubted(bytes), hint.as_deref());
+                }
+                let failure = Failure::from(error);
                 Failure { hint: hint.or(failure.hint), ..failure }
             })?;
         self.options.nodes.check(solution.mesh())?;
@@ -208,6 +218,14 @@ impl<'a> Problem<'a> {
         let exceeded = limits.exceeded(&metrics);
         let remarks = remarks(&self.specification.remarks, &solution);
         Ok(Solved { solution, metrics, exceeded, verification, remarks, memory_bytes })
+    }
+
+    /// A refusal of times that are probably in another unit, where the inversion would need so much memory.
+    fn doubted(&self, bytes: usize) -> String {
+        let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
+        let found =
+            format!("{}: time = such that {needed} of memory is needed", self.motion_file.shown);
+        format!("{found}, but must need at most {most} where its unit is doubtful")
     }
 
     /// The record of the run.
