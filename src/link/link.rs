@@ -1,7 +1,5 @@
 //! The whole link.
 
-use std::collections::BTreeSet;
-
 use serde::{Deserialize, Serialize};
 
 use super::damping::Damping;
@@ -86,7 +84,7 @@ impl Link {
             let must = "must hold at least one segment";
             return Err(ParameterError::new("segments", "[]", "", must));
         }
-        let mut names = BTreeSet::new();
+        let mut names = std::collections::BTreeSet::new();
         for (index, segment) in parts.segments.iter().enumerate() {
             segment.check(index)?;
             if let Some(name) = segment.name.as_deref().filter(|name| !names.insert(*name)) {

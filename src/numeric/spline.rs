@@ -1,3 +1,5 @@
+use crate::system::end_if_stopped;
+
 /// What a [`CubicSpline`] does at its two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SplineEnds {
@@ -30,6 +32,7 @@ impl CubicSpline {
     /// # Panics
     /// Without as many values as abscissae, with fewer than 4 points or with x not ascending.
     pub(crate) fn new(x: &[f64], y: &[f64], ends: SplineEnds) -> Self {
+        end_if_stopped();
         assert!(x.len() == y.len(), "every abscissa has a value");
         assert!(x.len() >= Self::MIN_POINTS, "a spline goes through 4 points");
         assert!(x.is_sorted_by(|a, b| a < b), "the abscissae ascend");

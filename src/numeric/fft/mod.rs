@@ -27,6 +27,8 @@ use pulp::Arch;
 use passes::cis;
 use transform::{Forward, Inverse, Plan};
 
+use crate::system::end_if_stopped;
+
 /// Fourier pair on an even number N of real samples.
 ///
 /// ```text
@@ -173,6 +175,7 @@ impl FourierPair {
 
     /// Amplitudes `X_0 … X_{N/2}` of N samples; those not given are zero, further ones are left out.
     pub fn amplitudes(&self, samples: impl AsRef<[f64]>) -> Vec<Complex64> {
+        end_if_stopped();
         let scale = 1.0 / self.len() as f64;
         let mut samples = Cow::Borrowed(samples.as_ref());
         if samples.len() != self.len() {
@@ -212,6 +215,7 @@ impl FourierPair {
         scratch: &mut Scratch,
         samples: &mut [f64],
     ) {
+        end_if_stopped();
         let (len, bins) = (self.len(), self.len() / 2 + 1);
         assert!(amplitudes.len() <= bins, "{} amplitudes for {bins} bins", amplitudes.len());
         assert_eq!(samples.len(), len, "samples of a Fourier pair");
