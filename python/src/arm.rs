@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::csv::{InputFile, PathTable};
 use flexlink::inverse::ArmJoint;
-use flexlink::motion::{PathColumn, PathColumns};
+use flexlink::motion::{PathColumn, PathColumns, Recording};
 use flexlink::result::StoredWarning;
 use flexlink::spec::{ArmSpecification, Described};
 use flexlink::store::{OutputFolder, RunInputs};
@@ -123,7 +123,7 @@ impl GivenPath {
             let Some(given) = keywords.get_item(name)? else { return Ok(None) };
             keywords.del_item(name)?;
             let values = places(name, &given)?;
-            Ok(Some(PathColumn { name: name.to_owned(), values, rounded: None }))
+            Ok(Some(PathColumn { name: name.to_owned(), values, recording: Recording::default() }))
         };
         let (x, y) = (take("x")?, take("y")?);
         let angles = (1..=links).map(|link| take(&format!("angle{link}")));

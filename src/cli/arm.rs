@@ -82,6 +82,7 @@ impl ArmAndPath {
         let of_path = Remark::on_path(&self.path, solution.way_m, tolerance);
         let dropped = Remark::on_dropped(self.table.reading().dropped());
         let of_path = dropped.into_iter().chain(of_path);
+        let of_path = of_path.chain(Remark::on_arm_timing(&solution, &metrics));
         let remarks = self.specification.remarks.iter().cloned().chain(of_path).collect();
         Ok(SolvedArm { solution, metrics, limits: limits.clone(), exceeded, remarks })
     }

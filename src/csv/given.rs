@@ -89,7 +89,8 @@ impl PathTable {
         let given = given.map(|column| (column.name.as_str(), &column.values[..]));
         check(name, &columns.time_s, given.collect())?;
         for own in columns.tip.iter_mut().flatten().chain(columns.angles.iter_mut().flatten()) {
-            own.rounded = own.rounded.or_else(|| rounded(&own.values, 1.0));
+            let uncertainty = &mut own.recording.uncertainty;
+            *uncertainty = uncertainty.or_else(|| rounded(&own.values, 1.0));
         }
         let reading = Reading::default();
         Ok(Self { columns, name: name.to_owned(), lines: Vec::new(), reading })

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::between;
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
@@ -13,7 +14,9 @@ use super::place::{Place, TableError};
 use super::recorded::Uniform;
 use super::samples::{Samples, refuse_samples};
 use super::table::{Column, ColumnGroup, write_over_time};
-use crate::motion::{ArmPath, MotionError, PathColumn, PathColumns, Uncertainty, refuse_jump};
+use crate::motion::{
+    ArmPath, MotionError, PathColumn, PathColumns, Recording, Uncertainty, refuse_jump,
+};
 use crate::numeric::SplineEnds;
 
 const PATH: Vocabulary = Vocabulary {
@@ -89,6 +92,11 @@ impl PathTable {
         let PathColumns { time_s, tip, angles } = &mut self.columns;
         let uniform = Uniform::dividing(time_s, step_s, place)?;
         for column in tip.iter_mut().flatten().chain(angles.iter_mut().flatten()) {
+            let recording = &mut column.recording;
+            let spline_m = between::of_spline_m(time_s, &column.values, SplineEnds::Clamped);
+            recording.between.spline_m = recording.between.spline_m.max(spline_m);
+            recording.spacing_s =
+                Some((time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64);
             column.values = uniform.interpolated(&column.values, SplineEnds::Clamped);
         }
         self.lines = uniform.lines(&self.lines);
@@ -134,11 +142,12 @@ pub fn read_path_table(
     let mut samples = Samples::read(name, bytes, format, path_columns)?;
     samples.check_outliers(name)?;
     let mut column = |quantity: Quantity| {
-        let rounded = samples
+        let uncertainty = samples
             .rounding_of(quantity)
             .map(|own| Uncertainty::Rounded { decimals: own.decimals, step_m: own.step });
+        let recording = Recording { uncertainty, ..Recording::default() };
         let values = samples.take(quantity)?;
-        Some(PathColumn { name: quantity.word.to_owned(), values, rounded })
+        Some(PathColumn { name: quantity.word.to_owned(), values, recording })
     };
     let tip = column(PATH_X).zip(column(PATH_Y)).map(|(x, y)| [x, y]);
     let angles = ANGLES.map(&mut column).into();

@@ -92,6 +92,11 @@ impl Noise {
         self.sampled_m.max(self.largest * self.tip_m)
     }
 
+    /// By how much all samples may be off alike in m: at rest they are, by as much as one of them at most.
+    pub(super) fn offset_m(&self) -> f64 {
+        0.5 * self.sampled_m
+    }
+
     /// True if the motion is not known between its samples.
     pub(super) fn is_between(&self) -> bool {
         self.between != Between::default()

@@ -1,20 +1,22 @@
 //! The wanted motion of an arm: a path of its tip, or the directions of its chords.
 
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::error::MotionError;
+use super::noise::UNCERTAIN;
 use super::path_columns::{PathColumn, PathColumns, PathError, refuse_jump};
 use super::period::{TipPeriod, farthest_m};
-use super::recording::{Recording, Uncertainty};
+use super::recording::Uncertainty;
 use super::samples::MotionColumns;
-use super::spectrum::Cutoff;
+use super::spectrum::{Cutoff, InputBand};
 use super::tip_motion::TipMotion;
 use crate::numeric::{TimeGrid, extremes};
 
-/// Samples with which a motion begins and ends that tell whether it is at rest there.
-const BEGINS: usize = 4;
+/// How many errors of the samples are those of coordinates that move by one profile.
+const COMMON: u64 = 2;
 
 /// Range of a column, over the largest of all, below which it is round-off: its coordinate is held.
 const HELD: f64 = 1e-12;
@@ -97,7 +99,7 @@ impl ArmPath {
         let lengths_m = all.iter().map(|(_, per_value)| *per_value).collect();
         let courses = all.into_iter().map(|own| {
             // A change by the last decimal is none.
-            let step_m = own.0.rounded.map_or(0.0, |rounded| match rounded {
+            let step_m = own.0.recording.uncertainty.map_or(0.0, |rounded| match rounded {
                 Uncertainty::Rounded { step_m, .. } => own.1 * step_m * LAST_DECIMAL,
                 _ => 0.0,
             });
@@ -161,40 +163,6 @@ impl ArmPath {
         each.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The same path with samples that would be rounded to the given ones, always the same ones; none where all are exact,
-    /// or these are no motion.
-    pub(crate) fn rounded_otherwise(&self) -> Option<Self> {
-        self.rounded()?;
-        let mut state = 1_u64;
-        let mut part = || {
-            // Knuth's linear congruence: its upper bits are as good as random here.
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
-        };
-        let mut other = |course: &Course| {
-            let Course::Moving(motion) = course else { return Some(course.clone()) };
-            let Some(Uncertainty::Rounded { step_m, .. }) = motion.recording().uncertainty else {
-                return Some(course.clone());
-            };
-            let (first, last) = motion.moving_samples();
-            let mut samples = motion.samples().displacements_m().to_vec();
-            // What rests is at rest, and begins and ends so.
-            let moving = first + BEGINS..(last + 1).saturating_sub(BEGINS);
-            for sample in samples.get_mut(moving).unwrap_or_default() {
-                *sample += part() * step_m;
-            }
-            let grid = motion.grid();
-            let columns = MotionColumns {
-                time_s: (0..grid.len).map(|k| grid.time_s(k)).collect(),
-                displacement_m: Some(samples),
-                ..MotionColumns::default()
-            };
-            Some(Course::Moving(TipMotion::new(columns).ok()?.recorded(*motion.recording())))
-        };
-        let courses = self.courses.iter().map(&mut other).collect::<Option<_>>()?;
-        Some(Self { courses, beside: Vec::new(), ..self.clone() })
-    }
-
     /// The cut-offs of all coordinates with which the tip strays by at most `tolerance` of the farthest that one of them
     /// moves; of coordinates that are held all frequencies are kept.
     pub(crate) fn cutoffs(&self, tolerance: f64) -> Vec<Cutoff> {
@@ -203,20 +171,29 @@ impl ArmPath {
             farthest_m(samples[0], samples)
         };
         let farthest_m = self.moving().map(travel_m).fold(0.0, f64::max);
-        let share = farthest_m * tolerance / self.moving().count() as f64;
+        let each_m = farthest_m / self.moving().count() as f64;
         let of = |course: &Course| match course {
             Course::Held(_) => Cutoff::ALL,
-            Course::Moving(motion) => motion.cutoff(share / travel_m(motion)),
+            Course::Moving(motion) => {
+                let found = motion.cutoff(tolerance * each_m / travel_m(motion));
+                let wanted_m =
+                    if tolerance > 0.0 { tolerance.max(UNCERTAIN) * each_m } else { 0.0 };
+                let input = found.input.map(|input| InputBand { wanted_m, ..input });
+                Cutoff { input, ..found }
+            }
         };
         self.courses.par_iter().map(of).collect()
     }
 
     /// The coordinates over a period of `len` samples, of which those from `seam` on are of times before the motion, in
     /// m and rad; and how far each is off what it should be, in m.
+    ///
+    /// With `stray` they are off by errors that their samples may have besides, by other ones for each such number.
     pub(crate) fn over_period(
         &self,
         (len, seam): (usize, usize),
         cutoffs: &[Cutoff],
+        stray: Option<u64>,
     ) -> PathPeriod {
         let mut found =
             PathPeriod { courses: Vec::new(), errors_m: Vec::new(), period: None, seam_reach: 0 };
@@ -225,14 +202,21 @@ impl ArmPath {
             Course::Held(value) => Err(value),
         });
         let all: Vec<_> = all.collect();
+        let mut stray = stray.map(|nth| Stray::new(nth, self.moving_samples()));
         for ((period, cutoff), length_m) in all.into_iter().zip(cutoffs).zip(&self.lengths_m) {
             let (histories, error_m) = match period {
                 Ok(period) => {
-                    let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
                     let own = &period.histories;
-                    let histories =
+                    let mut histories =
                         [&own.displacement_m, &own.velocity_m_s, &own.acceleration_m_s2]
-                            .map(|values| per_length(values));
+                            .map(Vec::clone);
+                    if let Some((stray, input)) = stray.as_mut().zip(cutoff.input) {
+                        let errors = stray.of(&period, &input);
+                        for (value, error) in histories.iter_mut().zip(&errors) {
+                            value.iter_mut().zip(error).for_each(|(value, error)| *value += error);
+                        }
+                    }
+                    histories.iter_mut().flatten().for_each(|value| *value /= length_m);
                     let error_m = period.tip_error_m();
                     found.seam_reach = found.seam_reach.max(period.spectrum.seam_reach());
                     let is_higher = |other: &Arc<TipPeriod>| {
@@ -276,6 +260,40 @@ pub(crate) struct PathPeriod {
     pub(crate) seam_reach: usize,
 }
 
+/// Errors that the samples of a path may have.
+struct Stray {
+    state: u64,
+    /// The sample at which their parts beyond the band pass.
+    at: usize,
+    /// The phase of these, where it is that of coordinates that move by one profile; else each has another one.
+    common: Option<f64>,
+}
+
+impl Stray {
+    /// The errors with this number, of a path that moves between two samples.
+    fn new(nth: u64, (first, last): (usize, usize)) -> Self {
+        let at = [first, last, first.midpoint(last)][(nth % 3) as usize];
+        let mut stray = Self { state: nth, at, common: None };
+        let phase = TAU * stray.draw();
+        stray.common = (nth < COMMON).then_some(phase);
+        stray
+    }
+
+    /// A random number from 0 to 1.
+    fn draw(&mut self) -> f64 {
+        // Knuth's linear congruence: its upper bits are as good as random here.
+        self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (self.state >> 33) as f64 / f64::from(1_u32 << 31)
+    }
+
+    /// The error of the next coordinate in m, its rate and its acceleration.
+    fn of(&mut self, period: &TipPeriod, input: &InputBand) -> CourseHistories {
+        let turned = if period.spectrum.travel_m() < 0.0 { PI } else { 0.0 };
+        let phase = self.common.map_or_else(|| TAU * self.draw(), |phase| phase + turned);
+        period.possible_error(input, (self.at, phase), &mut || self.draw())
+    }
+}
+
 impl Course {
     fn of(
         time_s: &[f64],
@@ -292,13 +310,7 @@ impl Course {
             displacement_m: Some(displacement_m),
             ..MotionColumns::default()
         };
-        let in_m = |rounded| match rounded {
-            Uncertainty::Rounded { decimals, step_m } => {
-                Uncertainty::Rounded { decimals, step_m: length_m * step_m }
-            }
-            other => other,
-        };
-        let recording = Recording { uncertainty: column.rounded.map(in_m), ..Recording::default() };
+        let recording = column.recording.scaled(length_m, 1.0);
         let name = column.name.clone();
         let refused = |error| match error {
             MotionError::MovingAtEnd { sample, velocity_m_s, share }
@@ -316,6 +328,7 @@ impl Course {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::Recording;
 
     fn smooth(t: f64) -> f64 {
         t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)
@@ -323,7 +336,7 @@ mod tests {
 
     fn column(name: &str, at: impl Fn(f64) -> f64) -> PathColumn {
         let values = (0..=100).map(|k| at(f64::from(k) / 100.0)).collect();
-        PathColumn { name: name.to_owned(), values, rounded: None }
+        PathColumn { name: name.to_owned(), values, recording: Recording::default() }
     }
 
     fn columns(
@@ -338,7 +351,7 @@ mod tests {
     fn a_coordinate_that_does_not_change_is_held() {
         let tip = [column("x", smooth), column("y", |_| 0.3)];
         let path = columns(Some(tip), vec![]).unwrap();
-        let found = path.over_period((256, 180), &path.cutoffs(1e-6));
+        let found = path.over_period((256, 180), &path.cutoffs(1e-6), None);
         assert_eq!(found.courses[1][0], vec![0.3; 256]);
         assert!((found.courses[0][0][100] - 1.0).abs() < 1e-6 && found.errors_m[1] == 0.0);
         assert_eq!(path.moving_samples(), (0, 100));
@@ -349,7 +362,7 @@ mod tests {
         let angle = |name, by: f64| Some(column(name, move |t| 0.2 + by * smooth(t)));
         let path = columns(None, vec![angle("angle1", 1.0), angle("angle2", -0.1)]).unwrap();
         let cutoffs = path.cutoffs(1e-6);
-        let found = path.over_period((256, 180), &cutoffs);
+        let found = path.over_period((256, 180), &cutoffs, None);
         assert!((found.courses[0][0][100] - 1.2).abs() < 2e-6);
         assert!((found.courses[1][0][100] - 0.1).abs() < 2e-6);
         // The outer link moves a tenth as far: its frequencies end the sooner.

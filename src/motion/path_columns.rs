@@ -5,18 +5,18 @@ use std::f64::consts::PI;
 use thiserror::Error;
 
 use super::error::MotionError;
-use super::recording::Uncertainty;
+use super::recording::Recording;
 use crate::numeric::NotUniform;
 
-/// One column of a path: its name in the file, its samples, and how they are uncertain.
+/// One column of a path: its name in the file, its samples, and what they are worth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathColumn {
     /// Name, for messages: `x`, `angle1`.
     pub name: String,
     /// Samples in m or rad.
     pub values: Vec<f64>,
-    /// How they are uncertain, in m or rad; `None`: by less than anything that matters.
-    pub rounded: Option<Uncertainty>,
+    /// What is known of them beside their values, in m or rad.
+    pub recording: Recording,
 }
 
 /// Sampled columns of a path, all of one length.
@@ -34,7 +34,8 @@ impl PathColumns {
     /// The columns of a tip at these places in m, one a step from 0 s on, and of links from the third on that have constant
     /// directions in rad.
     pub fn of_tip(step_s: f64, places_m: &[[f64; 2]], outer_rad: &[f64]) -> Self {
-        let column = |name: String, values| PathColumn { name, values, rounded: None };
+        let column =
+            |name: String, values| PathColumn { name, values, recording: Recording::default() };
         let axis = |axis: usize| places_m.iter().map(|place| place[axis]).collect();
         let held = |(link, angle_rad): (usize, &f64)| {
             Some(column(format!("angle{}", link + 3), vec![*angle_rad; places_m.len()]))
@@ -61,6 +62,9 @@ impl PathColumns {
         let first_s = self.time_s.first().copied().unwrap_or_default();
         if factor.total_cmp(&1.0).is_ne() {
             self.time_s.iter_mut().for_each(|t| *t = first_s + factor * (*t - first_s));
+            for column in self.tip.iter_mut().flatten().chain(self.angles.iter_mut().flatten()) {
+                column.recording = column.recording.scaled(1.0, factor);
+            }
         }
         Ok(self)
     }

@@ -59,6 +59,19 @@ impl TipPeriod {
         }
     }
 
+    /// A displacement in m that the errors of the samples may be, its rate and its acceleration; see
+    /// [`TipSpectrum::possible_error_m`].
+    pub(crate) fn possible_error(
+        &self,
+        input: &InputBand,
+        passes: (usize, f64),
+        draw: &mut dyn FnMut() -> f64,
+    ) -> [Vec<f64>; 3] {
+        let spectrum = &self.spectrum;
+        let error_m = spectrum.possible_error_m(input, passes, draw);
+        [0, 1, 2].map(|order| spectrum.pair.samples(spectrum.derivative(&error_m, order)))
+    }
+
     /// What the motion in all other periods adds to signals with a slow tail.
     pub(crate) fn images(&self) -> &Images {
         self.images.get_or_init(|| Images::new(&self.spectrum, self.samples.forcing_m_s2()))

@@ -245,16 +245,25 @@ impl TipSpectrum {
 
     /// The parts of the tip's motion beyond the band of uncertain samples, at frequencies that are spread
     /// evenly over its logarithm: from one to the next, the tip's error falls by the displacement's
-    /// amplitude.
+    /// amplitude. Exact samples have another band also where they are solved to about the same error: the spectrum of a
+    /// motion has lobes.
     pub(super) fn beyond(&self, input: &InputBand) -> Self {
-        let (mut beyond, error_m) = (self.clone(), self.cutoff.tip_error_m);
-        let end = libm::pow((error_m / input.wanted_m).max(1.0), 1.0 / input.fall);
+        let (mut beyond, cutoff) = (self.clone(), self.cutoff);
+        // Where the samples do not set the band, they move its end by what leaves as much as they are off.
+        let error_m = if cutoff.tip_error_m > input.wanted_m {
+            cutoff.tip_error_m
+        } else {
+            cutoff.tip_error_m.min(input.noise.followed_m(cutoff.omega_rad_s))
+        };
+        let end = libm::pow((1.0 + error_m / input.wanted_m).max(1.0), 1.0 / input.fall);
         let step = libm::log(end) / BEYOND as f64;
-        let left_m = |place: f64| error_m * libm::exp(-input.fall * step * place);
+        let left = |place: f64| libm::exp(-input.fall * step * place);
+        let part_m =
+            |place: f64| error_m * (left(place) - left(place + 1.0)) / (1.0 - left(BEYOND as f64));
         let parts = (0..BEYOND).map(|place| {
             let place = place as f64;
             let omega = self.cutoff.omega_rad_s * libm::exp(step * (place + 0.5));
-            (omega, left_m(place) - left_m(place + 1.0))
+            (omega, part_m(place))
         });
         // No part of it is at rest; a spectrum begins there.
         let parts: Vec<(f64, f64)> =
@@ -268,6 +277,39 @@ impl TipSpectrum {
         beyond.largest_m_s2 = largest(&beyond.magnitudes_m_s2);
         beyond.band_len = parts.len();
         beyond
+    }
+
+    /// Amplitudes of a displacement in m that the errors of the samples may be: an offset, noise of random phases within the
+    /// band, and the parts beyond it, which all pass at the time of sample `at` with this phase. `draw` gives random numbers
+    /// from 0 to 1.
+    pub(super) fn possible_error_m(
+        &self,
+        input: &InputBand,
+        (at, phase): (usize, f64),
+        draw: &mut dyn FnMut() -> f64,
+    ) -> Vec<Complex64> {
+        let wave = |size_m: f64, phase: f64| {
+            Complex64::new(size_m * libm::cos(phase), size_m * libm::sin(phase))
+        };
+        let noise = self.of_noise(&input.noise);
+        let sizes = noise.magnitudes_m_s2.iter().zip(&self.omegas_rad_s).enumerate();
+        let mut error_m: Vec<Complex64> = sizes
+            .map(|(k, (m_s2, omega))| match k {
+                0 => input.noise.offset_m().copysign(draw() - 0.5).into(),
+                _ => wave(m_s2 / (omega * omega), TAU * draw()),
+            })
+            .collect();
+        let beyond = self.beyond(input);
+        for (omega, m_s2) in beyond.omegas_rad_s.iter().zip(&beyond.magnitudes_m_s2).skip(1) {
+            // What a cut-off leaves lies in its roll-off.
+            let bin = self.omegas_rad_s.partition_point(|own| *own < ROLL_OFF.sqrt() * omega);
+            // What the samples do not resolve is no part of any motion through them.
+            if bin + 1 < error_m.len() {
+                let turned = self.omegas_rad_s[bin] * self.step_s * at as f64;
+                error_m[bin] += wave(0.5 * m_s2 / (omega * omega), phase - turned);
+            }
+        }
+        error_m
     }
 
     /// How far the tip is after the motion from where it was before, in m.

@@ -11,6 +11,10 @@ use super::tip_motion::TipMotion;
 const SPLINE_COUNTS: f64 = 1e-8;
 const INTEGRAL_COUNTS: f64 = 1e-4;
 
+/// Errors of the samples, over the tip's tolerance, from which on they count: an acceleration is off by a larger share than
+/// its displacement.
+const MATTERS: f64 = 1e-2;
+
 /// Error of a slope that follows from four rows, over that of a row.
 const OF_FOUR_ROWS: f64 = 3.8;
 
@@ -20,9 +24,9 @@ impl TipMotion {
         self.noise().map(|noise| noise.largest_m())
     }
 
-    /// The errors of the samples, where they move the tip by more than the tolerance.
+    /// The errors of the samples, where they move the tip by more than matters.
     pub(super) fn uncertain(&self, tolerance: f64, travel_m: f64) -> Option<Noise> {
-        let matters_m = if tolerance > 0.0 { tolerance } else { UNCERTAIN } * travel_m;
+        let matters_m = MATTERS * if tolerance > 0.0 { tolerance } else { UNCERTAIN } * travel_m;
         self.noise().filter(|noise| noise.is_between() || noise.largest_m() > matters_m)
     }
 

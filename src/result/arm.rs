@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::fit::{Fit, FitError, Trials};
 use super::limits::{Exceeded, LimitedValue, Limits, Reached, all_kinds};
-use super::metrics::TIMING_LEVEL;
+use super::metrics::{Acting, TIMING_LEVEL};
 use crate::beam::MeshPlan;
 use crate::inverse::{Analysis, ArmSolution, Resources, invert_arm};
 use crate::link::Arm;
@@ -51,21 +51,6 @@ pub struct JointMetrics {
     pub peak_motor_rate_rad_s: Option<f64>,
     /// Largest mechanical power of the motor in W.
     pub peak_motor_power_w: Option<f64>,
-}
-
-/// First and last sample at which a torque differs from what it is at rest there by more than the level of its range.
-fn acting(torque_n_m: &[f64]) -> (usize, usize) {
-    let [low, high] = extremes(torque_n_m);
-    let level = TIMING_LEVEL * (high - low);
-    let (first, last) = (torque_n_m[0], torque_n_m[torque_n_m.len() - 1]);
-    let begins = torque_n_m.iter().position(|t| (t - first).abs() > level);
-    let ends = torque_n_m.iter().rposition(|t| (t - last).abs() > level);
-    (begins.unwrap_or(0), ends.unwrap_or(torque_n_m.len() - 1))
-}
-
-fn rms(samples: &[f64], (first, last): (usize, usize)) -> f64 {
-    let acting = &samples[first..=last.max(first)];
-    (acting.iter().map(|t| t * t).sum::<f64>() / acting.len() as f64).sqrt()
 }
 
 impl ArmMetrics {
@@ -119,17 +104,18 @@ impl JointMetrics {
         let (own, link) = (&solution.joints[joint], &solution.links[joint]);
         let [angle, rate, _] = &own.angle;
         let power = own.torque_n_m.iter().zip(rate).map(|(t, rate)| t * rate);
-        let acts = acting(&own.torque_n_m);
+        let acts = |torque: &[f64]| Acting::beyond_level(torque, TIMING_LEVEL);
+        let acting = acts(&own.torque_n_m);
         // The tip is on the chord: seen from the root's tangent line it deflects by the chord times the root's slope.
         let deflection = (0..grid.len)
             .map(|k| link.chord_length_m[k] * libm::sin(link.chord[0][k] - link.root_rad[k]));
         let motor = own.motor.as_ref();
         Self {
             peak_torque_n_m: largest(&own.torque_n_m),
-            rms_torque_n_m: rms(&own.torque_n_m, acts),
+            rms_torque_n_m: acting.rms(&own.torque_n_m),
             peak_rigid_torque_n_m: largest(&own.rigid_torque_n_m),
-            lead_s: first_s - grid.time_s(acts.0),
-            lag_s: grid.time_s(acts.1) - last_s,
+            lead_s: first_s - acting.start_s(grid),
+            lag_s: acting.end_s(grid) - last_s,
             start_angle_rad: angle[0],
             end_angle_rad: angle[grid.len - 1],
             peak_rate_rad_s: largest(rate),
@@ -137,8 +123,7 @@ impl JointMetrics {
             peak_deflection_m: largest(&deflection.collect::<Vec<_>>()),
             peak_root_moment_n_m: largest(&link.moments_n_m[0]),
             peak_motor_torque_n_m: motor.map(|motor| largest(&motor.torque_n_m)),
-            rms_motor_torque_n_m: motor
-                .map(|motor| rms(&motor.torque_n_m, acting(&motor.torque_n_m))),
+            rms_motor_torque_n_m: motor.map(|motor| acts(&motor.torque_n_m).rms(&motor.torque_n_m)),
             peak_motor_rate_rad_s: motor.map(|motor| largest(&motor.rate_rad_s)),
             peak_motor_power_w: motor.map(|motor| largest(&motor.power_w)),
         }

@@ -152,13 +152,15 @@ impl PlayedMetrics {
     }
 }
 
-/// Errors of lead and lag in s where the torque of a solution is uncertain by `share` of its peak: how far its start and
-/// its end move if the level at which they are read is as uncertain.
-pub(super) fn timing_errors_s(solution: &Solution, share: f64) -> [f64; 2] {
-    let (grid, torque) = (&solution.grid, &solution.torque_n_m);
-    let peak = Peaks::of_solution(solution).of(torque);
+/// Errors of lead and lag in s where a torque is uncertain by `share` of its peak or range: how far its start and its end
+/// move if the level at which they are read, from which on `acting` tells when it acts, is as uncertain.
+pub(super) fn timing_errors_s(
+    grid: &TimeGrid,
+    share: f64,
+    acting: impl Fn(f64) -> Acting,
+) -> [f64; 2] {
     let ends = |level| {
-        let acting = Acting::in_solution(solution, torque, peak, level);
+        let acting = acting(level);
         [acting.start_s(grid), acting.end_s(grid)]
     };
     let told = ends(TIMING_LEVEL);
@@ -183,7 +185,7 @@ pub(super) struct Acting {
 impl Acting {
     /// Of a solution's torque with this peak, at a level that is a share of it. With gravity, or against friction, the
     /// torque acts where it differs from what it is at the ends.
-    fn in_solution(solution: &Solution, torque: &[f64], peak: Peak, level: f64) -> Self {
+    pub(super) fn in_solution(solution: &Solution, torque: &[f64], peak: Peak, level: f64) -> Self {
         match solution.motion.ends() {
             Ends::Periodic => Self::always(torque),
             Ends::AtRest if !solution.link().has_weight() => Self::of(torque, level * peak.value),
@@ -223,17 +225,23 @@ impl Acting {
         Self { last: ends.last.max(begins.first), after: ends.after, ..begins }
     }
 
+    /// The same with a level that is a share of the torque's range.
+    pub(super) fn beyond_level(torque: &[f64], level: f64) -> Self {
+        let [low, high] = extremes(torque);
+        Self::beyond_rest(torque, level * (high - low))
+    }
+
     /// Root mean square of the torque from the first sample to the last.
-    fn rms(&self, torque: &[f64]) -> f64 {
+    pub(super) fn rms(&self, torque: &[f64]) -> f64 {
         let acting = &torque[self.first..=self.last];
         (dot(acting, acting) / acting.len() as f64).sqrt()
     }
 
-    fn start_s(&self, grid: &TimeGrid) -> f64 {
+    pub(super) fn start_s(&self, grid: &TimeGrid) -> f64 {
         grid.time_s(self.first) - self.before * grid.step_s
     }
 
-    fn end_s(&self, grid: &TimeGrid) -> f64 {
+    pub(super) fn end_s(&self, grid: &TimeGrid) -> f64 {
         grid.time_s(self.last) + self.after * grid.step_s
     }
 }

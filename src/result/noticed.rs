@@ -2,14 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use super::metrics::{Metrics, timing_errors_s};
+use super::arm::{ArmMetrics, JointMetrics};
+use super::metrics::{Acting, Metrics, timing_errors_s};
 use super::peak::Peaks;
 use super::remark::{DENSITIES_KG_M3, DURATIONS_S, FIRST_FREQUENCIES_HZ, MODULI_PA, Remark};
 use crate::beam::Mesh;
-use crate::inverse::Solution;
+use crate::inverse::{ArmJoint, ArmSolution, PerQuantity, QuantityErrors, Solution};
 use crate::link::Link;
 use crate::modal::Thickness;
 use crate::motion::{ArmPath, TipMotion, Uncertainty};
+use crate::numeric::{extremes, largest};
 
 /// Share by which an acceleration that jumps must exceed its samples to be told.
 const OVERSHOOT: f64 = 0.05;
@@ -87,9 +89,41 @@ impl Remark {
         let share = solution.accuracy.errors.torque.input?;
         let metrics = Metrics::of(solution);
         let (lead_s, lag_s) = metrics.lead_s.zip(metrics.lag_s)?;
-        let [lead_error_s, lag_error_s] = timing_errors_s(solution, share);
-        let is_noticed = lead_error_s > SURE * lead_s.abs() || lag_error_s > SURE * lag_s.abs();
-        is_noticed.then_some(Self::Timing { share, lead_s: lead_error_s, lag_s: lag_error_s })
+        let torque = &solution.torque_n_m;
+        let peak = Peaks::of_solution(solution).of(torque);
+        let errors_s = timing_errors_s(&solution.grid, share, |level| {
+            Acting::in_solution(solution, torque, peak, level)
+        });
+        Self::of_times(None, share, [lead_s, lag_s], errors_s)
+    }
+
+    /// Remarks on the times of an arm's torques that the samples of its path leave uncertain.
+    pub fn on_arm_timing(solution: &ArmSolution, metrics: &ArmMetrics) -> Vec<Self> {
+        let joints = solution.joints.iter().zip(&solution.errors).zip(&metrics.joints).enumerate();
+        let of = |(number, ((joint, errors), own)): (
+            usize,
+            ((&ArmJoint, &PerQuantity<QuantityErrors>), &JointMetrics),
+        )| {
+            let torque = &joint.torque_n_m;
+            let [low, high] = extremes(torque);
+            let size = if solution.arm.has_weight() { high - low } else { largest(torque) };
+            let share = errors.torque.input? * size / (high - low);
+            let acting = |level| Acting::beyond_level(torque, level);
+            let errors_s = timing_errors_s(&solution.grid, share, acting);
+            Self::of_times(Some(number + 1), share, [own.lead_s, own.lag_s], errors_s)
+        };
+        joints.filter_map(of).collect()
+    }
+
+    /// A remark on a lead and a lag in s with these errors, where they are a share of them that counts.
+    fn of_times(
+        joint: Option<usize>,
+        share: f64,
+        times_s: [f64; 2],
+        [lead_s, lag_s]: [f64; 2],
+    ) -> Option<Self> {
+        let is_noticed = lead_s > SURE * times_s[0].abs() || lag_s > SURE * times_s[1].abs();
+        is_noticed.then_some(Self::Timing { joint, share, lead_s, lag_s })
     }
 
     /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.

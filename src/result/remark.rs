@@ -227,13 +227,18 @@ pub enum Remark {
     },
     /// A torque whose start and end the samples of the motion hardly determine.
     #[error(
-        "the samples leave the torque uncertain by {:.1} % of its peak: it starts {} s earlier or later than \
+        "{}the samples leave the torque uncertain by {:.1} % of its {}: it starts {} s earlier or later than \
          told, and ends so by {} s",
+        joint.map_or_else(String::new, |joint| format!("joint {joint}: ")),
         100.0 * share,
+        if joint.is_some() { "range" } else { "peak" },
         significant(*lead_s, 2),
         significant(*lag_s, 2)
     )]
     Timing {
+        /// Number of the joint of an arm, from 1.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        joint: Option<usize>,
         /// Error of the torque by the samples, over its peak or range.
         share: f64,
         /// Error of the lead in s.
@@ -310,6 +315,7 @@ impl Remark {
             Self::Jumps { .. } => {
                 "a profile without jumps, as septic; `flexlink verify` tells how far the torque depends on the step"
             }
+            Self::Timing { joint: Some(_), .. } => "a path with more digits or less noise",
             Self::Timing { .. } => {
                 "a displacement with less noise or more digits, or its acceleration"
             }

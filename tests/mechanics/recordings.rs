@@ -20,10 +20,10 @@ use flexlink::result::{Metrics, Remark};
 use flexlink::spec::read_specification;
 
 /// Numbers between 0 and 1 that are the same in every run.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -31,7 +31,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
     }
 
@@ -42,7 +42,7 @@ impl Random {
 }
 
 /// Displacement from 0 to 1 over the time from 0 to 1, its first and its second derivative.
-type Shape = fn(f64) -> [f64; 3];
+pub(crate) type Shape = fn(f64) -> [f64; 3];
 
 /// A motion from rest to rest with half its duration of rest on either side.
 #[derive(Clone, Copy)]
@@ -104,7 +104,7 @@ impl Move {
     }
 }
 
-fn septic(s: f64) -> [f64; 3] {
+pub(crate) fn septic(s: f64) -> [f64; 3] {
     [
         s.powi(4) * (35.0 - 84.0 * s + 70.0 * s * s - 20.0 * s.powi(3)),
         140.0 * (s * (1.0 - s)).powi(3),
@@ -112,7 +112,7 @@ fn septic(s: f64) -> [f64; 3] {
     ]
 }
 
-fn min_jerk(s: f64) -> [f64; 3] {
+pub(crate) fn min_jerk(s: f64) -> [f64; 3] {
     [
         s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
         30.0 * (s * (1.0 - s)).powi(2),
@@ -120,7 +120,7 @@ fn min_jerk(s: f64) -> [f64; 3] {
     ]
 }
 
-fn sine(s: f64) -> [f64; 3] {
+pub(crate) fn sine(s: f64) -> [f64; 3] {
     use std::f64::consts::TAU;
     let turned = TAU * s;
     [s - turned.sin() / TAU, 1.0 - turned.cos(), TAU * turned.sin()]

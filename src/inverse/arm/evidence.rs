@@ -12,11 +12,16 @@ use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link,
 };
+use crate::inverse::mesh_error::LOBES;
 use crate::inverse::{
     InversionError, Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning,
 };
 use crate::motion::Cutoff;
 use crate::numeric::{Size, extremes, largest, largest_difference};
+
+/// Number of paths with other errors of the samples that are solved, and factor on what the worst of them changes: that on
+/// what lies beyond the band of one link, and of noise about the largest of many over that of few.
+const STRAYS: u64 = 4;
 
 /// Change of a torque by further iterations, over its size, that is round-off.
 const ROUND_OFF: f64 = 1e-11;
@@ -59,8 +64,8 @@ impl Solver<'_> {
         Ok(Some(errors.collect()))
     }
 
-    /// What samples that would be rounded to those of the path change of each quantity of the linear arm, over its size; none
-    /// where they are exact.
+    /// What the errors of the samples change of each quantity of the linear arm at most, over its size; none where they are
+    /// exact, and all of it where the arm cannot follow samples with such errors.
     pub(super) fn input_errors(
         &self,
         Solved { models, probes, answer, sizes, .. }: &Solved,
@@ -69,26 +74,26 @@ impl Solver<'_> {
         if problem.cutoffs.iter().all(|own| own.input.is_none()) {
             return Ok(None);
         }
-        let (arm, len) = (problem.arm, answer.path.len());
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
-        let curves = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| -> Result<_, ArmError> {
-            Ok(problem.answer(models, path, Some(probes))?.curves(arm, probes))
+        let curves = |path: &Arc<PathPeriod>| -> Result<_, InversionError> {
+            Ok(linear.answer(models, path, Some(probes))?.curves(problem.arm, probes))
         };
-        let own = curves(&linear, &answer.path)?;
-        // Where such samples are no motion, the narrower band alone tells.
-        let path = problem.path.rounded_otherwise();
-        let path = path.as_ref().unwrap_or(problem.path);
-        let other = linear.along(path);
-        let other = curves(&other, &other.period(len)?)?;
-        // What lies beyond the band that such samples are followed in: about what a looser band leaves out besides.
-        let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));
-        let looser = curves(&looser, &looser.period(len)?)?;
-        let all = own.iter().zip(&other).zip(&looser).zip(sizes);
-        let errors = all.map(|(((own, other), looser), size)| {
-            let sum = own.apart(other).zip(&own.apart(looser), |a, b| a + b);
-            sum.zip(size, |off, size| off / size)
-        });
-        Ok(Some(errors.collect()))
+        let own = curves(&answer.path)?;
+        let mut errors: Option<Sizes> = None;
+        for stray in 0..STRAYS {
+            let path = linear.straying(answer.path.len(), Some(stray));
+            let Ok(other) = path.and_then(|path| curves(&path)) else {
+                return Ok(Some(sizes.iter().map(|size| size.zip(size, |_, _| 1.0)).collect()));
+            };
+            let all = own.iter().zip(&other).zip(sizes).enumerate();
+            let found = all.map(|(joint, ((own, other), size))| {
+                let found = own.apart(other).zip(size, |off, size| LOBES * off / size);
+                let known = errors.as_ref().map(|errors| errors[joint]);
+                known.map_or(found, |known| known.zip(&found, f64::max))
+            });
+            errors = Some(found.collect());
+        }
+        Ok(errors)
     }
 
     pub(super) fn warnings(

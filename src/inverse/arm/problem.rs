@@ -149,10 +149,19 @@ impl<'a> ArmProblem<'a> {
 
     /// The path over a period of so many samples.
     pub(super) fn period(&self, len: usize) -> Result<Arc<PathPeriod>, InversionError> {
+        self.straying(len, None)
+    }
+
+    /// The same; with `stray` off by what the errors of its samples may be, by other ones for each such number.
+    pub(super) fn straying(
+        &self,
+        len: usize,
+        stray: Option<u64>,
+    ) -> Result<Arc<PathPeriod>, InversionError> {
         check_memory(len, 0, self.resources.memory_bytes)?;
         let (given, step_s) = (self.path.grid().len, self.path.grid().step_s);
         let seam = self.padding.seam(given, len);
-        let found = self.path.over_period((len, seam), &self.cutoffs);
+        let found = self.path.over_period((len, seam), &self.cutoffs, stray);
         let rigid = self.chords(&found.courses, seam)?;
         let returning = self.returns.samples(self.padding, given, len);
         let returned = self.returned(rigid.clone(), &returning, seam);
@@ -246,11 +255,6 @@ impl<'a> ArmProblem<'a> {
             Ok(follow_arm(models, &period, self.second_order, self.analysis.iterated_to())?)
         };
         Ok([pose(path.rests[0])?, pose(path.rests[1])?])
-    }
-
-    /// The same problem of another path, with its cut-offs.
-    pub(super) fn along<'b>(&'b self, path: &'b ArmPath) -> ArmProblem<'b> {
-        ArmProblem { path, cutoffs: self.cutoffs.clone(), ..*self }
     }
 
     /// The same problem with other cut-offs or terms.

@@ -145,10 +145,11 @@ impl Solver<'_> {
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
         let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
-        // What the digits leave open is measured as the error of the input.
         let left_out = || leaves_out.then(|| solved.left_out());
+        // What the digits leave open is measured as the error of the input.
+        let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
         let shown = || {
-            let unsettled = input.is_none().then(|| self.unsettled(&solved)).transpose();
+            let unsettled = (!is_settled).then(|| self.unsettled(&solved)).transpose();
             (answer.links(models, &grid), answer.joints(arm, &grid), unsettled)
         };
         let (left_out, ((links, tip), joints, unsettled)) =

@@ -6,7 +6,7 @@ use flexlink::inverse::{Analysis, ArmSolution, ArmWarning, Resources, invert_arm
 use flexlink::link::{
     Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, LumpedMass, Segment,
 };
-use flexlink::motion::{ArmPath, PathColumn, PathColumns};
+use flexlink::motion::{ArmPath, PathColumn, PathColumns, Recording};
 use flexlink::response::{MovedJoint, PlayedArm, SimulationError, move_arm};
 
 use super::prototype::{PROTOTYPE, bounds};
@@ -40,7 +40,7 @@ pub(super) fn sampled(duration_s: f64, steps_per_s: u32) -> (Vec<f64>, Vec<f64>)
 
 pub(super) fn column(name: &str, shares: &[f64], from: f64, by: f64) -> PathColumn {
     let values = shares.iter().map(|share| from + by * share).collect();
-    PathColumn { name: name.to_owned(), values, rounded: None }
+    PathColumn { name: name.to_owned(), values, recording: Recording::default() }
 }
 
 pub(super) fn line(arm: &Arm, duration_s: f64) -> ArmPath {

@@ -1,6 +1,7 @@
 //! Arms of several links.
 
 mod curves;
+mod digits;
 mod fallback;
 mod inversion;
 mod laws;

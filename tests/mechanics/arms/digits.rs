@@ -1,0 +1,229 @@
+//! The stated input errors of arms: paths of few digits, and coarse ones that are resampled, against the exact ones.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "numbers of samples and of decimals, not negative and small"
+)]
+
+use std::fmt::Write as _;
+
+use flexlink::beam::ElementCount;
+use flexlink::csv::read_path_table;
+use flexlink::inverse::{Analysis, ArmJoint, ArmSolution, PerQuantity, QuantityErrors};
+use flexlink::link::{Arm, Damping, Hub, LinkParts, Payload, Segment};
+use flexlink::motion::ArmPath;
+use flexlink::result::{ArmMetrics, Remark};
+
+use super::inversion::{arm, solved};
+use super::two_links;
+use crate::elastica;
+use crate::recordings::{Random, Shape, min_jerk, septic, sine};
+
+/// A way from rest to rest: places of the tip or directions of the chords, each from one value to another by one profile.
+struct Way {
+    names: Vec<String>,
+    ends: Vec<[f64; 2]>,
+    shape: Shape,
+    duration_s: f64,
+    steps: u32,
+}
+
+impl Way {
+    /// A file of it with every `stride`-th sample and so many decimals.
+    fn file(&self, stride: usize, decimals: usize) -> String {
+        let mut text = format!("time,{}\n", self.names.join(","));
+        for k in (0..=self.steps).step_by(stride) {
+            let share = f64::from(k) / f64::from(self.steps);
+            write!(text, "{:.12}", share * self.duration_s).unwrap();
+            for [from, to] in &self.ends {
+                let value = from + (to - from) * (self.shape)(share)[0];
+                write!(text, ",{value:.decimals$}").unwrap();
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    fn path(&self, arm: &Arm, decimals: usize) -> ArmPath {
+        let text = self.file(1, decimals);
+        let table = read_path_table("path.csv", text.as_bytes(), &Default::default()).unwrap();
+        table.path(&arm.lengths_m()).unwrap()
+    }
+}
+
+fn random_arm(random: &mut Random, links: usize) -> Arm {
+    let gravity_m_s2 = [0.0, if random.next() < 0.5 { -9.81 } else { 0.0 }];
+    let (mut length_m, mut stiffness, mut mass) = (random.between(0.3, 0.7), 1.0, 0.5);
+    stiffness *= random.between(60.0, 300.0) * length_m * length_m;
+    let mut parts = Vec::new();
+    for _ in 0..links {
+        parts.push(LinkParts {
+            segments: vec![Segment::uniform(length_m, stiffness, mass)],
+            hub: Hub { inertia_kg_m2: 10.0_f64.powf(random.between(-3.5, -1.5)), ..Hub::default() },
+            payload: Payload { mass_kg: random.between(0.0, 0.4), ..Payload::default() },
+            damping: Damping::Rayleigh {
+                alpha_per_s: 0.0,
+                beta_s: 10.0_f64.powf(random.between(-4.5, -3.0)),
+            },
+            ..elastica::arm()
+        });
+        length_m *= random.between(0.6, 1.0);
+        stiffness *= random.between(0.3, 0.8);
+        mass *= random.between(0.5, 1.0);
+    }
+    arm(&parts, gravity_m_s2)
+}
+
+fn random_way(random: &mut Random, arm: &Arm, case: usize) -> Way {
+    let lengths_m = arm.lengths_m();
+    let shapes: [Shape; 3] = [septic, min_jerk, sine];
+    let shape = shapes[case % 3];
+    let (mut names, mut ends) = (Vec::new(), Vec::new());
+    if case % 2 == 0 {
+        // Two places within the reach of two links, from which the elbow is neither stretched nor folded.
+        let mut place = || {
+            let distance_m = random.between(0.55, 0.9) * (lengths_m[0] + lengths_m[1]);
+            let direction_rad = random.between(-1.2, 1.2);
+            [distance_m * direction_rad.cos(), distance_m * direction_rad.sin()]
+        };
+        let [from, to] = [place(), place()];
+        names = vec!["x".to_owned(), "y".to_owned()];
+        ends = vec![[from[0], to[0]], [from[1], to[1]]];
+    } else {
+        let mut from = random.between(-1.5, 1.5);
+        for link in 0..lengths_m.len() {
+            names.push(format!("angle{}", link + 1));
+            ends.push([from, from + random.between(-1.2, 1.2)]);
+            from += random.between(0.4, 1.8);
+        }
+    }
+    let duration_s = random.between(0.8, 2.5);
+    Way { names, ends, shape, duration_s, steps: 40 * random.between(5.0, 25.0) as u32 }
+}
+
+/// Largest difference of a history over the samples of the path, over its range with weight and else its peak.
+fn apart(
+    found: &ArmSolution,
+    exact: &ArmSolution,
+    joint: usize,
+    of: fn(&ArmJoint) -> &[f64],
+) -> f64 {
+    let [own, other] = [found, exact].map(|solution| {
+        let (history, before) = (of(&solution.joints[joint]), -solution.grid.first);
+        &history[before as usize..][..solution.path.grid().len]
+    });
+    let all = of(&found.joints[joint]);
+    let low = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let size = if found.arm.has_weight() { high - low } else { high.abs().max(low.abs()) };
+    own.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size
+}
+
+/// True over stated errors of the torque, the angle and the rate of each joint: that of the input alone, and that with all
+/// other kinds.
+fn ratios(found: &ArmSolution, exact: &ArmSolution) -> Vec<[f64; 2]> {
+    let mut ratios = Vec::new();
+    let mut add = |apart: f64, own: QuantityErrors| {
+        let input = own.input.unwrap();
+        let all = input + own.mesh + own.window + 2.0 * own.iteration.unwrap_or(0.0);
+        ratios.push([apart / input, apart / all]);
+    };
+    for (joint, errors) in found.errors.iter().enumerate() {
+        let PerQuantity { torque, hub_angle, hub_rate, .. } = *errors;
+        add(apart(found, exact, joint, |own| &own.torque_n_m), torque);
+        add(apart(found, exact, joint, |own| &own.angle[1]), hub_rate);
+        // Without weight its error is a share of its largest turn.
+        if found.arm.has_weight() {
+            add(apart(found, exact, joint, |own| &own.angle[0]), hub_angle);
+        }
+    }
+    ratios
+}
+
+fn printed(ratios: &[[f64; 2]]) {
+    let mut ratios: Vec<f64> = ratios.iter().map(|[of_input, _]| *of_input).collect();
+    ratios.sort_by(f64::total_cmp);
+    let [least, median, most] = [0, ratios.len() / 2, ratios.len() - 1].map(|k| ratios[k]);
+    println!("true over stated error: {least:.3}, {median:.3}, {most:.3} of {}", ratios.len());
+}
+
+#[test]
+fn the_stated_input_error_holds_for_paths_of_few_digits() {
+    let mut random = Random(3);
+    let mut all = Vec::new();
+    for case in 0..8 {
+        let arm = random_arm(&mut random, if case % 4 == 1 { 3 } else { 2 });
+        let way = random_way(&mut random, &arm, case);
+        let of = |decimals| {
+            solved(&arm, &way.path(&arm, decimals), ElementCount::Auto, &Analysis::default())
+        };
+        let exact = of(16);
+        for decimals in [3 + case % 3, 6 + case % 2] {
+            let found = ratios(&of(decimals), &exact);
+            println!("case {case}, {decimals} decimals: {found:.3?}");
+            let is_bound = |[of_input, of_all]: &[f64; 2]| *of_all <= 1.0 && 30.0 * of_input >= 1.0;
+            assert!(found.iter().all(is_bound), "case {case}, {decimals} decimals: {found:.3?}");
+            all.extend(found);
+        }
+    }
+    printed(&all);
+}
+
+#[test]
+fn the_stated_input_error_holds_for_coarse_paths_that_are_resampled() {
+    let mut random = Random(4);
+    let mut all = Vec::new();
+    for case in 0..6 {
+        let arm = random_arm(&mut random, 2);
+        let way = Way { steps: 400, ..random_way(&mut random, &arm, case) };
+        let exact = solved(&arm, &way.path(&arm, 16), ElementCount::Auto, &Analysis::default());
+        let text = way.file([40, 20, 16][case % 3], 16);
+        let table = read_path_table("path.csv", text.as_bytes(), &Default::default()).unwrap();
+        let table = table.resampled(way.duration_s / 400.0).unwrap();
+        let path = table.path(&arm.lengths_m()).unwrap();
+        let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
+        let found = ratios(&found, &exact);
+        println!("case {case}: {found:.3?}");
+        assert!(found.iter().all(|[_, of_all]| *of_all <= 1.0), "case {case}: {found:.3?}");
+        all.extend(found);
+    }
+    printed(&all);
+}
+
+/// A torque of few digits begins when it does by the exact path, within the error that a remark tells.
+#[test]
+fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
+    let arm = arm(&two_links(), [0.0, -9.81]);
+    let way = Way {
+        names: vec!["x".to_owned(), "y".to_owned()],
+        ends: vec![[0.9, 0.5], [-0.5, 0.8]],
+        shape: septic,
+        duration_s: 1.5,
+        steps: 300,
+    };
+    let of = |decimals| {
+        let path = way.path(&arm, decimals);
+        let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
+        let metrics = ArmMetrics::of(&found);
+        let remarks = Remark::on_arm_timing(&found, &metrics);
+        (metrics, remarks)
+    };
+    let (exact, none) = of(16);
+    assert_eq!(none, [], "exact samples leave nothing open");
+    let mut told = 0;
+    for (found, remarks) in [of(4), of(5)] {
+        for remark in &remarks {
+            let Remark::Timing { joint: Some(joint), lead_s, lag_s, .. } = remark else {
+                panic!("{remark}")
+            };
+            let [own, other] = [&found, &exact].map(|metrics| &metrics.joints[joint - 1]);
+            let off_s = [own.lead_s - other.lead_s, own.lag_s - other.lag_s].map(f64::abs);
+            assert!(off_s[0] <= *lead_s && off_s[1] <= *lag_s, "{remark}: {off_s:?}");
+            assert!(remark.to_string().starts_with(&format!("joint {joint}: ")), "{remark}");
+            told += 1;
+        }
+    }
+    assert!(told > 0);
+}
