@@ -280,7 +280,7 @@ fn a_torque_that_a_given_lead_cuts_off_is_told() {
     assert!(stderr(&output).contains("the finite period and the window leave the torque off"));
 }
 
-/// Three decimals: what they do to the torques is about what they are off from those of all digits.
+/// Three decimals: what they do to the torques is a bound of what they are off from those of all digits.
 #[test]
 fn a_path_of_few_digits_is_told_with_what_that_does() {
     let bench = bench();
@@ -313,7 +313,7 @@ fn a_path_of_few_digits_is_told_with_what_that_does() {
         });
         let off = off.fold(0.0, f64::max);
         let stated = summary["errors"]["joints"][joint - 1]["torque"]["input"].as_f64().unwrap();
-        assert!(off > 1e-3 && (0.2..5.0).contains(&(stated / off)), "{stated:e} {off:e}");
+        assert!(off > 1e-3 && (1.0..30.0).contains(&(stated / off)), "{stated:e} {off:e}");
     }
 }
 
