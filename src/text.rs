@@ -55,6 +55,20 @@ pub fn given(value: f64) -> String {
     if plain.len() <= 8 { plain } else { significant(value, 6) }
 }
 
+/// A share in percent, for people.
+///
+/// ```
+/// use flexlink::text::about_percent;
+/// assert_eq!([0.0123, 1.7].map(about_percent), ["about 1.2 %", "100 % and more"]);
+/// ```
+pub fn about_percent(share: f64) -> String {
+    if share < 1.0 {
+        format!("about {} %", significant(100.0 * share, 2))
+    } else {
+        "100 % and more".to_owned()
+    }
+}
+
 /// Memory in GB, for people; in MB where it is less than a tenth of that.
 ///
 /// ```

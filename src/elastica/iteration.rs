@@ -11,6 +11,7 @@ use super::sag::{Sag, TOLERANCE};
 use crate::beam::LoadedMotion;
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
+use crate::numeric::FourierPair;
 
 /// Iterations after which one that still converges is given up.
 pub(super) const MOST_ITERATIONS: usize = 100;
@@ -19,6 +20,12 @@ pub(super) const MOST_ITERATIONS: usize = 100;
 /// second-order terms: what these gain grows with the square of the frequency, so that a larger share may converge where a
 /// smaller one does not.
 const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
+
+/// Those shares where second-order terms are estimated.
+const ESTIMATED: [f64; 3] = [1e-4, 1e-3, 1e-2];
+
+/// Change by the second iteration, over that by the first, up to which the second is nearer.
+const CONVERGES: f64 = 0.5;
 
 /// Change by an iteration, over that by the one before, from which on a narrower band is tried: that may converge.
 const SLOW: f64 = 0.9;
@@ -44,6 +51,11 @@ pub struct Followed {
 }
 
 impl Followed {
+    /// What of the second order is counted.
+    pub(crate) fn second_order(&self) -> SecondOrder {
+        self.second_order
+    }
+
     /// Other approximations of the motion of this model on this chord, and by how many times their distance from it further
     /// iterations, or terms of more frequencies, would change it.
     pub fn others<'a>(
@@ -94,6 +106,54 @@ pub fn follow(
             found.others.push((narrower.answers, 1.0));
         },
     )
+}
+
+/// The linear motion of a link whose tip stays on a chord, another one, and how many times what lies between them the
+/// second-order terms change it: all terms counted twice or, where that is no nearer, once.
+///
+/// Terms that stiffen the link change it to and fro, so that of a change that the next one is r times as large as `1/(1 + r)`
+/// remains. Histories are those of some nodes.
+///
+/// # Errors
+/// [`ElasticaError`].
+pub(crate) fn estimate(
+    model: &dyn Model,
+    chord: &ChordPeriod,
+    nodes: &[usize],
+) -> Result<([Followed; 2], f64), ElasticaError> {
+    check(model, chord, true)?;
+    let link = LinkOnChord::of(model, chord);
+    let linear = link.linear()?;
+    let bent = BentLink::of(model, SecondOrder::Full);
+    let bands = ESTIMATED.map(|level| link.band_of_loads(&linear, level));
+    // Products that the samples do not resolve would be taken for slower ones.
+    let is_resolved = |band: &usize| REACH * band <= resolved(&chord.pair);
+    let long = ElasticaError::LongStep { step_s: chord.step_s };
+    let band = bands.into_iter().flatten().find(is_resolved).ok_or(long)?;
+    let pair = chord.pair_for(REACH * band);
+    let iterated = |latest: &Answers| {
+        let kept = &latest[..band.min(latest.len())];
+        Ok::<_, ElasticaError>(link.iterated(&linear, (&bent, kept), &pair)?.0)
+    };
+    let once = iterated(&linear)?;
+    let twice = iterated(&once);
+    let time = chord.at(&pair);
+    let torque_n_m = |answers, order| link.hub(answers, order, &pair, &time).0;
+    let torques = [torque_n_m(&linear, SecondOrder::None), torque_n_m(&once, SecondOrder::Full)];
+    let first = apart(&torques[1], &torques[0]);
+    let ratio = twice
+        .as_ref()
+        .map_or(1.0, |twice| apart(&torque_n_m(twice, SecondOrder::Full), &torques[1]) / first);
+    let (all, share) = match twice {
+        Ok(twice) if ratio <= CONVERGES => (twice, 1.0),
+        _ => (once, (1.0 + ratio).recip()),
+    };
+    let both = [(linear, SecondOrder::None), (all, SecondOrder::Full)];
+    let followed = both.map(|(answers, second_order)| {
+        let motion = link.motion(&answers, second_order, (&chord.pair, Some(nodes)));
+        Followed { motion, iteration: Iteration::default(), second_order, answers, others: vec![] }
+    });
+    Ok((followed, share))
 }
 
 /// The motion over the widest band of loads that converges and that the samples resolve, of those on levels from the widest
@@ -220,6 +280,18 @@ impl LinkOnChord<'_> {
         if band < most.max(2) { Ok(band) } else { Err(ElasticaError::LongStep { step_s }) }
     }
 
+    /// The answers with the second-order terms of `latest` ones as loads, and the largest slope of these.
+    fn iterated(
+        &self,
+        linear: &Answers,
+        (link, latest): (&BentLink, &[LoadedMotion<Complex64>]),
+        pair: &FourierPair,
+    ) -> Result<(Answers, f64), ElasticaError> {
+        let states = (self.histories(latest, link.orders(), pair), &self.chord.at(pair));
+        let LoadHistories { nodal, largest_slope, .. } = link.loads(states)?;
+        Ok((self.with_loads(linear, &nodal, pair), largest_slope))
+    }
+
     /// The motion over the band of loads beyond which a share of the torque is negligible.
     fn iterated_over(
         &self,
@@ -239,9 +311,7 @@ impl LinkOnChord<'_> {
             let time = self.chord.at(&pair);
             let (before, _) = self.hub(&answers, last_level, &pair, &time);
             let kept = &answers[..band.min(answers.len())];
-            let states = (self.histories(kept, link.orders(), &pair), &time);
-            let LoadHistories { nodal, largest_slope, .. } = link.loads(states)?;
-            let next = self.with_loads(linear, &nodal, &pair);
+            let (next, largest_slope) = self.iterated(linear, (&link, kept), &pair)?;
             let previous = std::mem::replace(&mut answers, next);
             band = band.max(self.band_of_loads(&answers, negligible)?);
             let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);

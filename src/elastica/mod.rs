@@ -87,6 +87,7 @@ pub use arm::follow_arm;
 pub(crate) use arm::{estimate_arm, follow_arm_at};
 pub use chord::{ChordPeriod, returning};
 pub use error::ElasticaError;
+pub(crate) use iteration::estimate;
 pub use iteration::{Followed, follow};
 pub(crate) use kinematics::STRETCHED;
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};

@@ -268,11 +268,13 @@ pub struct Resources<'a> {
     pub watch: &'a dyn Watch,
     /// Cut-off and periods that several inversions share; `None`: the inversion computes its own.
     pub periods: Option<&'a Periods>,
+    /// True for one of many trials: what the linear model leaves out is estimated, and never counted.
+    pub is_trial: bool,
 }
 
 impl Default for Resources<'_> {
     fn default() -> Self {
-        Self { memory_bytes: None, watch: &Unwatched, periods: None }
+        Self { memory_bytes: None, watch: &Unwatched, periods: None, is_trial: false }
     }
 }
 

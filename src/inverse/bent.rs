@@ -17,7 +17,7 @@ use super::mesh_error::TORQUES_N_M;
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::Problem;
-use super::rest::{Return, left_to_return, lengthened};
+use super::rest::{Rest, Return, left_to_return, lengthened};
 use super::spectra::DrivenModel;
 use crate::beam::MeshPlan;
 use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, Iteration, SecondOrder, follow};
@@ -27,7 +27,7 @@ use crate::motion::TipPeriod;
 use crate::numeric::largest_difference;
 
 /// Memory in bytes for each node and sample of the period, as measured.
-const BYTES: usize = 200;
+pub(super) const BYTES: usize = 200;
 
 /// The link at rest before the motion and after it.
 type Rests = [ElasticaMotion; 2];
@@ -86,14 +86,23 @@ impl<'a> BentProblem<'a> {
         let period = self.problem.period(len)?;
         let driven = DrivenModel { model, period: &period, watch: self.problem.resources.watch };
         driven.begin(1, 0);
-        let (padding, given) = (self.problem.padding, self.problem.motion.grid().len);
-        let returning = self.returns.samples(padding, given, len);
-        let chord = self.chord(&period, &returning, model.mesh().length_m())?;
+        let (chord, rest) = self.chord_and_rest(&period, model.mesh().length_m())?;
         let tolerance = self.problem.analysis.iterated_to();
         let found = follow(model, &chord, self.second_order, tolerance)?;
         driven.begin(1, 1);
-        let rest = self.returns.rest(&period.spectrum, period.spectrum.seam_reach(), &returning);
         Ok(BentAnswer { period, chord, found, rest })
+    }
+
+    pub(super) fn chord_and_rest(
+        &self,
+        period: &TipPeriod,
+        length_m: f64,
+    ) -> Result<(ChordPeriod, Rest), InversionError> {
+        let (padding, given) = (self.problem.padding, self.problem.motion.grid().len);
+        let spectrum = &period.spectrum;
+        let returning = self.returns.samples(padding, given, spectrum.pair.len());
+        let rest = self.returns.rest(spectrum, spectrum.seam_reach(), &returning);
+        Ok((self.chord(period, &returning, length_m)?, rest))
     }
 
     /// The chord over a period. It returns around the seam, before which the displacement is that after the motion; whole

@@ -1,6 +1,5 @@
 //! What a run measured of itself, and the warnings that follow from it.
 
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -9,16 +8,13 @@ use super::accuracy::{Accuracy, Quantity, QuantityErrors, ShareOf};
 use super::analysis::{Analysis, Unwatched};
 use super::bent_answer::SecondOrderFindings;
 use super::curves::size;
-use super::histories::{Histories, tip_deflection_m};
+use super::histories::Histories;
 use super::periodic_answer::PeriodicAnswer;
 use super::spectra::DrivenModel;
-use super::warning::{FAST_HUB, Warning};
+use super::warning::Warning;
 use crate::beam::Mesh;
-use crate::elastica::SecondOrder;
-use crate::link::Link;
 use crate::modal::{
-    NOTICEABLE, REPORTED_MODES, Thickness, clamped_frequency_below, natural_frequencies,
-    real_frequency_zeros,
+    NOTICEABLE, REPORTED_MODES, Thickness, natural_frequencies, real_frequency_zeros,
 };
 use crate::model::Model;
 use crate::motion::{TipMotion, TipSpectrum};
@@ -39,6 +35,10 @@ const LONG_TIMES: f64 = 10.0;
 
 /// Error by the uncertainty of the samples from which on the user is warned.
 pub(super) const UNCERTAIN: f64 = 0.1;
+
+/// What the linear model leaves out, over the tip's travel and over the torque's peak, from which on the user is warned.
+pub(crate) const INEXACT_TIP: f64 = 1e-2;
+const INEXACT_TORQUE: f64 = 3e-2;
 
 /// Change of the torque by second-order terms that were left out from which on the user is warned.
 pub(super) const LEFT_OUT: f64 = 1e-4;
@@ -67,6 +67,8 @@ pub(super) struct Diagnostics<'a> {
     pub(super) second_order: Option<SecondOrderFindings>,
     pub(super) histories: &'a Histories,
     pub(super) accuracy: &'a Accuracy,
+    /// What shear and rotary inertia change of the torque; none of a slender link.
+    pub(super) thick: Option<f64>,
 }
 
 impl Diagnostics<'_> {
@@ -109,16 +111,15 @@ impl Diagnostics<'_> {
             .chain(self.inexact_window())
             .chain(blocked_tip(mesh, spectrum, tolerance))
             .chain(near_nyquist(spectrum).filter(|_| !spectrum.cutoff.is_set_by_input()))
-            .chain(above_mesh(mesh, spectrum, &self.moving_torque_n_m()))
+            .chain(above_mesh(mesh, spectrum, &answer.moving_torque_n_m(model.link())))
             .chain(coarse_mesh)
             .chain(few_modes)
             .chain(self.unsettled_torque())
             .chain(self.uncertain_input())
             .chain(coarse_step)
             .chain(self.of_second_order())
-            .chain(self.large_deflection())
-            .chain(self.thick_link())
-            .chain(self.fast_hub())
+            .chain(self.inexact_model())
+            .chain(self.thick.and_then(thick_link))
             .collect()
     }
 
@@ -136,22 +137,9 @@ impl Diagnostics<'_> {
         Some(Warning::UncertainInput { of: self.shares(), share: torque })
     }
 
-    /// Amplitudes of the torque, without the mean of what holds a weight.
-    fn moving_torque_n_m(&self) -> Cow<'_, [Complex64]> {
-        let mut amplitudes = Cow::Borrowed(&self.answer.hub.torque_n_m[..]);
-        if self.model.link().has_weight() {
-            amplitudes.to_mut()[0] = Complex64::ZERO;
-        }
-        amplitudes
-    }
-
     /// What errors are shares of.
     fn shares(&self) -> ShareOf {
         if self.model.link().has_weight() { ShareOf::Range } else { ShareOf::Peak }
-    }
-
-    fn order(&self) -> SecondOrder {
-        self.second_order.map_or(SecondOrder::None, |found| found.order)
     }
 
     /// An iteration that hardly converges, and second-order terms that were not counted.
@@ -257,47 +245,33 @@ impl Diagnostics<'_> {
         Some(Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m })
     }
 
-    /// Of a bent link all that is left out is measured.
-    fn large_deflection(&self) -> Option<Warning> {
-        if self.second_order.is_some() {
-            return None;
-        }
-        let Histories { rigid_hub_angle_rad, hub_angle_rad, .. } = self.histories;
-        let length_m = self.model.mesh().length_m();
-        let share =
-            largest(&tip_deflection_m(rigid_hub_angle_rad, hub_angle_rad, length_m)) / length_m;
-        (share > Link::LARGE_DEFLECTION).then_some(Warning::LargeDeflection { share })
-    }
-
-    fn thick_link(&self) -> Option<Warning> {
-        thick_link(self.model, self.driven().omegas_rad_s(), &self.moving_torque_n_m())
-    }
-
-    fn fast_hub(&self) -> Option<Warning> {
-        let rate_rad_s = largest(&self.histories.hub_rate_rad_s);
-        // The second order counts centrifugal stiffening.
-        if rate_rad_s <= 0.0 || self.order() != SecondOrder::None {
-            return None;
-        }
-        let clamped = clamped_frequency_below(self.model.mesh(), rate_rad_s / FAST_HUB)?;
-        Some(Warning::FastHub { rate_rad_s, share: rate_rad_s / clamped })
+    /// The linear model where it does not hold.
+    fn inexact_model(&self) -> Option<Warning> {
+        let (tip, errors) = (self.accuracy.tip_model?, self.accuracy.errors.torque);
+        let torque = errors.model?;
+        let counts = tip > INEXACT_TIP || torque > INEXACT_TORQUE;
+        counts.then_some(Warning::InexactModel { torque, tip })
     }
 }
 
 /// The share by which shear and rotary inertia, which the theory leaves out, change a torque of these amplitudes, one for
-/// each frequency at least, where that is noticeable.
-pub(super) fn thick_link(
+/// each frequency at least; none of a slender link.
+pub(super) fn thick_share(
     model: &dyn Model,
     omegas_rad_s: &[f64],
     torque_n_m: &[Complex64],
-) -> Option<Warning> {
+) -> Option<f64> {
     let (thickness, mesh) = (Thickness::known(model.link()), model.mesh());
     if thickness.is_slender(mesh, REPORTED_MODES) {
         return None;
     }
     let modes = natural_frequencies(mesh, REPORTED_MODES);
     let torque = (omegas_rad_s, &torque_n_m[..omegas_rad_s.len()]);
-    let share = thickness.torque_change(mesh, model.law(), &modes, torque);
+    Some(thickness.torque_change(mesh, model.law(), &modes, torque))
+}
+
+/// A warning of a thickness that is noticeable.
+pub(super) fn thick_link(share: f64) -> Option<Warning> {
     (share > NOTICEABLE).then_some(Warning::ThickLink { share })
 }
 

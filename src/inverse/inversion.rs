@@ -7,7 +7,7 @@ use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
 use super::bent::{BentOnMesh, BentProblem};
 use super::bent_answer::Bent;
-use super::diagnostics::{Diagnostics, Edge};
+use super::diagnostics::{Diagnostics, Edge, thick_share};
 use super::error::{InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
 use super::mesh_error::{MeshAnswer, uncertain};
@@ -233,10 +233,21 @@ impl Problem<'_> {
         let keeps_all = self.cutoff.keeps_all() && bent.is_none();
         let step_errors =
             if keeps_all { self.step_errors(&answering, &answer, &histories)? } else { None };
+        let model = bent.is_none().then(|| self.model_error(&answering, &answer, &histories));
+        let thick = {
+            let (link, model) = (answering.model.link(), &*answering.model);
+            let spectrum = &answer.period.spectrum;
+            let omegas_rad_s = &spectrum.omegas_rad_s[..spectrum.band_len()];
+            thick_share(model, omegas_rad_s, &answer.moving_torque_n_m(link))
+        };
         let accuracy = Accuracy {
             tip: answer.period.tip_error_m() / answer.period.histories.largest_travel_m(),
+            tip_model: model.map(|model| model.tip),
             errors: errors
-                .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors }),
+                .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors })
+                .with(model.map(|model| model.with_thickness(thick)), |errors, model| {
+                    QuantityErrors { model: Some(model), ..errors }
+                }),
         };
         let warnings = Diagnostics {
             model: &*answering.model,
@@ -247,6 +258,7 @@ impl Problem<'_> {
             second_order: bent.as_ref().map(|bent| bent.findings),
             histories: &histories,
             accuracy: &accuracy,
+            thick,
         }
         .warnings();
         let (first, last) = self.motion.moving_samples();

@@ -20,6 +20,7 @@ mod error;
 mod histories;
 mod inversion;
 mod mesh_error;
+mod model_error;
 mod nodal_rows;
 mod nodal_table;
 mod period;
@@ -38,6 +39,7 @@ pub use arm::{
 };
 pub use bent_answer::SecondOrderFindings;
 pub(crate) use curves::size;
+pub(crate) use diagnostics::INEXACT_TIP;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The answer over one period, and what the period's finite length costs it.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
@@ -47,6 +48,15 @@ impl PeriodicAnswer {
         let torque_n_m = pair.samples(&hub.torque_n_m);
         let motor_n_m = motor.map(|motor| pair.samples(&motor.torque_n_m));
         Self { period, hub, torque_n_m, motor_n_m, excess: [(); 3].map(|()| OnceLock::new()) }
+    }
+
+    /// Amplitudes of the torque, without the mean of what holds a weight.
+    pub(super) fn moving_torque_n_m(&self, link: &Link) -> Cow<'_, [Complex64]> {
+        let mut amplitudes = Cow::Borrowed(&self.hub.torque_n_m[..]);
+        if link.has_weight() {
+            amplitudes.to_mut()[0] = Complex64::ZERO;
+        }
+        amplitudes
     }
 
     /// Samples of the `order`-th derivative of the hub angle less that of the rigid link, in rad/sⁿ.

@@ -1,19 +1,8 @@
 use thiserror::Error;
 
 use super::accuracy::{Quantity, ShareOf};
-use crate::link::Link;
 use crate::motion::Shortfall;
-use crate::text::significant;
-
-/// Largest hub rate over the first natural frequency of the clamped link from which on the user is
-/// warned.
-pub(super) const FAST_HUB: f64 = 0.7;
-
-/// What centrifugal stiffening moves the tip by there, over its travel.
-const STIFFENING: f64 = 5e-3;
-
-/// Largest share that the square is valid for.
-const MOST_STIFFENING: f64 = 0.1;
+use crate::text::{about_percent, significant};
 
 /// Largest change of the torque that the first order in the thickness is valid for.
 const MOST_THICK: f64 = 0.3;
@@ -96,7 +85,7 @@ pub enum Warning {
     /// A torque that the samples of the motion do not determine.
     #[error(
         "the digits or the noise of the motion's samples leave the torque uncertain by {} of its {}",
-        percent(*share),
+        about_percent(*share),
         of.name()
     )]
     UncertainInput {
@@ -180,11 +169,18 @@ pub enum Warning {
         /// Frequency up to which the mesh follows bending waves, in Hz.
         resolved_hz: f64,
     },
-    /// More bending than the linear theory of small deflections holds for.
-    #[error("{}", Link::large_deflection_words(*share))]
-    LargeDeflection {
-        /// Largest deflection of the tip from the hub's tangent line over the length.
-        share: f64,
+    /// Terms of second order, which the linear model leaves out, that count.
+    #[error(
+        "large deflections and centrifugal stiffening, which the linear model leaves out, change the torque by {} of its \
+         peak; played without them it lets the tip stray by {} of its travel",
+        about_percent(*torque),
+        about_percent(*tip)
+    )]
+    InexactModel {
+        /// What they change of the torque over its peak.
+        torque: f64,
+        /// How far the tip strays over its travel.
+        tip: f64,
     },
     /// Second-order terms that hardly converge.
     #[error(
@@ -227,19 +223,6 @@ pub enum Warning {
         /// Change of the torque, root mean square over root mean square.
         share: f64,
     },
-    /// A hub that turns about as fast as the link vibrates.
-    #[error(
-        "the hub turns at up to {} rad/s, {share:.2} of the clamped link's first natural frequency: \
-         centrifugal stiffening, which the model leaves out, moves the tip by {} of its travel",
-        significant(*rate_rad_s, 3),
-        stiffening(*share)
-    )]
-    FastHub {
-        /// Largest hub rate in rad/s.
-        rate_rad_s: f64,
-        /// The same over the first natural frequency of the link clamped at its hub.
-        share: f64,
-    },
     /// A mesh that is too coarse for the motion.
     #[error("the mesh changes the {} by {error:.1e} of its {} (elements halved)", quantity.name(), of.name())]
     CoarseMesh {
@@ -279,12 +262,11 @@ impl Warning {
             Self::BlockedTip { .. } => "blocked_tip",
             Self::NearNyquist { .. } => "near_nyquist",
             Self::AboveMesh { .. } => "above_mesh",
-            Self::LargeDeflection { .. } => "large_deflection",
+            Self::InexactModel { .. } => "inexact_model",
             Self::SlowIteration { .. } => "slow_iteration",
             Self::InexactIteration { .. } => "inexact_iteration",
             Self::SecondOrderLeftOut { .. } => "second_order_left_out",
             Self::ThickLink { .. } => "thick_link",
-            Self::FastHub { .. } => "fast_hub",
             Self::CoarseMesh { .. } => "coarse_mesh",
             Self::FewModes { .. } => "few_modes",
         }
@@ -317,7 +299,7 @@ impl Warning {
                  rows of the nodal tables"
             }
             Self::FewModes { .. } => "a larger analysis.modes; without it all modes are kept",
-            Self::LargeDeflection { .. } | Self::FastHub { .. } => {
+            Self::InexactModel { .. } => {
                 "analysis.second_order = \"full\" counts what is left out; or a slower motion, a stiffer link"
             }
             Self::SlowIteration { .. } | Self::InexactIteration { .. } => {
@@ -338,28 +320,12 @@ impl Warning {
     }
 }
 
-/// A share in words.
-fn percent(share: f64) -> String {
-    if share < 1.0 { format!("about {:.0} %", 100.0 * share) } else { "100 % and more".into() }
-}
-
 fn cause(shortfall: &Shortfall) -> String {
     match shortfall {
         Shortfall::Step(step_s) => {
             format!("the motion's step is too long, {} s would do", significant(*step_s, 2))
         }
         Shortfall::Noise => "the motion's samples hold noise or rounding of that size".into(),
-    }
-}
-
-/// What centrifugal stiffening, which grows with the square of the rate, moves the tip by where the hub
-/// turns with this share of the first clamped frequency, in words.
-fn stiffening(share: f64) -> String {
-    let moves = STIFFENING * (share / FAST_HUB).powi(2);
-    if moves <= MOST_STIFFENING {
-        format!("about {:.1} %", 100.0 * moves)
-    } else {
-        format!("more than {:.0} %", 100.0 * MOST_STIFFENING)
     }
 }
 
@@ -386,12 +352,6 @@ fn thick(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn stiffening_grows_with_the_square_of_the_rate_as_far_as_that_is_valid() {
-        let words = [0.7, 1.4, 21.0].map(stiffening);
-        assert_eq!(words, ["about 0.5 %", "about 2.0 %", "more than 10 %"]);
-    }
 
     #[test]
     fn a_change_of_the_torque_is_given_as_far_as_the_first_order_is_valid() {

@@ -11,7 +11,7 @@ mod thickness;
 mod zeros;
 
 pub use basis::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES, ModalBasis};
-pub(crate) use frequencies::clamped_frequency_below;
+pub(crate) use frequencies::{OF_DEFLECTION, OF_TORQUE, second_order_share};
 pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
 pub(crate) use inertia::{flexible_modes, hub_moves_mass};
 pub use law::{CaugheySeries, DampingError, DampingLaw};

@@ -173,7 +173,8 @@ pub(super) fn modes(run: &StoredRun) -> Markup {
 const WANTED: &str = "from the wanted motion";
 
 /// Kinds of errors, the last part of their names.
-const KINDS: [&str; 7] = ["mesh", "window", "step", "iteration", "modes", "input", "refinement"];
+const KINDS: [&str; 8] =
+    ["mesh", "window", "step", "iteration", "modes", "input", "model", "refinement"];
 
 /// What each quantity may be off by, a column for each kind, and what that is a share of.
 pub(super) fn errors(run: &StoredRun) -> Markup {

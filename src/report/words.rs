@@ -128,7 +128,7 @@ pub(super) mod formula {
 }
 
 /// What the kinds of warnings of a sweep's cases say.
-const WARNINGS: [(&str, &str); 33] = [
+const WARNINGS: [(&str, &str); 32] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     ("end_velocity_corrected", "The samples leave the tip moving at the end, which was taken out."),
@@ -149,15 +149,11 @@ const WARNINGS: [(&str, &str); 33] = [
     ("blocked_tip", "The motion contains a frequency at which no torque moves the tip."),
     ("near_nyquist", "The motion has jumps or noise that its step does not resolve."),
     ("above_mesh", "The torque has frequencies above those that the mesh resolves."),
-    ("large_deflection", "The link bends further than the linear theory holds."),
+    ("inexact_model", "The link bends or turns more than the linear model holds for."),
     ("slow_iteration", "The second-order terms hardly converge."),
     ("inexact_iteration", "The second-order terms are not as exact as the tolerance asks."),
     ("second_order_left_out", "Second-order terms, which are left out, would change the torque."),
     ("thick_link", "Shear and rotary inertia, which are left out, would change the answer."),
-    (
-        "fast_hub",
-        "The hub turns so fast that centrifugal stiffening, which is left out, moves the tip.",
-    ),
     ("coarse_mesh", "Halved elements would change the answer by more than a little."),
     ("few_modes", "The modes that are left out would change the answer."),
     (

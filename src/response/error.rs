@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::driving::CycleError;
-use crate::link::{Link, ParameterError};
+use crate::link::ParameterError;
 use crate::modal::DampingError;
 use crate::numeric::{TimeGrid, dot, largest, rounded};
-use crate::text::{gigabytes, plain};
+use crate::text::{about_percent, gigabytes, plain};
 
 /// Why a torque is not played.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -167,9 +167,6 @@ const ROUGH: f64 = 0.4;
 /// Steps in a period of the first mode below which a warning is given.
 const STEPS_IN_A_PERIOD: f64 = 8.0;
 
-/// Vibration over the tip's travel below which the rows need not show it.
-const VIBRATES: f64 = 1e-6;
-
 /// What the user must know to judge a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -237,11 +234,18 @@ pub enum SimulationWarning {
         /// Period over step.
         steps: f64,
     },
-    /// A deflection beyond the linear theory.
-    #[error("{}", Link::large_deflection_words(*share))]
-    LargeDeflection {
-        /// Largest deflection of the tip from the hub's tangent line over the length.
-        share: f64,
+    /// Terms of second order, which the linear model leaves out, that count.
+    #[error(
+        "large deflections and centrifugal stiffening, which the linear model leaves out, change deflections by {} of \
+         their peak at most, and move the tip by {} of its travel",
+        about_percent(*deflection),
+        about_percent(*tip)
+    )]
+    InexactModel {
+        /// What they move the tip by, over its travel.
+        tip: f64,
+        /// What they change of deflections, over the largest.
+        deflection: f64,
     },
     /// A torque that does not begin with what holds the link.
     #[error(
@@ -312,7 +316,7 @@ impl SimulationWarning {
             Self::HubBeginsMoving { .. } => "hub_begins_moving",
             Self::RoughTorque { .. } => "rough_torque",
             Self::CoarseStep { .. } => "coarse_step",
-            Self::LargeDeflection { .. } => "large_deflection",
+            Self::InexactModel { .. } => "inexact_model",
             Self::BeginsUnheld { .. } => "begins_unheld",
             Self::ReferenceApart { .. } => "reference_apart",
             Self::StateCut { .. } => "state_cut",
@@ -332,7 +336,9 @@ impl SimulationWarning {
                 "compare the tip, or record the hub with more counts or at a longer step"
             }
             Self::CoarseStep { .. } => "a torque with a shorter step",
-            Self::LargeDeflection { .. } => "a smaller torque or a stiffer link",
+            Self::InexactModel { .. } => {
+                "analysis.second_order = \"full\" counts them; or a smaller torque, a stiffer link"
+            }
             Self::BeginsUnheld { .. } => {
                 "torque.csv of solve begins with it: start_angle must be that of its run"
             }
@@ -383,18 +389,5 @@ impl SimulationWarning {
         let period_s = first_period_s?;
         let steps = period_s / step_s;
         (steps < STEPS_IN_A_PERIOD).then_some(Self::CoarseStep { step_s, period_s, steps })
-    }
-
-    /// All warnings of an input with its `own`, at these steps, on a link whose first flexible mode
-    /// has this period in s. Vibration is over the tip's travel, deflection over the length.
-    pub(super) fn all(
-        own: [Option<Self>; 2],
-        (step_s, first_period_s): (f64, Option<f64>),
-        (vibration, deflection): (f64, f64),
-    ) -> Vec<Self> {
-        let coarse = Self::coarse_step(step_s, first_period_s).filter(|_| vibration > VIBRATES);
-        let large = (deflection > Link::LARGE_DEFLECTION)
-            .then_some(Self::LargeDeflection { share: deflection });
-        own.into_iter().chain([coarse, large]).flatten().collect()
     }
 }

@@ -51,7 +51,7 @@ pub use pose_modes::{
     ArmModes, ArmResponses, ArmShapes, PoseMode, SettledModes, arm_modes, arm_responses,
 };
 pub(crate) use pose_modes::{MORE_ORDERS, MOST_REFINEMENTS};
-pub use residual::ResidualVibration;
+pub use residual::{PlayedModelError, ResidualVibration};
 pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
 pub use simulation::{ModalPlay, Played, Simulation, simulate};

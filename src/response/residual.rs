@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::driving::{Cubic, Step};
+use super::error::SimulationWarning;
 use super::modes::Equations;
 use super::stepper::Stepper;
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
@@ -19,6 +20,10 @@ const WATCHES: usize = 100;
 /// step does not matter.
 const STEPS: usize = 256;
 
+/// Error of the linear model over the tip's travel, and of deflections over their peak, from which on the user is warned.
+const INEXACT_TIP: f64 = 1e-2;
+const INEXACT_DEFLECTION: f64 = 0.2;
+
 /// Zeros appended to the vibration, in lengths of it: they interpolate between the bins of its spectrum.
 const ZEROS: usize = 3;
 
@@ -35,6 +40,38 @@ pub struct ResidualVibration {
     /// Time in s from that sample until it stays below 1 % of its amplitude; `None`
     /// where it does not within 400 periods of the first mode.
     pub decay_s: Option<f64>,
+}
+
+/// What the linear model leaves out of a simulation, estimated from deflection, rate and vibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlayedModelError {
+    /// What it moves the tip by, over its travel.
+    pub tip: f64,
+    /// What it changes of deflections, over the largest.
+    pub deflection: f64,
+}
+
+impl PlayedModelError {
+    /// A warning where it counts.
+    pub(super) fn warning(self) -> Option<SimulationWarning> {
+        let Self { tip, deflection } = self;
+        let counts = tip > INEXACT_TIP || deflection > INEXACT_DEFLECTION;
+        counts.then_some(SimulationWarning::InexactModel { tip, deflection })
+    }
+
+    /// From the share by which deflections change, the largest deflection and the travel in m, and the vibration after the
+    /// input, whose first mode turns by so many rad in all.
+    pub(super) fn of(
+        share: f64,
+        (deflection_m, travel_m): (f64, f64),
+        (vibration, turns): (Option<&ResidualVibration>, f64),
+    ) -> Self {
+        // A share of ω² is half of it of ω, by which a vibration gets out of step.
+        let out_of_step = (0.5 * share * turns).min(2.0);
+        let vibrates_m = vibration.map_or(0.0, |vibration| vibration.amplitude_m);
+        let moved_m = share * deflection_m + out_of_step * vibrates_m;
+        Self { tip: if moved_m == 0.0 { 0.0 } else { moved_m / travel_m }, deflection: share }
+    }
 }
 
 impl ResidualVibration {

@@ -7,11 +7,14 @@ use super::error::{SimulationError, SimulationWarning};
 use super::history::Feedback;
 use super::modes::{Equations, ModeSelection};
 use super::play::{Input, LEFT_OUT, Play, Started, refuse_memory};
-use super::residual::{Reading, ResidualVibration};
+use super::residual::{PlayedModelError, Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::link::{Link, ParameterError};
-use crate::modal::{DampingLaw, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies};
+use crate::modal::{
+    DampingLaw, OF_DEFLECTION, REPORTED_MODES, Shape, hub_moves_mass, natural_frequencies,
+    second_order_share,
+};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
 use crate::system::end_if_stopped;
@@ -23,6 +26,9 @@ const BYTES_PER_SAMPLE: usize = 190;
 
 /// The rate of a reference, its cubics, and the copy that the balance of energy reads.
 const BYTES_OF_TURNING: usize = 48;
+
+/// Vibration over the tip's travel below which the rows need not show it.
+const VIBRATES: f64 = 1e-6;
 
 /// The motion of a link under a torque, or on a hub that moves as prescribed. The times of all histories are
 /// [`Simulation::grid`].
@@ -70,6 +76,8 @@ pub struct ModalPlay {
     pub selection: ModeSelection,
     /// Vibration after the input; none of one that repeats.
     pub residual: Option<ResidualVibration>,
+    /// What the linear model leaves out.
+    pub model_error: PlayedModelError,
     /// Frequency in rad/s up to which the link is driven.
     pub(super) band_rad_s: f64,
     pub(super) grid: TimeGrid,
@@ -174,6 +182,13 @@ fn play_on(
     let has_turning = driving.turning.is_some();
     let turning_rad_s = driving.turning_rad_s(if has_turning { grid.len } else { 0 });
     let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
+    // In one that vibrates the hub swings faster than the link turns.
+    let turned = largest(&tip.velocity_m_s) / mesh.length_m();
+    let bends = (largest(&deflection_m), turned.min(largest(&hub_rate_rad_s)));
+    let share = second_order_share(&mesh, link, bends, OF_DEFLECTION);
+    let turns = equations.first_period_s().map_or(0.0, |s| TAU * grid.duration_s() / s);
+    let moves_m = (bends.0, tip.largest_travel_m());
+    let model_error = PlayedModelError::of(share, moves_m, (residual.as_ref(), turns));
     let [begins, ends] = play.input.warnings(&torque_n_m);
     let cut = SimulationWarning::StateCut { share: left_out };
     let begins = match play.state {
@@ -181,11 +196,11 @@ fn play_on(
         None => begins,
     };
     let [begins, ends] = if residual.is_some() { [begins, ends] } else { [None, None] };
-    let warnings = SimulationWarning::all(
-        [begins, ends],
-        (grid.step_s, equations.first_period_s()),
-        (residual.map_or(1.0, |residual| residual.share), largest(&deflection_m) / mesh.length_m()),
-    );
+    // Without a vibration the rows need not show it.
+    let vibrates = residual.is_none_or(|residual| residual.share > VIBRATES);
+    let coarse = SimulationWarning::coarse_step(grid.step_s, equations.first_period_s());
+    let coarse = coarse.filter(|_| vibrates);
+    let warnings = [begins, ends, coarse, model_error.warning()].into_iter().flatten().collect();
     Ok(Simulation {
         grid,
         driven,
@@ -197,6 +212,7 @@ fn play_on(
         played: Played::Modes(ModalPlay {
             selection,
             residual,
+            model_error,
             band_rad_s,
             grid,
             from_rad,

@@ -182,7 +182,9 @@ pub struct FitProblem<'a> {
 /// [`FitError`] where no duration fits.
 pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
     problem.check_weight()?;
-    problem.shortest()
+    let fit = problem.shortest()?;
+    let motion = problem.motion_of(fit.steps)?;
+    Ok(Fit { solution: problem.inverted(problem.plan, &motion, false)?, ..fit })
 }
 
 /// Motions that differ in their number of steps alone.
@@ -283,13 +285,11 @@ impl Trials for FitProblem<'_> {
     }
 
     fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
-        let OpenMotion { profile, course, step_s } = self.motion;
-        let columns = course.sampled(profile, step_s, steps, [0, 0])?;
-        let motion = TipMotion::with_ends(columns, course.ends())?;
+        let motion = self.motion_of(steps)?;
         if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
             return Ok(None);
         }
-        let solution = self.inverted(self.plan, &motion)?;
+        let solution = self.inverted(self.plan, &motion, true)?;
         let reached = self.limits.reached(&solution).into_iter();
         let binding = reached.max_by(|a, b| a.share().total_cmp(&b.share()));
         Ok(Fit::within(steps, solution, (None, binding)))
@@ -322,13 +322,25 @@ impl FitProblem<'_> {
             *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
         };
         (0..HALVINGS).any(|halvings| {
-            let solution = self.inverted(&self.plan.halved(halvings), motion);
+            let solution = self.inverted(&self.plan.halved(halvings), motion, true);
             solution.is_ok_and(|solution| self.limits.reached(&solution).iter().any(exceeds))
         })
     }
 
-    fn inverted(&self, plan: &MeshPlan, motion: &TipMotion) -> Result<Solution, InversionError> {
-        let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
+    fn motion_of(&self, steps: usize) -> Result<TipMotion, FitError> {
+        let OpenMotion { profile, course, step_s } = self.motion;
+        let columns = course.sampled(profile, step_s, steps, [0, 0])?;
+        Ok(TipMotion::with_ends(columns, course.ends())?)
+    }
+
+    fn inverted(
+        &self,
+        plan: &MeshPlan,
+        motion: &TipMotion,
+        is_trial: bool,
+    ) -> Result<Solution, InversionError> {
+        let memory_bytes = self.memory_bytes;
+        let resources = Resources { memory_bytes, is_trial, ..Resources::default() };
         invert_with(self.link, plan, motion, self.analysis, &resources)
     }
 }

@@ -243,9 +243,10 @@ fn found(metrics: &Metrics) -> [f64; 10] {
     ]
 }
 
-/// The errors of all kinds of one quantity.
+/// The errors of all kinds of one quantity that are measured on the model; what the model itself leaves out is told beside
+/// them.
 pub(super) fn all_kinds(errors: QuantityErrors) -> f64 {
-    let QuantityErrors { mesh, window, step, iteration, modes, input } = errors;
+    let QuantityErrors { mesh, window, step, iteration, modes, input, model: _ } = errors;
     [step, iteration, modes, input]
         .into_iter()
         .flatten()

@@ -156,10 +156,14 @@ impl Summary {
             })
         });
         // Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
-        let errors = error.map(|error| {
+        let mut errors = error.map_or(json!({}), |error| {
             let kind = if simulation.modes().is_some() { "mesh" } else { "refinement" };
             json!({ "tip": { kind: error.tip }, "hub_angle": { kind: error.hub_angle } })
         });
+        if let Some(ModalPlay { model_error, .. }) = simulation.modes() {
+            errors["tip"]["model"] = json!(model_error.tip);
+            errors["deflection"] = json!({ "model": model_error.deflection });
+        }
         let coarse = error.and_then(|error| error.warning(simulation));
         let played = simulation.warnings.iter().copied().chain(coarse);
         let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));

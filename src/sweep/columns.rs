@@ -46,7 +46,7 @@ type OfArm = (&'static str, fn(&ArmCase<'_>) -> Option<f64>);
 /// What stands before and after a joint's number in the name of its column, and the number that it shows.
 type OfJoint = ((&'static str, &'static str), fn(&JointMetrics) -> Option<f64>);
 
-const SOLVED: [Solved; 16] = [
+const SOLVED: [Solved; 18] = [
     ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
     ("zero_1_per_s", |case| case.solution.first_zero_per_s),
     ("peak_torque_n_m", |case| Some(case.metrics.peak_torque_n_m.value)),
@@ -63,6 +63,8 @@ const SOLVED: [Solved; 16] = [
     ("tip_error", |case| Some(case.solution.accuracy.tip)),
     ("torque_mesh_error", |case| Some(case.solution.accuracy.errors.torque.mesh)),
     ("torque_window_error", |case| Some(case.solution.accuracy.errors.torque.window)),
+    ("torque_model_error", |case| case.solution.accuracy.errors.torque.model),
+    ("tip_model_error", |case| case.solution.accuracy.tip_model),
 ];
 
 const DRIVEN: [Solved; 4] = [
@@ -72,7 +74,7 @@ const DRIVEN: [Solved; 4] = [
     ("peak_motor_power_w", |case| of_motor(case, |motor| motor.peak_power_w.value)),
 ];
 
-const PLAYED: [Played; 14] = [
+const PLAYED: [Played; 16] = [
     ("period_1_s", |case| {
         case.simulation.natural_frequencies_rad_s.first().map(|omega| TAU / omega)
     }),
@@ -89,6 +91,8 @@ const PLAYED: [Played; 14] = [
     ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
     ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
     ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+    ("tip_model_error", |case| Some(case.simulation.modes()?.model_error.tip)),
+    ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
 ];
 
 /// The first column of an arm, before those of its joints.

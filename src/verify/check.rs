@@ -4,8 +4,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::beam::MeshPlan;
-use crate::inverse::{InversionError, Solution};
-use crate::link::Link;
+use crate::inverse::{INEXACT_TIP, InversionError, Solution};
 use crate::motion::MotionError;
 use crate::response::{HistoryError, SimulationError};
 use crate::result::Limits;
@@ -239,12 +238,12 @@ impl Kind {
         bound: |answer| ENERGY.min(answer.solution.analysis.tolerance()),
         hint: "a shorter step or a smoother motion",
     };
-    pub(super) const DEFLECTION: Self = Self {
-        name: "tip_deflection",
-        what: "tip deflection",
-        of: "the link's length",
-        bound: |_| Link::LARGEST_DEFLECTION,
-        hint: "a slower motion or a stiffer link",
+    pub(super) const MODEL: Self = Self {
+        name: "model",
+        what: "tip with all terms",
+        of: "the tip's travel",
+        bound: |_| INEXACT_TIP,
+        hint: "analysis.second_order = \"full\", a slower motion or a stiffer link",
     };
     /// Of a limit by its key in the link file.
     pub(super) const LIMIT: Self = Self {

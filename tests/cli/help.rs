@@ -63,7 +63,7 @@ fn pages_of_the_book_are_topics_of_help() {
     let bench = Bench::new();
     for (topic, words) in [
         ("files", ["Link file\n---------", "hub_angle.csv"]),
-        ("limits", ["The method\n----------", "* Fast hubs."]),
+        ("limits", ["The method\n----------", "* Large deflections"]),
     ] {
         let page = help(&bench, &["help", topic], "60");
         for word in words {

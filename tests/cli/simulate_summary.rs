@@ -40,8 +40,9 @@ fn every_documented_key_is_there() {
             "farthest_m final_tip_velocity_m_s peak_deflection_m peak_hub_angle_rad \
              peak_hub_rate_rad_s peak_power_w peak_torque_n_m travel_m",
         ),
-        ("/errors", "hub_angle tip"),
-        ("/errors/tip", "mesh"),
+        ("/errors", "deflection hub_angle tip"),
+        ("/errors/tip", "mesh model"),
+        ("/errors/deflection", "model"),
         ("/errors/hub_angle", "mesh"),
         ("/residual", "amplitude_m decay_s frequency_hz share"),
         ("/tip_error", "final_m rms_m share time_s worst_m"),

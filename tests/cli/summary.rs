@@ -38,10 +38,11 @@ fn every_documented_key_is_there() {
         ),
         (
             "/errors",
-            "displacement hub_acceleration hub_angle hub_rate motor_rate motor_torque tip torque",
+            "displacement hub_acceleration hub_angle hub_rate motor_rate motor_torque tip tip_model \
+             torque",
         ),
-        ("/errors/torque", "mesh window"),
-        ("/errors/displacement", "mesh window"),
+        ("/errors/torque", "mesh model window"),
+        ("/errors/displacement", "mesh model window"),
     ] {
         let mut found = keys(summary.pointer(path).unwrap());
         found.sort_unstable();

@@ -33,7 +33,8 @@ fn every_row_holds_what_solve_finds_for_its_values() {
     let header = "segments.*.EI*,payload.mass [g],period_1_s,zero_1_per_s,peak_torque_n_m,\
                   rms_torque_n_m,peak_rigid_torque_n_m,torque_ratio,lead_s,lag_s,\
                   peak_hub_rate_rad_s,peak_power_w,peak_root_moment_n_m,peak_deflection_m,\
-                  band_hz,tip_error,torque_mesh_error,torque_window_error,warnings,error";
+                  band_hz,tip_error,torque_mesh_error,torque_window_error,\
+                  torque_model_error,tip_model_error,warnings,error";
     assert_eq!(rows[0].join(","), header);
     let values: Vec<_> = rows[1..].iter().map(|row| row[..2].join(" ")).collect();
     assert_eq!(values, ["1 0", "1 50", "4 0", "4 50"]);
@@ -50,6 +51,8 @@ fn every_row_holds_what_solve_finds_for_its_values() {
             ("tip_error", &summary["errors"]["tip"]),
             ("torque_mesh_error", &summary["errors"]["torque"]["mesh"]),
             ("torque_window_error", &summary["errors"]["torque"]["window"]),
+            ("torque_model_error", &summary["errors"]["torque"]["model"]),
+            ("tip_model_error", &summary["errors"]["tip_model"]),
         ];
         let expected = expected
             .into_iter()
@@ -228,7 +231,7 @@ fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
     let header = "segments.*.EI*,period_1_s,zero_1_per_s,tip_error_m,tip_error_share,\
                   tip_error_time_s,rms_tip_error_m,final_tip_error_m,residual_m,residual_share,\
                   residual_frequency_hz,residual_decay_s,peak_hub_rate_rad_s,peak_power_w,\
-                  peak_deflection_m,warnings,error";
+                  peak_deflection_m,tip_model_error,deflection_model_error,warnings,error";
     assert_eq!(table[0].join(","), header);
     // What simulate finds against the same target.
     for (row, factor) in table[1..].iter().zip(["1", "1.1"]) {
@@ -241,6 +244,8 @@ fn one_torque_on_many_links_tells_how_far_each_tip_strays() {
             (4, &summary["tip_error"]["share"]),
             (8, &summary["residual"]["amplitude_m"]),
             (14, &summary["results"]["peak_deflection_m"]),
+            (15, &summary["errors"]["tip"]["model"]),
+            (16, &summary["errors"]["deflection"]["model"]),
         ] {
             let found: f64 = row[place].parse().unwrap();
             let expected = expected.as_f64().unwrap();

@@ -13,7 +13,7 @@ const NAMES: [&str; 9] = [
     "wrap_around",
     "dense_transfer",
     "energy",
-    "tip_deflection",
+    "model",
 ];
 
 fn verify(bench: &Bench, arguments: &[&str]) -> std::process::Output {

@@ -7,12 +7,12 @@ use flexlink::csv::InputFile;
 use flexlink::motion::Ends;
 use flexlink::numeric::TimeGrid;
 use flexlink::result::Remark;
+use flexlink::spec::Described;
 use flexlink::store::{REPORT, Summary};
 use flexlink::text::shown_path;
 
 use super::arm::{ArmProblem, SolvedRun};
-use super::problem::OneOrSeveral;
-use super::run::{Page, SolveOptions, Solved};
+use super::run::{Page, Problem, SolveOptions, Solved};
 use super::table::{WriteArgs, WrittenTable};
 use crate::cli::arm::SolvedArm;
 use crate::cli::verify::{refuse_failed, warn};
@@ -278,5 +278,31 @@ impl Solve {
         }
         self.warnings.refuse(solved.solution.warnings.len() + solved.exceeded.len() + warned)?;
         Ok(Ending::Done)
+    }
+}
+
+/// A problem of one link, or of an arm.
+pub(super) enum OneOrSeveral<'a> {
+    One(Box<Problem<'a>>),
+    Several(Box<ArmProblem<'a>>),
+}
+
+impl<'a> OneOrSeveral<'a> {
+    /// Reads the link or the arm from its file, and then the motion.
+    pub(super) fn read(
+        options: &'a SolveOptions,
+        link_file: InputFile,
+        motion_file: impl FnOnce() -> Result<InputFile, Failure>,
+    ) -> Result<Self, Failure> {
+        match options.described(&link_file)? {
+            Described::Link(link) => {
+                let problem = Problem::read(options, link_file, *link, motion_file()?)?;
+                Ok(Self::One(Box::new(problem)))
+            }
+            Described::Arm(arm) => {
+                let problem = ArmProblem::read(options, link_file, arm, motion_file()?)?;
+                Ok(Self::Several(Box::new(problem)))
+            }
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 mod arm;
 mod command;
-mod problem;
 mod repeat;
 pub(crate) mod run;
 mod table;

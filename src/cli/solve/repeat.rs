@@ -7,8 +7,7 @@ use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 use flexlink::text::{excerpt, path_in_shell};
 
-use super::command::Solve;
-use super::problem::OneOrSeveral;
+use super::command::{OneOrSeveral, Solve};
 use super::run::{Page, SolveOptions};
 use super::table::WriteArgs;
 use crate::terminal::files::{keep, read_once};

@@ -10,7 +10,7 @@ use super::solve::{LEAST_SIZE, Sizes, Solved, Solver};
 use super::warning::ArmWarning;
 use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
-    COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link,
+    COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link, thick_share,
 };
 use crate::inverse::mesh_error::LOBES;
 use crate::inverse::{
@@ -155,7 +155,7 @@ impl Solver<'_> {
             let mut torque = solved.answer.torque_amplitudes_n_m(joint);
             // What holds a weight at rest is no part of what moves.
             torque[0] = 0.0.into();
-            found.extend(thick_link(&*solved.models[joint], moving, &torque));
+            found.extend(thick_share(&*solved.models[joint], moving, &torque).and_then(thick_link));
             warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
         }
         warnings

@@ -146,13 +146,15 @@ mod tests {
         };
         let row =
             sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SweepKind::Solved, &[]);
-        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(18)));
+        assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(20)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
         let header = sweep_header(&plan, SweepKind::Solved);
-        assert_eq!(header.matches(',').count(), 18);
+        assert_eq!(header.matches(',').count(), 20);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
-        assert!(header.ends_with(
-            ",band_hz,tip_error,torque_mesh_error,torque_window_error,warnings,error\n"
-        ));
+        assert!(
+            header.ends_with(
+                ",torque_window_error,torque_model_error,tip_model_error,warnings,error\n"
+            )
+        );
     }
 }

@@ -2,7 +2,9 @@
 
 use flexlink::link::{Damping, Link};
 use flexlink::numeric::largest;
-use flexlink::response::{Input, Interpolation, ModalPlay, Play, PlayError, Played, Simulation};
+use flexlink::response::{
+    Input, Interpolation, ModalPlay, Play, PlayError, Played, PlayedModelError, Simulation,
+};
 use flexlink::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipError};
 use flexlink::store::PlayFindings;
 use flexlink::text::{plain, significant};
@@ -36,6 +38,7 @@ pub(crate) fn simulate_text(
             ("decay", decay_line(simulation, play)),
             ("error", target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default()),
             ("errors", simulation_errors(error, simulation, play)),
+            ("model", model_line(simulation)),
             ("measured", comparison.map(measured_text).unwrap_or_default()),
             ("written", written),
         ],
@@ -221,19 +224,24 @@ fn decay_line(simulation: &Simulation, play: &Play) -> String {
 
 /// The errors of the simulation itself.
 fn simulation_errors(error: Option<&PlayError>, simulation: &Simulation, play: &Play) -> String {
-    let Some(PlayError { tip, hub_angle }) = error else {
-        return "mesh not known: the damping cannot be on halved elements".into();
-    };
-    if let Played::Elastica(_) = simulation.played {
-        return format!(
-            "refinement {tip:.1e} of the tip's travel, {hub_angle:.1e} of the hub's peak angle"
-        );
-    }
-    let of_tip = format!("mesh {tip:.1e} (of the tip's travel)");
-    match play.input {
-        Input::Torque(_) => of_tip + &format!(", {hub_angle:.1e} (of the hub's peak angle)"),
-        Input::HubAngle(_) => of_tip,
-    }
+    let measured = error.map(|PlayError { tip, hub_angle }| match (&simulation.played, play.input) {
+        (Played::Elastica(_), _) => {
+            format!("refinement {tip:.1e} of the tip's travel, {hub_angle:.1e} of the hub's peak angle")
+        }
+        (_, Input::Torque(_)) => {
+            format!("mesh {tip:.1e} (of the tip's travel), {hub_angle:.1e} (of the hub's peak angle)")
+        }
+        (_, Input::HubAngle(_)) => format!("mesh {tip:.1e} (of the tip's travel)"),
+    });
+    let unknown = "mesh not known: the damping cannot be on halved elements";
+    measured.unwrap_or_else(|| unknown.to_owned())
+}
+
+/// What the linear model leaves out.
+fn model_line(simulation: &Simulation) -> String {
+    let Some(ModalPlay { model_error, .. }) = simulation.modes() else { return String::new() };
+    let PlayedModelError { tip, deflection } = model_error;
+    format!("off by {tip:.1e} of the tip's travel, {deflection:.1e} of the peak deflection")
 }
 
 pub(super) fn tip_error_line(error: &TipError) -> String {

@@ -309,9 +309,12 @@ fn solution_errors(solution: &Solution) -> String {
         let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
         Some((format!("{name}{of}"), format!("{torque}{error:.1e}")))
     });
-    let tip = solution.band.cutoff_hz.map(|_| ("tip".to_owned(), format!("{:.1e}", errors.tip)));
     let of = if solution.link().has_weight() { "of the range" } else { "of the peak" };
-    in_columns(tip.into_iter().chain(worst), of)
+    let share = |name: &str, share: f64| (name.to_owned(), format!("{share:.1e}"));
+    let tip = solution.band.cutoff_hz.map(|_| share("tip", errors.tip));
+    let model = errors.errors.torque.model.map(|error| share("model", error));
+    let tip_model = errors.tip_model.map(|strays| share("model (tip)", strays));
+    in_columns(tip.into_iter().chain(worst).chain(model).chain(tip_model), of)
 }
 
 /// Rows that are written, and the times of the first and the last.

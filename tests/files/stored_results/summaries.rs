@@ -55,8 +55,7 @@ fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
     assert_eq!(names[0], "peak_torque_n_m");
     let motion = ["tip_travel_m", "peak_tip_velocity_m_s", "peak_tip_acceleration_m_s2"];
     assert_eq!(names[12..15], motion);
-    let expected =
-        ["tip_error", "torque_mesh_error", "torque_window_error", "hub_angle_mesh_error"];
+    let expected = ["tip_error", "tip_model_error", "torque_mesh_error", "torque_window_error"];
     assert_eq!(names[15..19], expected, "of each quantity its errors, those that are there");
     assert_readings(&run.readings, &summary);
     let solved = run.solved.unwrap();
@@ -134,7 +133,9 @@ fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
         "tip_error_rms_m",
         "tip_error_final_m",
         "tip_mesh_error",
+        "tip_model_error",
         "hub_angle_mesh_error",
+        "deflection_model_error",
     ];
     assert_eq!(names, expected);
     assert_readings(&run.readings, &json(&bench, "played"));

@@ -9,6 +9,7 @@ mod errors;
 mod laws;
 mod limits;
 mod modal;
+mod model;
 mod motor;
 mod nodal;
 mod period;

@@ -1,0 +1,177 @@
+//! What the linear model leaves out of an answer: large deflections, centrifugal stiffening and the thickness.
+
+use std::sync::Arc;
+
+use super::accuracy::PerQuantity;
+use super::bent::{BYTES, BentProblem};
+use super::bent_answer::BentAnswer;
+use super::curves::Curves;
+use super::error::InversionError;
+use super::histories::{Histories, tip_deflection_m};
+use super::periodic_answer::PeriodicAnswer;
+use super::problem::{AnsweringModel, Problem};
+use crate::beam::{Mesh, MeshPlan};
+use crate::elastica::estimate;
+use crate::modal::{OF_DEFLECTION, OF_TORQUE, second_order_share};
+use crate::model::{KeptModes, Model, model_of};
+use crate::motion::TipPeriod;
+use crate::numeric::{largest, largest_difference};
+use crate::response::{Play, Torque, simulate_on};
+
+/// Largest estimates of the tip, over its travel, and of the torque, over its peak, with which the terms are not counted: the
+/// true errors may be twice as large.
+const ESTIMATED_TIP: f64 = 5e-3;
+const ESTIMATED_TORQUE: f64 = 2e-2;
+
+/// Most memory in bytes that counting them may take.
+const MOST_BYTES: usize = 1 << 30;
+
+/// What the torque of a tip changes by, since a bent link is shorter from hub to tip, over the square of the deflection over
+/// the length: a cantilever with a load at its tip is shorter by a tenth of that square.
+const SHORTENED: f64 = 0.2;
+
+/// How far inner nodes move, over the tip's deflection, where terms of second order change that by its size: their
+/// displacements are told from the arc between the hub and the tip, which both stay.
+const INNER: f64 = 0.25;
+
+/// What the linear model leaves out, as shares.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ModelError {
+    /// How far the tip of a link with all terms strays under the torque, over its travel.
+    pub(super) tip: f64,
+    /// What all terms change of each quantity, over its size.
+    pub(super) errors: PerQuantity<f64>,
+}
+
+impl ModelError {
+    /// From deflection and rate alone.
+    fn estimated(
+        AnsweringModel { model, peaks, .. }: &AnsweringModel,
+        answer: &PeriodicAnswer,
+        histories: &Histories,
+    ) -> Self {
+        let Histories { rigid_hub_angle_rad, hub_angle_rad, .. } = histories;
+        let length_m = model.mesh().length_m();
+        let deflection_m = largest(&tip_deflection_m(rigid_hub_angle_rad, hub_angle_rad, length_m));
+        let turned = largest(&histories.tip.velocity_m_s) / length_m;
+        // In one that vibrates the hub swings faster than the link turns.
+        let bends = (deflection_m, turned.min(largest(&histories.hub_rate_rad_s)));
+        let share_of = |weights| second_order_share(model.mesh(), model.link(), bends, weights);
+        let share = share_of(OF_TORQUE);
+        let of =
+            |flexible: f64, peak: f64| if flexible == 0.0 { 0.0 } else { share * flexible / peak };
+        let excess = |order: usize, peak: f64| of(largest(answer.excess(order)), peak);
+        let beyond_rigid = largest_difference(&histories.torque_n_m, &histories.rigid_torque_n_m);
+        let flexible_m = length_m - model.link().hub().radius_m;
+        let torque =
+            of(beyond_rigid, peaks.torque) + SHORTENED * (deflection_m / flexible_m).powi(2);
+        let hub_rate = excess(1, peaks.hub_rate);
+        Self {
+            tip: share_of(OF_DEFLECTION) * deflection_m
+                / answer.period.histories.largest_travel_m(),
+            errors: PerQuantity {
+                torque,
+                hub_angle: excess(0, peaks.hub_angle),
+                hub_rate,
+                hub_acceleration: peaks.hub_acceleration.map(|peak| excess(2, peak)),
+                displacement: peaks.displacement.map(|peak| of(INNER * deflection_m, peak)),
+                bending_moment: peaks.bending_moment.map(|_| share),
+                motor_torque: peaks.motor_torque.map(|_| torque),
+                motor_rate: peaks.motor_rate.map(|_| hub_rate),
+            },
+        }
+    }
+
+    /// The errors with what shear and rotary inertia change of torques and moments.
+    pub(super) fn with_thickness(&self, thick: Option<f64>) -> PerQuantity<f64> {
+        let thick = thick.unwrap_or(0.0);
+        let with = |share: Option<f64>| share.map(|share| share + thick);
+        PerQuantity {
+            torque: self.errors.torque + thick,
+            bending_moment: with(self.errors.bending_moment),
+            motor_torque: with(self.errors.motor_torque),
+            ..self.errors
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// What all terms of second order change of a linear answer.
+    ///
+    /// They change what a quantity has beyond that of the rigid link by about a [share](second_order_share), and shorten the
+    /// link. Where that estimate is large the terms are counted.
+    pub(super) fn model_error(
+        &self,
+        answering: &AnsweringModel,
+        answer: &PeriodicAnswer,
+        histories: &Histories,
+    ) -> ModelError {
+        let estimate = ModelError::estimated(answering, answer, histories);
+        let is_small = estimate.tip <= ESTIMATED_TIP && estimate.errors.torque <= ESTIMATED_TORQUE;
+        if is_small || self.resources.is_trial {
+            return estimate;
+        }
+        let counted = self.with_all_terms(answering, answer, histories);
+        let counted = counted.map(|own| ModelError { tip: own.tip.max(estimate.tip), ..own });
+        counted.unwrap_or(estimate)
+    }
+
+    /// The terms counted, and what is then missing of the torque played on the linear link; none where they are refused.
+    fn with_all_terms(
+        &self,
+        AnsweringModel { model, first_zero_per_s, peaks, .. }: &AnsweringModel,
+        answer: &PeriodicAnswer,
+        histories: &Histories,
+    ) -> Option<ModelError> {
+        let link = model.link();
+        let mesh = Mesh::new(link, &MeshPlan::automatic(link)).ok()?;
+        let (len, nodes) = (answer.period.spectrum.pair.len(), mesh.nodes_m().len());
+        let bytes = len.saturating_mul(nodes).saturating_mul(BYTES);
+        let allowed = self.resources.memory_bytes.unwrap_or(usize::MAX).min(MOST_BYTES);
+        if bytes > allowed {
+            return None;
+        }
+        // A coarse mesh tells it, with all modes.
+        let coarse = model_of(link, mesh.clone(), KeptModes::All).ok()?;
+        let bent = BentProblem::of(self, link, *first_zero_per_s).ok()?;
+        let ([own, other], share) =
+            bent.estimated(&*coarse, &answer.period, &[0, nodes / 2]).ok()?;
+        let missing = own.torque_n_m.iter().zip(&other.torque_n_m);
+        let missing: Vec<f64> = missing.map(|(own, other)| share * (own - other)).collect();
+        // From the middle of the rest on.
+        let (step_s, seam) = (self.motion.grid().step_s, answer.period.spectrum.seam);
+        let window = histories.grid;
+        let time_s: Vec<f64> = (0..len).map(|k| k as f64 * step_s).collect();
+        let torque = Torque::new(&time_s, missing).ok()?;
+        let played = simulate_on(link, mesh, &Play::of(&torque)).ok()?;
+        let end = (len - seam) as i64 + window.first + window.len as i64;
+        let strays_m = largest(&played.tip.displacement_m[..len.min(end as usize)]);
+        Some(ModelError {
+            tip: strays_m / answer.period.histories.largest_travel_m(),
+            errors: own.apart(&other).zip(peaks, |off, size| share * off / size),
+        })
+    }
+}
+
+impl BentProblem<'_> {
+    /// Histories of the linear link over a period of a motion, other ones, and how many times what lies between them all
+    /// second-order terms change; at some nodes.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    fn estimated(
+        &self,
+        model: &dyn Model,
+        period: &Arc<TipPeriod>,
+        nodes: &[usize],
+    ) -> Result<([Curves; 2], f64), InversionError> {
+        let (chord, rest) = self.chord_and_rest(period, model.mesh().length_m())?;
+        let (both, share) = estimate(model, &chord, nodes)?;
+        let curves = both.map(|found| {
+            let second_order = found.second_order();
+            let (period, chord, rest) = (Arc::clone(period), chord.clone(), rest.clone());
+            BentAnswer { period, chord, found, rest }.curves(model, second_order, nodes)
+        });
+        Ok((curves, share))
+    }
+}
