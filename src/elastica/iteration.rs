@@ -108,11 +108,12 @@ pub fn follow(
     )
 }
 
-/// The linear motion of a link whose tip stays on a chord, another one, and how many times what lies between them the
-/// second-order terms change it: all terms counted twice or, where that is no nearer, once.
+/// The linear motion of a link whose tip stays on a chord, another motion, and a factor: about so many times their difference
+/// is what all second-order terms change. Histories are those of some nodes.
 ///
-/// Terms that stiffen the link change it to and fro, so that of a change that the next one is r times as large as `1/(1 + r)`
-/// remains. Histories are those of some nodes.
+/// The other motion is the second iteration, with the factor 1. Where the second iteration changes the torque by more than
+/// half of what the first did, it is the first. Its change alternates where the terms stiffen the link: if each iteration
+/// changes r times what the one before did, `1/(1 + r)` of the first change is left.
 ///
 /// # Errors
 /// [`ElasticaError`].
@@ -141,9 +142,10 @@ pub(crate) fn estimate(
     let torque_n_m = |answers, order| link.hub(answers, order, &pair, &time).0;
     let torques = [torque_n_m(&linear, SecondOrder::None), torque_n_m(&once, SecondOrder::Full)];
     let first = apart(&torques[1], &torques[0]);
-    let ratio = twice
-        .as_ref()
-        .map_or(1.0, |twice| apart(&torque_n_m(twice, SecondOrder::Full), &torques[1]) / first);
+    let ratio = twice.as_ref().map_or(1.0, |twice| {
+        let second = apart(&torque_n_m(twice, SecondOrder::Full), &torques[1]);
+        if first == 0.0 { 0.0 } else { second / first }
+    });
     let (all, share) = match twice {
         Ok(twice) if ratio <= CONVERGES => (twice, 1.0),
         _ => (once, (1.0 + ratio).recip()),

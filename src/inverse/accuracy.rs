@@ -169,8 +169,8 @@ pub struct QuantityErrors {
     /// What the uncertainty of the samples does; none where they are exact to the tip's tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<f64>,
-    /// What the linear model leaves out: large deflections, centrifugal stiffening and, of torques, the thickness; none
-    /// where all of that is counted.
+    /// What the linear model leaves out: large deflections, centrifugal stiffening and, of torques and moments, the
+    /// thickness; none with weight or where second-order terms are counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<f64>,
 }
@@ -180,7 +180,7 @@ pub struct QuantityErrors {
 pub struct Accuracy {
     /// Largest distance of the tip that is solved from the wanted one, over its travel.
     pub tip: f64,
-    /// How far the tip of a link with all terms strays under the torque, over its travel; none where they are counted.
+    /// How far the tip of a link with all second-order terms strays under the torque, over its travel; none likewise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip_model: Option<f64>,
     /// What each quantity may be off by, over its own peak.

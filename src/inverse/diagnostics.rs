@@ -38,7 +38,7 @@ pub(super) const UNCERTAIN: f64 = 0.1;
 
 /// What the linear model leaves out, over the tip's travel and over the torque's peak, from which on the user is warned.
 pub(crate) const INEXACT_TIP: f64 = 1e-2;
-const INEXACT_TORQUE: f64 = 3e-2;
+const INEXACT_TORQUE: f64 = 5e-2;
 
 /// Change of the torque by second-order terms that were left out from which on the user is warned.
 pub(super) const LEFT_OUT: f64 = 1e-4;
@@ -248,7 +248,8 @@ impl Diagnostics<'_> {
     /// The linear model where it does not hold.
     fn inexact_model(&self) -> Option<Warning> {
         let (tip, errors) = (self.accuracy.tip_model?, self.accuracy.errors.torque);
-        let torque = errors.model?;
+        // The thickness has a warning of its own.
+        let torque = errors.model? - self.thick.unwrap_or(0.0);
         let counts = tip > INEXACT_TIP || torque > INEXACT_TORQUE;
         counts.then_some(Warning::InexactModel { torque, tip })
     }

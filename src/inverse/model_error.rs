@@ -26,12 +26,12 @@ const ESTIMATED_TORQUE: f64 = 2e-2;
 /// Most memory in bytes that counting them may take.
 const MOST_BYTES: usize = 1 << 30;
 
-/// What the torque of a tip changes by, since a bent link is shorter from hub to tip, over the square of the deflection over
-/// the length: a cantilever with a load at its tip is shorter by a tenth of that square.
+/// What the torque of a tip changes by, over the square of the deflection over the length, since a bent link is shorter from
+/// hub to tip: with a load at its tip by a tenth of that square, and the torque falls with the square of the distance.
 const SHORTENED: f64 = 0.2;
 
-/// How far inner nodes move, over the tip's deflection, where terms of second order change that by its size: their
-/// displacements are told from the arc between the hub and the tip, which both stay.
+/// What inner nodes move by, over what the tip's deflection changes by: hub and tip stay on their arcs, and the nodes between
+/// them move by less.
 const INNER: f64 = 0.25;
 
 /// What the linear model leaves out, as shares.
@@ -112,17 +112,20 @@ impl Problem<'_> {
             return estimate;
         }
         let counted = self.with_all_terms(answering, answer, histories);
-        let counted = counted.map(|own| ModelError { tip: own.tip.max(estimate.tip), ..own });
-        counted.unwrap_or(estimate)
+        counted.map_or(estimate, |(own, converges)| ModelError {
+            tip: own.tip.max(estimate.tip),
+            errors: if converges { own.errors } else { own.errors.zip(&estimate.errors, f64::max) },
+        })
     }
 
-    /// The terms counted, and what is then missing of the torque played on the linear link; none where they are refused.
+    /// The terms counted, with what is then missing of the torque played on the linear link, and whether two iterations tell
+    /// them; none where they are refused.
     fn with_all_terms(
         &self,
         AnsweringModel { model, first_zero_per_s, peaks, .. }: &AnsweringModel,
         answer: &PeriodicAnswer,
         histories: &Histories,
-    ) -> Option<ModelError> {
+    ) -> Option<(ModelError, bool)> {
         let link = model.link();
         let mesh = Mesh::new(link, &MeshPlan::automatic(link)).ok()?;
         let (len, nodes) = (answer.period.spectrum.pair.len(), mesh.nodes_m().len());
@@ -136,9 +139,15 @@ impl Problem<'_> {
         let bent = BentProblem::of(self, link, *first_zero_per_s).ok()?;
         let ([own, other], share) =
             bent.estimated(&*coarse, &answer.period, &[0, nodes / 2]).ok()?;
+        let converges = share >= 1.0;
+        let errors = own.apart(&other).zip(peaks, |off, size| share * off / size);
         let missing = own.torque_n_m.iter().zip(&other.torque_n_m);
         let missing: Vec<f64> = missing.map(|(own, other)| share * (own - other)).collect();
-        // From the middle of the rest on.
+        // A cycle is not played from rest.
+        if self.motion.cycles().is_some() {
+            return Some((ModelError { tip: 0.0, errors }, converges));
+        }
+        // Curves begin at the seam, in the middle of the rest.
         let (step_s, seam) = (self.motion.grid().step_s, answer.period.spectrum.seam);
         let window = histories.grid;
         let time_s: Vec<f64> = (0..len).map(|k| k as f64 * step_s).collect();
@@ -146,10 +155,8 @@ impl Problem<'_> {
         let played = simulate_on(link, mesh, &Play::of(&torque)).ok()?;
         let end = (len - seam) as i64 + window.first + window.len as i64;
         let strays_m = largest(&played.tip.displacement_m[..len.min(end as usize)]);
-        Some(ModelError {
-            tip: strays_m / answer.period.histories.largest_travel_m(),
-            errors: own.apart(&other).zip(peaks, |off, size| share * off / size),
-        })
+        let travel_m = answer.period.histories.largest_travel_m();
+        Some((ModelError { tip: strays_m / travel_m, errors }, converges))
     }
 }
 

@@ -337,7 +337,7 @@ impl SimulationWarning {
             }
             Self::CoarseStep { .. } => "a torque with a shorter step",
             Self::InexactModel { .. } => {
-                "analysis.second_order = \"full\" counts them; or a smaller torque, a stiffer link"
+                "analysis.second_order = \"full\" counts them, where the damping allows it; or a smaller torque, a stiffer link"
             }
             Self::BeginsUnheld { .. } => {
                 "torque.csv of solve begins with it: start_angle must be that of its run"

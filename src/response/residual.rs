@@ -59,18 +59,24 @@ impl PlayedModelError {
         counts.then_some(SimulationWarning::InexactModel { tip, deflection })
     }
 
-    /// From the share by which deflections change, the largest deflection and the travel in m, and the vibration after the
-    /// input, whose first mode turns by so many rad in all.
+    /// From the shares by which the largest deflection changes and the vibration that remains, the deflection and the travel in
+    /// m, and that vibration with its angular frequency in rad/s and the time in s that is played.
     pub(super) fn of(
-        share: f64,
+        [deflection, of_vibration]: [f64; 2],
         (deflection_m, travel_m): (f64, f64),
-        (vibration, turns): (Option<&ResidualVibration>, f64),
+        vibration: Option<&ResidualVibration>,
+        (omega_rad_s, played_s): (f64, f64),
     ) -> Self {
-        // A share of ω² is half of it of ω, by which a vibration gets out of step.
-        let out_of_step = (0.5 * share * turns).min(2.0);
-        let vibrates_m = vibration.map_or(0.0, |vibration| vibration.amplitude_m);
-        let moved_m = share * deflection_m + out_of_step * vibrates_m;
-        Self { tip: if moved_m == 0.0 { 0.0 } else { moved_m / travel_m }, deflection: share }
+        let out_of_step_m = vibration.map_or(0.0, |vibration| {
+            // What decays to 1 % in t is largest, multiplied by time, at t/ln 100: it is then 1/e of what it was.
+            let most_s = vibration.decay_s.map_or(played_s, |decay_s| played_s.min(decay_s / 12.5));
+            // ω changes by half the share by which ω² does.
+            let phase_rad = 0.5 * of_vibration * omega_rad_s * most_s;
+            phase_rad.min(2.0) * vibration.amplitude_m
+        });
+        let moved_m = deflection * deflection_m + out_of_step_m;
+        let tip = if moved_m > 0.0 && travel_m > 0.0 { moved_m / travel_m } else { 0.0 };
+        Self { tip, deflection }
     }
 }
 

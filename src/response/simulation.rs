@@ -185,10 +185,13 @@ fn play_on(
     // In one that vibrates the hub swings faster than the link turns.
     let turned = largest(&tip.velocity_m_s) / mesh.length_m();
     let bends = (largest(&deflection_m), turned.min(largest(&hub_rate_rad_s)));
-    let share = second_order_share(&mesh, link, bends, OF_DEFLECTION);
-    let turns = equations.first_period_s().map_or(0.0, |s| TAU * grid.duration_s() / s);
+    let vibrates_m = residual.map_or(0.0, |residual| residual.amplitude_m);
+    let shares = [bends.0, vibrates_m]
+        .map(|bent_m| second_order_share(&mesh, link, (bent_m, bends.1), OF_DEFLECTION));
+    let omega_rad_s = equations.first_period_s().map_or(0.0, |period_s| TAU / period_s);
     let moves_m = (bends.0, tip.largest_travel_m());
-    let model_error = PlayedModelError::of(share, moves_m, (residual.as_ref(), turns));
+    let vibration = (omega_rad_s, grid.duration_s());
+    let model_error = PlayedModelError::of(shares, moves_m, residual.as_ref(), vibration);
     let [begins, ends] = play.input.warnings(&torque_n_m);
     let cut = SimulationWarning::StateCut { share: left_out };
     let begins = match play.state {
