@@ -37,7 +37,7 @@ const LONG_TIMES: f64 = 10.0;
 pub(super) const UNCERTAIN: f64 = 0.1;
 
 /// What the linear model leaves out, over the tip's travel and over the torque's peak, from which on the user is warned.
-pub(crate) const INEXACT_TIP: f64 = 1e-2;
+const INEXACT_TIP: f64 = 1e-2;
 const INEXACT_TORQUE: f64 = 5e-2;
 
 /// Change of the torque by second-order terms that were left out from which on the user is warned.

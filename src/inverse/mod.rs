@@ -39,7 +39,6 @@ pub use arm::{
 };
 pub use bent_answer::SecondOrderFindings;
 pub(crate) use curves::size;
-pub(crate) use diagnostics::INEXACT_TIP;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]

@@ -121,7 +121,7 @@ fn an_unknown_section_is_told_where_it_could_matter_alone() {
 #[test]
 fn large_deflections_are_told_and_verify_fails_of_them() {
     let bench = bench();
-    let soft = ["--set", "segments.0.E=\"1 GPa\"", "--scale-distance", "12"];
+    let soft = ["--set", "segments.0.E=\"1 GPa\"", "--scale-distance", "20"];
     let output = bench.run(&[&["verify", "strip.toml", "move.csv"], &soft[..]].concat());
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
     let text = stderr(&output);

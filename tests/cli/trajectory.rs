@@ -296,15 +296,15 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     own_notes.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap());
     let own_notes: Vec<&str> = own_notes.iter().map(|(_, note)| &note[..]).collect();
     assert_eq!(notes, own_notes);
-    // The versine is shorter, at a step that is too long for its jumps.
+    // The versine is shorter, at a step that is too long for its jumps, and the septic bends the link too far.
     assert!(
         told.contains(
-            "note: the best without a warning or jump is septic: 0.7 s, the shortest duration within"
+            "note: the best without a warning or jump is gaussian: 1.5 s, the shortest duration within"
         ),
         "{told}"
     );
     assert!(own_notes.iter().any(|note| note.starts_with("versine    0.58 s (")));
-    assert!(bench.read("best.csv").starts_with("# septic: 0.7 s, "));
+    assert!(bench.read("best.csv").starts_with("# gaussian: 1.5 s, "));
     // Limits that no profile keeps.
     let none = [&fixed[..7], &["torque=1e-9"]].concat();
     let none = bench.run(&[&["trajectory", "best"], &none[..]].concat());
