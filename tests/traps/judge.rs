@@ -188,8 +188,8 @@ pub(crate) fn claimed(written: &Written, quantity: &str) -> Option<Claim> {
         return Some(vec![(quantity.to_owned(), error)]);
     }
     // That of the step is about the motion between the samples, that of the input about the one before it was
-    // rounded; the truth has the samples.
-    let is_own = |kind: &str| !["step", "input"].contains(&kind);
+    // rounded, that of the model about terms of second order; the truth has the samples, and is linear.
+    let is_own = |kind: &str| !["step", "input", "model"].contains(&kind);
     let kinds = errors.as_object()?.iter().filter(|(kind, _)| is_own(kind));
     Some(kinds.filter_map(|(kind, error)| Some((kind.clone(), error.as_f64()?))).collect())
 }
