@@ -24,7 +24,7 @@ use crate::terminal::text::memory_text;
 use crate::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Most memory in bytes of an inversion whose times are probably in another unit.
-const DOUBTED_BYTES: usize = 1_000_000_000;
+const DOUBTED_BYTES: usize = 3_000_000_000;
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
