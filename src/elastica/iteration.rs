@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::chord::{ChordPeriod, resolved};
+use super::chord::{ChordHistories, ChordPeriod, resolved};
 use super::error::{ElasticaError, FINEST};
 use super::loads::{BentLink, LoadHistories, SecondOrder};
 use super::on_chord::LinkOnChord;
@@ -132,13 +132,13 @@ pub(crate) fn estimate(
     let long = ElasticaError::LongStep { step_s: chord.step_s };
     let band = bands.into_iter().flatten().find(is_resolved).ok_or(long)?;
     let pair = chord.pair_for(REACH * band);
+    let time = chord.at(&pair);
     let iterated = |latest: &Answers| {
         let kept = &latest[..band.min(latest.len())];
-        Ok::<_, ElasticaError>(link.iterated(&linear, (&bent, kept), &pair)?.0)
+        Ok::<_, ElasticaError>(link.iterated(&linear, (&bent, kept), (&pair, &time))?.0)
     };
     let once = iterated(&linear)?;
     let twice = iterated(&once);
-    let time = chord.at(&pair);
     let torque_n_m = |answers, order| link.hub(answers, order, &pair, &time).0;
     let torques = [torque_n_m(&linear, SecondOrder::None), torque_n_m(&once, SecondOrder::Full)];
     let first = apart(&torques[1], &torques[0]);
@@ -287,9 +287,9 @@ impl LinkOnChord<'_> {
         &self,
         linear: &Answers,
         (link, latest): (&BentLink, &[LoadedMotion<Complex64>]),
-        pair: &FourierPair,
+        (pair, chord): (&FourierPair, &ChordHistories),
     ) -> Result<(Answers, f64), ElasticaError> {
-        let states = (self.histories(latest, link.orders(), pair), &self.chord.at(pair));
+        let states = (self.histories(latest, link.orders(), pair), chord);
         let LoadHistories { nodal, largest_slope, .. } = link.loads(states)?;
         Ok((self.with_loads(linear, &nodal, pair), largest_slope))
     }
@@ -313,7 +313,7 @@ impl LinkOnChord<'_> {
             let time = self.chord.at(&pair);
             let (before, _) = self.hub(&answers, last_level, &pair, &time);
             let kept = &answers[..band.min(answers.len())];
-            let (next, largest_slope) = self.iterated(linear, (&link, kept), &pair)?;
+            let (next, largest_slope) = self.iterated(linear, (&link, kept), (&pair, &time))?;
             let previous = std::mem::replace(&mut answers, next);
             band = band.max(self.band_of_loads(&answers, negligible)?);
             let (torque_n_m, _) = self.hub(&answers, second_order, &pair, &time);

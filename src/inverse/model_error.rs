@@ -55,9 +55,9 @@ impl ModelError {
         let deflection_m = largest(&tip_deflection_m(rigid_hub_angle_rad, hub_angle_rad, length_m));
         let turned = largest(&histories.tip.velocity_m_s) / length_m;
         // In one that vibrates the hub swings faster than the link turns.
-        let bends = (deflection_m, turned.min(largest(&histories.hub_rate_rad_s)));
-        let share_of = |weights| second_order_share(model.mesh(), model.link(), bends, weights);
-        let share = share_of(OF_TORQUE);
+        let rate_rad_s = turned.min(largest(&histories.hub_rate_rad_s));
+        let share_of = second_order_share(model.mesh(), model.link(), rate_rad_s);
+        let share = share_of(deflection_m, OF_TORQUE);
         let of =
             |flexible: f64, peak: f64| if flexible == 0.0 { 0.0 } else { share * flexible / peak };
         let excess = |order: usize, peak: f64| of(largest(answer.excess(order)), peak);
@@ -67,7 +67,7 @@ impl ModelError {
             of(beyond_rigid, peaks.torque) + SHORTENED * (deflection_m / flexible_m).powi(2);
         let hub_rate = excess(1, peaks.hub_rate);
         Self {
-            tip: share_of(OF_DEFLECTION) * deflection_m
+            tip: share_of(deflection_m, OF_DEFLECTION) * deflection_m
                 / answer.period.histories.largest_travel_m(),
             errors: PerQuantity {
                 torque,

@@ -212,21 +212,22 @@ pub(crate) const OF_DEFLECTION: [f64; 2] = [0.3, 0.1];
 /// d is the tip's largest deflection from the hub's tangent line, l the length that bends, r the hub's radius, Ω its largest
 /// rate, and ω₁ the first natural frequency of the link clamped at the hub. Of a uniform cantilever that turns in its plane
 /// the square of that frequency grows by `0.19 (1 + 8 r/l) Ω²` (R. Southwell's coefficients). The weights a and b are
-/// [`OF_TORQUE`] or [`OF_DEFLECTION`].
+/// [`OF_TORQUE`] or [`OF_DEFLECTION`]. The share is a function of d in m and of the weights.
 pub(crate) fn second_order_share(
     mesh: &Mesh,
     link: &Link,
-    (deflection_m, rate_rad_s): (f64, f64),
-    [of_bending, of_rate]: [f64; 2],
-) -> f64 {
+    rate_rad_s: f64,
+) -> impl Fn(f64, [f64; 2]) -> f64 + use<> {
     let radius_m = link.hub().radius_m;
     let length_m = link.length_m() - radius_m;
     let clamped = held_frequencies(mesh, f64::INFINITY, 1).first().copied();
     let turns = clamped.map_or(0.0, |clamped| rate_rad_s / clamped);
-    let stiffened = of_rate * (1.0 + 8.0 * radius_m / length_m) * turns.powi(2);
-    let bent = of_bending * (deflection_m / length_m).powi(2);
-    // At most all of it; a rate beyond all numbers stiffens it wholly.
-    (bent + 1.0 - (1.0 + stiffened).recip()).min(1.0)
+    move |deflection_m, [of_bending, of_rate]| {
+        let stiffened = of_rate * (1.0 + 8.0 * radius_m / length_m) * turns.powi(2);
+        let bent = of_bending * (deflection_m / length_m).powi(2);
+        // At most all of it; a rate beyond all numbers stiffens it wholly.
+        (bent + 1.0 - (1.0 + stiffened).recip()).min(1.0)
+    }
 }
 
 #[cfg(test)]

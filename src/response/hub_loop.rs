@@ -124,7 +124,7 @@ fn hub_modes(free: &Equations, spring_n_m_rad: f64) -> Option<Vec<HubMode>> {
 /// A spring at the hub that is softer, over `I ω₁²`, changes no damping ratio by as much.
 const SOFT: f64 = 1e-4;
 
-/// By how much a damper holds the hub more than its rate over `I ω₁` says.
+/// Weight of `(d/(I ω₁))²` in w, see [`HubLoop`].
 const DAMPER: f64 = 20.0;
 
 /// What the gains make of the damping of a hysteretic link. The ratio ξ belongs to the strain of the link, so each mode that

@@ -184,12 +184,12 @@ fn play_on(
     let deflection_m = tip_deflection_m(&mesh, from_rad, &tip.displacement_m, &hub_angle_rad);
     // In one that vibrates the hub swings faster than the link turns.
     let turned = largest(&tip.velocity_m_s) / mesh.length_m();
-    let bends = (largest(&deflection_m), turned.min(largest(&hub_rate_rad_s)));
+    let share_of = second_order_share(&mesh, link, turned.min(largest(&hub_rate_rad_s)));
+    let bends_m = largest(&deflection_m);
     let vibrates_m = residual.map_or(0.0, |residual| residual.amplitude_m);
-    let shares = [bends.0, vibrates_m]
-        .map(|bent_m| second_order_share(&mesh, link, (bent_m, bends.1), OF_DEFLECTION));
+    let shares = [bends_m, vibrates_m].map(|bent_m| share_of(bent_m, OF_DEFLECTION));
     let omega_rad_s = equations.first_period_s().map_or(0.0, |period_s| TAU / period_s);
-    let moves_m = (bends.0, tip.largest_travel_m());
+    let moves_m = (bends_m, tip.largest_travel_m());
     let vibration = (omega_rad_s, grid.duration_s());
     let model_error = PlayedModelError::of(shares, moves_m, residual.as_ref(), vibration);
     let [begins, ends] = play.input.warnings(&torque_n_m);
