@@ -154,7 +154,7 @@ const PEAK: f64 = 4.0;
 
 /// Factor on what lies beyond the band: the tip's error falls in lobes, up to twice their mean. Without it,
 /// one in ten of random motions and decimals had a larger error than the estimate.
-pub(super) const LOBES: f64 = 2.0;
+const LOBES: f64 = 2.0;
 
 /// What a set of amplitudes amounts to over time.
 type Measure<'a> = &'a dyn Fn(&[Complex64]) -> f64;

@@ -23,6 +23,13 @@ use flexlink::spec::read_specification;
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
+    /// Those of a seed, others where `FLEXLINK_TRAPS_SEED` is set.
+    pub(crate) fn of(seed: u64) -> Self {
+        let other = std::env::var("FLEXLINK_TRAPS_SEED");
+        let other = other.map_or(0, |text| text.parse().expect("a seed is a number"));
+        Self(seed.wrapping_add(other * 1_000_003))
+    }
+
     pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -238,7 +245,7 @@ fn noise_on_the_papers_motion_is_followed_as_closely_as_it_deserves() {
 
 #[test]
 fn the_stated_input_error_holds_for_random_links_and_motions() {
-    let mut random = Random(7);
+    let mut random = Random::of(7);
     let shapes: [(&str, Shape); 3] = [("septic", septic), ("min-jerk", min_jerk), ("sine", sine)];
     let (mut least, mut refused) = (f64::INFINITY, 0);
     println!("motion    steps decimals jitter  step/travel  true error  stated");
@@ -279,7 +286,7 @@ fn the_stated_input_error_holds_for_random_links_and_motions() {
 
 #[test]
 fn the_stated_input_error_holds_for_velocities_and_accelerations_of_few_digits() {
-    let mut random = Random(11);
+    let mut random = Random::of(11);
     let shapes: [Shape; 3] = [septic, min_jerk, sine];
     let mut ratios = Vec::new();
     for case in 0..8 {
@@ -324,9 +331,8 @@ fn the_stated_input_error_holds_for_velocities_and_accelerations_of_few_digits()
 
 #[test]
 fn the_stated_input_error_holds_for_coarse_tables_that_are_resampled() {
-    let mut random = Random(5);
+    let mut random = Random::of(5);
     let shapes: [Shape; 3] = [septic, min_jerk, sine];
-    let mut ratios = Vec::new();
     for case in 0..18 {
         let (link, hertz) = random_link(&mut random);
         let wanted = Move {
@@ -350,11 +356,7 @@ fn the_stated_input_error_holds_for_coarse_tables_that_are_resampled() {
         let (apart, own) = (apart(&found, &exact), found.accuracy.errors.torque);
         let stated = own.mesh + own.window + own.input.unwrap_or(0.0);
         println!("case {case}, {rows} rows: {apart:.1e} of {stated:.1e}");
-        assert!(apart <= 2.0 * stated, "case {case}, {rows} rows: {apart} {stated}");
-        ratios.push(stated / apart);
+        let ratio = stated / apart;
+        assert!((0.5..30.0).contains(&ratio), "case {case}, {rows} rows: {apart} {stated}");
     }
-    // Where the jerk has a kink at the ends, the spline's error lies there, and the claim, which spreads it over the motion,
-    // is too large: 54, 36 and 137 times.
-    let too_large = ratios.iter().filter(|ratio| **ratio > 30.0).count();
-    assert!(too_large <= 3, "{ratios:?}");
 }

@@ -8,6 +8,7 @@ use flexlink::numeric::{largest, largest_difference};
 use flexlink::response::{Play, Torque, simulate};
 
 use super::{mesh_of, uniform};
+use crate::recordings::Random;
 
 /// Elements of each mesh.
 const ELEMENTS: usize = 10;
@@ -71,19 +72,13 @@ fn the_tip_strays_as_far_as_in_a_geometrically_exact_code() {
     }
 }
 
-/// Next number of a linear congruential generator, from 0 to 1.
-fn next(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 53) as f64
-}
-
 /// Random links: short and long, on hubs of every size, some with a radius or a payload, turned by 9° to ten turns.
 #[test]
 fn the_claim_is_half_to_thirty_times_what_all_terms_change_of_the_torque() {
-    let mut state = 49;
+    let mut random = Random::of(49);
     let mut told = 0;
     for number in 0..40 {
-        let mut between = |low: f64, high: f64| low * (high / low).powf(next(&mut state));
+        let mut between = |low: f64, high: f64| low * (high / low).powf(random.next());
         let (length_m, kg_m) = (between(0.2, 3.0), between(0.05, 2.0));
         let beam_kg = kg_m * length_m;
         let hub = beam_kg * length_m.powi(2) * between(3e-3, 3.0);
