@@ -3,14 +3,23 @@
 //! A spline through every second sample misses the others by a power of the spacing more than one through all misses the
 //! motion: the fourth power, or less where the samples are too coarse for it, as every fourth sample tells.
 
+use num_complex::Complex64;
+
 use crate::motion::{Between, Ends, TipMotion};
-use crate::numeric::{CubicSpline, SplineEnds};
+use crate::numeric::{CubicSpline, FourierPair, SplineEnds, fast_length};
 
 /// Samples beyond which an acceleration is known between them, and comparing two rules would take memory.
 const MOST_SAMPLES: usize = 1_000_000;
 
 /// Powers of the spacing with which the error of a spline falls: where the curve has a kink, and where it is smooth.
 const POWERS: (f64, f64) = (2.0, 4.0);
+
+/// Power of an octave over that of the octave below it, of a signal that jumps.
+const SLOWEST_FALL: f64 = 0.5;
+
+/// Factor on the error of an acceleration between its samples: it lies about the kinks, and not over the whole motion. With 3.5
+/// the true error of the torque was up to twice the stated one in 144 random motions.
+const LOCAL: f64 = 4.0;
 
 /// A curve through samples, and what it is at the times of all.
 type Drawn<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
@@ -96,15 +105,20 @@ pub(super) fn of_spline_of_acceleration(time_s: &[f64], acceleration_m_s2: &[f64
     };
     let [_, displacement_m] = errors_of(time_s, acceleration_m_s2, POWERS.1, &drawn);
     let lasts_s = time_s[time_s.len() - 1] - time_s[0];
-    Between { spline_m: 0.0, displacement_m, velocity_m_s: 2.0 * displacement_m / lasts_s }
+    let velocity_m_s = 2.0 * displacement_m / lasts_s;
+    Between { displacement_m, velocity_m_s, ..Between::default() }
 }
 
-/// What an acceleration may be off by between its samples: what another rule of integration makes of them.
+/// What an acceleration may be off by between its samples: what its frequencies beyond them change, and what another rule
+/// of integration makes of them.
 pub(super) fn of_acceleration(motion: &TipMotion, acceleration_m_s2: &[f64]) -> Between {
     let grid = motion.grid();
-    let is_known = motion.ends() == Ends::Periodic || grid.len > MOST_SAMPLES;
-    if is_known || motion.is_from_displacement() {
+    if motion.is_from_displacement() || grid.len > MOST_SAMPLES {
         return Between::default();
+    }
+    let acceleration = beyond_samples(acceleration_m_s2);
+    if motion.ends() == Ends::Periodic {
+        return Between { acceleration_m_s2: acceleration, ..Between::default() };
     }
     let (first, last) = motion.moving_samples();
     let time_s: Vec<f64> = (0..grid.len).map(|k| k as f64 * grid.step_s).collect();
@@ -126,7 +140,28 @@ pub(super) fn of_acceleration(motion: &TipMotion, acceleration_m_s2: &[f64]) -> 
     let displacement_m = displacement_m.iter().zip(own_m).map(off_m).fold(0.0, f64::max);
     // A velocity that is off from one end to the other moves the tip by about half of it.
     let velocity_m_s = 2.0 * displacement_m / (lasts * grid.step_s);
-    Between { displacement_m, velocity_m_s, ..Between::default() }
+    Between { displacement_m, velocity_m_s, acceleration_m_s2: acceleration, ..Between::default() }
+}
+
+/// Root mean square of what a signal has at frequencies beyond those of its samples, while it lasts: its highest octave
+/// goes on falling as it does from the octave below.
+fn beyond_samples(values: &[f64]) -> f64 {
+    let pair = FourierPair::new(fast_length(values.len()));
+    let mut samples = values.to_vec();
+    samples.resize(pair.len(), 0.0);
+    let amplitudes = pair.amplitudes(samples);
+    let top = amplitudes.len();
+    let power = |octave: &[Complex64]| -> f64 { octave.iter().map(Complex64::norm_sqr).sum() };
+    let [upper, lower] =
+        [top / 2..top, top / 4..top / 2].map(|octave| 2.0 * power(&amplitudes[octave]));
+    if upper == 0.0 {
+        return 0.0;
+    }
+    let fall = (upper / lower).min(SLOWEST_FALL);
+    let begins = values.iter().position(|value| *value != 0.0).unwrap_or(0);
+    let ends = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
+    let share = pair.len() as f64 / (ends + 1 - begins) as f64;
+    LOCAL * (share * upper * fall / (1.0 - fall)).sqrt()
 }
 
 #[cfg(test)]

@@ -67,8 +67,12 @@ impl Noise {
         let smooth = (TAU / (self.recorded_s * omega_rad_s)).min(1.0).powi(4);
         let of_spline_m =
             self.between.spline_m * smooth * (self.recorded_s / self.step_s / len as f64).sqrt();
-        let squared_m =
-            integrated_m.powi(2) + squared_m_s * of_velocity.powi(2) + of_spline_m.powi(2);
+        let of_acceleration_m = self.between.acceleration_m_s2 / omega.powi(2)
+            * (self.recorded_s / self.step_s / len as f64).sqrt();
+        let squared_m = integrated_m.powi(2)
+            + squared_m_s * of_velocity.powi(2)
+            + of_spline_m.powi(2)
+            + of_acceleration_m.powi(2);
         squared_m.sqrt()
     }
 

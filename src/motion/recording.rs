@@ -77,6 +77,8 @@ pub struct Between {
     pub displacement_m: f64,
     /// What its velocity is off by in m/s.
     pub velocity_m_s: f64,
+    /// Standard deviation of its acceleration in m/s², from sample to sample.
+    pub acceleration_m_s2: f64,
 }
 
 impl Between {
@@ -87,6 +89,7 @@ impl Between {
             spline_m: self.spline_m.max(other.spline_m),
             displacement_m: self.displacement_m.max(other.displacement_m),
             velocity_m_s: self.velocity_m_s.max(other.velocity_m_s),
+            acceleration_m_s2: self.acceleration_m_s2.max(other.acceleration_m_s2),
         }
     }
 
@@ -96,6 +99,7 @@ impl Between {
             spline_m: distance * self.spline_m,
             displacement_m: distance * self.displacement_m,
             velocity_m_s: distance / duration * self.velocity_m_s,
+            acceleration_m_s2: distance / duration.powi(2) * self.acceleration_m_s2,
         }
     }
 }

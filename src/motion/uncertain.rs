@@ -5,11 +5,15 @@ use super::period::farthest_m;
 use super::recording::{Between, Uncertainty};
 use super::samples::Ends;
 use super::tip_motion::TipMotion;
+use crate::numeric::largest;
 
 /// What the motion may be off by between its samples, over the way that they lead, from which on it counts: a spline, whose
 /// error has the frequency of the samples, and an integral.
 const SPLINE_COUNTS: f64 = 1e-8;
 const INTEGRAL_COUNTS: f64 = 1e-4;
+
+/// Standard deviation of an acceleration between its samples, over the largest sample, from which on it counts.
+const ACCELERATION_COUNTS: f64 = 1e-7;
 
 /// Errors of the samples, over the tip's tolerance, from which on they count: an acceleration is off by a larger share than
 /// its displacement.
@@ -38,8 +42,11 @@ impl TipMotion {
             samples => farthest_m(samples[0], samples),
         };
         let counts = own.displacement_m > INTEGRAL_COUNTS * way_m;
+        let peak_m_s2 = largest(self.samples().forcing_m_s2());
+        let above = |own: f64, least: f64| if own > least { own } else { 0.0 };
         Between {
-            spline_m: if own.spline_m > SPLINE_COUNTS * way_m { own.spline_m } else { 0.0 },
+            spline_m: above(own.spline_m, SPLINE_COUNTS * way_m),
+            acceleration_m_s2: above(own.acceleration_m_s2, ACCELERATION_COUNTS * peak_m_s2),
             ..if counts { own } else { Between::default() }
         }
     }
