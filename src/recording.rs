@@ -7,8 +7,11 @@ use thiserror::Error;
 
 use crate::numeric::TimeGrid;
 
+mod bursts;
+mod course;
 mod outliers;
 
+pub use course::Change;
 pub use outliers::{Outlier, outliers};
 
 /// Fewest different sizes of the numbers between two powers of ten from which their digits are judged. Of four

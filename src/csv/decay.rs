@@ -7,12 +7,14 @@ use super::heading::{
     ROOT_STRAIN, TIME, TIP, VELOCITY, VOLTAGE, Vocabulary, find, names, quantity, refuse_missing,
     require,
 };
+use super::outliers::Judged;
 use super::record::{shown, word_of};
 use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
 use crate::fit::DecaySamples;
 use crate::model::Sensor;
 use crate::numeric::{Dimension, TimeGrid};
+use crate::recording::Change;
 
 /// A column that is the only one beside the time.
 const SIGNAL: Quantity = quantity("signal", "_1", Dimension::NONE, ["1", "1"]);
@@ -93,6 +95,14 @@ pub fn read_decay(
         let must = format!("must be {MIN_SAMPLES} or more from its begin to its end");
         return Err(place.refuse("samples", within.len().to_string(), must));
     }
+    let judged = Judged {
+        name: &words[0],
+        unit: ("", 1.0),
+        change: Change::Jumping,
+        time_s: &time_s[within.clone()],
+        values: column,
+    };
+    samples.reading.doubt = judged.doubt(&samples.lines[first..]);
     let uniform_s = samples.make_uniform(time_s[within].to_vec(), vec![column]);
     let grid = TimeGrid::through(&uniform_s).map_err(|error| {
         let lines = &samples.lines[first..];

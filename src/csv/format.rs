@@ -150,6 +150,8 @@ pub struct Reading {
     pub(super) hint: Option<String>,
     /// What was done about times off a uniform grid.
     pub(super) jitter: Option<String>,
+    /// Which samples do not follow their neighbours, where they are not refused.
+    pub(super) doubt: Option<String>,
     /// Number of samples that were replaced by what their neighbours lead to.
     pub(super) dropped: usize,
 }
@@ -173,5 +175,10 @@ impl Reading {
     /// Which columns were not read, and what to do about them.
     pub fn remark(&self) -> Option<(&str, &str)> {
         Some((self.unread.as_deref()?, self.hint.as_deref()?))
+    }
+
+    /// Which samples do not follow their neighbours, and what to do about them.
+    pub fn doubt(&self) -> Option<(&str, &str)> {
+        Some((self.doubt.as_deref()?, "correct a bad reading; a pulse of one step may stay"))
     }
 }

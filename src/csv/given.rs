@@ -11,7 +11,7 @@ use super::place::Place;
 use super::rows::TableError;
 use super::samples::MIN_SAMPLES;
 use crate::motion::{Ends, MotionColumns, PathColumns, Uncertainty};
-use crate::recording::{Digits, Rounding};
+use crate::recording::{Change, Digits, Rounding};
 
 impl MotionTable {
     /// The table of samples that a program has, with which it can do what it does with a file: make times uniform, say
@@ -144,7 +144,9 @@ fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), T
         return refuse(format!("time[{}]", at + 1), format!("{} s", time_s[at + 1]), must);
     }
     given.into_iter().try_for_each(|(column, values)| {
-        let judged = Judged { name: column, unit: ("", 1.0), time_s, values };
+        let jumps = ["acceleration", "velocity"].contains(&column);
+        let change = if jumps { Change::Jumping } else { Change::Continuous };
+        let judged = Judged { name: column, unit: ("", 1.0), change, time_s, values };
         judged.check(name, &[])
     })
 }

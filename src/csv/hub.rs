@@ -4,6 +4,7 @@ use super::heading::{
     HUB_ANGLE, HUB_RATE, Heading, Spelling, TIME, TORQUE, Vocabulary, names, nearest, require,
     unread_unit,
 };
+use super::outliers::doubt;
 use super::rows::{Place, TableError, quoted};
 use super::samples::{Samples, refuse_samples};
 use super::unit_name::{parse_unit, split_any_unit, split_unit};
@@ -66,6 +67,7 @@ pub fn read_torque_table_as(
     format: &TableFormat,
 ) -> Result<(Torque, Reading), TableError> {
     let mut samples = Samples::read(name, bytes, format, |header| torque_columns(header, column))?;
+    doubt(&mut samples);
     let (time_s, [torque_n_m]) = samples.take_uniform([TORQUE]);
     let Samples { lines, reading, .. } = samples;
     let torque = Torque::new(&time_s, torque_n_m.unwrap_or_default())
@@ -102,6 +104,7 @@ pub fn read_hub_reference_as(
     format: &TableFormat,
 ) -> Result<(HubReference, Reading), TableError> {
     let mut samples = Samples::read(name, bytes, format, hub_columns)?;
+    doubt(&mut samples);
     let (time_s, [angle_rad, rate_rad_s]) = samples.take_uniform([HUB_ANGLE, HUB_RATE]);
     let Samples { lines, reading, .. } = samples;
     let reference = HubReference::new(&time_s, angle_rad.unwrap_or_default(), rate_rad_s)

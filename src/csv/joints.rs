@@ -3,6 +3,7 @@
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, nine, quantity, require};
+use super::outliers::doubt;
 use super::place::TableError;
 use super::samples::{Samples, refuse_samples};
 use crate::numeric::{Dimension, TimeGrid};
@@ -118,6 +119,7 @@ pub fn read_joint_torques(
     let hint = "torques.csv of `flexlink solve` holds them";
     let columns = |header: Header| columns(&TORQUES, &JOINT_TORQUES, (header, links), hint);
     let mut samples = Samples::read(name, bytes, format, columns)?;
+    doubt(&mut samples);
     let (time_s, torques) = samples.take_uniform(JOINT_TORQUES);
     let Samples { lines, reading, .. } = samples;
     let torques = torques.into_iter().flatten().take(links);
@@ -138,6 +140,7 @@ pub fn read_joint_references(
     let hint = "joint_angles.csv of `flexlink solve` holds them";
     let columns = |header: Header| columns(&JOINT_MOTION, &JOINTS, (header, links), hint);
     let mut samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
+    doubt(&mut samples);
     let (mut time_s, mut motions) = (samples.take(TIME).unwrap_or_default(), Vec::new());
     for joint in 0..links {
         let angle = samples.take(JOINTS[joint]).unwrap_or_default();
@@ -167,6 +170,7 @@ pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading),
         Ok((columns, Reading::default()))
     };
     let mut samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
+    doubt(&mut samples);
     let (time_s, at_m) = samples.take_uniform([PATH_X, PATH_Y]);
     let Samples { lines, reading, .. } = samples;
     let grid = TimeGrid::through(&time_s).map_err(|error| {

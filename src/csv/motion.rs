@@ -5,6 +5,7 @@ use super::format::{Reading, TableFormat};
 use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
 use super::motion_columns::{motion_columns, take_angle};
 use super::number::Digits;
+use super::outliers::settle;
 use super::place::BY_HEADINGS;
 use super::rows::{Place, TableError};
 use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
@@ -165,7 +166,7 @@ pub fn read_motion_table_as(
     format: &TableFormat,
 ) -> Result<MotionTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, motion_columns)?;
-    samples.check_outliers(name)?;
+    settle(&mut samples, name, format)?;
     let [acceleration, velocity, displacement, angle] =
         [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE].map(|quantity| samples.rounding_of(quantity));
     let (angle, rounding) = match take_angle(&mut samples, name, link_length_m)? {

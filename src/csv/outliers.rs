@@ -1,7 +1,10 @@
-//! Bad samples of a table: refused, or taken out and counted.
+//! Bad samples of a table: refused, or taken out and counted; told of where a table may hold pulses.
 
+use super::format::TableFormat;
+use super::heading::{ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y};
 use super::place::{Place, TableError};
-use crate::recording::{Outlier, outliers};
+use super::samples::Samples;
+use crate::recording::{Change, Outlier, outliers};
 use crate::text::significant;
 
 /// The hint of a refused sample.
@@ -13,21 +16,30 @@ pub(super) struct Judged<'a> {
     pub(super) name: &'a str,
     /// The unit that messages show, and how much of SI it is.
     pub(super) unit: (&'a str, f64),
+    pub(super) change: Change,
     pub(super) time_s: &'a [f64],
     pub(super) values: &'a [f64],
 }
 
-impl Judged<'_> {
+impl<'a> Judged<'a> {
+    /// The columns of a table beside the time.
+    fn all(samples: &'a Samples) -> impl Iterator<Item = Self> {
+        let time = samples.time();
+        let columns = samples.headings.iter().zip(&samples.values).enumerate();
+        columns.filter(move |(index, _)| time != Some(*index)).filter_map(
+            move |(_, (heading, values))| {
+                let time_s = &samples.values[time?];
+                let unit = (&*heading.unit_text, heading.to_si(1.0));
+                Some(Self { name: &heading.name, unit, change: change(heading), time_s, values })
+            },
+        )
+    }
+
     /// Refuses samples that are far from what their neighbours lead to.
     pub(super) fn check(&self, file: &str, lines: &[u64]) -> Result<(), TableError> {
-        let found = outliers(self.time_s, self.values);
+        let found = outliers(self.time_s, self.values, self.change);
         let Some(Outlier { sample, expected }) = found.first() else { return Ok(()) };
         let place = Place { file, line: lines.get(*sample).copied() };
-        let (unit, of_si) = self.unit;
-        let shown = |si: f64, digits| {
-            let number = significant(si / of_si, digits);
-            if unit.is_empty() { number } else { format!("{number} {unit}") }
-        };
         let value = self.values[*sample];
         // Samples of no file have numbers.
         let name = match place.line {
@@ -36,25 +48,85 @@ impl Judged<'_> {
         };
         let must = format!(
             "must follow its neighbours: they lead to {}, it is {} off",
-            shown(*expected, 6),
-            shown((value - expected).abs(), 3)
+            self.shown(*expected, 6),
+            self.shown((value - expected).abs(), 3)
         );
         let hint = match found.len() - 1 {
             0 => BY_OPTION.to_owned(),
             1 => format!("{BY_OPTION}; one more sample is as bad"),
             more => format!("{BY_OPTION}; {more} more samples are as bad"),
         };
-        Err(place.refuse(name, shown(value, 6), must).with_hint(hint))
+        Err(place.refuse(name, self.shown(value, 6), must).with_hint(hint))
+    }
+
+    /// Tells of samples that are far from what their neighbours lead to. A value that the column holds for two samples
+    /// or more elsewhere is a level, and a sample of it a pulse.
+    pub(super) fn doubt(&self, lines: &[u64]) -> Option<String> {
+        let found = outliers(self.time_s, self.values, self.change);
+        let is_level = |own: &Outlier| {
+            let value = self.values[own.sample];
+            let is_held = |two: &[f64]| two.iter().all(|other| other.total_cmp(&value).is_eq());
+            self.values.windows(2).any(is_held)
+        };
+        let found: Vec<&Outlier> = found.iter().filter(|own| !is_level(own)).collect();
+        let Outlier { sample, expected } = found.first()?;
+        let told = format!(
+            "line {}: {} = {} does not follow its neighbours, which lead to {}",
+            lines.get(*sample)?,
+            self.name,
+            self.shown(self.values[*sample], 6),
+            self.shown(*expected, 6)
+        );
+        Some(match found.len() - 1 {
+            0 => told,
+            1 => format!("{told}, nor does one more sample"),
+            more => format!("{told}, nor do {more} more samples"),
+        })
+    }
+
+    fn shown(&self, si: f64, digits: usize) -> String {
+        let (unit, of_si) = self.unit;
+        let number = significant(si / of_si, digits);
+        if unit.is_empty() { number } else { format!("{number} {unit}") }
     }
 }
 
-/// Puts what their neighbours lead to in the place of samples that are far from it; returns how many there were.
-pub(super) fn mend(time_s: &[f64], values: &mut [f64]) -> usize {
-    let found = outliers(time_s, values);
-    for Outlier { sample, expected } in &found {
-        values[*sample] = *expected;
+/// How the quantity of a column changes.
+fn change(heading: &Heading) -> Change {
+    let places = [DISPLACEMENT, ANGLE, PATH_X, PATH_Y];
+    let is_place = places.contains(&heading.quantity) || ANGLES.contains(&heading.quantity);
+    if is_place { Change::Continuous } else { Change::Jumping }
+}
+
+/// Refuses bad samples of a motion or a path, or, if they are to be dropped, puts what their neighbours lead to in their
+/// place and counts them.
+pub(super) fn settle(
+    samples: &mut Samples,
+    file: &str,
+    format: &TableFormat,
+) -> Result<(), TableError> {
+    if format.drop_outliers {
+        let found: Vec<Vec<Outlier>> =
+            Judged::all(samples).map(|own| outliers(own.time_s, own.values, own.change)).collect();
+        let time = samples.time();
+        let columns = samples.values.iter_mut().enumerate();
+        let columns = columns.filter(|(index, _)| time != Some(*index));
+        for ((_, values), found) in columns.zip(&found) {
+            for Outlier { sample, expected } in found {
+                values[*sample] = *expected;
+            }
+        }
+        samples.reading.dropped = found.iter().map(Vec::len).sum();
+        return Ok(());
     }
-    found.len()
+    Judged::all(samples).try_for_each(|own| own.check(file, &samples.lines))
+}
+
+/// Tells of samples of a torque, a reference or a record that do not follow their neighbours. They are not refused: a
+/// command may have a pulse of one step, and a record a shock.
+pub(super) fn doubt(samples: &mut Samples) {
+    let doubt = Judged::all(samples).find_map(|own| own.doubt(&samples.lines));
+    samples.reading.doubt = doubt;
 }
 
 #[cfg(test)]

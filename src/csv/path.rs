@@ -10,6 +10,7 @@ use super::heading::{
 };
 use super::motion_columns::{check_places, unread};
 use super::number::Digits;
+use super::outliers::settle;
 use super::place::{Place, TableError};
 use super::recorded::Uniform;
 use super::samples::{Samples, refuse_samples};
@@ -140,7 +141,7 @@ pub fn read_path_table(
     format: &TableFormat,
 ) -> Result<PathTable, TableError> {
     let mut samples = Samples::read(name, bytes, format, path_columns)?;
-    samples.check_outliers(name)?;
+    settle(&mut samples, name, format)?;
     let mut column = |quantity: Quantity| {
         let uncertainty = samples
             .rounding_of(quantity)

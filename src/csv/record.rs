@@ -8,6 +8,7 @@ use super::heading::{
     require,
 };
 use super::motion_columns::unread;
+use super::outliers::doubt;
 use super::place::BY_HEADINGS;
 use super::rows::TableError;
 use super::samples::{Samples, refuse_samples};
@@ -84,6 +85,7 @@ pub fn read_record(
         [TIME, driving(input)].into_iter().chain(sensors.iter().map(|s| shown(*s))).collect();
     let mut samples = Samples::read(name, bytes, format, |header| columns(header, &wanted))
         .map_err(|error| error.of_named_file(CHOICES))?;
+    doubt(&mut samples);
     let units: Vec<f64> = wanted.iter().map(|wanted| samples.unit(*wanted)).collect();
     let mut taken: Vec<Vec<f64>> =
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
@@ -196,6 +198,7 @@ pub fn read_recording_as(
     format: &TableFormat,
 ) -> Result<(ChannelRecording, Reading), TableError> {
     let mut samples = Samples::read(name, bytes, format, channel_columns)?;
+    doubt(&mut samples);
     let time_s = samples.take(TIME).unwrap_or_default();
     let taken = OF_QUANTITY.into_iter();
     let taken = taken.filter_map(|(quantity, channel)| Some((channel, samples.take(quantity)?)));

@@ -7,7 +7,6 @@ use super::heading::{
     ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
     check_separator,
 };
-use super::outliers::{Judged, mend};
 use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::numeric::{CubicSpline, SplineEnds};
@@ -38,9 +37,9 @@ const WORDS: &str = "blanks divide names of several words, too: --skip leaves th
 pub(super) struct Samples {
     /// Number of all columns of the table.
     width: usize,
-    headings: Vec<Heading>,
+    pub(super) headings: Vec<Heading>,
     /// The values of each heading.
-    values: Vec<Vec<f64>>,
+    pub(super) values: Vec<Vec<f64>>,
     pub(super) lines: Vec<u64>,
     /// True if blanks divide the fields.
     has_blanks: bool,
@@ -86,7 +85,7 @@ impl Samples {
         };
         let push = |samples: &mut Self, line, fields: &[&str]| samples.push(fields, at(line));
         let detect = |text: &str| Dialect::detect(name, text, format.given());
-        let mut samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
+        let samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
             whole.refuse("content", "nothing", must)
         })?;
@@ -94,34 +93,11 @@ impl Samples {
             let found = samples.lines.len().to_string();
             return Err(whole.refuse("samples", found, format!("must be {MIN_SAMPLES} or more")));
         }
-        if format.drop_outliers {
-            samples.drop_outliers();
-        }
         Ok(samples)
     }
 
-    /// Refuses samples of any column that are far from what their neighbours lead to.
-    pub(super) fn check_outliers(&self, name: &str) -> Result<(), TableError> {
-        let Some(time) = self.time() else { return Ok(()) };
-        let columns = self.headings.iter().zip(&self.values).enumerate();
-        for (_, (heading, values)) in columns.filter(|(index, _)| *index != time) {
-            let unit = (&*heading.unit_text, heading.to_si(1.0));
-            let time_s = &self.values[time];
-            Judged { name: &heading.name, unit, time_s, values }.check(name, &self.lines)?;
-        }
-        Ok(())
-    }
-
-    /// Puts what their neighbours lead to in the place of such samples, and counts them.
-    fn drop_outliers(&mut self) {
-        let Some(time) = self.time() else { return };
-        let time_s = self.values[time].clone();
-        let columns = self.values.iter_mut().enumerate().filter(|(index, _)| *index != time);
-        self.reading.dropped = columns.map(|(_, values)| mend(&time_s, values)).sum();
-    }
-
     /// Number of the column of the time.
-    fn time(&self) -> Option<usize> {
+    pub(super) fn time(&self) -> Option<usize> {
         self.headings.iter().position(|heading| heading.quantity == TIME)
     }
 

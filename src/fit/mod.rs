@@ -29,7 +29,6 @@ mod record;
 mod record_parts;
 mod response;
 mod specimen;
-mod starts;
 mod value;
 mod vibrations;
 

@@ -81,7 +81,9 @@ pub(crate) fn tell(shown: &str, reading: &Reading) {
     if let Some(note) = reading.note() {
         console::note(&format!("{shown}: {note}"));
     }
-    for (remark, hint) in reading.remark().into_iter().chain(reading.jitter()) {
+    for (remark, hint) in
+        reading.remark().into_iter().chain(reading.jitter()).chain(reading.doubt())
+    {
         console::remark(&format!("{shown}: {remark}"), hint);
     }
 }

@@ -240,3 +240,72 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         assert!(!text.contains("replaced"), "{text}");
     }
 }
+
+/// Rows of bad samples, and how far these are off in m.
+#[test]
+fn bad_samples_beside_each_other_and_at_the_ends_are_refused_and_replaced() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let row = |k: u32| {
+        let time_s = 0.005 * f64::from(k);
+        let u = time_s.min(1.0);
+        let place_m = 0.5 * u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3));
+        format!("{time_s:.3},{place_m:.9}\n")
+    };
+    let rows: Vec<String> = (0..=220).map(row).collect();
+    bench.write("good.csv", &format!("time,displacement\n{}", rows.concat()));
+    let last = rows.len();
+    for bad in [
+        vec![(101, 0.005), (102, 0.004)],
+        vec![(101, 0.005), (102, -0.006)],
+        vec![(101, -0.005), (103, -0.005)],
+        vec![(101, 0.005), (102, 0.006), (103, 0.004)],
+        vec![(1, 0.005)],
+        vec![(2, 0.005)],
+        vec![(3, 0.005)],
+        vec![(1, 0.003), (2, 0.004)],
+        vec![(last - 2, 0.005)],
+        vec![(last - 1, -0.005), (last, -0.005)],
+    ] {
+        std::fs::copy(bench.path("good.csv"), bench.path("bad.csv")).unwrap();
+        for (row, off) in &bad {
+            spoiled(&bench, ("bad.csv", "bad.csv"), (*row, 1), *off);
+        }
+        let refused = bench.run(&["solve", &link, "bad.csv", "-q"]);
+        assert_eq!(refused.status.code(), Some(3), "{bad:?}: {}", stderr(&refused));
+        let text = stderr(&refused);
+        let named = format!("bad.csv:{}: displacement = ", bad[0].0 + 1);
+        assert!(text.contains(&named) && text.contains("--drop-outliers"), "{bad:?}: {text}");
+        let text = told(&bench, &["solve", &link, "bad.csv", "--drop-outliers"]);
+        let counted = match bad.len() {
+            1 => "remark: 1 sample was replaced".to_owned(),
+            more => format!("remark: {more} samples were replaced"),
+        };
+        assert!(text.contains(&counted), "{bad:?}: {text}");
+    }
+}
+
+#[test]
+fn a_torque_that_leaves_its_neighbours_for_a_sample_is_told_and_played() {
+    let bench = Bench::new();
+    let link = repository(LINK);
+    let torque = |of: &dyn Fn(u32) -> f64| {
+        let row = |k: u32| format!("{:.3},{:.6}\n", 0.005 * f64::from(k), of(k));
+        let rows: Vec<String> = (0..400).map(row).collect();
+        bench.write("torque.csv", &format!("time,torque\n{}", rows.concat()));
+        told(&bench, &["simulate", &link, "torque.csv"])
+    };
+    let wave = |k: u32| (0.016 * f64::from(k)).sin();
+    let pulsed = |k: u32| if k == 150 { wave(k) + 0.3 } else { wave(k) };
+    let found = torque(&pulsed);
+    assert!(found.contains("line 152: torque = 0.97"), "{found}");
+    assert!(found.contains(" N m does not follow its neighbours, which lead to 0.67"), "{found}");
+    // Commands that jump are none of it.
+    let steps = |k: u32| if (k / 50).is_multiple_of(2) { 1.0 } else { -1.0 };
+    let bits = |k: u32| if (k.wrapping_mul(2_654_435_761) >> 20) & 1 == 0 { 1.0 } else { -1.0 };
+    let short = |k: u32| if (50..53).contains(&k) { 1.0 } else { wave(k) };
+    for honest in [&wave as &dyn Fn(u32) -> f64, &steps, &bits, &short] {
+        let found = torque(honest);
+        assert!(!found.contains("follow"), "{found}");
+    }
+}

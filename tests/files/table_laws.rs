@@ -7,7 +7,7 @@ use flexlink::csv::{
     read_motion_table_as, read_torque_table, write_csv,
 };
 use flexlink::numeric::TimeGrid;
-use flexlink::recording::outliers;
+use flexlink::recording::{Change, outliers};
 use proptest::prelude::*;
 
 /// Any finite number.
@@ -25,7 +25,7 @@ fn samples(most: usize) -> impl Strategy<Value = Vec<f64>> {
         "no sample is bad",
         |values: &Vec<f64>| {
             let time_s: Vec<f64> = (0..values.len()).map(|k| k as f64).collect();
-            outliers(&time_s, values).is_empty()
+            outliers(&time_s, values, Change::Continuous).is_empty()
         },
     )
 }

@@ -8,6 +8,7 @@ mod fit;
 mod identification;
 mod laws;
 mod literature;
+mod outliers;
 mod recordings;
 mod response;
 mod solve;

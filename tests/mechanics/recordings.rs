@@ -43,7 +43,7 @@ impl Random {
     }
 
     /// Normal with deviation 1, nearly: the sum of twelve.
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.next()).sum::<f64>() - 6.0
     }
 }
@@ -159,7 +159,7 @@ fn random_link(random: &mut Random) -> (Link, f64) {
     (link, hertz)
 }
 
-fn solved(link: &Link, motion: &TipMotion) -> Solution {
+pub(crate) fn solved(link: &Link, motion: &TipMotion) -> Solution {
     invert(link, &MeshPlan::automatic(link), motion, &Analysis::default()).unwrap()
 }
 
@@ -169,7 +169,7 @@ fn recorded(link: &Link, text: &str) -> Result<Solution, TableError> {
 }
 
 /// Largest difference of the torques at any time, over the peak of the first.
-fn apart(found: &Solution, exact: &Solution) -> f64 {
+pub(crate) fn apart(found: &Solution, exact: &Solution) -> f64 {
     apart_in(found, exact, |solution| solution.torque_n_m.clone())
 }
 

@@ -9,14 +9,13 @@ mod error;
 mod evidence;
 mod moved;
 mod problem;
-mod reach;
 mod rigid;
 mod solution;
 mod solve;
 mod warning;
 
 pub use error::ArmError;
-pub use reach::check_reach;
+pub use problem::check_reach;
 pub use solution::{ArmFindings, ArmJoint, ArmLinkShape, ArmSolution};
 pub use solve::invert_arm;
 pub use warning::{ArmWarning, Straying};
