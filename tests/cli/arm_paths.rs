@@ -346,7 +346,7 @@ fn every_step_of_the_same_path_gives_the_same_torques_within_what_is_stated() {
     let bench = Bench::new();
     for links in 2..=5 {
         let (coarse, of_coarse) = turning(&bench, links, 0.002);
-        for step_s in [0.02, 0.008, 0.001, 0.0005, 0.00025, 0.000125] {
+        for step_s in [0.02, 0.008, 0.001, 0.0005, 0.00025, 1.25e-4] {
             let (fine, of_fine) = turning(&bench, links, step_s);
             let stated = of_coarse + of_fine;
             assert!(stated < 1e-4, "{links} links, {step_s} s: {stated}");
