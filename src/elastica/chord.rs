@@ -14,6 +14,9 @@ const STEADY: f64 = 1e-13;
 /// Amplitudes below this share of the largest are round-off of the transform.
 const ROUND_OFF: f64 = 1e-15;
 
+/// Half the duration of a return over `√2` standard deviations of its bell: `erfc(6) / 2` and `e^(−6²)` are round-off.
+const BELL: f64 = 6.0;
+
 /// The motion of a chord over a period of N samples, and the acceleration that the axis has in its frame: gravity
 /// as an upward one.
 #[derive(Debug, Clone)]
@@ -255,13 +258,10 @@ pub(super) fn resolving(bins: usize) -> usize {
     (5 * bins).div_ceil(2)
 }
 
-/// So many angles between `from` and `to`, along a step of ninth order: its first four derivatives are none at both
-/// ends.
+/// So many angles between `from` and `to`, along the integral of a Gaussian bell: beyond its ends, and at angular
+/// frequencies above 146 over its duration, nothing is left of it but round-off.
 pub fn returning(from: f64, to: f64, count: usize) -> Vec<f64> {
-    let step = |x: f64| {
-        let series = 126.0 - x * (420.0 - x * (540.0 - x * (315.0 - x * 70.0)));
-        x.powi(5) * series
-    };
+    let step = |x: f64| 0.5 * libm::erfc(BELL * (1.0 - 2.0 * x));
     let place = |k: usize| (k + 1) as f64 / (count + 1) as f64;
     (0..count).map(|k| from + (to - from) * step(place(k))).collect()
 }

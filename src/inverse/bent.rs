@@ -56,7 +56,7 @@ impl<'a> BentProblem<'a> {
             start_angle_rad: problem.start_angle_rad(link)?,
             second_order: problem.analysis.second_order_of(link),
             returns: if returns {
-                Return::of_link(first_zero_per_s, &problem.motion.grid())
+                Return::of(1, first_zero_per_s, &problem.motion.grid())
             } else {
                 Return::NONE
             },
@@ -101,8 +101,8 @@ impl<'a> BentProblem<'a> {
         let (padding, given) = (self.problem.padding, self.problem.motion.grid().len);
         let spectrum = &period.spectrum;
         let returning = self.returns.samples(padding, given, spectrum.pair.len());
-        let rest = self.returns.rest(spectrum, spectrum.seam_reach(), &returning);
-        Ok((self.chord(period, &returning, length_m)?, rest))
+        let chord = self.chord(period, &returning, length_m)?;
+        Ok((chord, Rest::of(spectrum, spectrum.seam_reach(), returning)))
     }
 
     /// The chord over a period. It returns around the seam, before which the displacement is that after the motion; whole

@@ -8,19 +8,12 @@ use crate::elastica::returning;
 use crate::motion::TipSpectrum;
 use crate::numeric::TimeGrid;
 
-/// Time in which the chord returns, over the time in which the torque falls by e: it then differs from that at rest by
-/// about 5e-4 of its range at most, with the fifth power of this number.
-const RETURN: f64 = 40.0;
+/// Time in which a link's chord returns, over the time in which the torque falls by e. At its ends the torque differs from
+/// that at rest by about 5e-11 of its range: `e^(−30 + s²/2)`, where the bell's standard deviation is s = 3.5 of those times.
+const RETURN: f64 = 60.0;
 
-/// Fewest samples of a return: a faster one has amplitudes at frequencies that the samples do not resolve.
+/// Fewest samples of a return: at the frequencies of a faster one the samples do not resolve products.
 const FEWEST: usize = 256;
-
-/// Rest on either side of the return, over the same time: that difference has fallen to about 1e-8.
-const QUIET: f64 = 10.0;
-
-/// How many times as long an arm's chords return: what the outer links do reaches the first joint through links that
-/// amplify fast parts of it, each by its own gain.
-const OF_ARM: usize = 2;
 
 /// Share of the time that a period has to spare for the return; the torque decays in the rest.
 const SPARE_FOR_RETURN: f64 = 0.2;
@@ -33,25 +26,19 @@ const LENGTHENED: usize = 1 << 15;
 pub(super) struct Return {
     /// Fewest samples in which the chord returns.
     fewest: usize,
-    /// Samples of rest on either side.
-    quiet: usize,
 }
 
 impl Return {
     /// A period in which nothing returns.
-    pub(super) const NONE: Self = Self { fewest: 0, quiet: 0 };
+    pub(super) const NONE: Self = Self { fewest: 0 };
 
-    /// The return of one link's chord for torques that decay as e^(−z₁t).
-    pub(super) fn of_link(first_zero_per_s: Option<f64>, grid: &TimeGrid) -> Self {
+    /// The return of the chords of so many links for torques that decay as e^(−z₁t), `z₁` the smallest of their zeros. Of
+    /// more links it is slower: what the outer ones do reaches the first joint through links that amplify fast parts of
+    /// it, each by its own gain.
+    pub(super) fn of(links: usize, first_zero_per_s: Option<f64>, grid: &TimeGrid) -> Self {
         let falls_s = first_zero_per_s.map_or(grid.duration_s() / RETURN, f64::recip);
-        let steps = |times: f64| (times * falls_s / grid.step_s).ceil() as usize;
-        Self { fewest: steps(RETURN).max(FEWEST), quiet: steps(QUIET) }
-    }
-
-    /// That of an arm's chords, where `z₁` is the smallest of the links' zeros.
-    pub(super) fn of_arm(first_zero_per_s: Option<f64>, grid: &TimeGrid) -> Self {
-        let Self { fewest, quiet } = Self::of_link(first_zero_per_s, grid);
-        Self { fewest: OF_ARM * fewest, quiet }
+        let steps = (links as f64 * RETURN * falls_s / grid.step_s).ceil() as usize;
+        Self { fewest: steps.max(FEWEST) }
     }
 
     /// Samples of the shortest period for a motion of `given` ones.
@@ -60,35 +47,19 @@ impl Return {
         padding: Padding,
         given: usize,
     ) -> Result<usize, InversionError> {
-        let returning = self.fewest.saturating_add(2 * self.quiet);
-        padding.period_len(given.saturating_add(returning))
+        padding.period_len(given.saturating_add(self.fewest))
     }
 
     /// The samples of a period in which the chord returns.
     pub(super) fn samples(self, padding: Padding, given: usize, len: usize) -> Range<usize> {
         let spare = len - given - padding.before - padding.after;
-        let further = spare.saturating_sub(self.fewest + 2 * self.quiet);
+        let further = spare.saturating_sub(self.fewest);
         let count = match self.fewest {
             0 => 0,
             fewest => fewest + (SPARE_FOR_RETURN * further as f64) as usize,
         };
         let from = given + padding.after + (spare - count) / 2;
         from..from + count
-    }
-
-    /// The rest of a period whose chords return in these samples.
-    pub(super) fn rest(
-        self,
-        spectrum: &TipSpectrum,
-        seam_reach: usize,
-        returning: &Range<usize>,
-    ) -> Rest {
-        Rest {
-            returning: returning.start - self.quiet..returning.end + self.quiet,
-            len: spectrum.pair.len(),
-            seam: spectrum.seam,
-            seam_reach,
-        }
     }
 }
 
@@ -130,7 +101,7 @@ pub(super) fn left_to_return(
 /// The parts of a period before the motion, and after it, in which all is at rest.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
-    /// Samples in which the chord returns, with the rest on either side; without weight it is empty.
+    /// Samples in which the chord returns; without weight it is empty.
     returning: Range<usize>,
     len: usize,
     seam: usize,
@@ -138,6 +109,11 @@ pub(super) struct Rest {
 }
 
 impl Rest {
+    /// The rest of a period whose chords return in these samples.
+    pub(super) fn of(spectrum: &TipSpectrum, seam_reach: usize, returning: Range<usize>) -> Self {
+        Self { returning, len: spectrum.pair.len(), seam: spectrum.seam, seam_reach }
+    }
+
     /// Samples of the period less what they are at rest before the motion and after it; while the chord returns, 0.
     pub(super) fn beyond(&self, samples: &[f64], rests: [f64; 2]) -> Vec<f64> {
         let beyond = samples.iter().enumerate().map(|(k, value)| match k {

@@ -142,7 +142,7 @@ impl ArmPlayWarning {
             }
             Self::Imbalance { .. } => "a shorter step of the torques, or smaller gains",
             Self::Unsettled { .. } => {
-                "feedback, where the arm falls from its pose; or torques without jumps"
+                "feedback, where the arm falls from its pose; torques without jumps, or damping and hub.inertia where they jump"
             }
         }
     }

@@ -347,7 +347,7 @@ impl SimulationWarning {
             }
             Self::StateCut { .. } => "the mesh of the run that left the state, and a shorter step",
             Self::Unsettled { .. } => {
-                "feedback, where the link falls from its pose; or an input without jumps"
+                "feedback, where the link falls from its pose; an input without jumps, or damping and hub.inertia where it jumps"
             }
             Self::CoarseMesh { .. } => {
                 "more elements, mesh.elements = \"auto\", or a torque without jumps and corners"

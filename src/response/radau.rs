@@ -13,6 +13,13 @@ const STAGES: usize = 3;
 /// Coordinates in rad settle when an iteration changes them by less.
 const SETTLED_RAD: f64 = 1e-14;
 
+/// Changes in rad that may be round-off of a link whose hub has no inertia: the mass of its shortest waves at the joint is
+/// nearly none, so that little moves them far.
+const ROUND_OFF_RAD: f64 = 1e-8;
+
+/// Changes that do not fall to half in so many iterations are round-off, if they are small.
+const STALLED: usize = 3;
+
 /// Most iterations of a step.
 const MOST_ITERATIONS: usize = 30;
 
@@ -96,10 +103,12 @@ impl<'a> Radau<'a> {
         let mut at = (vec![0.0; count], vec![0.0; count]);
         // Whole turns leave fewer digits for the rest.
         let size_rad = motion.q.iter().map(|q| q.abs()).fold(1.0, f64::max);
+        let (mut least, mut fell, mut is_fresh) = (f64::INFINITY, 0, self.factors.is_none());
         for iteration in 1..=MOST_ITERATIONS {
             // Factors of an earlier step, or of the first stages of this one, may not suit it.
             if iteration == SLOW || iteration == 2 * SLOW {
                 self.factors = None;
+                (least, fell, is_fresh) = (f64::INFINITY, iteration, true);
             }
             for stage in 0..STAGES {
                 self.reach(motion, &stages, stage, &mut at);
@@ -126,7 +135,12 @@ impl<'a> Radau<'a> {
                     change = Size::larger(change, more.abs());
                 }
             }
-            if change * h * h <= SETTLED_RAD * size_rad {
+            if change < 0.5 * least {
+                (least, fell) = (change, iteration);
+            }
+            let is_stalled = is_fresh && iteration >= fell + STALLED;
+            let least_rad = if is_stalled { ROUND_OFF_RAD } else { SETTLED_RAD };
+            if change * h * h <= least_rad * size_rad {
                 let reached = (0..STAGES).map(|stage| {
                     self.reach(motion, &stages, stage, &mut at);
                     let (q, rates) = at.clone();

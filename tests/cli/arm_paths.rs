@@ -298,55 +298,94 @@ fn options_that_do_not_fit_a_path_are_refused_in_words() {
     assert!(stderr(&output).contains(words), "{}", stderr(&output));
 }
 
-/// Three links under gravity that turn by a septic in 2 s, each joint its own way.
-fn turning(bench: &Bench, step_s: f64) -> Vec<(String, Vec<f64>)> {
-    let link = |name: &str, numbers: [f64; 5], end: &str| {
-        let [length, ei, mass, hub, tip] = numbers;
+/// An arm of so many links under gravity that turn by a septic in 2 s, each joint its own way: times and torques, and the
+/// largest error that the run states of them, over each range.
+fn turning(bench: &Bench, links: usize, step_s: f64) -> (Vec<(String, Vec<f64>)>, f64) {
+    let link = |(number, numbers): (usize, &[f64; 6])| {
+        let [length, ei, mass, hub, tip, _] = numbers;
+        let end = if number + 1 == links { "payload" } else { "tip" };
         format!(
-            "[[links]]\nname = '{name}'\nsegments = [{{ length = {length}, EI = {ei}, mass_per_length = {mass} }}]\n\
+            "[[links]]\nname = 'l{number}'\nsegments = [{{ length = {length}, EI = {ei}, mass_per_length = {mass} }}]\n\
              hub = {{ inertia = {hub} }}\n{end} = {{ mass = {tip} }}\n\
              damping = {{ model = 'rayleigh', beta = 2e-4 }}\n"
         )
     };
-    let arm = [
-        "gravity = [0, -9.81]\nelbow = 'left'\n".to_owned(),
-        link("a", [0.5, 80.0, 0.8, 0.02, 0.4], "tip"),
-        link("b", [0.4, 40.0, 0.6, 0.01, 0.3], "tip"),
-        link("c", [0.3, 15.0, 0.4, 0.004, 0.15], "payload"),
+    let numbers = [
+        [0.5, 80.0, 0.8, 0.02, 0.4, 1.0],
+        [0.4, 40.0, 0.6, 0.01, 0.3, -0.6],
+        [0.3, 15.0, 0.4, 0.004, 0.15, 0.8],
+        [0.2, 5.0, 0.2, 0.001, 0.1, 1.5],
+        [0.15, 2.0, 0.1, 0.0005, 0.05, 0.9],
     ];
-    bench.write("turning.toml", &arm.concat());
+    let arm: Vec<String> = numbers[..links].iter().enumerate().map(link).collect();
+    bench.write("turning.toml", &format!("gravity = [0, -9.81]\nelbow = 'left'\n{}", arm.concat()));
     let row = |k: i32| {
         let s = f64::from(k) * step_s / 2.0;
         let q = s.powi(4) * (35.0 - s * (84.0 - s * (70.0 - 20.0 * s)));
-        let [a, b, c] = [[-1.2, 1.0], [-0.3, -0.6], [0.3, 0.8]].map(|[from, by]| from + by * q);
-        format!("{},{a},{b},{c}\n", 2.0 * s)
+        let from = [-1.2, -0.3, 0.3, 0.6, -0.2];
+        let angles = from.iter().zip(&numbers[..links]).map(|(from, own)| from + own[5] * q);
+        let cells: Vec<String> = angles.map(|angle| angle.to_string()).collect();
+        format!("{},{}\n", 2.0 * s, cells.join(","))
     };
     let rows = (0..).take_while(|k| f64::from(*k) * step_s < 2.0 + 0.5 * step_s).map(row);
-    let rows = format!("time,angle1,angle2,angle3\n{}", rows.collect::<Vec<_>>().concat());
+    let names: Vec<String> = (1..=links).map(|number| format!("angle{number}")).collect();
+    let rows = format!("time,{}\n{}", names.join(","), rows.collect::<String>());
     bench.write("turning.csv", &rows);
     let output = bench.run(&["solve", "turning.toml", "turning.csv", "-o", "turned"]);
-    assert!(output.status.success(), "{step_s} s: {}", stderr(&output));
-    bench.table("turned/torques.csv")
+    assert!(output.status.success(), "{links} links, {step_s} s: {}", stderr(&output));
+    let summary = bench.json("turned/summary.json");
+    let stated = summary["errors"]["joints"].as_array().unwrap().iter().map(|joint| {
+        let kinds = ["mesh", "window", "step", "iteration"];
+        kinds.iter().filter_map(|kind| joint["torque"][*kind].as_f64()).sum::<f64>()
+    });
+    (bench.table("turned/torques.csv"), stated.fold(0.0, f64::max))
 }
 
 #[test]
-fn a_finer_step_of_the_same_path_is_solved_and_gives_the_torques_of_the_coarser_one() {
+fn every_step_of_the_same_path_gives_the_same_torques_within_what_is_stated() {
     let bench = Bench::new();
-    let coarse = turning(&bench, 0.002);
-    for times in [1_usize, 2, 4] {
-        let step_s = 0.001 / f64::from(u32::try_from(times).unwrap());
-        let fine = turning(&bench, step_s);
-        for (own, other) in coarse.iter().zip(&fine).skip(1) {
-            let peak = own.1.iter().fold(0.0_f64, |most, torque| most.max(torque.abs()));
-            // The windows begin where the torques leave their rest: rows are matched by their times.
-            let apart = coarse[0].1.iter().zip(&own.1).filter_map(|(time, torque)| {
-                let row = fine[0].1.iter().position(|own| (own - time).abs() < 1e-6)?;
-                Some((torque - other.1[row]).abs())
-            });
-            let apart: Vec<f64> = apart.collect();
-            assert!(apart.len() > 900, "{}: {} rows", own.0, apart.len());
-            let most = apart.into_iter().fold(0.0, f64::max);
-            assert!(most < 1e-5 * peak, "{step_s} s, {}: {most} of {peak}", own.0);
+    for links in 2..=5 {
+        let (coarse, of_coarse) = turning(&bench, links, 0.002);
+        for step_s in [0.02, 0.008, 0.001, 0.0005, 0.00025, 1.25e-4] {
+            let (fine, of_fine) = turning(&bench, links, step_s);
+            let stated = of_coarse + of_fine;
+            assert!(stated < 1e-4, "{links} links, {step_s} s: {stated}");
+            for (own, other) in coarse.iter().zip(&fine).skip(1) {
+                let [low, high] =
+                    own.1.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| {
+                        [ends[0].min(*own), ends[1].max(*own)]
+                    });
+                // The windows begin where the torques leave their rest: rows are matched by their times.
+                let apart = coarse[0].1.iter().zip(&own.1).filter_map(|(time, torque)| {
+                    let row = fine[0].1.partition_point(|own| *own < time - 1e-6);
+                    let is_same = fine[0].1.get(row).is_some_and(|own| (own - time).abs() < 1e-6);
+                    is_same.then(|| (torque - other.1[row]).abs())
+                });
+                let apart: Vec<f64> = apart.collect();
+                assert!(apart.len() > 80, "{}: {} rows", own.0, apart.len());
+                let most = apart.into_iter().fold(0.0, f64::max);
+                let share = most / (high - low);
+                assert!(share < stated, "{links} links, {step_s} s, {}: {share}, {stated}", own.0);
+            }
         }
+    }
+}
+
+#[test]
+fn a_path_whose_rates_jump_is_refused_at_every_step() {
+    let bench = Bench::new();
+    let arm = repository(ARM);
+    for step_s in [0.004, 0.0005] {
+        let row = |k: i32| {
+            let time = f64::from(k) * step_s;
+            let turned = 0.5 * ((time - 0.3) / 0.4).clamp(0.0, 1.0);
+            format!("{time},{},{}\n", 0.2 + turned, 1.2 + turned)
+        };
+        let rows = (0..).take_while(|k| f64::from(*k) * step_s < 1.0 + 0.5 * step_s).map(row);
+        let rows = format!("time,angle1,angle2\n{}", rows.collect::<String>());
+        bench.write("jump.csv", &rows);
+        let output = bench.run(&["solve", &arm, "jump.csv", "-o", "jumped"]);
+        assert!(!output.status.success(), "{step_s} s: {}", stdout(&output));
+        assert!(stderr(&output).contains("must be shorter"), "{step_s} s: {}", stderr(&output));
     }
 }

@@ -12,7 +12,7 @@ use crate::elastica::{
     reaching, returning,
 };
 use crate::inverse::period::{Padding, check_memory};
-use crate::inverse::rest::{Return, left_to_return};
+use crate::inverse::rest::{Rest, Return, left_to_return};
 use crate::inverse::{Analysis, InversionError, Resources};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;
@@ -68,7 +68,7 @@ impl<'a> ArmProblem<'a> {
             second_order: analysis.second_order().unwrap_or(SecondOrder::Full),
             cutoffs: path.cutoffs(analysis.tip_tolerance()),
             padding: Padding::around(path.moving_samples(), grid, analysis, first_zero_per_s),
-            returns: Return::of_arm(first_zero_per_s, &grid),
+            returns: Return::of(arm.links().len(), first_zero_per_s, &grid),
             resources,
             is_left: arm.elbow() != Some(Elbow::Right),
             nearly_stretched,
@@ -170,8 +170,8 @@ impl<'a> ArmProblem<'a> {
         let arm = ArmPeriod::new(step_s, returned, self.kept(), self.arm.gravity_m_s2())?;
         // A path that has passed its checks moves at least one coordinate.
         let tip = found.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
-        let rest = self.returns.rest(&tip.spectrum, found.seam_reach, &returning);
         let rests = [returning.end, returning.start - 1];
+        let rest = Rest::of(&tip.spectrum, found.seam_reach, returning);
         Ok(Arc::new(PathPeriod { arm, rest, rests, rigid, tip, errors_m: found.errors_m }))
     }
 
