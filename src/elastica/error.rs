@@ -107,13 +107,15 @@ pub enum ElasticaError {
     Sag,
     /// Samples too far apart for products of deflections.
     #[error(
-        "step = {} s, but must be shorter: the motion has content at the Nyquist frequency, or above half of it, \
-         and second-order terms reach farther than the deflections that they are made of",
-        significant(*step_s, 6)
+        "step = {} s, but must be at most about {} s: the motion has content at the Nyquist frequency, or above half of \
+         it, and second-order terms reach farther than the deflections that they are made of",
+        significant(*step_s, 6), significant(*most_s, 2)
     )]
     LongStep {
         /// The step in s.
         step_s: f64,
+        /// A step in s that resolves the terms, about.
+        most_s: f64,
     },
     /// A frequency at which nothing is finite.
     #[error("the torque at {} Hz = not a finite number, but must be one", significant(*frequency_hz, 6))]

@@ -33,6 +33,13 @@ const SLOW: f64 = 0.9;
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
 pub(super) const REACH: usize = 3;
 
+/// Factor on the longest step by the band that too few samples show: at more of them the motion has faster parts. With 0.7
+/// further refusals followed in most of 60 paths of few samples.
+const FINER: f64 = 0.2;
+
+/// Factor on a step at which a motion reaches the Nyquist frequency.
+const OF_NYQUIST: f64 = 0.1;
+
 /// Amplitudes of a link's answer, bin by bin.
 type Answers = Vec<LoadedMotion<Complex64>>;
 
@@ -129,7 +136,7 @@ pub(crate) fn estimate(
     let bands = ESTIMATED.map(|level| link.band_of_loads(&linear, level));
     // Products that the samples do not resolve would be taken for slower ones.
     let is_resolved = |band: &usize| REACH * band <= resolved(&chord.pair);
-    let long = ElasticaError::LongStep { step_s: chord.step_s };
+    let long = long_step(chord.step_s, OF_NYQUIST);
     let band = bands.into_iter().flatten().find(is_resolved).ok_or(long)?;
     let pair = chord.pair_for(REACH * band);
     let time = chord.at(&pair);
@@ -221,7 +228,7 @@ pub(super) fn check(
     let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
     let law = model.law();
     if chord.reaches_nyquist(model.mesh().length_m()) {
-        return Err(ElasticaError::LongStep { step_s: chord.step_s });
+        return Err(long_step(chord.step_s, OF_NYQUIST));
     }
     if model.kept_modes() != KeptModes::All {
         return refused(
@@ -239,6 +246,11 @@ pub(super) fn check(
         return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
     }
     Ok(())
+}
+
+/// The refusal of a step of which about this share would do.
+fn long_step(step_s: f64, share: f64) -> ElasticaError {
+    ElasticaError::LongStep { step_s, most_s: share * step_s }
 }
 
 /// Damping ratio and sag of a hysteretic link with weight.
@@ -278,8 +290,9 @@ impl LinkOnChord<'_> {
         negligible: f64,
     ) -> Result<usize, ElasticaError> {
         let band = band(answers, negligible, (self.model.mesh(), self.round_off_n_m));
-        let (most, step_s) = (self.chord.len() / 4, self.chord.step_s);
-        if band < most.max(2) { Ok(band) } else { Err(ElasticaError::LongStep { step_s }) }
+        let most = (self.chord.len() / 4).max(2);
+        let share = FINER * most as f64 / band as f64;
+        if band < most { Ok(band) } else { Err(long_step(self.chord.step_s, share)) }
     }
 
     /// The answers with the second-order terms of `latest` ones as loads, and the largest slope of these.

@@ -15,6 +15,9 @@ const RETURN: f64 = 60.0;
 /// Fewest samples of a return: at the frequencies of a faster one the samples do not resolve products.
 const FEWEST: usize = 256;
 
+/// Samples of rest before the return and after it, at least.
+const AT_REST: usize = 2;
+
 /// Share of the time that a period has to spare for the return; the torque decays in the rest.
 const SPARE_FOR_RETURN: f64 = 0.2;
 
@@ -47,13 +50,14 @@ impl Return {
         padding: Padding,
         given: usize,
     ) -> Result<usize, InversionError> {
-        padding.period_len(given.saturating_add(self.fewest))
+        let returning = if self.fewest == 0 { 0 } else { self.fewest.saturating_add(2 * AT_REST) };
+        padding.period_len(given.saturating_add(returning))
     }
 
     /// The samples of a period in which the chord returns.
     pub(super) fn samples(self, padding: Padding, given: usize, len: usize) -> Range<usize> {
         let spare = len - given - padding.before - padding.after;
-        let further = spare.saturating_sub(self.fewest);
+        let further = spare.saturating_sub(self.fewest + 2 * AT_REST);
         let count = match self.fewest {
             0 => 0,
             fewest => fewest + (SPARE_FOR_RETURN * further as f64) as usize,
@@ -144,5 +148,29 @@ impl Rest {
     /// First sample that is not of a time after the motion.
     fn until(&self) -> usize {
         if self.returning.is_empty() { self.seam } else { self.returning.start }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_period_rests_before_and_after_the_return() {
+        let grid = TimeGrid { origin_s: 0.0, first: 0, len: 101, step_s: 0.01 };
+        for links in 1..=3 {
+            let own = Return::of(links, Some(20.0), &grid);
+            for before in [0, 1, 40] {
+                for after in [0, 1, 60] {
+                    let padding = Padding { before, after, cycles: None };
+                    let shortest = own.shortest_len(padding, grid.len).unwrap();
+                    for len in [shortest, 2 * shortest] {
+                        let samples = own.samples(padding, grid.len, len);
+                        assert!(samples.start > grid.len + after, "{samples:?}");
+                        assert!(samples.end + before < len, "{samples:?} of {len}");
+                    }
+                }
+            }
+        }
     }
 }

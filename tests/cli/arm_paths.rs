@@ -1,5 +1,7 @@
 //! Paths of arms that `trajectory` makes: what is written, refused before it is solved, and fitted to limits.
 
+use std::f64::consts::TAU;
+
 use super::{Bench, column, repository, stderr, stdout};
 
 const ARM: &str = "specs/arms/two_links.toml";
@@ -386,6 +388,37 @@ fn a_path_whose_rates_jump_is_refused_at_every_step() {
         bench.write("jump.csv", &rows);
         let output = bench.run(&["solve", &arm, "jump.csv", "-o", "jumped"]);
         assert!(!output.status.success(), "{step_s} s: {}", stdout(&output));
-        assert!(stderr(&output).contains("must be shorter"), "{step_s} s: {}", stderr(&output));
+        assert!(
+            stderr(&output).contains("must be at most about"),
+            "{step_s} s: {}",
+            stderr(&output)
+        );
+    }
+}
+
+/// Sines of a few samples on two links: the step that the refusal names is solved.
+#[test]
+fn the_step_that_a_refusal_names_is_solved() {
+    let bench = Bench::new();
+    let arm = repository(ARM);
+    for duration_s in [0.5, 0.7] {
+        let solve = |step_s: f64| {
+            let steps = (duration_s / step_s).ceil();
+            let row = |k: i32| {
+                let s = f64::from(k) / steps - 0.5;
+                let turn = s.clamp(0.0, 1.0);
+                let turn = turn - (TAU * turn).sin() / TAU;
+                format!("{},{},{}\n", (s + 0.5) * duration_s, 0.2 + 0.5 * turn, 1.2 - 0.3 * turn)
+            };
+            let rows: String = (0..=2 * steps as i32).map(row).collect();
+            bench.write("coarse.csv", &format!("time,angle1,angle2\n{rows}"));
+            bench.run(&["solve", &arm, "coarse.csv", "-o", "coarse"])
+        };
+        let refused = stderr(&solve(0.02));
+        let (_, named) = refused.split_once("must be at most about ").expect(&refused);
+        let named_s: f64 = named.split(' ').next().unwrap().parse().unwrap();
+        assert!(named_s > 0.001, "{refused}");
+        let output = solve(named_s);
+        assert!(output.status.success(), "{named_s} s: {}", stderr(&output));
     }
 }

@@ -41,8 +41,8 @@ fn every_documented_key_is_there() {
             "displacement hub_acceleration hub_angle hub_rate motor_rate motor_torque tip tip_model \
              torque",
         ),
-        ("/errors/torque", "mesh model window"),
-        ("/errors/displacement", "mesh model window"),
+        ("/errors/torque", "input mesh model window"),
+        ("/errors/displacement", "input mesh model window"),
     ] {
         let mut found = keys(summary.pointer(path).unwrap());
         found.sort_unstable();
