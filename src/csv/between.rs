@@ -33,8 +33,8 @@ fn missed(
     drawn: &dyn Fn(&[usize]) -> Vec<f64>,
 ) -> [f64; 2] {
     let last = values.len() - 1;
-    let begins = values.iter().position(|value| *value != values[0]).unwrap_or(0);
-    let ends = values.iter().rposition(|value| *value != values[last]).unwrap_or(last);
+    let begins = values.iter().position(|value| (value - values[0]).abs() > 0.0).unwrap_or(0);
+    let ends = values.iter().rposition(|value| (value - values[last]).abs() > 0.0).unwrap_or(last);
     let (mut squares, mut count, mut largest) = (0.0, 0_usize, 0.0_f64);
     for phase in [0, stride / 2] {
         let is_kept = |k: usize| k % stride == phase || k == 0 || k == last;

@@ -403,14 +403,14 @@ fn the_step_that_a_refusal_names_is_solved() {
     let arm = repository(ARM);
     for duration_s in [0.5, 0.7] {
         let solve = |step_s: f64| {
-            let steps = (duration_s / step_s).ceil();
+            let steps = (1..10_000).find(|k| f64::from(*k) * step_s >= duration_s).unwrap();
             let row = |k: i32| {
-                let s = f64::from(k) / steps - 0.5;
+                let s = f64::from(k) / f64::from(steps) - 0.5;
                 let turn = s.clamp(0.0, 1.0);
                 let turn = turn - (TAU * turn).sin() / TAU;
                 format!("{},{},{}\n", (s + 0.5) * duration_s, 0.2 + 0.5 * turn, 1.2 - 0.3 * turn)
             };
-            let rows: String = (0..=2 * steps as i32).map(row).collect();
+            let rows: String = (0..=2 * steps).map(row).collect();
             bench.write("coarse.csv", &format!("time,angle1,angle2\n{rows}"));
             bench.run(&["solve", &arm, "coarse.csv", "-o", "coarse"])
         };
