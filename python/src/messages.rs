@@ -103,7 +103,7 @@ pub(crate) fn of_mesh(warning: &CoarseMesh) -> StoredWarning {
 /// What was found in a file beyond the standard form.
 pub(crate) fn of_reading(shown: &str, reading: &Reading) -> Vec<StoredWarning> {
     let note = reading.note().map(|note| notice("reading", &format!("{shown}: {note}"), ""));
-    let remarks = reading.remark().into_iter().chain(reading.jitter()).chain(reading.doubt());
+    let remarks = reading.remark().into_iter().chain(reading.jitter());
     let remarks = remarks.map(|(own, hint)| notice("reading", &format!("{shown}: {own}"), hint));
     note.into_iter().chain(remarks).collect()
 }

@@ -3,10 +3,12 @@
 //! A spline through every second sample misses the others by a power of the spacing more than one through all misses the
 //! motion: the fourth power, or less where the samples are too coarse for it, as every fourth sample tells.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 use crate::motion::{Between, Ends, TipMotion};
-use crate::numeric::{CubicSpline, FourierPair, SplineEnds, fast_length};
+use crate::numeric::{CubicSpline, FourierPair, SplineEnds, extremes, fast_length};
 
 /// Samples beyond which an acceleration is known between them, and comparing two rules would take memory.
 const MOST_SAMPLES: usize = 1_000_000;
@@ -14,24 +16,27 @@ const MOST_SAMPLES: usize = 1_000_000;
 /// Powers of the spacing with which the error of a spline falls: where the curve has a kink, and where it is smooth.
 const POWERS: (f64, f64) = (2.0, 4.0);
 
-/// Power of an octave over that of the octave below it, of a signal that jumps.
+/// Power in one octave over that in the octave below, for a signal with jumps.
 const SLOWEST_FALL: f64 = 0.5;
 
-/// Factor on the error of an acceleration between its samples: it lies about the kinks, and not over the whole motion. With 3.5
-/// the true error of the torque was up to twice the stated one in 144 random motions.
+/// Factor on the error of an acceleration between its samples, which lies at the kinks. With 3.5, the true error of the torque
+/// reached twice the stated one in 144 random motions.
 const LOCAL: f64 = 4.0;
+
+/// The error of a spline through an acceleration over that of its frequencies.
+const OF_SPLINE: f64 = 0.5;
 
 /// A curve through samples, and what it is at the times of all.
 type Drawn<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
 
-/// Root mean square and largest value of what curves through every `stride`-th sample are off by at the others, while the
-/// values change. Two curves are drawn, through different samples, as a kink may lie on a sample.
+/// Root mean square and largest error, at the other samples, of curves through every `stride`-th sample, while the values
+/// change; none of too few samples. Draws two curves through different samples, since a kink may lie on one.
 fn missed(
     values: &[f64],
     all: &[f64],
     stride: usize,
     drawn: &dyn Fn(&[usize]) -> Vec<f64>,
-) -> [f64; 2] {
+) -> Option<[f64; 2]> {
     let last = values.len() - 1;
     let begins = values.iter().position(|value| (value - values[0]).abs() > 0.0).unwrap_or(0);
     let ends = values.iter().rposition(|value| (value - values[last]).abs() > 0.0).unwrap_or(last);
@@ -40,7 +45,7 @@ fn missed(
         let is_kept = |k: usize| k % stride == phase || k == 0 || k == last;
         let kept: Vec<usize> = (0..=last).filter(|k| is_kept(*k)).collect();
         if kept.len() < CubicSpline::MIN_POINTS {
-            return [0.0; 2];
+            return None;
         }
         let fewer = drawn(&kept);
         for k in (begins..=ends).filter(|k| !is_kept(*k)) {
@@ -50,7 +55,7 @@ fn missed(
             count += 1;
         }
     }
-    [(squares / count.max(1) as f64).sqrt(), largest]
+    Some([(squares / count.max(1) as f64).sqrt(), largest])
 }
 
 /// Root mean square and largest value of the error of a curve that is drawn through samples, by curves through fewer of
@@ -62,8 +67,13 @@ fn errors_of(time_s: &[f64], values: &[f64], least_power: f64, drawn: Drawn<'_>)
         drawn(&pick(time_s), &pick(values))
     };
     let [half, quarter] = [2, 4].map(|stride| missed(values, &all, stride, &few));
+    let Some(half) = half else {
+        // Nothing tells: the error may be the whole way.
+        let [low, high] = extremes(&all);
+        return [high - low; 2];
+    };
     [0, 1].map(|norm| {
-        let (half, quarter) = (half[norm], quarter[norm]);
+        let (half, quarter) = (half[norm], quarter.map_or(0.0, |own| own[norm]));
         let power = libm::log2(quarter / half).clamp(least_power, POWERS.1);
         let power = if quarter > 0.0 { power } else { least_power };
         if half > 0.0 { half / libm::pow(2.0, power) } else { 0.0 }
@@ -92,7 +102,11 @@ pub(super) fn of_velocity(time_s: &[f64], velocity_m_s: &[f64]) -> Between {
 }
 
 /// What the two integrals of an acceleration are off by, that a spline through it has.
-pub(super) fn of_spline_of_acceleration(time_s: &[f64], acceleration_m_s2: &[f64]) -> Between {
+pub(super) fn of_spline_of_acceleration(
+    time_s: &[f64],
+    acceleration_m_s2: &[f64],
+    deviation: f64,
+) -> Between {
     let drawn = |times: &[f64], values: &[f64]| {
         let spline = |values: &[f64]| CubicSpline::new(times, values, SplineEnds::NotAKnot);
         let velocity = spline(values).integral();
@@ -106,17 +120,26 @@ pub(super) fn of_spline_of_acceleration(time_s: &[f64], acceleration_m_s2: &[f64
     let [_, displacement_m] = errors_of(time_s, acceleration_m_s2, POWERS.1, &drawn);
     let lasts_s = time_s[time_s.len() - 1] - time_s[0];
     let velocity_m_s = 2.0 * displacement_m / lasts_s;
-    Between { displacement_m, velocity_m_s, ..Between::default() }
+    let spline = CubicSpline::new(time_s, acceleration_m_s2, SplineEnds::NotAKnot);
+    let step_s = lasts_s / (time_s.len() - 1) as f64;
+    let uniform = |k: usize| spline.value(time_s[0] + k as f64 * step_s);
+    let uniform: Vec<f64> = (0..time_s.len()).map(uniform).collect();
+    let acceleration_m_s2 = OF_SPLINE * beyond_samples(&uniform, None, deviation);
+    Between { displacement_m, velocity_m_s, acceleration_m_s2, ..Between::default() }
 }
 
 /// What an acceleration may be off by between its samples: what its frequencies beyond them change, and what another rule
-/// of integration makes of them.
-pub(super) fn of_acceleration(motion: &TipMotion, acceleration_m_s2: &[f64]) -> Between {
+/// of integration makes of them. Its samples have noise of this standard deviation.
+pub(super) fn of_acceleration(
+    motion: &TipMotion,
+    acceleration_m_s2: &[f64],
+    deviation: f64,
+) -> Between {
     let grid = motion.grid();
     if motion.is_from_displacement() || grid.len > MOST_SAMPLES {
         return Between::default();
     }
-    let acceleration = beyond_samples(acceleration_m_s2);
+    let acceleration = beyond_samples(acceleration_m_s2, motion.cycles(), deviation);
     if motion.ends() == Ends::Periodic {
         return Between { acceleration_m_s2: acceleration, ..Between::default() };
     }
@@ -143,25 +166,36 @@ pub(super) fn of_acceleration(motion: &TipMotion, acceleration_m_s2: &[f64]) -> 
     Between { displacement_m, velocity_m_s, acceleration_m_s2: acceleration, ..Between::default() }
 }
 
-/// Root mean square of what a signal has at frequencies beyond those of its samples, while it lasts: its highest octave
-/// goes on falling as it does from the octave below.
-fn beyond_samples(values: &[f64]) -> f64 {
-    let pair = FourierPair::new(fast_length(values.len()));
-    let mut samples = values.to_vec();
-    samples.resize(pair.len(), 0.0);
+/// Root mean square of a signal's content above the Nyquist frequency, while the signal lasts: of one cycle of so many samples,
+/// or of a signal between rests. Octaves beyond are assumed to fall as the highest does from the one below, both without
+/// white noise of this standard deviation.
+fn beyond_samples(values: &[f64], cycles: Option<usize>, deviation: f64) -> f64 {
+    let pair = FourierPair::new(cycles.unwrap_or_else(|| fast_length(values.len())));
+    let samples: Vec<f64> = if let Some(len) = cycles {
+        values.iter().copied().cycle().take(len).collect()
+    } else {
+        let rest = std::iter::repeat_n(0.0, pair.len() - values.len());
+        values.iter().copied().chain(rest).collect()
+    };
+    let begins = values.iter().position(|value| *value != 0.0).unwrap_or(0);
+    let ends = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
+    let share = match cycles {
+        Some(_) => 1.0,
+        None => pair.len() as f64 / (ends + 1 - begins) as f64,
+    };
     let amplitudes = pair.amplitudes(samples);
     let top = amplitudes.len();
-    let power = |octave: &[Complex64]| -> f64 { octave.iter().map(Complex64::norm_sqr).sum() };
-    let [upper, lower] =
-        [top / 2..top, top / 4..top / 2].map(|octave| 2.0 * power(&amplitudes[octave]));
+    let power =
+        |octave: Range<usize>| -> f64 { amplitudes[octave].iter().map(Complex64::norm_sqr).sum() };
+    let [upper, lower] = [(top / 2..top, 0.5), (top / 4..top / 2, 0.25)].map(|(octave, noise)| {
+        let own = 2.0 * share * power(octave);
+        (own - noise * deviation * deviation).max(0.0)
+    });
     if upper == 0.0 {
         return 0.0;
     }
     let fall = (upper / lower).min(SLOWEST_FALL);
-    let begins = values.iter().position(|value| *value != 0.0).unwrap_or(0);
-    let ends = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
-    let share = pair.len() as f64 / (ends + 1 - begins) as f64;
-    LOCAL * (share * upper * fall / (1.0 - fall)).sqrt()
+    LOCAL * (upper * fall / (1.0 - fall)).sqrt()
 }
 
 #[cfg(test)]

@@ -99,6 +99,7 @@ pub fn read_decay(
         name: &words[0],
         unit: ("", 1.0),
         change: Change::Jumping,
+        is_command: false,
         time_s: &time_s[within.clone()],
         values: column,
     };

@@ -150,7 +150,7 @@ pub struct Reading {
     pub(super) hint: Option<String>,
     /// What was done about times off a uniform grid.
     pub(super) jitter: Option<String>,
-    /// Which samples do not follow their neighbours, where they are not refused.
+    /// Remark on samples that do not follow their neighbours, in a table that is used as it is.
     pub(super) doubt: Option<String>,
     /// Number of samples that were replaced by what their neighbours lead to.
     pub(super) dropped: usize,

@@ -146,7 +146,8 @@ fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), T
     given.into_iter().try_for_each(|(column, values)| {
         let jumps = ["acceleration", "velocity"].contains(&column);
         let change = if jumps { Change::Jumping } else { Change::Continuous };
-        let judged = Judged { name: column, unit: ("", 1.0), change, time_s, values };
+        let judged =
+            Judged { name: column, unit: ("", 1.0), change, is_command: false, time_s, values };
         judged.check(name, &[])
     })
 }

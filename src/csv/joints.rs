@@ -11,7 +11,7 @@ use crate::response::{HistoryError, HubReference, Torque};
 use crate::result::TipPlaces;
 
 /// Torques of an arm's joints.
-const JOINT_TORQUES: [Quantity; 9] = nine(
+pub(super) const JOINT_TORQUES: [Quantity; 9] = nine(
     [
         "torque1", "torque2", "torque3", "torque4", "torque5", "torque6", "torque7", "torque8",
         "torque9",

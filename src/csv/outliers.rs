@@ -1,7 +1,8 @@
 //! Bad samples of a table: refused, or taken out and counted; told of where a table may hold pulses.
 
 use super::format::TableFormat;
-use super::heading::{ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y};
+use super::heading::{ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, TORQUE, VOLTAGE};
+use super::joints::JOINT_TORQUES;
 use super::place::{Place, TableError};
 use super::samples::Samples;
 use crate::recording::{Change, Outlier, outliers};
@@ -17,6 +18,8 @@ pub(super) struct Judged<'a> {
     /// The unit that messages show, and how much of SI it is.
     pub(super) unit: (&'a str, f64),
     pub(super) change: Change,
+    /// Whether it says what a motor shall do.
+    pub(super) is_command: bool,
     pub(super) time_s: &'a [f64],
     pub(super) values: &'a [f64],
 }
@@ -30,7 +33,10 @@ impl<'a> Judged<'a> {
             move |(_, (heading, values))| {
                 let time_s = &samples.values[time?];
                 let unit = (&*heading.unit_text, heading.to_si(1.0));
-                Some(Self { name: &heading.name, unit, change: change(heading), time_s, values })
+                let (name, change) = (&heading.name, change(heading));
+                let is_command = [TORQUE, VOLTAGE].contains(&heading.quantity)
+                    || JOINT_TORQUES.contains(&heading.quantity);
+                Some(Self { name, unit, change, is_command, time_s, values })
             },
         )
     }
@@ -59,14 +65,14 @@ impl<'a> Judged<'a> {
         Err(place.refuse(name, self.shown(value, 6), must).with_hint(hint))
     }
 
-    /// Tells of samples that are far from what their neighbours lead to. A value that the column holds for two samples
-    /// or more elsewhere is a level, and a sample of it a pulse.
+    /// Remark on samples that are far from what their neighbours lead to. A value that a command holds elsewhere for two
+    /// samples or more is a level, and a sample of it a pulse.
     pub(super) fn doubt(&self, lines: &[u64]) -> Option<String> {
         let found = outliers(self.time_s, self.values, self.change);
         let is_level = |own: &Outlier| {
             let value = self.values[own.sample];
             let is_held = |two: &[f64]| two.iter().all(|other| other.total_cmp(&value).is_eq());
-            self.values.windows(2).any(is_held)
+            self.is_command && self.values.windows(2).any(is_held)
         };
         let found: Vec<&Outlier> = found.iter().filter(|own| !is_level(own)).collect();
         let Outlier { sample, expected } = found.first()?;
@@ -122,11 +128,12 @@ pub(super) fn settle(
     Judged::all(samples).try_for_each(|own| own.check(file, &samples.lines))
 }
 
-/// Tells of samples of a torque, a reference or a record that do not follow their neighbours. They are not refused: a
-/// command may have a pulse of one step, and a record a shock.
+/// Records a remark on samples of a torque, a reference or a record that do not follow their neighbours. They are not refused:
+/// a command may have a pulse of one step, and a record a shock.
 pub(super) fn doubt(samples: &mut Samples) {
-    let doubt = Judged::all(samples).find_map(|own| own.doubt(&samples.lines));
-    samples.reading.doubt = doubt;
+    let all: Vec<String> =
+        Judged::all(samples).filter_map(|own| own.doubt(&samples.lines)).collect();
+    samples.reading.doubt = (!all.is_empty()).then(|| all.join("; "));
 }
 
 #[cfg(test)]

@@ -107,8 +107,8 @@ pub enum ElasticaError {
     Sag,
     /// Samples too far apart for products of deflections.
     #[error(
-        "step = {} s, but must be at most about {} s: the motion has content at the Nyquist frequency, or above half of \
-         it, and second-order terms reach farther than the deflections that they are made of",
+        "step = {} s, but must be shorter, about {} s where the motion is smooth: it has content at the Nyquist frequency, or \
+         above half of it, and second-order terms reach farther than the deflections that they are made of",
         significant(*step_s, 6), significant(*most_s, 2)
     )]
     LongStep {

@@ -33,11 +33,12 @@ const SLOW: f64 = 0.9;
 /// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
 pub(super) const REACH: usize = 3;
 
-/// Factor on the longest step by the band that too few samples show: at more of them the motion has faster parts. With 0.7
-/// further refusals followed in most of 60 paths of few samples.
+/// Share of the longest resolved step that a refusal names: with more samples, faster parts of the motion appear. With 0.7,
+/// most of 60 coarse paths were refused again.
 const FINER: f64 = 0.2;
 
-/// Factor on a step at which a motion reaches the Nyquist frequency.
+/// Share of a refused step that is named where the motion reaches the Nyquist frequency: a least-jerk motion of 25 samples
+/// needs it.
 const OF_NYQUIST: f64 = 0.1;
 
 /// Amplitudes of a link's answer, bin by bin.

@@ -84,7 +84,7 @@ pub enum Warning {
     },
     /// A torque that the samples of the motion do not determine.
     #[error(
-        "the digits or the noise of the motion's samples leave the torque uncertain by {} of its {}",
+        "the digits, the noise or the spacing of the motion's samples leave the torque uncertain by {} of its {}",
         about_percent(*share),
         of.name()
     )]

@@ -77,7 +77,7 @@ pub struct Between {
     pub displacement_m: f64,
     /// What its velocity is off by in m/s.
     pub velocity_m_s: f64,
-    /// Standard deviation of its acceleration in m/s², from sample to sample.
+    /// Standard deviation of the error of its acceleration in m/s².
     pub acceleration_m_s2: f64,
 }
 

@@ -13,11 +13,11 @@ const STAGES: usize = 3;
 /// Coordinates in rad settle when an iteration changes them by less.
 const SETTLED_RAD: f64 = 1e-14;
 
-/// Changes in rad that may be round-off of a link whose hub has no inertia: the mass of its shortest waves at the joint is
-/// nearly none, so that little moves them far.
+/// Largest change in rad that counts as round-off. Without hub inertia the shortest waves have almost no mass at the joint,
+/// so round-off of the forces moves them far.
 const ROUND_OFF_RAD: f64 = 1e-8;
 
-/// Changes that do not fall to half in so many iterations are round-off, if they are small.
+/// Iterations without a halving of the change after which a small change may be round-off.
 const STALLED: usize = 3;
 
 /// Most iterations of a step.
@@ -104,11 +104,12 @@ impl<'a> Radau<'a> {
         // Whole turns leave fewer digits for the rest.
         let size_rad = motion.q.iter().map(|q| q.abs()).fold(1.0, f64::max);
         let (mut least, mut fell, mut is_fresh) = (f64::INFINITY, 0, self.factors.is_none());
+        let (mut previous, mut has_risen) = (f64::INFINITY, false);
         for iteration in 1..=MOST_ITERATIONS {
             // Factors of an earlier step, or of the first stages of this one, may not suit it.
             if iteration == SLOW || iteration == 2 * SLOW {
                 self.factors = None;
-                (least, fell, is_fresh) = (f64::INFINITY, iteration, true);
+                (least, fell, is_fresh, has_risen) = (f64::INFINITY, iteration, true, false);
             }
             for stage in 0..STAGES {
                 self.reach(motion, &stages, stage, &mut at);
@@ -136,9 +137,12 @@ impl<'a> Radau<'a> {
                 }
             }
             if change < 0.5 * least {
-                (least, fell) = (change, iteration);
+                (least, fell, has_risen) = (change, iteration, false);
             }
-            let is_stalled = is_fresh && iteration >= fell + STALLED;
+            // Changes that fall without a rise converge, however slowly.
+            has_risen |= change > previous;
+            previous = change;
+            let is_stalled = is_fresh && has_risen && iteration >= fell + STALLED;
             let least_rad = if is_stalled { ROUND_OFF_RAD } else { SETTLED_RAD };
             if change * h * h <= least_rad * size_rad {
                 let reached = (0..STAGES).map(|stage| {

@@ -118,7 +118,8 @@ fn damping_of_nothing_and_next_to_critical() {
             is_modal,
             "{told}"
         );
-        assert_eq!(told.is_empty(), !is_modal, "{told}");
+        // The kinks at both ends of the sine, which its samples do not tell, count for more.
+        assert!(told.contains("leave the torque uncertain"), "{told}");
         refused(&with("1"), REFUSED, "damping.ratio = 1, but must lie in [0, 1)");
     }
 }

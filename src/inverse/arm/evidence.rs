@@ -21,9 +21,9 @@ use crate::numeric::{Size, extremes, largest, largest_difference};
 /// Number of paths with other errors of the samples that are solved.
 const STRAYS: u64 = 4;
 
-/// Factor on what the worst of these paths changes. Over 25 seeds of random arms the true error was at most 1.16 times
+/// Factor on what the worst of these paths changes. Over 30 seeds of random arms the true error was at most 1.16 times
 /// that change.
-const BEYOND_STRAYS: f64 = 1.2;
+const BEYOND_STRAYS: f64 = 1.3;
 
 /// Change of a torque by further iterations, over its size, that is round-off.
 const ROUND_OFF: f64 = 1e-11;
