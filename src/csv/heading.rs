@@ -87,6 +87,14 @@ pub(super) const ANGLES: [Quantity; 9] = nine(
     ["angle1", "angle2", "angle3", "angle4", "angle5", "angle6", "angle7", "angle8", "angle9"],
     quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
 );
+/// Torques of an arm's joints.
+pub(super) const JOINT_TORQUES: [Quantity; 9] = nine(
+    [
+        "torque1", "torque2", "torque3", "torque4", "torque5", "torque6", "torque7", "torque8",
+        "torque9",
+    ],
+    quantity("", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
+);
 /// A quantity of each link or joint.
 pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9] {
     let mut each = [of; 9];

@@ -2,7 +2,9 @@
 
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
-use super::heading::{PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, nine, quantity, require};
+use super::heading::{
+    JOINT_TORQUES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, nine, quantity, require,
+};
 use super::outliers::doubt;
 use super::place::TableError;
 use super::samples::{Samples, refuse_samples};
@@ -10,15 +12,7 @@ use crate::numeric::{Dimension, TimeGrid};
 use crate::response::{HistoryError, HubReference, Torque};
 use crate::result::TipPlaces;
 
-/// Torques of an arm's joints.
-pub(super) const JOINT_TORQUES: [Quantity; 9] = nine(
-    [
-        "torque1", "torque2", "torque3", "torque4", "torque5", "torque6", "torque7", "torque8",
-        "torque9",
-    ],
-    quantity("", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
-);
-/// Angles of its joints.
+/// Angles of an arm's joints.
 const JOINTS: [Quantity; 9] = nine(
     ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7", "joint8", "joint9"],
     quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),

@@ -1,8 +1,9 @@
 //! Bad samples of a table: refused, or taken out and counted; told of where a table may hold pulses.
 
 use super::format::TableFormat;
-use super::heading::{ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, TORQUE, VOLTAGE};
-use super::joints::JOINT_TORQUES;
+use super::heading::{
+    ANGLE, ANGLES, DISPLACEMENT, Heading, JOINT_TORQUES, PATH_X, PATH_Y, TORQUE, VOLTAGE,
+};
 use super::place::{Place, TableError};
 use super::samples::Samples;
 use crate::recording::{Change, Outlier, outliers};

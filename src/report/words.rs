@@ -142,7 +142,10 @@ const WARNINGS: [(&str, &str); 32] = [
         "unsettled_torque",
         "The motion does not determine the torque: its peak depends on the tip's tolerance.",
     ),
-    ("uncertain_input", "The digits or the noise of the samples leave the torque uncertain."),
+    (
+        "uncertain_input",
+        "The digits, the noise or the spacing of the samples leave the torque uncertain.",
+    ),
     ("torque_cut", "The torque still acts outside the time that was written."),
     ("wrap_around", "The torque has not decayed when the computed period ends."),
     ("long_window", "The torque hardly decays, so that the time computed is long."),
