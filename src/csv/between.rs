@@ -171,17 +171,15 @@ pub(super) fn of_acceleration(
 /// white noise of this standard deviation.
 fn beyond_samples(values: &[f64], cycles: Option<usize>, deviation: f64) -> f64 {
     let pair = FourierPair::new(cycles.unwrap_or_else(|| fast_length(values.len())));
-    let samples: Vec<f64> = if let Some(len) = cycles {
-        values.iter().copied().cycle().take(len).collect()
+    // The period over the time that the signal lasts.
+    let (samples, share): (Vec<f64>, f64) = if let Some(len) = cycles {
+        (values.iter().copied().cycle().take(len).collect(), 1.0)
     } else {
         let rest = std::iter::repeat_n(0.0, pair.len() - values.len());
-        values.iter().copied().chain(rest).collect()
-    };
-    let begins = values.iter().position(|value| *value != 0.0).unwrap_or(0);
-    let ends = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
-    let share = match cycles {
-        Some(_) => 1.0,
-        None => pair.len() as f64 / (ends + 1 - begins) as f64,
+        let begins = values.iter().position(|value| *value != 0.0).unwrap_or(0);
+        let ends = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
+        let share = pair.len() as f64 / (ends + 1 - begins) as f64;
+        (values.iter().copied().chain(rest).collect(), share)
     };
     let amplitudes = pair.amplitudes(samples);
     let top = amplitudes.len();

@@ -42,9 +42,14 @@ impl<'a> Judged<'a> {
         )
     }
 
+    /// The samples that are far from what their neighbours lead to.
+    fn outliers(&self) -> Vec<Outlier> {
+        outliers(self.time_s, self.values, self.change)
+    }
+
     /// Refuses samples that are far from what their neighbours lead to.
     pub(super) fn check(&self, file: &str, lines: &[u64]) -> Result<(), TableError> {
-        let found = outliers(self.time_s, self.values, self.change);
+        let found = self.outliers();
         let Some(Outlier { sample, expected }) = found.first() else { return Ok(()) };
         let place = Place { file, line: lines.get(*sample).copied() };
         let value = self.values[*sample];
@@ -69,7 +74,7 @@ impl<'a> Judged<'a> {
     /// Remark on samples that are far from what their neighbours lead to. A value that a command holds elsewhere for two
     /// samples or more is a level, and a sample of it a pulse.
     pub(super) fn doubt(&self, lines: &[u64]) -> Option<String> {
-        let found = outliers(self.time_s, self.values, self.change);
+        let found = self.outliers();
         let is_level = |own: &Outlier| {
             let value = self.values[own.sample];
             let is_held = |two: &[f64]| two.iter().all(|other| other.total_cmp(&value).is_eq());
@@ -113,8 +118,7 @@ pub(super) fn settle(
     format: &TableFormat,
 ) -> Result<(), TableError> {
     if format.drop_outliers {
-        let found: Vec<Vec<Outlier>> =
-            Judged::all(samples).map(|own| outliers(own.time_s, own.values, own.change)).collect();
+        let found: Vec<Vec<Outlier>> = Judged::all(samples).map(|own| own.outliers()).collect();
         let time = samples.time();
         let columns = samples.values.iter_mut().enumerate();
         let columns = columns.filter(|(index, _)| time != Some(*index));

@@ -73,8 +73,8 @@ impl MotionTable {
         let moves_by_column = ends == Ends::AtRest && motion.ends() == Ends::Moving;
         let mut recording = Recording { moves_by_column, ..recording };
         if let Some(acceleration) = acceleration {
-            let deviation = recording.uncertainty.map_or(0.0, |own| own.deviation());
-            let of_integral = between::of_acceleration(&motion, &acceleration, deviation);
+            let of_integral =
+                between::of_acceleration(&motion, &acceleration, recording.deviation());
             recording.between = recording.between.or(of_integral);
         }
         let motion = motion.recorded(recording);
@@ -153,8 +153,7 @@ impl MotionTable {
         let earlier = self.recording.between;
         let between = match (&columns.acceleration_m_s2, &columns.displacement_m) {
             (Some(own), _) => {
-                let deviation = self.recording.uncertainty.map_or(0.0, |own| own.deviation());
-                between::of_spline_of_acceleration(known_s, own, deviation)
+                between::of_spline_of_acceleration(known_s, own, self.recording.deviation())
             }
             (None, Some(own)) => {
                 let spline_m = between::of_spline_m(known_s, own, rests).max(earlier.spline_m);

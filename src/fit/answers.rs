@@ -1,4 +1,6 @@
-//! Where the iterations of a fit start, and other answers: ends of other starts that the data do not tell from the best one, and intervals that cover them.
+//! Starts of a fit, and other answers.
+//!
+//! Other answers are ends of other starts that the data do not tell from the best one; intervals cover them.
 
 use rayon::prelude::*;
 

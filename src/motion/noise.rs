@@ -65,10 +65,9 @@ impl Noise {
         let of_velocity = (omega / (PI * len as f64 * self.step_s)).sqrt() / omega.powi(2);
         let squared_m_s = self.ends_m_s.powi(2) + self.between.velocity_m_s.powi(2);
         let smooth = (TAU / (self.recorded_s * omega_rad_s)).min(1.0).powi(4);
-        let of_spline_m =
-            self.between.spline_m * smooth * (self.recorded_s / self.step_s / len as f64).sqrt();
-        let of_acceleration_m = self.between.acceleration_m_s2 / omega.powi(2)
-            * (self.recorded_s / self.step_s / len as f64).sqrt();
+        let of_recorded = (self.recorded_s / self.step_s / len as f64).sqrt();
+        let of_spline_m = self.between.spline_m * smooth * of_recorded;
+        let of_acceleration_m = self.between.acceleration_m_s2 / omega.powi(2) * of_recorded;
         let squared_m = integrated_m.powi(2)
             + squared_m_s * of_velocity.powi(2)
             + of_spline_m.powi(2)

@@ -104,6 +104,13 @@ impl Between {
     }
 }
 
+impl Recording {
+    /// Standard deviation of a sample in m, m/s or m/s²; 0 of exact samples.
+    pub fn deviation(&self) -> f64 {
+        self.uncertainty.map_or(0.0, |own| own.deviation())
+    }
+}
+
 impl Uncertainty {
     /// How often the samples are integrated to give displacements.
     pub fn times(&self) -> i32 {

@@ -37,6 +37,9 @@ impl TipMotion {
     /// What the motion may be off by between its samples, where that counts.
     fn between(&self) -> Between {
         let own = self.recording().between;
+        if own == Between::default() {
+            return own;
+        }
         let way_m = match self.samples().displacements_m() {
             [] => self.travel_m().abs(),
             samples => farthest_m(samples[0], samples),
@@ -58,7 +61,7 @@ impl TipMotion {
         let lasts_s = (last - first).max(1) as f64 * grid.step_s;
         let own = recording.uncertainty;
         let times = own.map_or(0, |own| own.times());
-        let deviation = own.map_or(0.0, |own| own.deviation());
+        let deviation = recording.deviation();
         let recorded_s = recording.spacing_s.unwrap_or(grid.step_s).max(grid.step_s);
         let spacing_s = match own {
             Some(Uncertainty::Integrated { step, .. }) => {

@@ -381,11 +381,10 @@ fn a_path_whose_rates_jump_is_refused_at_every_step() {
         let row = |k: i32| {
             let time = f64::from(k) * step_s;
             let turned = 0.5 * ((time - 0.3) / 0.4).clamp(0.0, 1.0);
-            format!("{time},{},{}\n", 0.2 + turned, 1.2 + turned)
+            format!("{time},{},{}", 0.2 + turned, 1.2 + turned)
         };
         let rows = (0..).take_while(|k| f64::from(*k) * step_s < 1.0 + 0.5 * step_s).map(row);
-        let rows = format!("time,angle1,angle2\n{}", rows.collect::<String>());
-        bench.write("jump.csv", &rows);
+        bench.write("jump.csv", &table("time,angle1,angle2", rows));
         let output = bench.run(&["solve", &arm, "jump.csv", "-o", "jumped"]);
         assert!(!output.status.success(), "{step_s} s: {}", stdout(&output));
         assert!(stderr(&output).contains("a smoother motion"), "{step_s} s: {}", stderr(&output));
@@ -404,10 +403,9 @@ fn the_step_that_a_refusal_names_is_solved() {
                 let s = f64::from(k) / f64::from(steps) - 0.5;
                 let turn = s.clamp(0.0, 1.0);
                 let turn = turn - (TAU * turn).sin() / TAU;
-                format!("{},{},{}\n", (s + 0.5) * duration_s, 0.2 + 0.5 * turn, 1.2 - 0.3 * turn)
+                format!("{},{},{}", (s + 0.5) * duration_s, 0.2 + 0.5 * turn, 1.2 - 0.3 * turn)
             };
-            let rows: String = (0..=2 * steps).map(row).collect();
-            bench.write("coarse.csv", &format!("time,angle1,angle2\n{rows}"));
+            bench.write("coarse.csv", &table("time,angle1,angle2", (0..=2 * steps).map(row)));
             bench.run(&["solve", &arm, "coarse.csv", "-o", "coarse"])
         };
         let refused = stderr(&solve(0.02));
