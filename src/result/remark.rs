@@ -227,10 +227,10 @@ pub enum Remark {
     },
     /// A torque whose start and end the samples of the motion hardly determine.
     #[error(
-        "{}the samples leave the torque uncertain by {:.1} % of its {}: it starts {} s earlier or later than \
+        "{}the samples leave the torque uncertain by {} % of its {}: it starts {} s earlier or later than \
          told, and ends so by {} s",
         joint.map_or_else(String::new, |joint| format!("joint {joint}: ")),
-        100.0 * share,
+        significant(100.0 * share, 2),
         if joint.is_some() { "range" } else { "peak" },
         significant(*lead_s, 2),
         significant(*lag_s, 2)
