@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::text::excerpt;
+use crate::text::{excerpt, visible};
 
 /// Why a CSV file is refused.
 ///
@@ -24,7 +24,8 @@ impl TableError {
 
     /// Adds what the user may do.
     pub(crate) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
-        Self { hint: hint.into(), ..self }
+        let hint = hint.into().map(|hint| visible(&hint).into_owned());
+        Self { hint, ..self }
     }
 
     /// The same error of a table to which no option of the reader applies: it speaks of none.
@@ -93,13 +94,13 @@ impl Place<'_> {
         Err(self.refuse("fields", fields.to_string(), must))
     }
 
-    /// *place: message*.
+    /// *place: message*, with control characters escaped: a message may name columns of the file.
     pub(crate) fn refuse_whole(&self, message: String) -> TableError {
         let place = match self.line {
             Some(line) => format!("{}:{line}", self.file),
             None => self.file.to_owned(),
         };
-        TableError { place, message, hint: None }
+        TableError { place, message: visible(&message).into_owned(), hint: None }
     }
 }
 
