@@ -61,8 +61,9 @@
 //! let solution = invert(&link, &MeshPlan::automatic(&link), &motion, &Analysis::default())?;
 //!
 //! let metrics = Metrics::of(&solution);
-//! assert!(metrics.lead_s.is_some_and(|lead_s| lead_s > 0.2), "the torque starts before the tip moves");
-//! assert!(metrics.torque_ratio < 0.6, "and is smaller than a rigid link's");
+//! let hub = metrics.hub();
+//! assert!(hub.lead_s.is_some_and(|lead_s| lead_s > 0.2), "the torque starts before the tip moves");
+//! assert!(hub.torque_ratio < 0.6, "and is smaller than a rigid link's");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

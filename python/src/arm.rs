@@ -19,7 +19,7 @@ use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
 use crate::link::{PickledSource, Source, python_text};
-use crate::messages::{objects, of_arm, of_joint_limit, of_remark, usage};
+use crate::messages::{objects, of_arm, of_limit, of_remark, usage};
 use crate::motion::{
     MOTION, Motion, Pickled, PickledFile, path_of, pickled_file, refuse_reading, taken_time,
     unpickled_file,
@@ -208,8 +208,7 @@ impl ArmSolution {
         keywords: Vec<String>,
         solved: SolvedArm,
     ) -> Self {
-        let limits = solved.exceeded.iter();
-        let limits = limits.map(|(joint, own)| of_joint_limit(*joint, own));
+        let limits = solved.exceeded.iter().map(of_limit);
         let warnings = solved.solution.warnings.iter().map(of_arm).chain(limits).collect();
         Self { source, given, keywords, solved, warnings }
     }

@@ -91,11 +91,6 @@ pub(crate) fn of_limit(exceeded: &Exceeded) -> StoredWarning {
     notice(Exceeded::KIND, exceeded, exceeded.hint())
 }
 
-/// That of a joint, from 0.
-pub(crate) fn of_joint_limit(joint: usize, exceeded: &Exceeded) -> StoredWarning {
-    notice(Exceeded::KIND, &exceeded.of_joint(joint), exceeded.hint())
-}
-
 pub(crate) fn of_mesh(warning: &CoarseMesh) -> StoredWarning {
     notice(warning.kind(), warning, warning.hint())
 }

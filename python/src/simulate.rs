@@ -131,7 +131,7 @@ impl PlayedLink {
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         let late = late.map(|own| notice(own.kind(), &own, own.hint()));
         let metrics = PlayedMetrics::of(&simulation);
-        let exceeded = specification.limits.exceeded_in_play(&metrics);
+        let exceeded = metrics.exceeded(&[specification.limits]);
         let exceeded = exceeded.iter().map(of_limit);
         let warnings = warnings.chain(late).chain(exceeded).collect();
         let (link, limits) = (link.clone(), specification.limits);

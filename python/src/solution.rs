@@ -71,7 +71,7 @@ impl Solution {
         solution: LibrarySolution,
     ) -> Self {
         let metrics = Metrics::of(&solution);
-        let exceeded = link.specification.limits.exceeded(&metrics);
+        let exceeded = metrics.exceeded(&[link.specification.limits]);
         let of_limits = exceeded.iter().map(of_limit);
         let warnings = solution.warnings.iter().map(of_solution).chain(of_limits).collect();
         let limits = link.specification.limits;
@@ -363,7 +363,7 @@ impl Solution {
     }
 
     fn __repr__(&self) -> String {
-        let peak = self.metrics.peak_torque_n_m.value;
+        let peak = self.metrics.hub().peak_torque_n_m.value;
         format!("Solution(samples={}, peak_torque={peak:.6})", self.solution.grid.len)
     }
 }

@@ -234,7 +234,7 @@ impl Shared {
         let first_rad_s = solution.natural_frequencies_rad_s(1).first().copied();
         let found = SolvedCase { solution: &solution, metrics: &metrics, first_rad_s };
         let numbers = self.kind.solved(&found);
-        let exceeded = limits.exceeded(&metrics);
+        let exceeded = metrics.exceeded(&[*limits]);
         let limits = exceeded.iter().map(Notice::of_limit);
         let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
         let notices = own.chain(limits).collect();
@@ -269,7 +269,7 @@ impl Shared {
         let solved =
             ArmAndPath::of((&self.source.file, specification), path)?.solve(self.memory_bytes)?;
         let (solution, metrics) = (&solved.solution, &solved.metrics);
-        let limits = solved.exceeded.iter().map(Notice::of_joint);
+        let limits = solved.exceeded.iter().map(Notice::of_limit);
         let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
         let notices = own.chain(limits).collect();
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });

@@ -4,7 +4,7 @@ use flexlink::beam::MeshPlan;
 use flexlink::csv::{Digits, InputFile, PathTable};
 use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert_arm};
 use flexlink::motion::ArmPath;
-use flexlink::result::{ArmMetrics, Exceeded, Limits, Remark};
+use flexlink::result::{Exceeded, Limits, Metrics, Remark};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
 use flexlink::verify::{ArmAnswer, Verification, verify_arm};
@@ -25,11 +25,11 @@ pub(crate) struct ArmAndPath {
 /// The solution, and what follows from it.
 pub(crate) struct SolvedArm {
     pub(crate) solution: ArmSolution,
-    pub(crate) metrics: ArmMetrics,
+    pub(crate) metrics: Metrics,
     /// The limits of each joint.
     limits: Vec<Limits>,
-    /// Those that are exceeded, with the number of the joint.
-    pub(crate) exceeded: Vec<(usize, Exceeded)>,
+    /// Those that are exceeded.
+    pub(crate) exceeded: Vec<Exceeded>,
     /// Remarks on the arm and its path.
     pub(crate) remarks: Vec<Remark>,
 }
@@ -76,13 +76,13 @@ impl ArmAndPath {
         })?;
         let nodes: usize = solution.links.iter().map(|link| link.nodes_m.len()).sum();
         memory::check_nodes(6 * nodes * solution.grid.len * size_of::<f64>(), memory_bytes)?;
-        let metrics = ArmMetrics::of(&solution);
+        let metrics = Metrics::of(&solution);
         let exceeded = metrics.exceeded(limits);
         let tolerance = solution.analysis.tip_tolerance();
         let of_path = Remark::on_path(&self.path, solution.way_m, tolerance);
         let dropped = Remark::on_dropped(self.table.reading().dropped());
         let of_path = dropped.into_iter().chain(of_path);
-        let of_path = of_path.chain(Remark::on_arm_timing(&solution, &metrics));
+        let of_path = of_path.chain(Remark::on_timing(&solution));
         let remarks = self.specification.remarks.iter().cloned().chain(of_path).collect();
         Ok(SolvedArm { solution, metrics, limits: limits.clone(), exceeded, remarks })
     }

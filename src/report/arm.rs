@@ -223,7 +223,7 @@ impl<'a> Shown<'a> {
         let names = ["x", "y"].map(str::to_owned);
         let mut curves =
             self.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
-        let way_m = reading(&self.first.readings, "way_m");
+        let way_m = reading(&self.first.readings, "farthest_m");
         let way_m = peak_words(way_m, &from_start_m(self.first));
         let mut caption = format!("Place of the tip; it gets up to {way_m} m away from its start.");
         if let Some(target) = &self.first.target {

@@ -31,8 +31,8 @@ impl<'a> From<&'a StoredJoint> for Turning<'a> {
 /// A quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
     pub(super) id: &'static str,
-    /// Its peak in the summary of a link, and of a joint.
-    readings: [&'static str; 2],
+    /// Its peak in the summary.
+    reading: &'static str,
     /// Whether it is the motor's.
     is_of_motor: bool,
     /// Its title, but for what it is of.
@@ -51,7 +51,7 @@ const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
 /// Torque of the motor, which has a figure without a limit, too.
 pub(super) const MOTOR_TORQUE: Limited = Limited {
     id: "motor-torque",
-    readings: ["peak_motor_torque_n_m"; 2],
+    reading: "peak_motor_torque_n_m",
     is_of_motor: true,
     title: "Torque of the motor of",
     caption: OF_MOTOR,
@@ -65,7 +65,7 @@ pub(super) const MOTOR_TORQUE: Limited = Limited {
 pub(super) const LIMITED: [Limited; 4] = [
     Limited {
         id: "rate",
-        readings: ["peak_hub_rate_rad_s", "peak_rate_rad_s"],
+        reading: "peak_hub_rate_rad_s",
         is_of_motor: false,
         title: "Rate of",
         caption: AT_MOST,
@@ -76,7 +76,7 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "power",
-        readings: ["peak_power_w"; 2],
+        reading: "peak_power_w",
         is_of_motor: false,
         title: "Power at",
         caption: AT_MOST,
@@ -87,7 +87,7 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "motor-rate",
-        readings: ["peak_motor_rate_rad_s"; 2],
+        reading: "peak_motor_rate_rad_s",
         is_of_motor: true,
         title: "Rate of the motor of",
         caption: OF_MOTOR,
@@ -98,7 +98,7 @@ pub(super) const LIMITED: [Limited; 4] = [
     },
     Limited {
         id: "motor-power",
-        readings: ["peak_motor_power_w"; 2],
+        reading: "peak_motor_power_w",
         is_of_motor: true,
         title: "Power of the motor of",
         caption: OF_MOTOR,
@@ -123,7 +123,7 @@ impl Limited {
         readings: &[(String, f64)],
     ) -> Figure {
         let title = format!("{} {what}", self.title);
-        let known = self.readings.iter().find_map(|name| reading(readings, name));
+        let known = reading(readings, self.reading);
         let words = (&title[..], self.caption);
         figure(id, words, time, self.quantity, (curves, limit), known).by(self.formula)
     }

@@ -88,8 +88,8 @@ pub(super) fn run() -> StoredRun {
                 solution.grid.time_s(solution.moving.0),
                 solution.grid.time_s(solution.moving.1),
             ),
-            lead_s: metrics.lead_s,
-            lag_s: metrics.lag_s,
+            lead_s: metrics.hub().lead_s,
+            lag_s: metrics.hub().lag_s,
         }),
         target: None,
         deflections_m: Some(StoredNodes {
@@ -98,7 +98,7 @@ pub(super) fn run() -> StoredRun {
             histories: solution.deflections(&all, NonZeroUsize::MIN).unwrap().histories().samples,
         }),
         moments_n_m: None,
-        readings: vec![("peak_torque_n_m".to_owned(), metrics.peak_torque_n_m.value)],
+        readings: vec![("peak_torque_n_m".to_owned(), metrics.hub().peak_torque_n_m.value)],
         limits: Limits::default(),
         checks: vec![],
         remarks: vec![StoredWarning {

@@ -2,11 +2,16 @@
 
 use thiserror::Error;
 
-use super::limits::{Limits, Reached};
+use super::limits::{Limits, Reached, reached};
 use crate::beam::MeshPlan;
-use crate::inverse::{Analysis, ArmError, InversionError, Resources, Solution, invert_with};
-use crate::link::Link;
-use crate::motion::{Course, CurveError, FEWEST_STEPS, MotionError, PathError, Profile, TipMotion};
+use crate::inverse::{
+    Analysis, ArmError, ArmSolution, InversionError, Resources, Solution, invert_arm, invert_with,
+};
+use crate::link::{Arm, Link};
+use crate::motion::{
+    ArmPath, Course, Curve, CurveError, FEWEST_STEPS, MotionError, PathColumns, PathError, Profile,
+    TipMotion,
+};
 use crate::text::{plain, significant};
 
 /// Most steps of a motion.
@@ -115,8 +120,6 @@ pub struct Fit<S = Solution> {
     pub solution: S,
     /// The limit that it comes closest to; none if none is set.
     pub binding: Option<Reached>,
-    /// Number of the joint that this limit is of, from 0, of an arm.
-    pub joint: Option<usize>,
     /// Why the motion of a step less is not solved; none where it exceeds a limit.
     pub unsolved: Option<Box<FitError>>,
     /// How many motions of fewer steps were tried; none of them is within the limits.
@@ -124,15 +127,12 @@ pub struct Fit<S = Solution> {
 }
 
 impl<S> Fit<S> {
-    /// The motion of so many steps if it is within the limits: the one that it comes closest to is `binding`.
-    pub(super) fn within(
-        steps: usize,
-        solution: S,
-        (joint, binding): (Option<usize>, Option<Reached>),
-    ) -> Option<Self> {
+    /// The motion of so many steps if it is within the limits that it reaches.
+    fn within(steps: usize, solution: S, reached: Vec<Reached>) -> Option<Self> {
+        let binding = reached.into_iter().max_by(|a, b| a.share().total_cmp(&b.share()));
         // A value with a larger error is not known to be within any limit.
         let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
-        let fit = || Self { steps, solution, binding, joint, unsolved: None, shorter_tried: 0 };
+        let fit = || Self { steps, solution, binding, unsolved: None, shorter_tried: 0 };
         binding.is_none_or(fits).then(fit)
     }
 
@@ -188,7 +188,7 @@ pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
 }
 
 /// Motions that differ in their number of steps alone.
-pub(super) trait Trials {
+trait Trials {
     type Solution;
 
     /// Most steps that are tried.
@@ -290,9 +290,8 @@ impl Trials for FitProblem<'_> {
             return Ok(None);
         }
         let solution = self.inverted(self.plan, &motion, true)?;
-        let reached = self.limits.reached(&solution).into_iter();
-        let binding = reached.max_by(|a, b| a.share().total_cmp(&b.share()));
-        Ok(Fit::within(steps, solution, (None, binding)))
+        let reached = reached(&solution, &[*self.limits]);
+        Ok(Fit::within(steps, solution, reached))
     }
 }
 
@@ -323,7 +322,7 @@ impl FitProblem<'_> {
         };
         (0..HALVINGS).any(|halvings| {
             let solution = self.inverted(&self.plan.halved(halvings), motion, true);
-            solution.is_ok_and(|solution| self.limits.reached(&solution).iter().any(exceeds))
+            solution.is_ok_and(|solution| reached(&solution, &[*self.limits]).iter().any(exceeds))
         })
     }
 
@@ -342,6 +341,65 @@ impl FitProblem<'_> {
         let memory_bytes = self.memory_bytes;
         let resources = Resources { memory_bytes, is_trial, ..Resources::default() };
         invert_with(self.link, plan, motion, self.analysis, &resources)
+    }
+}
+
+/// The path of an arm's tip with all given but its duration, with the arm and its limits.
+#[derive(Debug, Clone, Copy)]
+pub struct ArmFitProblem<'a> {
+    /// The arm.
+    pub arm: &'a Arm,
+    /// How each link is meshed.
+    pub plans: &'a [MeshPlan],
+    /// How exact the answers must be.
+    pub analysis: &'a Analysis,
+    /// Memory in bytes that each trial may take; `None`: no limit.
+    pub memory_bytes: Option<usize>,
+    /// Largest values that each joint, its link and its motor may reach.
+    pub limits: &'a [Limits],
+    /// Where the tip goes.
+    pub curve: &'a Curve,
+    /// How it goes along the curve.
+    pub profile: Profile,
+    /// Step of the path in s.
+    pub step_s: f64,
+    /// Constant directions in rad of the links from the third on.
+    pub outer_rad: &'a [f64],
+}
+
+/// The fewest steps of a path within the limits of all joints, found as [`shortest_fit`] does.
+///
+/// # Errors
+/// [`FitError`] where no duration fits.
+pub fn shortest_arm_fit(problem: &ArmFitProblem) -> Result<Fit<ArmSolution>, FitError> {
+    problem.shortest()
+}
+
+impl Trials for ArmFitProblem<'_> {
+    type Solution = ArmSolution;
+
+    /// An arm that exceeds its limits in a motion as slow as that does so by its weight.
+    const MOST_STEPS: usize = 1 << 14;
+
+    fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    fn tried(&self, steps: usize) -> Result<Option<Fit<ArmSolution>>, FitError> {
+        let places = self.curve.sampled(self.profile, steps, [0, 0])?;
+        let columns = PathColumns::of_tip(self.step_s, &places, self.outer_rad);
+        let path = ArmPath::new(columns, &self.arm.lengths_m())?;
+        let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
+        let solution = invert_arm(self.arm, self.plans, &path, self.analysis, &resources)?;
+        for (joint, (own, limits)) in solution.joints.iter().zip(self.limits).enumerate() {
+            let ends = own.torque_n_m.first().into_iter().chain(own.torque_n_m.last());
+            let held_n_m = ends.fold(0.0, |most: f64, torque| most.max(torque.abs()));
+            if let Some(limit_n_m) = limits.torque_n_m.filter(|limit| held_n_m > *limit) {
+                return Err(FitError::TooHeavyArm { joint, limit_n_m, held_n_m });
+            }
+        }
+        let reached = reached(&solution, self.limits);
+        Ok(Fit::within(steps, solution, reached))
     }
 }
 

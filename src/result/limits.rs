@@ -5,8 +5,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use thiserror::Error;
 
-use super::metrics::{Metrics, MotorMetrics, PlayedMetrics};
-use crate::inverse::{MotorHistories, QuantityErrors, Solution};
+use super::answer::{Answer, AnsweredJoint};
+use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
+use super::quantities::QUANTITIES;
+use crate::inverse::{MotorHistories, QuantityErrors};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
 use crate::text::{given, significant};
@@ -58,6 +60,9 @@ impl<'de> Deserialize<'de> for Limits {
 /// The value of a solution that has a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LimitedValue {
+    /// Number of the joint of an arm, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint: Option<usize>,
     /// Key of the limit in the link file.
     pub key: &'static str,
     /// The limit.
@@ -69,22 +74,24 @@ pub struct LimitedValue {
 }
 
 impl LimitedValue {
-    /// That the limit is exceeded; a torque acts at this place.
-    fn exceeded_at(&self, place: &str) -> String {
-        let Self { key, limit, found, unit } = self;
+    /// That the limit is exceeded.
+    fn exceeded_text(&self) -> String {
+        let Self { joint, key, limit, found, unit } = self;
+        let (of, place) = joint
+            .map_or((String::new(), "hub"), |joint| (format!("joint {}: ", joint + 1), "joint"));
         // The other keys say where the value acts.
         let at = if *key == "torque" { format!(" at the {place}") } else { String::new() };
         // Five digits, or as many as are beyond the limit.
         let shown = (5..=17).map(|digits| significant(*found, digits));
         let mut beyond = shown.filter(|text| text.parse().is_ok_and(|shown: f64| shown > *limit));
         let (limit, found) = (given(*limit), beyond.next().unwrap_or_else(|| given(*found)));
-        format!("limits.{key} = {limit} {unit} is exceeded{at}: {found} {unit}")
+        format!("{of}limits.{key} = {limit} {unit} is exceeded{at}: {found} {unit}")
     }
 }
 
 /// A limit that a solution exceeds.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize)]
-#[error("{}", .0.exceeded_at("hub"))]
+#[error("{}", .0.exceeded_text())]
 pub struct Exceeded(pub LimitedValue);
 
 impl Exceeded {
@@ -94,11 +101,6 @@ impl Exceeded {
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
         "a slower motion, a stronger motor or a stiffer link"
-    }
-
-    /// Its text where a joint of an arm, numbered from 0, exceeds it.
-    pub fn of_joint(&self, joint: usize) -> String {
-        format!("joint {}: {}", joint + 1, self.0.exceeded_at("joint"))
     }
 }
 
@@ -134,55 +136,16 @@ impl Limits {
         Ok(())
     }
 
-    /// The limits that a solution exceeds, in the order of the link file.
-    pub fn exceeded(&self, metrics: &Metrics) -> Vec<Exceeded> {
-        let values = self.limited_values(metrics).into_iter();
-        values.filter(|value| value.found > value.limit).map(Exceeded).collect()
-    }
-
-    /// The limits that a simulation exceeds, of those of its torque, hub rate, power and deflection.
-    pub fn exceeded_in_play(&self, metrics: &PlayedMetrics) -> Vec<Exceeded> {
-        self.exceeded_by(Self {
-            torque_n_m: Some(metrics.peak_torque_n_m.value),
-            hub_rate_rad_s: Some(metrics.peak_hub_rate_rad_s.value),
-            power_w: Some(metrics.peak_power_w.value),
-            deflection_m: Some(metrics.peak_deflection_m.value),
-            ..Self::default()
+    /// These values of a joint that have a limit, in the order of the link file.
+    fn values(
+        &self,
+        joint: Option<usize>,
+        found: impl Fn(&'static str) -> Option<f64>,
+    ) -> impl Iterator<Item = LimitedValue> {
+        let entries = self.entries().into_iter();
+        entries.filter_map(move |(key, limit, unit)| {
+            Some(LimitedValue { joint, key, limit: limit?, found: found(key)?, unit })
         })
-    }
-
-    /// The limits that these values exceed, in the order of the link file; what has no value exceeds none.
-    pub(super) fn exceeded_by(&self, values: Limits) -> Vec<Exceeded> {
-        let found = values.entries().map(|(_, value, _)| value.unwrap_or(0.0));
-        let values = self.limited_of(found).into_iter();
-        values.filter(|value| value.found > value.limit).map(Exceeded).collect()
-    }
-
-    /// The values of a solution that have a limit, in the order of the link file.
-    pub fn limited_values(&self, metrics: &Metrics) -> Vec<LimitedValue> {
-        self.limited_of(found(metrics))
-    }
-
-    /// Those of these values, which are in the order of the link file, that have a limit.
-    pub(super) fn limited_of(&self, found: [f64; 10]) -> Vec<LimitedValue> {
-        let pairs = self.entries().into_iter().zip(found);
-        let value =
-            |((key, limit, unit), found)| Some(LimitedValue { key, limit: limit?, found, unit });
-        pairs.filter_map(value).collect()
-    }
-
-    /// How near a solution comes to each limit, in the order of the link file.
-    pub fn reached(&self, solution: &Solution) -> Vec<Reached> {
-        let metrics = Metrics::of(solution);
-        self.reached_by(found(&metrics), errors(solution, &metrics))
-    }
-
-    /// How near these values, whose errors are these, come to their limits; both in the order of the link file.
-    pub(super) fn reached_by(&self, found: [f64; 10], errors: [f64; 10]) -> Vec<Reached> {
-        let errors = self.entries().into_iter().zip(errors);
-        let errors = errors.filter(|((_, limit, _), _)| limit.is_some());
-        let values = self.limited_of(found).into_iter().zip(errors);
-        values.map(|(value, (_, error))| Reached { value, error }).collect()
     }
 
     /// The limits that are given, as they are stored; none without any.
@@ -225,86 +188,141 @@ impl Reached {
     }
 }
 
-/// The values that can have a limit, in the order of the link file.
-fn found(metrics: &Metrics) -> [f64; 10] {
-    // Without a motor no value is within its limits.
-    let motor = |of: fn(&MotorMetrics) -> f64| metrics.motor.as_ref().map_or(f64::INFINITY, of);
-    [
-        metrics.peak_torque_n_m.value,
-        metrics.rms_torque_n_m,
-        metrics.peak_hub_rate_rad_s.value,
-        metrics.peak_power_w.value,
-        metrics.peak_deflection_m.value,
-        metrics.peak_root_moment_n_m.value,
-        motor(|motor| motor.peak_torque_n_m.value),
-        motor(|motor| motor.rms_torque_n_m),
-        motor(|motor| motor.peak_rate_rad_s.value),
-        motor(|motor| motor.peak_power_w.value),
-    ]
+impl Metrics {
+    /// The values that have a limit in those of their joints, in the order of the link file.
+    pub fn limited(&self, limits: &[Limits]) -> Vec<LimitedValue> {
+        let joints = self.joints.iter().zip(limits);
+        joints.flat_map(|(joint, limits)| joint.limited(limits)).collect()
+    }
+
+    /// The limits of joints that a solution exceeds, in the order of the link file.
+    pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
+        exceeded(self.limited(limits))
+    }
+}
+
+impl PlayedMetrics {
+    /// The limits that a simulation exceeds, of torque, rate and power, and of the deflection of one link.
+    pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
+        let joints = self.joints.iter().zip(limits);
+        let values = joints.flat_map(|(own, limits)| {
+            limits.values(own.joint, |key| match key {
+                "torque" => Some(own.peak_torque_n_m.value),
+                "hub_rate" => Some(own.peak_hub_rate_rad_s.value),
+                "power" => Some(own.peak_power_w.value),
+                "deflection" => own.peak_deflection_m.map(|peak| peak.value),
+                _ => None,
+            })
+        });
+        exceeded(values.collect())
+    }
+}
+
+fn exceeded(mut values: Vec<LimitedValue>) -> Vec<Exceeded> {
+    values.retain(|value| value.found > value.limit);
+    values.into_iter().map(Exceeded).collect()
+}
+
+/// How near a solution, of a link or of an arm, comes to each limit of its joints, in the order of the link file.
+pub fn reached<'a>(answer: impl Into<Answer<'a>>, limits: &[Limits]) -> Vec<Reached> {
+    let answer = answer.into();
+    let metrics = Metrics::of_answer(&answer);
+    let joints = answer.joints.iter().zip(&metrics.joints).zip(limits);
+    let of = |((joint, metrics), limits): ((&AnsweredJoint, &JointMetrics), &Limits)| {
+        let errors = Errors::of(&answer, joint, metrics);
+        let values = metrics.limited(limits);
+        values.map(|value| Reached { value, error: errors.of_value(&value) }).collect::<Vec<_>>()
+    };
+    joints.flat_map(of).collect()
+}
+
+impl JointMetrics {
+    fn limited(&self, limits: &Limits) -> impl Iterator<Item = LimitedValue> {
+        limits.values(self.joint, |key| {
+            let quantity = QUANTITIES.iter().find(|own| own.limit == Some(key))?;
+            // Without a motor no value is within its limits.
+            Some((quantity.of)(self).unwrap_or(f64::INFINITY))
+        })
+    }
+}
+
+/// Measured errors of the values of a joint that have limits, relative to the peaks of the values.
+///
+/// A root mean square has the error of the peak. Power has the errors of torque and rate, deflection that of the hub angle,
+/// the root's moment that of the torque.
+struct Errors<'a> {
+    metrics: &'a JointMetrics,
+    torque: f64,
+    rate: f64,
+    /// Error of the hub angle, times the turn and the length, in m.
+    deflection_m: f64,
+    motor_torque: f64,
+    motor_rate: f64,
+}
+
+impl<'a> Errors<'a> {
+    fn of(answer: &Answer, joint: &AnsweredJoint, metrics: &'a JointMetrics) -> Self {
+        let errors = joint.errors.zip(&joint.errors, |own, _| all_kinds(own));
+        // With gravity errors are shares of ranges.
+        let per_peak = |error: f64, history: &[f64]| {
+            if answer.has_weight {
+                error * answer.size_of(history) / largest(history)
+            } else {
+                error
+            }
+        };
+        let of_motor = |error: Option<f64>, history: fn(&MotorHistories) -> &Vec<f64>| {
+            let history = joint.motor.map(history);
+            error.zip(history).map_or(0.0, |(error, history)| per_peak(error, history))
+        };
+        let turned_rad = if answer.has_weight {
+            answer.size_of(joint.angle_rad)
+        } else {
+            metrics.peak_hub_angle_rad.value
+        };
+        Self {
+            metrics,
+            torque: per_peak(errors.torque, joint.torque_n_m),
+            rate: per_peak(errors.hub_rate, joint.rate_rad_s),
+            deflection_m: errors.hub_angle * (joint.length_m * turned_rad),
+            motor_torque: of_motor(errors.motor_torque, |motor| &motor.torque_n_m),
+            motor_rate: of_motor(errors.motor_rate, |motor| &motor.rate_rad_s),
+        }
+    }
+
+    /// The error of a value, relative to it.
+    fn of_value(&self, value: &LimitedValue) -> f64 {
+        let Self { metrics, torque, rate, deflection_m, motor_torque, motor_rate } = *self;
+        let peak = metrics.peak_torque_n_m.value;
+        let power = peak * metrics.peak_hub_rate_rad_s.value;
+        let [motor, motor_power] = metrics.motor.map_or([0.0; 2], |motor| {
+            let peak = motor.peak_torque_n_m.value;
+            [peak, peak * motor.peak_rate_rad_s.value]
+        });
+        let (error, of) = match value.key {
+            "torque" => return torque,
+            "hub_rate" => return rate,
+            "motor_torque" => return motor_torque,
+            "motor_rate" => return motor_rate,
+            "rms_torque" => (torque, peak),
+            "power" => (torque + rate, power),
+            "deflection" => (deflection_m, 1.0),
+            "bending_moment" => (torque, peak.max(value.found)),
+            "motor_rms_torque" => (motor_torque, motor),
+            _ => (motor_torque + motor_rate, motor_power),
+        };
+        if error == 0.0 { 0.0 } else { (error * of / value.found).min(f64::MAX) }
+    }
 }
 
 /// The errors of all kinds of one quantity that are measured on the model; what the model itself leaves out is told beside
 /// them.
-pub(super) fn all_kinds(errors: QuantityErrors) -> f64 {
+fn all_kinds(errors: QuantityErrors) -> f64 {
     let QuantityErrors { mesh, window, step, iteration, modes, input, model: _ } = errors;
     [step, iteration, modes, input]
         .into_iter()
         .flatten()
         .fold(mesh + window, |sum, error| sum + error)
-}
-
-/// Measured error of each of these values, relative to it.
-///
-/// Errors are measured relative to peaks: a root mean square has the error of the peak. Power has the
-/// errors of torque and rate, deflection that of the hub angle, the root's moment that of the torque.
-fn errors(solution: &Solution, metrics: &Metrics) -> [f64; 10] {
-    let errors = solution.accuracy.of_kind(all_kinds);
-    // With gravity errors are shares of ranges.
-    let has_weight = solution.link().has_weight();
-    let per_peak = |error: f64, history: &[f64]| {
-        if has_weight { error * solution.size_of(history) / largest(history) } else { error }
-    };
-    let torque = per_peak(errors.torque, &solution.torque_n_m);
-    let rate = per_peak(errors.hub_rate, &solution.hub_rate_rad_s);
-    let of_motor = |error: Option<f64>, history: fn(&MotorHistories) -> &Vec<f64>| {
-        let history = solution.motor.as_ref().map(history);
-        error.zip(history).map_or(0.0, |(error, history)| per_peak(error, history))
-    };
-    let motor_torque = of_motor(errors.motor_torque, |motor| &motor.torque_n_m);
-    let motor_rate = of_motor(errors.motor_rate, |motor| &motor.rate_rad_s);
-    let [
-        peak,
-        rms,
-        peak_rate,
-        power,
-        deflection,
-        moment,
-        motor_peak,
-        motor_rms,
-        motor_peak_rate,
-        motor_power,
-    ] = found(metrics);
-    let turned_rad = if has_weight {
-        solution.size_of(&solution.hub_angle_rad)
-    } else {
-        metrics.peak_hub_angle_rad.value
-    };
-    let turned_m = solution.mesh().length_m() * turned_rad;
-    let over = |error: f64, peak: f64, found: f64| {
-        if error == 0.0 { 0.0 } else { (error * peak / found).min(f64::MAX) }
-    };
-    [
-        torque,
-        over(torque, peak, rms),
-        rate,
-        over(torque + rate, peak * peak_rate, power),
-        over(errors.hub_angle, turned_m, deflection),
-        torque * (peak / moment).max(1.0),
-        motor_torque,
-        over(motor_torque, motor_peak, motor_rms),
-        motor_rate,
-        over(motor_torque + motor_rate, motor_peak * motor_peak_rate, motor_power),
-    ]
 }
 
 #[cfg(test)]
@@ -314,7 +332,8 @@ mod tests {
     #[test]
     fn a_limit_exceeded_by_little_is_seen_to_be() {
         let text = |limit: f64, found: f64| {
-            Exceeded(LimitedValue { key: "power", limit, found, unit: "W" }).to_string()
+            Exceeded(LimitedValue { joint: None, key: "power", limit, found, unit: "W" })
+                .to_string()
         };
         assert_eq!(text(2.0, 3.251_592), "limits.power = 2 W is exceeded: 3.2516 W");
         assert_eq!(text(2.0, 2.000_000_4), "limits.power = 2 W is exceeded: 2.0000004 W");

@@ -1,54 +1,66 @@
 //! Numbers of a solution and of a simulation that a person reads first.
 
-use serde::{Deserialize, Serialize};
-
+use super::answer::{Answer, AnsweredJoint};
 use super::peak::{Peak, Peaks};
-use crate::inverse::{MotorHistories, Solution};
+use crate::inverse::MotorHistories;
 use crate::motion::Ends;
 use crate::numeric::{TimeGrid, dot, extremes};
-use crate::response::Simulation;
+use crate::response::{PlayedArm, Simulation};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
 pub const TIMING_LEVEL: f64 = 0.02;
 
 /// Numbers of a solution that a person reads first, over the written window.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+///
+/// Peaks are those of the motion, not of its samples: they do not change with the step.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Metrics {
+    /// Numbers of each joint, its link and its motor, the inner one first. One link has one, its hub.
+    pub joints: Vec<JointMetrics>,
+    /// Largest tip velocity in m/s.
+    pub peak_tip_velocity_m_s: Peak,
+    /// Largest tip acceleration in m/s².
+    pub peak_tip_acceleration_m_s2: Peak,
+}
+
+/// Numbers of one joint, its link and its motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointMetrics {
+    /// Number of the joint of an arm, from 0.
+    pub joint: Option<usize>,
     /// Largest |T| in N m.
     pub peak_torque_n_m: Peak,
     /// Root mean square of T in N m while it acts: from the first to the last |T| above 2 % of its
     /// peak, so that the rest around the motion does not count. With gravity T acts while it differs from what
     /// holds the link at rest by more than 2 % of its range. A periodic torque always acts.
     pub rms_torque_n_m: f64,
-    /// Largest |T| of the rigid link in N m.
+    /// Largest |T| of the rigid link or arm in N m.
     pub peak_rigid_torque_n_m: Peak,
-    /// Peak torque over that of the rigid link.
+    /// Peak torque over that of the rigid link or arm.
     pub torque_ratio: f64,
     /// How long before the tip's first motion T first acts, in s, interpolated
     /// between samples; negative where it does so only afterwards. None of a periodic motion.
     pub lead_s: Option<f64>,
     /// How long after the tip's last motion T last acts, in s, likewise.
     pub lag_s: Option<f64>,
+    /// Angle at the beginning and at the end of the window in rad.
+    pub end_angles_rad: [f64; 2],
     /// Largest |θ − θ(start)| in rad; of a periodic motion the range of θ.
     pub peak_hub_angle_rad: Peak,
-    /// Largest hub rate in rad/s.
+    /// Largest rate of the joint in rad/s.
     pub peak_hub_rate_rad_s: Peak,
     /// Largest mechanical power |T θ̇| in W.
     pub peak_power_w: Peak,
     /// Largest moment of the hub on the link's root in N m.
     pub peak_root_moment_n_m: Peak,
-    /// Largest deflection of the tip from the hub's tangent line in m.
+    /// Largest deflection of the link's tip from the hub's tangent line in m.
     pub peak_deflection_m: Peak,
-    /// Largest tip velocity in m/s.
-    pub peak_tip_velocity_m_s: Peak,
-    /// Largest tip acceleration in m/s².
-    pub peak_tip_acceleration_m_s2: Peak,
     /// Values of the motor; none for a link without a drive.
     pub motor: Option<MotorMetrics>,
 }
 
 /// Numbers of the motor, on its own side of the gear.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorMetrics {
     /// Largest torque of the motor in N m.
     pub peak_torque_n_m: Peak,
@@ -62,92 +74,158 @@ pub struct MotorMetrics {
 }
 
 impl Metrics {
-    /// Reads the numbers off a solution. Peaks are those of the motion, not of its samples: they do not
-    /// change with the step.
-    pub fn of(solution: &Solution) -> Self {
-        let grid = &solution.grid;
-        let torque = &solution.torque_n_m;
-        let peaks = Peaks::of_solution(solution);
-        let peak = |samples: &[f64]| peaks.of(samples);
-        let peak_torque_n_m = peak(torque);
-        let peak_rigid_torque_n_m = peak(&solution.rigid_torque_n_m);
-        // Of a tip that moves before its motion and after it, the hub turns on as long as it is looked at.
-        let (first, last) = solution.moving;
-        let counted = match solution.motion.ends() {
-            Ends::Moving => &solution.hub_angle_rad[first..=last],
-            _ => &solution.hub_angle_rad[..],
+    /// Reads the numbers off a solution, of a link or of an arm.
+    pub fn of<'a>(answer: impl Into<Answer<'a>>) -> Self {
+        Self::of_answer(&answer.into())
+    }
+
+    pub(super) fn of_answer(answer: &Answer) -> Self {
+        let peaks = answer.peaks();
+        let [velocity, acceleration] = [0, 1].map(|order| peaks.of(&(answer.tip)(order)));
+        Self {
+            joints: answer.joints.iter().map(|joint| JointMetrics::of(answer, joint)).collect(),
+            peak_tip_velocity_m_s: velocity,
+            peak_tip_acceleration_m_s2: acceleration,
+        }
+    }
+
+    /// The numbers of the hub: of the first joint.
+    pub fn hub(&self) -> &JointMetrics {
+        &self.joints[0]
+    }
+}
+
+impl JointMetrics {
+    fn of(answer: &Answer, joint: &AnsweredJoint) -> Self {
+        let (grid, peaks) = (answer.grid, answer.peaks());
+        let (torque, angle) = (joint.torque_n_m, joint.angle_rad);
+        let peak_torque_n_m = peaks.of(torque);
+        let peak_rigid_torque_n_m = peaks.of(joint.rigid_torque_n_m);
+        let turned = |from_rad: f64| {
+            peaks.of(&angle.iter().map(|angle| angle - from_rad).collect::<Vec<_>>())
         };
-        let ends = solution.motion.ends();
-        let turned =
-            |from_rad: f64| peak(&counted.iter().map(|angle| angle - from_rad).collect::<Vec<_>>());
-        let mut peak_hub_angle_rad = turned(counted[0]);
-        if ends == Ends::Periodic {
+        let mut peak_hub_angle_rad = turned(angle[0]);
+        if answer.ends == Ends::Periodic {
             // A cycle begins anywhere: its hub turns by the range of the angle, both of whose ends lie between samples.
-            let [low, high] = extremes(counted);
+            let [low, high] = extremes(angle);
             peak_hub_angle_rad = turned(low);
             peak_hub_angle_rad.value += turned(high).value - (high - low);
         }
-        let acts =
-            |torque: &[f64], peak: Peak| Acting::in_solution(solution, torque, peak, TIMING_LEVEL);
-        let timed = |time_s: f64| (ends != Ends::Periodic).then_some(time_s);
+        let timed = |time_s: f64| (answer.ends != Ends::Periodic).then_some(time_s);
+        let acts = |torque: &[f64], peak| Acting::in_answer(answer, (torque, peak), TIMING_LEVEL);
         let acting = acts(torque, peak_torque_n_m);
         Self {
+            joint: joint.number,
             peak_torque_n_m,
             rms_torque_n_m: acting.rms(torque),
             peak_rigid_torque_n_m,
             torque_ratio: peak_torque_n_m.value / peak_rigid_torque_n_m.value,
-            lead_s: timed(grid.time_s(solution.moving.0) - acting.start_s(grid)),
-            lag_s: timed(acting.end_s(grid) - grid.time_s(solution.moving.1)),
+            lead_s: timed(answer.moving_s[0] - acting.start_s(grid)),
+            lag_s: timed(acting.end_s(grid) - answer.moving_s[1]),
+            end_angles_rad: [angle[0], angle[angle.len() - 1]],
             peak_hub_angle_rad,
-            peak_hub_rate_rad_s: peak(&solution.hub_rate_rad_s),
-            peak_power_w: peaks.of_product(torque, &solution.hub_rate_rad_s),
-            peak_root_moment_n_m: peak(&solution.root_moment_n_m),
-            peak_deflection_m: peak(&solution.tip_deflection_m()),
-            peak_tip_velocity_m_s: peak(&solution.tip.velocity_m_s),
-            peak_tip_acceleration_m_s2: peak(&solution.tip.acceleration_m_s2),
-            motor: solution.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks, acts)),
+            peak_hub_rate_rad_s: peaks.of(joint.rate_rad_s),
+            peak_power_w: peaks.of_product(torque, joint.rate_rad_s),
+            peak_root_moment_n_m: peaks.of(joint.root_moment_n_m),
+            peak_deflection_m: peaks.of(&(joint.deflection_m)()),
+            motor: joint.motor.map(|motor| MotorMetrics::of(motor, &peaks, acts)),
         }
     }
 }
 
 /// Numbers of a simulation that a person reads first.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PlayedMetrics {
-    /// Largest torque of the motor in N m.
-    pub peak_torque_n_m: Peak,
+    /// Numbers of each joint, the inner one first. One link has one, its hub.
+    pub joints: Vec<PlayedJoint>,
     /// Largest distance of the tip from its start in m.
     pub farthest_m: f64,
-    /// Displacement of the tip at the last sample less that at the first, in m.
+    /// Displacement of the tip at the last sample less that at the first, in m; of an arm the distance of the two places.
     pub travel_m: f64,
-    /// Velocity of the tip at the last sample in m/s.
+    /// Velocity of the tip at the last sample in m/s; of an arm its speed.
     pub final_tip_velocity_m_s: f64,
+    /// x and y of an arm's tip at the last sample in m.
+    pub final_tip_m: Option<[f64; 2]>,
+}
+
+/// Numbers of one joint in a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlayedJoint {
+    /// Number of the joint of an arm, from 0.
+    pub joint: Option<usize>,
+    /// Largest torque of the motor in N m, feedback included.
+    pub peak_torque_n_m: Peak,
+    /// Torque that holds an arm where it starts in N m.
+    pub holding_torque_n_m: Option<f64>,
+    /// Angle at the first sample and at the last in rad.
+    pub end_angles_rad: [f64; 2],
     /// Largest |θ − θ(start)| in rad.
     pub peak_hub_angle_rad: Peak,
-    /// Largest hub rate in rad/s.
+    /// Largest rate of the joint in rad/s.
     pub peak_hub_rate_rad_s: Peak,
     /// Largest mechanical power |T θ̇| of the motor in W.
     pub peak_power_w: Peak,
-    /// Largest deflection of the tip from the hub's tangent line in m.
-    pub peak_deflection_m: Peak,
+    /// Largest deflection of the tip of one link from the hub's tangent line in m.
+    pub peak_deflection_m: Option<Peak>,
 }
 
 impl PlayedMetrics {
-    /// Reads the numbers off a simulation.
+    /// Reads the numbers off a simulation of a link.
     pub fn of(simulation: &Simulation) -> Self {
-        let Simulation { tip, torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
-        let peaks = Peaks { grid: &simulation.grid, per_cycle: None };
+        let Simulation { grid, tip, torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
         let displacement = &tip.displacement_m;
         let last = displacement.len() - 1;
-        let turned: Vec<f64> = hub_angle_rad.iter().map(|a| a - hub_angle_rad[0]).collect();
+        let hub = PlayedJoint::of(grid, torque_n_m, [hub_angle_rad, hub_rate_rad_s]);
+        let peaks = Peaks { grid, per_cycle: None };
+        let peak_deflection_m = Some(peaks.of(&simulation.tip_deflection_m()));
         Self {
-            peak_torque_n_m: peaks.of(torque_n_m),
+            joints: vec![PlayedJoint { peak_deflection_m, ..hub }],
             farthest_m: tip.largest_travel_m(),
             travel_m: displacement[last] - displacement[0],
             final_tip_velocity_m_s: tip.velocity_m_s[last],
+            final_tip_m: None,
+        }
+    }
+
+    /// Reads the numbers off a simulation of an arm.
+    pub fn of_arm(played: &PlayedArm) -> Self {
+        let last = played.grid.len - 1;
+        let joints = played.joints.iter().zip(&played.torques_n_m).enumerate();
+        let joints = joints.map(|(number, ([angle, rate, _], torque_n_m))| PlayedJoint {
+            joint: Some(number),
+            holding_torque_n_m: Some(played.holding_n_m[number]),
+            ..PlayedJoint::of(&played.grid, torque_n_m, [angle, rate])
+        });
+        let tip = |order: usize, sample: usize| [0, 1].map(|axis| played.tip[axis][order][sample]);
+        let [[x, y], [start_x, start_y], velocity] = [tip(0, last), tip(0, 0), tip(1, last)];
+        Self {
+            joints: joints.collect(),
+            farthest_m: played.way_m(),
+            travel_m: libm::hypot(x - start_x, y - start_y),
+            final_tip_velocity_m_s: libm::hypot(velocity[0], velocity[1]),
+            final_tip_m: Some([x, y]),
+        }
+    }
+
+    /// The numbers of the hub: of the first joint.
+    pub fn hub(&self) -> &PlayedJoint {
+        &self.joints[0]
+    }
+}
+
+impl PlayedJoint {
+    fn of(grid: &TimeGrid, torque_n_m: &[f64], [angle_rad, rate_rad_s]: [&[f64]; 2]) -> Self {
+        let peaks = Peaks { grid, per_cycle: None };
+        let turned: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
+        Self {
+            joint: None,
+            peak_torque_n_m: peaks.of(torque_n_m),
+            holding_torque_n_m: None,
+            end_angles_rad: [angle_rad[0], angle_rad[angle_rad.len() - 1]],
             peak_hub_angle_rad: peaks.of(&turned),
-            peak_hub_rate_rad_s: peaks.of(hub_rate_rad_s),
-            peak_power_w: peaks.of_product(torque_n_m, hub_rate_rad_s),
-            peak_deflection_m: peaks.of(&simulation.tip_deflection_m()),
+            peak_hub_rate_rad_s: peaks.of(rate_rad_s),
+            peak_power_w: peaks.of_product(torque_n_m, rate_rad_s),
+            peak_deflection_m: None,
         }
     }
 }
@@ -183,13 +261,13 @@ pub(super) struct Acting {
 }
 
 impl Acting {
-    /// Of a solution's torque with this peak, at a level that is a share of it. With gravity, or against friction, the
-    /// torque acts where it differs from what it is at the ends.
-    pub(super) fn in_solution(solution: &Solution, torque: &[f64], peak: Peak, level: f64) -> Self {
-        match solution.motion.ends() {
-            Ends::Periodic => Self::always(torque),
-            Ends::AtRest if !solution.link().has_weight() => Self::of(torque, level * peak.value),
-            _ => Self::beyond_rest(torque, level * solution.size_of(torque)),
+    /// When a torque of a solution with this peak acts, at a level that is a share of it. With gravity, or against friction,
+    /// the torque acts where it differs from what it is at the ends.
+    pub(super) fn in_answer(answer: &Answer, (torque, peak): (&[f64], Peak), level: f64) -> Self {
+        match answer.ends {
+            Ends::Periodic => Self { first: 0, last: torque.len() - 1, before: 0.0, after: 0.0 },
+            Ends::AtRest if !answer.has_weight => Self::of(torque, level * peak.value),
+            _ => Self::beyond_rest(torque, level * answer.size_of(torque)),
         }
     }
 
@@ -211,11 +289,6 @@ impl Acting {
         }
     }
 
-    /// Of a torque without a beginning or an end.
-    fn always(torque: &[f64]) -> Self {
-        Self { first: 0, last: torque.len() - 1, before: 0.0, after: 0.0 }
-    }
-
     /// Of a torque that holds a link at rest at its first and last sample: from where it leaves the first by more
     /// than the level until it comes as near to the last.
     pub(super) fn beyond_rest(torque: &[f64], level: f64) -> Self {
@@ -225,14 +298,8 @@ impl Acting {
         Self { last: ends.last.max(begins.first), after: ends.after, ..begins }
     }
 
-    /// The same with a level that is a share of the torque's range.
-    pub(super) fn beyond_level(torque: &[f64], level: f64) -> Self {
-        let [low, high] = extremes(torque);
-        Self::beyond_rest(torque, level * (high - low))
-    }
-
     /// Root mean square of the torque from the first sample to the last.
-    pub(super) fn rms(&self, torque: &[f64]) -> f64 {
+    fn rms(&self, torque: &[f64]) -> f64 {
         let acting = &torque[self.first..=self.last];
         (dot(acting, acting) / acting.len() as f64).sqrt()
     }

@@ -1,8 +1,7 @@
 //! Numbers of a result that a person reads first, limits and the shortest motion within them, and
 //! results read back.
 
-mod arm;
-mod arm_play;
+mod answer;
 mod channels;
 mod errors;
 mod fit;
@@ -10,23 +9,26 @@ mod limits;
 mod metrics;
 mod noticed;
 mod peak;
+mod quantities;
 mod recording;
 mod remark;
 mod stored;
 mod tip_error;
 mod torque_table;
 
-pub use arm::{ArmFitProblem, ArmMetrics, JointMetrics, shortest_arm_fit};
-pub use arm_play::{ArmPlayMetrics, PlayedJoint};
+pub use answer::Answer;
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{
     BandMeshError, CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares,
     mesh_errors,
 };
-pub use fit::{Fit, FitError, FitProblem, OpenMotion, shortest_fit};
-pub use limits::{Exceeded, LimitedValue, Limits, Reached};
-pub use metrics::{Metrics, MotorMetrics, PlayedMetrics, TIMING_LEVEL};
+pub use fit::{
+    ArmFitProblem, Fit, FitError, FitProblem, OpenMotion, shortest_arm_fit, shortest_fit,
+};
+pub use limits::{Exceeded, LimitedValue, Limits, Reached, reached};
+pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
 pub use peak::Peak;
+pub use quantities::{JointQuantity, QUANTITIES};
 pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub use stored::{

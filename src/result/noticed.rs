@@ -2,16 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use super::arm::{ArmMetrics, JointMetrics};
-use super::metrics::{Acting, Metrics, timing_errors_s};
-use super::peak::Peaks;
+use super::answer::{Answer, AnsweredJoint};
+use super::metrics::{Acting, JointMetrics, Metrics, timing_errors_s};
 use super::remark::{DENSITIES_KG_M3, DURATIONS_S, FIRST_FREQUENCIES_HZ, MODULI_PA, Remark};
 use crate::beam::Mesh;
-use crate::inverse::{ArmJoint, ArmSolution, PerQuantity, QuantityErrors, Solution};
+use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::Thickness;
 use crate::motion::{ArmPath, TipMotion, Uncertainty};
-use crate::numeric::{extremes, largest};
 
 /// Share by which an acceleration that jumps must exceed its samples to be told.
 const OVERSHOOT: f64 = 0.05;
@@ -79,51 +77,28 @@ impl Remark {
     /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
     pub fn on_jumps(solution: &Solution) -> Option<Self> {
         let cutoff_hz = solution.band.cutoff_hz.filter(|_| solution.motion.jumps())?;
-        let peak_m_s2 = Peaks::of_solution(solution).of(&solution.tip.acceleration_m_s2).value;
+        let peak_m_s2 = Answer::from(solution).peaks().of(&solution.tip.acceleration_m_s2).value;
         let share = peak_m_s2 / solution.motion.largest_acceleration_m_s2() - 1.0;
         (share > OVERSHOOT).then_some(Self::Jumps { cutoff_hz, peak_m_s2, share })
     }
 
-    /// A remark on the times of a torque that the samples of its motion leave uncertain.
-    pub fn on_timing(solution: &Solution) -> Option<Self> {
-        let share = solution.accuracy.errors.torque.input?;
-        let metrics = Metrics::of(solution);
-        let (lead_s, lag_s) = metrics.lead_s.zip(metrics.lag_s)?;
-        let torque = &solution.torque_n_m;
-        let peak = Peaks::of_solution(solution).of(torque);
-        let errors_s = timing_errors_s(&solution.grid, share, |level| {
-            Acting::in_solution(solution, torque, peak, level)
-        });
-        Self::of_times(None, share, [lead_s, lag_s], errors_s)
-    }
-
-    /// Remarks on the times of an arm's torques that the samples of its path leave uncertain.
-    pub fn on_arm_timing(solution: &ArmSolution, metrics: &ArmMetrics) -> Vec<Self> {
-        let joints = solution.joints.iter().zip(&solution.errors).zip(&metrics.joints).enumerate();
-        let of = |(number, ((joint, errors), own)): (
-            usize,
-            ((&ArmJoint, &PerQuantity<QuantityErrors>), &JointMetrics),
-        )| {
-            let torque = &joint.torque_n_m;
-            let [low, high] = extremes(torque);
-            let size = if solution.arm.has_weight() { high - low } else { largest(torque) };
-            let share = errors.torque.input? * size / (high - low);
-            let acting = |level| Acting::beyond_level(torque, level);
-            let errors_s = timing_errors_s(&solution.grid, share, acting);
-            Self::of_times(Some(number + 1), share, [own.lead_s, own.lag_s], errors_s)
+    /// Remarks on the times of torques that the samples of the motion leave uncertain, of a link or of an arm.
+    pub fn on_timing<'a>(answer: impl Into<Answer<'a>>) -> Vec<Self> {
+        let answer = answer.into();
+        let joints = answer.joints.iter().zip(Metrics::of_answer(&answer).joints);
+        let of = |(joint, metrics): (&AnsweredJoint, JointMetrics)| {
+            let share = joint.errors.torque.input?;
+            let torque = (joint.torque_n_m, metrics.peak_torque_n_m);
+            let [lead_s, lag_s] = timing_errors_s(answer.grid, share, |level| {
+                Acting::in_answer(&answer, torque, level)
+            });
+            // Told where they are a share of lead and lag that counts.
+            let is_noticed =
+                lead_s > SURE * metrics.lead_s?.abs() || lag_s > SURE * metrics.lag_s?.abs();
+            let joint = joint.number.map(|number| number + 1);
+            is_noticed.then_some(Self::Timing { joint, share, lead_s, lag_s })
         };
         joints.filter_map(of).collect()
-    }
-
-    /// A remark on a lead and a lag in s with these errors, where they are a share of them that counts.
-    fn of_times(
-        joint: Option<usize>,
-        share: f64,
-        times_s: [f64; 2],
-        [lead_s, lag_s]: [f64; 2],
-    ) -> Option<Self> {
-        let is_noticed = lead_s > SURE * times_s[0].abs() || lag_s > SURE * times_s[1].abs();
-        is_noticed.then_some(Self::Timing { joint, share, lead_s, lag_s })
     }
 
     /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.

@@ -5,7 +5,6 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::inverse::Solution;
 use crate::numeric::{TimeGrid, dot, largest};
 
 /// Samples that are searched at a time.
@@ -73,14 +72,7 @@ pub(super) struct Peaks<'a> {
     pub(super) per_cycle: Option<f64>,
 }
 
-impl<'a> Peaks<'a> {
-    /// Those of a solution: a motion that is solved up to a cut-off is band-limited.
-    pub(super) fn of_solution(solution: &'a Solution) -> Self {
-        let (grid, band) = (&solution.grid, &solution.band);
-        let per_cycle = band.cutoff_hz.map(|_| 1.0 / (band.highest_hz * grid.step_s));
-        Self { grid, per_cycle }
-    }
-
+impl Peaks<'_> {
     /// Largest magnitude of a history.
     pub(super) fn of(&self, samples: &[f64]) -> Peak {
         let at = |k: usize, part: usize| between(samples, k, part);

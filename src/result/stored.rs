@@ -96,7 +96,7 @@ pub struct StoredArm {
     pub moving_s: Option<(f64, f64)>,
     /// Gravity along x and y in m/s²: 0 in a horizontal plane.
     pub gravity_m_s2: [f64; 2],
-    /// Numbers of the summary that belong to no joint, by name: `way_m`.
+    /// Numbers of the summary that belong to no joint, by name: `farthest_m`.
     pub readings: Vec<(String, f64)>,
     /// What verifying the answer gave; empty where it was not verified.
     pub checks: Vec<StoredCheck>,

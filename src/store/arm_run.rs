@@ -1,8 +1,9 @@
 //! The files of an arm's run, and its summary.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
+use super::run_summary::of_limit;
 use super::run_tables::{
     ARM_NODES, CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS,
     REACTIONS, REPORT, RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES, write_rows,
@@ -12,7 +13,7 @@ use crate::csv::{Column, ColumnGroup, Digits};
 use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
 use crate::link::Arm;
 use crate::motion::Prescribed;
-use crate::result::{ArmMetrics, Exceeded, Limits, Remark, StoredWarning};
+use crate::result::{Exceeded, JointMetrics, Limits, Metrics, Remark, StoredWarning};
 use crate::verify::Verification;
 
 /// A run of an arm: its solution, and what is known of it beside its numbers.
@@ -21,11 +22,11 @@ pub struct ArmRun<'a> {
     /// The solution.
     pub solution: &'a ArmSolution,
     /// Its numbers.
-    pub metrics: &'a ArmMetrics,
+    pub metrics: &'a Metrics,
     /// Limits of each joint.
     pub limits: &'a [Limits],
-    /// Those that it exceeds, with the number of the joint.
-    pub exceeded: &'a [(usize, Exceeded)],
+    /// Those that it exceeds.
+    pub exceeded: &'a [Exceeded],
     /// Checks of the answer, if it was verified.
     pub verification: Option<&'a Verification>,
     /// Remarks on the arm.
@@ -272,9 +273,13 @@ pub(super) fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -
     })
 }
 
-/// The warning of a limit that a joint, numbered from 0, exceeds.
-pub(super) fn of_joint_limit((joint, exceeded): &(usize, Exceeded)) -> StoredWarning {
-    StoredWarning::new(Exceeded::KIND, &exceeded.of_joint(*joint), exceeded.hint())
+/// The numbers of a joint, its angles at the ends among them.
+fn joint_record(joint: &JointMetrics) -> Map<String, Value> {
+    let mut record = joint.by_name();
+    let [start_rad, end_rad] = joint.end_angles_rad;
+    record.insert("start_angle_rad".to_owned(), start_rad.into());
+    record.insert("end_angle_rad".to_owned(), end_rad.into());
+    record
 }
 
 impl Summary {
@@ -283,7 +288,7 @@ impl Summary {
         let ArmRun { solution, metrics, limits: given, exceeded, verification, remarks } = *run;
         let arm = &solution.arm;
         let warning = |w: &ArmWarning| StoredWarning::new(w.kind(), w, w.hint());
-        let limits = exceeded.iter().map(of_joint_limit);
+        let limits = exceeded.iter().map(of_limit);
         let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
         let (grid, path) = (&solution.grid, &solution.path);
         let (first, last) = path.moving_samples();
@@ -297,6 +302,8 @@ impl Summary {
                 },
                 "moves_from_s": path.grid().time_s(first),
                 "moves_until_s": path.grid().time_s(last),
+                "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
+                "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
             },
             "analysis": {
                 "tolerance": solution.analysis.tolerance(),
@@ -309,8 +316,8 @@ impl Summary {
                 "first_zero_per_s": solution.first_zero_per_s,
             },
             "results": {
-                "way_m": solution.way_m,
-                "joints": metrics.joints,
+                "farthest_m": solution.way_m,
+                "joints": metrics.joints.iter().map(joint_record).collect::<Vec<_>>(),
             },
             "errors": { "tip": solution.expected_tip_error(), "joints": solution.errors },
             "second_order": {

@@ -5,11 +5,10 @@ use std::num::NonZeroUsize;
 use serde_json::{Value, json};
 
 use super::arm_run::{
-    Table, arm_record, each, joint_angle, of_joint_limit, one, position, tip_table, torque,
-    write_nodes,
+    Table, arm_record, each, joint_angle, one, position, tip_table, torque, write_nodes,
 };
 use super::folder::{FolderError, OutputFolder};
-use super::run_summary::tip_numbers;
+use super::run_summary::{of_limit, played_results, tip_numbers};
 use super::run_tables::{
     CHORD_ANGLES, DISPLACEMENTS, ERROR, HUB_ANGLE, JOINT_ANGLES, NODES, PLAYED_HUB, POSITIONS,
     RESULT_FILES, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, TORQUES, WANTED, WANTED_PLACE,
@@ -19,7 +18,7 @@ use super::summary::{RunInputs, Summary};
 use crate::csv::{Column, ColumnGroup, group, write_csv};
 use crate::link::{Arm, Link};
 use crate::response::{ArmPlay, ArmPlayWarning, PlayedArm, Simulation};
-use crate::result::{ArmPlayMetrics, FollowedTarget, Limits, StoredWarning};
+use crate::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
 
 /// A simulation of an arm, and what is known of it beside its numbers.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +30,7 @@ pub struct PlayedRun<'a> {
     /// The motion.
     pub played: &'a PlayedArm,
     /// Its numbers.
-    pub metrics: &'a ArmPlayMetrics,
+    pub metrics: &'a PlayedMetrics,
     /// Limits of each joint.
     pub limits: &'a [Limits],
     /// The tip beside its target, if there is one.
@@ -187,7 +186,7 @@ impl Summary {
             },
             "feedback": gains.collect::<Vec<_>>(),
             "elastica": { "angles": played.angles, "steps_per_sample": played.steps },
-            "results": metrics,
+            "results": played_results(metrics),
             "errors": {
                 "refinement": { "tip_m": tip_m, "joints_rad": joint_rad },
                 "energy": played.imbalance(),
@@ -199,7 +198,7 @@ impl Summary {
             values["limits"] = json!(limits);
         }
         let exceeded = metrics.exceeded(run.limits);
-        let exceeded = exceeded.iter().map(of_joint_limit);
+        let exceeded = exceeded.iter().map(of_limit);
         let warning = |w: &ArmPlayWarning| StoredWarning::new(w.kind(), w, w.hint());
         let late = tip_error.and_then(|error| error.late);
         let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
 use super::run_tables::{DEFLECTIONS, RunOutputs};
@@ -15,8 +15,8 @@ use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{Ends, TipMotion};
 use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
 use crate::result::{
-    Comparison, Exceeded, FollowedTarget, Limits, Metrics, PlayedMetrics, Remark, StoredWarning,
-    TipError,
+    Comparison, Exceeded, FollowedTarget, Limits, Metrics, PlayedJoint, PlayedMetrics, Remark,
+    StoredWarning, TipError,
 };
 use crate::verify::Verification;
 
@@ -79,7 +79,7 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
 }
 
 /// The warning of a limit that is exceeded.
-fn of_limit(exceeded: &Exceeded) -> StoredWarning {
+pub(super) fn of_limit(exceeded: &Exceeded) -> StoredWarning {
     StoredWarning::new(Exceeded::KIND, exceeded, exceeded.hint())
 }
 
@@ -107,7 +107,7 @@ impl Summary {
             "modal_damping_ratios": law.modal_ratios(&frequencies),
             "zeros_per_s": solution.zeros_per_s(REPORTED_ZEROS),
             "analysis": analysis_values(solution),
-            "results": solve_results(metrics),
+            "results": metrics.hub().by_name(),
             "errors": solution.accuracy,
         });
         if let Some(found) = solution.second_order() {
@@ -169,7 +169,7 @@ impl Summary {
         let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
         let late = tip_error.and_then(|error| error.late);
         let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
-        let exceeded = limits.exceeded_in_play(metrics);
+        let exceeded = metrics.exceeded(&[limits]);
         let input = match play.input {
             Input::Torque(_) => "torque",
             Input::HubAngle(_) => "hub_angle",
@@ -288,42 +288,41 @@ fn analysis_values(solution: &Solution) -> Value {
     })
 }
 
-fn solve_results(metrics: &Metrics) -> Value {
-    let mut results = json!({
-        "peak_torque_n_m": metrics.peak_torque_n_m.value,
-        "peak_torque_time_s": metrics.peak_torque_n_m.time_s,
-        "rms_torque_n_m": metrics.rms_torque_n_m,
-        "peak_rigid_torque_n_m": metrics.peak_rigid_torque_n_m.value,
-        "torque_ratio": metrics.torque_ratio,
-        "lead_s": metrics.lead_s,
-        "lag_s": metrics.lag_s,
-        "peak_hub_angle_rad": metrics.peak_hub_angle_rad.value,
-        "peak_hub_rate_rad_s": metrics.peak_hub_rate_rad_s.value,
-        "peak_power_w": metrics.peak_power_w.value,
-        "peak_root_moment_n_m": metrics.peak_root_moment_n_m.value,
-        "peak_deflection_m": metrics.peak_deflection_m.value,
-    });
-    if let Some(motor) = &metrics.motor {
-        results["peak_motor_torque_n_m"] = motor.peak_torque_n_m.value.into();
-        results["peak_motor_torque_time_s"] = motor.peak_torque_n_m.time_s.into();
-        results["rms_motor_torque_n_m"] = motor.rms_torque_n_m.into();
-        results["peak_motor_rate_rad_s"] = motor.peak_rate_rad_s.value.into();
-        results["peak_motor_power_w"] = motor.peak_power_w.value.into();
+/// The results of a simulation: its numbers with those of the hub, or of an arm with those of its joints.
+pub(super) fn played_results(metrics: &PlayedMetrics) -> Value {
+    let mut results = Map::new();
+    if metrics.final_tip_m.is_none() {
+        // It stands first.
+        results.insert("peak_torque_n_m".to_owned(), Value::Null);
     }
-    results
+    results.insert("farthest_m".to_owned(), metrics.farthest_m.into());
+    results.insert("travel_m".to_owned(), metrics.travel_m.into());
+    results.insert("final_tip_velocity_m_s".to_owned(), metrics.final_tip_velocity_m_s.into());
+    if let Some(final_tip_m) = metrics.final_tip_m {
+        results.insert("final_tip_m".to_owned(), json!(final_tip_m));
+        let joints: Vec<_> = metrics.joints.iter().map(played_joint).collect();
+        results.insert("joints".to_owned(), json!(joints));
+    } else {
+        results.extend(played_joint(metrics.hub()));
+    }
+    results.into()
 }
 
-fn played_results(metrics: &PlayedMetrics) -> Value {
-    json!({
-        "peak_torque_n_m": metrics.peak_torque_n_m.value,
-        "farthest_m": metrics.farthest_m,
-        "travel_m": metrics.travel_m,
-        "final_tip_velocity_m_s": metrics.final_tip_velocity_m_s,
-        "peak_hub_angle_rad": metrics.peak_hub_angle_rad.value,
-        "peak_hub_rate_rad_s": metrics.peak_hub_rate_rad_s.value,
-        "peak_power_w": metrics.peak_power_w.value,
-        "peak_deflection_m": metrics.peak_deflection_m.value,
-    })
+/// The results of a simulation's joint.
+fn played_joint(joint: &PlayedJoint) -> Map<String, Value> {
+    let [start_rad, end_rad] = joint.end_angles_rad;
+    let ends = joint.joint.and(Some([start_rad, end_rad]));
+    let numbers = [
+        ("peak_torque_n_m", Some(joint.peak_torque_n_m.value)),
+        ("holding_torque_n_m", joint.holding_torque_n_m),
+        ("start_angle_rad", ends.map(|ends| ends[0])),
+        ("end_angle_rad", ends.map(|ends| ends[1])),
+        ("peak_hub_angle_rad", Some(joint.peak_hub_angle_rad.value)),
+        ("peak_hub_rate_rad_s", Some(joint.peak_hub_rate_rad_s.value)),
+        ("peak_power_w", Some(joint.peak_power_w.value)),
+        ("peak_deflection_m", joint.peak_deflection_m.map(|peak| peak.value)),
+    ];
+    numbers.into_iter().filter_map(|(key, own)| Some((key.to_owned(), own?.into()))).collect()
 }
 
 pub(super) fn tip_numbers(error: &TipError) -> Value {

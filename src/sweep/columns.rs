@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::inverse::{ArmSolution, Solution};
 use crate::modal::torque_zeros;
 use crate::response::{ResidualVibration, Simulation};
-use crate::result::{ArmMetrics, JointMetrics, Metrics, MotorMetrics, PlayedMetrics, TipError};
+use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
 
 /// A case whose torque was computed.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ pub struct ArmCase<'a> {
     /// The solution.
     pub solution: &'a ArmSolution,
     /// Its metrics.
-    pub metrics: &'a ArmMetrics,
+    pub metrics: &'a Metrics,
 }
 
 /// A column and the number that it shows of a case, where it has one.
@@ -43,35 +43,18 @@ type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
 type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 type OfArm = (&'static str, fn(&ArmCase<'_>) -> Option<f64>);
 
-/// What stands before and after a joint's number in the name of its column, and the number that it shows.
-type OfJoint = ((&'static str, &'static str), fn(&JointMetrics) -> Option<f64>);
-
-const SOLVED: [Solved; 18] = [
+/// The columns of a link before and after those of its hub.
+const BEFORE: [Solved; 2] = [
     ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
     ("zero_1_per_s", |case| case.solution.first_zero_per_s),
-    ("peak_torque_n_m", |case| Some(case.metrics.peak_torque_n_m.value)),
-    ("rms_torque_n_m", |case| Some(case.metrics.rms_torque_n_m)),
-    ("peak_rigid_torque_n_m", |case| Some(case.metrics.peak_rigid_torque_n_m.value)),
-    ("torque_ratio", |case| Some(case.metrics.torque_ratio)),
-    ("lead_s", |case| case.metrics.lead_s),
-    ("lag_s", |case| case.metrics.lag_s),
-    ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
-    ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
-    ("peak_root_moment_n_m", |case| Some(case.metrics.peak_root_moment_n_m.value)),
-    ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+];
+const AFTER: [Solved; 6] = [
     ("band_hz", |case| Some(case.solution.band.cutoff_hz.unwrap_or(case.solution.band.highest_hz))),
     ("tip_error", |case| Some(case.solution.accuracy.tip)),
     ("torque_mesh_error", |case| Some(case.solution.accuracy.errors.torque.mesh)),
     ("torque_window_error", |case| Some(case.solution.accuracy.errors.torque.window)),
     ("torque_model_error", |case| case.solution.accuracy.errors.torque.model),
     ("tip_model_error", |case| case.solution.accuracy.tip_model),
-];
-
-const DRIVEN: [Solved; 4] = [
-    ("peak_motor_torque_n_m", |case| of_motor(case, |motor| motor.peak_torque_n_m.value)),
-    ("rms_motor_torque_n_m", |case| of_motor(case, |motor| motor.rms_torque_n_m)),
-    ("peak_motor_rate_rad_s", |case| of_motor(case, |motor| motor.peak_rate_rad_s.value)),
-    ("peak_motor_power_w", |case| of_motor(case, |motor| motor.peak_power_w.value)),
 ];
 
 const PLAYED: [Played; 16] = [
@@ -88,34 +71,15 @@ const PLAYED: [Played; 16] = [
     ("residual_share", |case| residual(case).map(|left| left.share)),
     ("residual_frequency_hz", |case| residual(case)?.frequency_hz),
     ("residual_decay_s", |case| residual(case)?.decay_s),
-    ("peak_hub_rate_rad_s", |case| Some(case.metrics.peak_hub_rate_rad_s.value)),
-    ("peak_power_w", |case| Some(case.metrics.peak_power_w.value)),
-    ("peak_deflection_m", |case| Some(case.metrics.peak_deflection_m.value)),
+    ("peak_hub_rate_rad_s", |case| Some(case.metrics.hub().peak_hub_rate_rad_s.value)),
+    ("peak_power_w", |case| Some(case.metrics.hub().peak_power_w.value)),
+    ("peak_deflection_m", |case| case.metrics.hub().peak_deflection_m.map(|peak| peak.value)),
     ("tip_model_error", |case| Some(case.simulation.modes()?.model_error.tip)),
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
 ];
 
 /// The first column of an arm, before those of its joints.
 const ARM: OfArm = ("zero_1_per_s", |case| case.solution.first_zero_per_s);
-
-const JOINT: [OfJoint; 9] = [
-    (("peak_torque", "_n_m"), |joint| Some(joint.peak_torque_n_m)),
-    (("rms_torque", "_n_m"), |joint| Some(joint.rms_torque_n_m)),
-    (("peak_rigid_torque", "_n_m"), |joint| Some(joint.peak_rigid_torque_n_m)),
-    (("lead", "_s"), |joint| Some(joint.lead_s)),
-    (("lag", "_s"), |joint| Some(joint.lag_s)),
-    (("peak_rate", "_rad_s"), |joint| Some(joint.peak_rate_rad_s)),
-    (("peak_power", "_w"), |joint| Some(joint.peak_power_w)),
-    (("peak_root_moment", "_n_m"), |joint| Some(joint.peak_root_moment_n_m)),
-    (("peak_deflection", "_m"), |joint| Some(joint.peak_deflection_m)),
-];
-
-const DRIVEN_JOINT: [OfJoint; 4] = [
-    (("peak_motor_torque", "_n_m"), |joint| joint.peak_motor_torque_n_m),
-    (("rms_motor_torque", "_n_m"), |joint| joint.rms_motor_torque_n_m),
-    (("peak_motor_rate", "_rad_s"), |joint| joint.peak_motor_rate_rad_s),
-    (("peak_motor_power", "_w"), |joint| joint.peak_motor_power_w),
-];
 
 /// The columns of an arm after those of its joints; errors are the worst of all joints.
 const ARM_ERRORS: [OfArm; 5] = [
@@ -134,8 +98,9 @@ fn residual<'a>(case: &PlayedCase<'a>) -> Option<&'a ResidualVibration> {
     case.simulation.modes().and_then(|modes| modes.residual.as_ref())
 }
 
-fn of_motor(case: &SolvedCase, number: fn(&MotorMetrics) -> f64) -> Option<f64> {
-    case.metrics.motor.as_ref().map(number)
+/// The quantities of a joint that have a column: of a motor or not.
+fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
+    QUANTITIES.iter().filter(move |own| own.is_swept && own.is_of_motor == is_of_motor)
 }
 
 /// Which numbers a sweep has of its cases: the columns between those of the variations and the last two,
@@ -166,35 +131,38 @@ pub type CaseNumbers = Vec<Option<f64>>;
 impl SweepKind {
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
-        match self {
-            Self::Solved => SOLVED.map(|(name, _)| name.to_owned()).into(),
-            Self::Driven => SOLVED.iter().chain(&DRIVEN).map(|(name, _)| (*name).into()).collect(),
-            Self::Played => PLAYED.map(|(name, _)| name.to_owned()).into(),
-            Self::Arm { joints } | Self::DrivenArm { joints } => {
-                let of_joint = |joint: usize| {
-                    let columns = self.of_joint();
-                    columns.map(move |((quantity, unit), _)| format!("{quantity}{joint}{unit}"))
-                };
-                let errors = ARM_ERRORS.map(|(name, _)| name.to_owned());
-                [ARM.0.to_owned()]
-                    .into_iter()
-                    .chain((1..=joints).flat_map(of_joint))
-                    .chain(errors)
-                    .collect()
+        let hub = |is_of_motor| swept(is_of_motor).map(|own| own.column(None));
+        let of_link =
+            |columns: &[Solved]| columns.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let of_arm =
+            |columns: &[OfArm]| columns.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let parts: [Vec<String>; 4] = match self {
+            Self::Played => return PLAYED.map(|(name, _)| name.to_owned()).into(),
+            Self::Solved | Self::Driven => {
+                let motor = hub(true).filter(|_| self == Self::Driven).collect();
+                [of_link(&BEFORE), hub(false).collect(), of_link(&AFTER), motor]
             }
-        }
+            Self::Arm { joints } | Self::DrivenArm { joints } => {
+                let of_joint = |joint| self.of_joint().map(move |own| own.column(Some(joint)));
+                let joints = (1..=joints).flat_map(of_joint).collect();
+                [of_arm(&[ARM]), joints, of_arm(&ARM_ERRORS), vec![]]
+            }
+        };
+        parts.concat()
     }
 
     /// The columns of each joint of an arm.
-    fn of_joint(self) -> impl Iterator<Item = &'static OfJoint> {
-        let driven = DRIVEN_JOINT.iter().filter(move |_| matches!(self, Self::DrivenArm { .. }));
-        JOINT.iter().chain(driven)
+    fn of_joint(self) -> impl Iterator<Item = &'static JointQuantity> {
+        let driven = swept(true).filter(move |_| matches!(self, Self::DrivenArm { .. }));
+        swept(false).chain(driven)
     }
 
     /// The numbers of a solved case.
     pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
-        let driven = DRIVEN.iter().filter(|_| self == Self::Driven);
-        SOLVED.iter().chain(driven).map(|(_, of)| of(case)).collect()
+        let hub = |is_of_motor| swept(is_of_motor).map(|own| (own.of)(case.metrics.hub()));
+        let driven = hub(true).filter(|_| self == Self::Driven);
+        let of = |(_, of): &Solved| of(case);
+        BEFORE.iter().map(of).chain(hub(false)).chain(AFTER.iter().map(of)).chain(driven).collect()
     }
 
     /// The numbers of a case on which a torque was played.
@@ -205,7 +173,7 @@ impl SweepKind {
     /// The numbers of a case of an arm with as many joints as there are columns for.
     pub fn of_arm(self, case: &ArmCase) -> CaseNumbers {
         let joints = case.metrics.joints.iter();
-        let of_joints = joints.flat_map(|joint| self.of_joint().map(move |(_, of)| of(joint)));
+        let of_joints = joints.flat_map(|joint| self.of_joint().map(move |own| (own.of)(joint)));
         let of_arm = |(_, of): &OfArm| of(case);
         [of_arm(&ARM)].into_iter().chain(of_joints).chain(ARM_ERRORS.iter().map(of_arm)).collect()
     }

@@ -8,7 +8,7 @@ use crate::inverse::{Analysis, ArmSolution, PerQuantity, QuantityErrors, Resourc
 use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts, ParameterError};
 use crate::numeric::{Size, extremes};
 use crate::response::PlayedArm;
-use crate::result::{ArmMetrics, LimitedValue, Limits};
+use crate::result::{LimitedValue, Limits, Metrics};
 use crate::text::significant;
 
 /// What an error of the joints' motion, a share of their ranges, may at most become of the tip's way.
@@ -214,9 +214,9 @@ fn found_rigid(
 
 /// The checks of the limits: each value over its limit.
 fn limits(answer: &ArmAnswer<'_>) -> Vec<Check> {
-    let metrics = ArmMetrics::of(answer.solution);
-    let reached = metrics.limited(answer.limits);
-    let check = |(joint, value): &(usize, LimitedValue)| {
+    let reached = Metrics::of(answer.solution).limited(answer.limits);
+    let check = |value: &LimitedValue| {
+        let joint = value.joint.unwrap_or_default();
         let check = Kind::LIMIT.measured_to(value.found / value.limit, 1.0);
         let (name, number) = (format!("{}{}_{}", check.name, joint + 1, value.key), joint + 1);
         Check { name, what: format!("joint {number} {}.{}", check.what, value.key), ..check }

@@ -18,7 +18,7 @@ use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::motion::Ends;
 use crate::numeric::{largest, magnitude};
-use crate::result::Reached;
+use crate::result::{Reached, reached};
 use check::{Kind, PEAK, RANGE};
 use playback::{Played, played, tip_solved, torque_change};
 
@@ -71,7 +71,8 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     }
     checks.extend([dense_transfer(answer), energy]);
     checks.extend(accuracy.tip_model.map(|strays| Kind::MODEL.measured(answer, strays)));
-    checks.extend(limits.reached(solution).iter().map(|reached| within(answer, reached)));
+    let reached = reached(*solution, &[**limits]);
+    checks.extend(reached.iter().map(|reached| within(answer, reached)));
     Ok(Verification { checks })
 }
 

@@ -139,7 +139,7 @@ fn the_shortest_path_within_the_limits_of_all_joints_is_found() {
         assert!(bench.run(&[&step, &line[..], &exact].concat()).status.success());
         let summary = stdout(&bench.run(&["solve", arm, "exact.csv", "--json"]));
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-        summary["results"]["joints"][0]["peak_rate_rad_s"].as_f64().unwrap()
+        summary["results"]["joints"][0]["peak_hub_rate_rad_s"].as_f64().unwrap()
     };
     assert!(rate(duration - 0.02) > 0.3 && rate(duration) <= 0.3, "{duration} s");
     assert!(bench.read("fit.csv").ends_with(&bench.read("exact.csv")));

@@ -6,7 +6,7 @@ use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::InputFile;
 use flexlink::link::ArmLink;
 use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
-use flexlink::result::{ArmPlayMetrics, FollowedTarget, TargetError};
+use flexlink::result::{FollowedTarget, PlayedMetrics, TargetError};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{PlayedRun, RunInputs, SimulateFiles, Summary, state_json};
 use flexlink::text::{plain, shown_path};
@@ -28,7 +28,7 @@ pub(super) struct ArmInputs {
 struct Played<'a> {
     play: ArmPlay<'a>,
     motion: PlayedArm,
-    metrics: ArmPlayMetrics,
+    metrics: PlayedMetrics,
     warnings: Vec<ArmPlayWarning>,
     target: Option<FollowedTarget>,
     nodes_m: Vec<Vec<f64>>,
@@ -57,8 +57,7 @@ impl Simulate {
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         console::warnings(late.map(|late| (late, late.hint())));
         let exceeded = run.metrics.exceeded(run.limits);
-        let limits = exceeded.iter();
-        console::warnings(limits.map(|(joint, e)| (e.of_joint(*joint), e.hint())));
+        console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
         let written = format!("{} files in {}", run.file_names().len(), shown_path(&self.output));
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
         self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())
@@ -87,7 +86,7 @@ impl Simulate {
         });
         let target = target.transpose()?;
         let nodes_m = nodes_m(&inputs.specification)?;
-        let metrics = ArmPlayMetrics::of(&motion);
+        let metrics = PlayedMetrics::of_arm(&motion);
         Ok(Played { play, motion, metrics, warnings, target, nodes_m })
     }
 

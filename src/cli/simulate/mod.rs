@@ -213,7 +213,7 @@ impl Simulate {
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
         let late = target.as_ref().and_then(|target| target.tip_error.late);
         console::warnings(late.map(|late| (late, late.hint())));
-        let exceeded = played.limits.exceeded_in_play(metrics);
+        let exceeded = metrics.exceeded(&[played.limits]);
         console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
         let text = || {
             let files = RunOutputs::simulation_file_names(target.as_ref()).len();

@@ -95,7 +95,7 @@ impl<'a> ArmProblem<'a> {
         console::remarks(&solved.remarks);
         console::warnings(solved.solution.warnings.iter().map(|w| (w, w.hint())));
         let limits = solved.exceeded.iter().skip(usize::from(is_strict));
-        console::warnings(limits.map(|(joint, e)| (e.of_joint(*joint), e.hint())));
+        console::warnings(limits.map(|limit| (limit, limit.hint())));
     }
 
     /// Number of the files that are written.

@@ -224,9 +224,8 @@ impl Solve {
         };
         self.print(&summary, text, table.as_ref().map(|table| (table, &*checks)))?;
         verification.as_ref().map_or(Ok(()), refuse_failed)?;
-        if let Some((joint, limit)) = exceeded.first().filter(|_| self.strict) {
-            let message = limit.of_joint(*joint);
-            return Err(Failure::new(Exit::NotSolvable, &message, Some(limit.hint())));
+        if let Some(limit) = exceeded.first().filter(|_| self.strict) {
+            return Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint())));
         }
         self.warnings.refuse(solution.warnings.len() + exceeded.len() + warned)?;
         Ok(Ending::Done)

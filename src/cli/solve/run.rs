@@ -215,7 +215,7 @@ impl<'a> Problem<'a> {
         };
         let verification = self.options.verify.then(verify).transpose()?;
         let metrics = Metrics::of(&solution);
-        let exceeded = limits.exceeded(&metrics);
+        let exceeded = metrics.exceeded(&[*limits]);
         let remarks = remarks(&self.specification.remarks, &solution);
         Ok(Solved { solution, metrics, exceeded, verification, remarks, memory_bytes })
     }

@@ -24,13 +24,9 @@ impl Notice {
 
     /// The warning of an exceeded limit, whose key its kind names.
     pub(crate) fn of_limit(limit: &Exceeded) -> Self {
-        Self::new(&format!("{}:{}", Exceeded::KIND, limit.0.key), limit, limit.hint())
-    }
-
-    /// That of a joint of an arm, numbered from 0.
-    pub(crate) fn of_joint((joint, limit): &(usize, Exceeded)) -> Self {
-        let kind = format!("{}:joint{}.{}", Exceeded::KIND, joint + 1, limit.0.key);
-        Self::new(&kind, &limit.of_joint(*joint), limit.hint())
+        let joint = limit.0.joint.map(|joint| format!("joint{}.", joint + 1));
+        let kind = format!("{}:{}{}", Exceeded::KIND, joint.unwrap_or_default(), limit.0.key);
+        Self::new(&kind, limit, limit.hint())
     }
 
     fn is_of_limit(&self) -> bool {

@@ -79,7 +79,7 @@ impl Cases<'_> {
             first_rad_s: first_rad_s.first().copied(),
         };
         let numbers = self.kind.solved(&found);
-        let exceeded = limits.exceeded(&metrics);
+        let exceeded = metrics.exceeded(&[*limits]);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
@@ -134,7 +134,7 @@ impl Cases<'_> {
         let SolvedArm { solution, metrics, exceeded, remarks, .. } = &solved;
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
         let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(Notice::of_joint);
+        let limits = exceeded.iter().map(Notice::of_limit);
         Ok((numbers, own.chain(limits).collect(), remarks.clone()))
     }
 
@@ -193,7 +193,7 @@ impl Cases<'_> {
         let own = simulation.warnings.iter().copied().chain(coarse);
         let own = own.map(|w| Notice::new(w.kind(), &w, w.hint()));
         let late = tip_error.late.map(|late| Notice::new(late.kind(), &late, late.hint()));
-        let exceeded = limits.exceeded_in_play(&metrics);
+        let exceeded = metrics.exceeded(&[*limits]);
         let notices = own.chain(late).chain(exceeded.iter().map(Notice::of_limit)).collect();
         Ok((numbers, notices, remarks.clone()))
     }

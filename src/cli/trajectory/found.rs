@@ -9,8 +9,8 @@ use crate::terminal::{Exit, Failure, StageBar, console, memory};
 use flexlink::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, invert_with};
 use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
 use flexlink::result::{
-    ArmFitProblem, ArmMetrics, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics,
-    OpenMotion, Peak, Remark, shortest_arm_fit, shortest_fit,
+    ArmFitProblem, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak,
+    Remark, shortest_arm_fit, shortest_fit,
 };
 use flexlink::spec::{ArmSpecification, Override, SpecError, Specification};
 use flexlink::text::{excerpt, plain, significant, visible};
@@ -87,7 +87,7 @@ impl Search<'_> {
         }
         warn(&solution);
         console::remarks(Remark::on_jumps(&solution).as_slice());
-        let exceeded = specification.map(|own| own.limits.exceeded(&metrics)).unwrap_or_default();
+        let exceeded = specification.map(|own| metrics.exceeded(&[own.limits])).unwrap_or_default();
         console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
         Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
     }
@@ -116,10 +116,9 @@ impl Search<'_> {
                 })
             },
         )?;
-        let values = ArmMetrics::of(&fit.solution).limited(&arm.limits).into_iter();
+        let values = Metrics::of(&fit.solution).limited(&arm.limits);
         let warnings = &fit.solution.warnings;
-        let values = values.map(|(joint, value)| (Some(joint), value));
-        let found = self.told(profile, (&fit, warnings.len(), ""), values);
+        let found = self.told(profile, (&fit, warnings.len(), ""), &values);
         console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
         Ok(Found { warnings: warnings.len(), ..found })
     }
@@ -174,14 +173,14 @@ impl Search<'_> {
                 })
             },
         )?;
-        let values = limits.limited_values(&Metrics::of(&fit.solution)).into_iter();
+        let values = Metrics::of(&fit.solution).limited(&[*limits]);
         let of = match course.ends() {
             Ends::Periodic => " each way",
             _ if course.stops_m().len() > 1 => " of moves",
             _ => "",
         };
         let warnings = kinds(&fit.solution).len();
-        let found = self.told(profile, (&fit, warnings, of), values.map(|value| (None, value)));
+        let found = self.told(profile, (&fit, warnings, of), &values);
         Ok((found, fit.solution))
     }
 
@@ -238,7 +237,7 @@ impl Search<'_> {
         &self,
         profile: Profile,
         (fit, warnings, of): (&Fit<S>, usize, &str),
-        values: impl IntoIterator<Item = (Option<usize>, LimitedValue)>,
+        values: &[LimitedValue],
     ) -> Found {
         let duration_s = plain(self.time_s(fit.steps));
         let found = format!("{duration_s} s{of}, {}", found_text(fit, values));
@@ -313,10 +312,11 @@ fn cycle_text(cycle_s: &str, metrics: &Metrics) -> String {
         let [rms, peak] = [rms, peak.value].map(|torque| significant(torque, 4));
         format!("{rms} N m rms, {peak} N m at its peak")
     };
-    let hub = torques(metrics.rms_torque_n_m, metrics.peak_torque_n_m);
-    let motor = metrics.motor.map_or(String::new(), |motor| {
+    let hub = metrics.hub();
+    let motor = hub.motor.map_or(String::new(), |motor| {
         format!("; of the motor {}", torques(motor.rms_torque_n_m, motor.peak_torque_n_m))
     });
+    let hub = torques(hub.rms_torque_n_m, hub.peak_torque_n_m);
     format!("a cycle of {cycle_s} s takes a torque of {hub}{motor}")
 }
 

@@ -8,17 +8,17 @@ use flexlink::inverse::{ArmSolution, QuantityErrors};
 use flexlink::link::{Arm, Damping};
 use flexlink::motion::Prescribed;
 use flexlink::response::{ArmModes, Interpolation, PoseMode, SettledModes};
-use flexlink::result::{ArmMetrics, JointMetrics, LinkZeros, PlayedJoint};
+use flexlink::result::{JointMetrics, LinkZeros, Metrics, PlayedJoint};
 use flexlink::store::PlayedRun;
 use flexlink::text::{plain, significant, visible};
 
 use super::layout::in_columns;
 use super::played::tip_error_line;
-use super::runs::{four, timing_line};
+use super::runs::{four, timing_text};
 use super::tables::{MESH_ERROR, share, unsteady, zero_rows};
 
 /// The summary of an arm's solution; `written` says where its files are.
-pub(crate) fn arm_text(solution: &ArmSolution, metrics: &ArmMetrics, written: String) -> String {
+pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: String) -> String {
     let mut text = String::new();
     let arm = &solution.arm;
     text += &title(arm);
@@ -104,23 +104,25 @@ fn order_line(solution: &ArmSolution) -> String {
 }
 
 fn joint_text(joint: &JointMetrics) -> String {
-    let [peak, rms, rigid] =
-        four([joint.peak_torque_n_m, joint.rms_torque_n_m, joint.peak_rigid_torque_n_m]);
-    let [start, end, rate, power] = four([
-        joint.start_angle_rad,
-        joint.end_angle_rad,
-        joint.peak_rate_rad_s,
-        joint.peak_power_w,
+    let [peak, rms, rigid] = four([
+        joint.peak_torque_n_m.value,
+        joint.rms_torque_n_m,
+        joint.peak_rigid_torque_n_m.value,
     ]);
-    let [deflection, moment] = four([joint.peak_deflection_m, joint.peak_root_moment_n_m]);
+    let [start, end] = four(joint.end_angles_rad);
+    let [rate, power, deflection, moment] = four([
+        joint.peak_hub_rate_rad_s.value,
+        joint.peak_power_w.value,
+        joint.peak_deflection_m.value,
+        joint.peak_root_moment_n_m.value,
+    ]);
     let mut text = format!(
         "peak {peak} N m, rms {rms} N m; the rigid arm {rigid} N m;\n         {}\n         turns from {start} to {end} rad; peaks {rate} rad/s, {power} W\n         its link bends by \
          {deflection} m; {moment} N m at its root",
-        timing_line(joint.lead_s, joint.lag_s)
+        timing_text(joint)
     );
-    let motor = joint.peak_motor_torque_n_m.zip(joint.peak_motor_rate_rad_s);
-    if let Some((torque, rate)) = motor {
-        let [torque, rate] = four([torque, rate]);
+    if let Some(motor) = &joint.motor {
+        let [torque, rate] = four([motor.peak_torque_n_m.value, motor.peak_rate_rad_s.value]);
         let _ = write!(text, "\n         its motor peaks {torque} N m, {rate} rad/s");
     }
     text
@@ -223,8 +225,8 @@ pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
     for (number, joint) in run.metrics.joints.iter().enumerate() {
         line(&format!("joint {}", number + 1), played_joint_text(joint, run.arm.has_weight()));
     }
-    let [way, x, y] =
-        four([run.metrics.way_m, run.metrics.final_tip_m[0], run.metrics.final_tip_m[1]]);
+    let [x, y] = four(run.metrics.final_tip_m.unwrap_or_default());
+    let way = significant(run.metrics.farthest_m, 4);
     line("tip", format!("moves by {way} m from where it starts; ends at {x}, {y} m"));
     line("error", run.target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default());
     line("errors", played_errors_line(run));
@@ -265,13 +267,10 @@ fn feedback_line(run: &PlayedRun<'_>) -> String {
 }
 
 fn played_joint_text(joint: &PlayedJoint, has_weight: bool) -> String {
-    let [peak, holding] = four([joint.peak_torque_n_m, joint.holding_torque_n_m]);
-    let [start, end, rate, power] = four([
-        joint.start_angle_rad,
-        joint.end_angle_rad,
-        joint.peak_rate_rad_s,
-        joint.peak_power_w,
-    ]);
+    let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
+    let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
+    let [start, end] = four(joint.end_angles_rad);
+    let [rate, power] = four([joint.peak_hub_rate_rad_s.value, joint.peak_power_w.value]);
     let holding =
         if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
     format!(

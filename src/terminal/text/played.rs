@@ -20,7 +20,8 @@ pub(crate) fn simulate_text(
     &PlayFindings { error, target, comparison, .. }: &PlayFindings,
     written: String,
 ) -> String {
-    let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
+    let own = metrics.hub();
+    let hub = [own.peak_hub_angle_rad, own.peak_hub_rate_rad_s, own.peak_power_w];
     labelled(
         link,
         [
@@ -33,7 +34,7 @@ pub(crate) fn simulate_text(
             played_by(simulation, play),
             ("tip", tip_line(metrics, play)),
             ("hub", hub_line(&hub)),
-            ("bending", deflection(metrics.peak_deflection_m)),
+            ("bending", own.peak_deflection_m.map(deflection).unwrap_or_default()),
             ("after", residual_line(simulation)),
             ("decay", decay_line(simulation, play)),
             ("error", target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default()),
@@ -112,7 +113,7 @@ fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
 }
 
 fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
-    let peak = significant(metrics.peak_torque_n_m.value, 4);
+    let peak = significant(metrics.hub().peak_torque_n_m.value, 4);
     if let Input::HubAngle(_) = play.input {
         return format!("peak {peak} N m, as the hub's motion takes it");
     }

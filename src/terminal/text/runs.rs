@@ -10,7 +10,7 @@ use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::Ends;
 use flexlink::numeric::ThinnedGrid;
-use flexlink::result::{Metrics, MotorMetrics, Peak};
+use flexlink::result::{JointMetrics, Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, plain, significant, visible};
 
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
@@ -30,7 +30,8 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let hub = [metrics.peak_hub_angle_rad, metrics.peak_hub_rate_rad_s, metrics.peak_power_w];
+    let own = metrics.hub();
+    let hub = [own.peak_hub_angle_rad, own.peak_hub_rate_rad_s, own.peak_power_w];
     labelled(
         link,
         [
@@ -40,11 +41,11 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
             ("order", order_line(solution)),
             ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
             ("motion", motion_line(solution, metrics)),
-            ("torque", torque_line(metrics)),
-            ("timing", timing_text(metrics)),
+            ("torque", torque_line(own)),
+            ("timing", timing_text(own)),
             ("hub", hub_line(&hub)),
-            ("motor", metrics.motor.as_ref().map(motor_line).unwrap_or_default()),
-            ("bending", bending_line(metrics)),
+            ("motor", own.motor.as_ref().map(motor_line).unwrap_or_default()),
+            ("bending", bending_line(own)),
             ("errors", solution_errors(solution)),
             ("written", written),
         ],
@@ -222,7 +223,7 @@ fn acting(peak_n_m: Peak, rms_n_m: f64) -> String {
 }
 
 /// The hub's torque beside that of a rigid link.
-fn torque_line(metrics: &Metrics) -> String {
+fn torque_line(metrics: &JointMetrics) -> String {
     let [peak, rigid] = four([metrics.peak_torque_n_m.value, metrics.peak_rigid_torque_n_m.value]);
     let [time, rms, ratio] =
         [metrics.peak_torque_n_m.time_s, metrics.rms_torque_n_m, metrics.torque_ratio]
@@ -236,15 +237,13 @@ fn torque_line(metrics: &Metrics) -> String {
     wrapped(parts.into_iter(), "")
 }
 
-fn timing_text(metrics: &Metrics) -> String {
-    match metrics.lead_s.zip(metrics.lag_s) {
-        Some((lead_s, lag_s)) => timing_line(lead_s, lag_s),
-        None => "one cycle, which the torque repeats".to_owned(),
-    }
+pub(super) fn timing_text(metrics: &JointMetrics) -> String {
+    let times_s = metrics.lead_s.zip(metrics.lag_s);
+    times_s.map_or("one cycle, which the torque repeats".to_owned(), timing_line)
 }
 
 /// When the torque is above 2 % of its peak. A slow motion begins and ends with less.
-pub(super) fn timing_line(lead_s: f64, lag_s: f64) -> String {
+fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {
         return format!("starts {start} s before the motion, ends {end} s after it (2 % level)");
@@ -270,7 +269,7 @@ pub(super) fn deflection(peak_m: Peak) -> String {
     format!("tip deflects by up to {} m", significant(peak_m.value, 4))
 }
 
-fn bending_line(metrics: &Metrics) -> String {
+fn bending_line(metrics: &JointMetrics) -> String {
     let moment = significant(metrics.peak_root_moment_n_m.value, 4);
     deflection(metrics.peak_deflection_m) + &format!(", root moment up to {moment} N m")
 }
@@ -341,8 +340,8 @@ mod tests {
                 "starts 0.100 s before the motion begins, ends 0.0201 s before it ends",
             ),
         ];
-        for ((lead_s, lag_s), text) in expected {
-            assert_eq!(timing_line(lead_s, lag_s), text);
+        for (times_s, text) in expected {
+            assert_eq!(timing_line(times_s), text);
             assert!(LABEL + text.chars().count() <= COLUMNS, "{text}");
         }
     }

@@ -149,12 +149,9 @@ fn check_line(check: &Check) -> String {
 }
 
 /// How a duration was found among those that were tried, with all limits that it is within.
-pub(crate) fn found_text<S>(
-    fit: &Fit<S>,
-    values: impl IntoIterator<Item = (Option<usize>, LimitedValue)>,
-) -> String {
-    let each = values.into_iter().map(|(joint, value)| {
-        let LimitedValue { key, limit, unit, .. } = value;
+pub(crate) fn found_text<S>(fit: &Fit<S>, values: &[LimitedValue]) -> String {
+    let each = values.iter().map(|value| {
+        let LimitedValue { joint, key, limit, unit, .. } = *value;
         format!("{}{key}={} {unit}", of_joint(joint), given(limit))
     });
     let within = each.collect::<Vec<_>>().join(", ");
@@ -184,6 +181,6 @@ pub(crate) fn binding_text<S>(fit: &Fit<S>) -> String {
     let (key, unit) = (value.key, value.unit);
     let (found, limit) = (significant(value.found, 5), given(value.limit));
     let error = format!("{below} % below it with its error of {error:.1e} added");
-    let of = of_joint(fit.joint);
+    let of = of_joint(value.joint);
     format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
 }

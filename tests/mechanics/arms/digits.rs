@@ -14,9 +14,9 @@ use flexlink::csv::{TableFormat, read_path_table};
 use flexlink::inverse::{Analysis, ArmJoint, ArmSolution, PerQuantity, QuantityErrors};
 use flexlink::link::{Arm, Damping, Hub, LinkParts, Payload, Segment};
 use flexlink::motion::ArmPath;
-use flexlink::result::{ArmMetrics, Remark};
+use flexlink::result::{JointMetrics, Metrics, Remark};
 
-use super::inversion::{arm, solved};
+use super::inversion::{arm, largest, solved};
 use super::two_links;
 use crate::elastica;
 use crate::recordings::{Random, Shape, min_jerk, septic, sine};
@@ -207,12 +207,15 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
     let of = |decimals| {
         let path = way.path(&arm, decimals);
         let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
-        let metrics = ArmMetrics::of(&found);
-        let remarks = Remark::on_arm_timing(&found, &metrics);
+        let metrics = Metrics::of(&found);
+        let remarks = Remark::on_timing(&found);
         // Rounded samples leave their rest later than exact ones.
         let (first, last) = found.path.moving_samples();
         let [from_s, until_s] = [first, last].map(|sample| found.path.grid().time_s(sample));
-        let times_s = metrics.joints.iter().map(|own| [from_s - own.lead_s, until_s + own.lag_s]);
+        let times_s = metrics
+            .joints
+            .iter()
+            .map(|own| [from_s - own.lead_s.unwrap(), until_s + own.lag_s.unwrap()]);
         (times_s.collect::<Vec<_>>(), remarks)
     };
     let (exact, none) = of(16);
@@ -231,4 +234,35 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
         }
     }
     assert!(told > 0);
+}
+
+/// Peaks lie between samples: those of a step four times as long are the same, though its largest samples differ.
+#[test]
+fn the_peaks_of_an_arm_do_not_change_with_the_step() {
+    let arm = arm(&two_links(), [0.0, -9.81]);
+    let of = |steps| {
+        let way = Way {
+            names: vec!["x".to_owned(), "y".to_owned()],
+            ends: vec![[0.9, 0.5], [-0.5, 0.8]],
+            shape: septic,
+            duration_s: 1.5,
+            steps,
+        };
+        solved(&arm, &way.path(&arm, 16), ElementCount::Auto, &Analysis::default())
+    };
+    let [coarse, fine] = [of(80), of(320)];
+    let [own, other] = [&coarse, &fine].map(|solution| Metrics::of(solution).joints);
+    let mut missed = 0.0_f64;
+    for (joint, (own, other)) in own.iter().zip(&other).enumerate() {
+        let numbers = |own: &JointMetrics| {
+            [own.peak_torque_n_m, own.peak_hub_rate_rad_s, own.peak_power_w, own.peak_deflection_m]
+                .map(|peak| peak.value)
+        };
+        for (own, other) in numbers(own).into_iter().zip(numbers(other)) {
+            assert!((own / other - 1.0).abs() < 1e-5, "joint {joint}: {own} {other}");
+        }
+        let sampled = largest(coarse.joints[joint].angle[1].iter().copied());
+        missed = missed.max(1.0 - sampled / other.peak_hub_rate_rad_s.value);
+    }
+    assert!(missed > 1e-4, "the largest samples are the peaks: {missed:e}");
 }

@@ -76,12 +76,12 @@ fn with_errors(value: f64, errors: QuantityErrors) -> f64 {
 
 /// Peak torque at the hub in N m, its measured errors added.
 fn hub_peak(solution: &Solution) -> f64 {
-    with_errors(Metrics::of(solution).peak_torque_n_m.value, solution.accuracy.errors.torque)
+    with_errors(Metrics::of(solution).hub().peak_torque_n_m.value, solution.accuracy.errors.torque)
 }
 
 /// The same of the motor.
 fn motor_peak(solution: &Solution) -> f64 {
-    let motor = Metrics::of(solution).motor.unwrap();
+    let motor = Metrics::of(solution).hub().motor.unwrap();
     with_errors(motor.peak_torque_n_m.value, solution.accuracy.errors.motor_torque.unwrap())
 }
 

@@ -2,7 +2,7 @@
 
 use flexlink::inverse::{Solution, invert};
 use flexlink::motion::{Profile, TipMotion};
-use flexlink::result::{Fit, Limits, Reached};
+use flexlink::result::{Fit, Limits, Reached, reached};
 use flexlink::spec::Specification;
 
 use super::{Open, fitted, link, motor_torque, open, solved, torque};
@@ -43,7 +43,7 @@ fn cases() -> [Case; 7] {
 
 /// The limited value that comes closest to its limit.
 fn closest(limits: &Limits, solution: &Solution) -> Reached {
-    let reached = limits.reached(solution).into_iter();
+    let reached = reached(solution, &[*limits]).into_iter();
     reached.max_by(|a, b| a.share().total_cmp(&b.share())).unwrap()
 }
 

@@ -3,7 +3,7 @@
 use super::{Smooth, link, mesh_of, solved};
 use flexlink::inverse::{Analysis, InversionError, Solution, invert};
 use flexlink::link::Drive;
-use flexlink::result::{Limits, Metrics, Peak};
+use flexlink::result::{JointMetrics, Limits, Metrics, Peak};
 use flexlink::text::significant;
 
 const STIFF: Drive =
@@ -29,21 +29,21 @@ fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
     assert_eq!(motor.torque_n_m, solution.torque_n_m);
     assert_eq!(motor.angle_rad, solution.hub_angle_rad);
     assert_eq!(motor.rate_rad_s, solution.hub_rate_rad_s);
-    let metrics = Metrics::of(&solution);
+    let metrics = *Metrics::of(&solution).hub();
     let motor = metrics.motor.unwrap();
     assert_eq!(motor.peak_torque_n_m, metrics.peak_torque_n_m);
     assert_eq!((motor.peak_rate_rad_s, motor.peak_power_w), hub_peaks(&metrics));
     assert!((motor.rms_torque_n_m / metrics.rms_torque_n_m - 1.0).abs() < 1e-15);
 }
 
-fn hub_peaks(metrics: &Metrics) -> (Peak, Peak) {
+fn hub_peaks(metrics: &JointMetrics) -> (Peak, Peak) {
     (metrics.peak_hub_rate_rad_s, metrics.peak_power_w)
 }
 
 #[test]
 fn a_link_without_a_drive_has_no_motor() {
     let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    assert!(solution.motor.is_none() && Metrics::of(&solution).motor.is_none());
+    assert!(solution.motor.is_none() && Metrics::of(&solution).hub().motor.is_none());
 }
 
 #[test]
@@ -95,7 +95,8 @@ fn the_joint_twists_by_torque_over_stiffness_and_the_rotor_takes_its_share() {
 #[test]
 fn only_exceeded_limits_are_told_with_their_numbers() {
     let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    let metrics = Metrics::of(&solution);
+    let found = Metrics::of(&solution);
+    let metrics = found.hub();
     let torque = metrics.peak_torque_n_m.value;
     let limits = Limits {
         torque_n_m: Some(0.5 * torque),
@@ -103,7 +104,7 @@ fn only_exceeded_limits_are_told_with_their_numbers() {
         power_w: Some(0.9 * metrics.peak_power_w.value),
         ..Limits::default()
     };
-    let exceeded = limits.exceeded(&metrics);
+    let exceeded = found.exceeded(&[limits]);
     let keys: Vec<&str> = exceeded.iter().map(|limit| limit.0.key).collect();
     assert_eq!(keys, ["torque", "power"]);
     let message = exceeded[0].to_string();

@@ -223,7 +223,7 @@ fn the_motors_torque_counts_where_it_is_worse_than_the_hubs() {
 #[test]
 fn every_limit_is_a_check_and_the_error_counts() {
     let mut run = rome(Analysis::new(1e-4, None, None).unwrap());
-    let metrics = Metrics::of(&run.solution);
+    let metrics = *Metrics::of(&run.solution).hub();
     let motor = metrics.motor.unwrap();
     let (torque, power) = (metrics.peak_torque_n_m.value, motor.peak_power_w.value);
     let errors = run.solution.accuracy.errors.torque;
