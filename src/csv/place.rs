@@ -72,7 +72,7 @@ impl Place<'_> {
         must: impl Into<String>,
     ) -> TableError {
         let message = format!("{} = {}, but {}", subject.into(), found.into(), must.into());
-        self.refuse_whole(message)
+        self.refuse_whole(&message)
     }
 
     /// *place: column N = "name", but must*, the first column being number 0.
@@ -95,12 +95,12 @@ impl Place<'_> {
     }
 
     /// *place: message*, with control characters escaped: a message may name columns of the file.
-    pub(crate) fn refuse_whole(&self, message: String) -> TableError {
+    pub(crate) fn refuse_whole(&self, message: &str) -> TableError {
         let place = match self.line {
             Some(line) => format!("{}:{line}", self.file),
             None => self.file.to_owned(),
         };
-        TableError { place, message: visible(&message).into_owned(), hint: None }
+        TableError { place, message: visible(message).into_owned(), hint: None }
     }
 }
 

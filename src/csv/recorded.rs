@@ -125,7 +125,7 @@ impl MotionTable {
         let (rested_m, moved_m) = rested(given_m, deviation_m).map_err(|error| {
             let hint =
                 "record the tip at rest before and after the motion, or give the noise as it is";
-            place.refuse_whole(error.to_string()).with_hint(Some(hint.to_owned()))
+            place.refuse_whole(&error.to_string()).with_hint(Some(hint.to_owned()))
         })?;
         self.columns.displacement_m = Some(rested_m);
         self.recording.uncertainty = Some(Uncertainty::Noisy { deviation_m, moved_m });

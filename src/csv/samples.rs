@@ -210,7 +210,7 @@ pub(super) fn refuse_samples(
 ) -> TableError {
     // Samples of no file have no lines.
     let place = Place { file, line: sample.and_then(|sample| lines.get(sample).copied()) };
-    place.refuse_whole(why.to_string()).with_hint(hint.map(str::to_owned))
+    place.refuse_whole(&why.to_string()).with_hint(hint.map(str::to_owned))
 }
 
 /// One field of a column, in SI.

@@ -118,6 +118,11 @@ impl<T: Copy> PerQuantity<T> {
 }
 
 impl PerQuantity<QuantityErrors> {
+    /// One kind of error of every quantity.
+    pub fn of_kind(&self, kind: impl Fn(QuantityErrors) -> f64) -> PerQuantity<f64> {
+        self.zip(self, |errors, _| kind(errors))
+    }
+
     /// These errors with those of a further kind, where they were measured.
     pub(super) fn with(
         &self,
@@ -186,13 +191,6 @@ pub struct Accuracy {
     /// What each quantity may be off by, over its own peak.
     #[serde(flatten)]
     pub errors: PerQuantity<QuantityErrors>,
-}
-
-impl Accuracy {
-    /// The same kind of error of every quantity; one that was not measured counts as 0.
-    pub fn of_kind(&self, kind: impl Fn(QuantityErrors) -> f64) -> PerQuantity<f64> {
-        self.errors.zip(&self.errors, |errors, _| kind(errors))
-    }
 }
 
 #[cfg(test)]

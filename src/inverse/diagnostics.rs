@@ -94,7 +94,7 @@ impl Diagnostics<'_> {
         let times = rows as f64 / given as f64;
         let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
         let coarse = |kind: fn(QuantityErrors) -> f64| {
-            Some(accuracy.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
+            Some(accuracy.errors.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
         };
         let coarse_mesh = coarse(|errors| errors.mesh)
             .map(|(quantity, error)| Warning::CoarseMesh { of, quantity, error });
@@ -148,7 +148,7 @@ impl Diagnostics<'_> {
         let slow = slow.filter(|factor| *factor > SLOW);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
         let tolerance = self.analysis.tolerance();
-        let iteration = self.accuracy.of_kind(|errors| errors.iteration.unwrap_or(0.0));
+        let iteration = self.accuracy.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
         let inexact = Some(iteration.worst()).filter(|(_, error)| *error > tolerance);
         let inexact = inexact.map(|(quantity, share)| Warning::InexactIteration {
             quantity,
@@ -169,7 +169,7 @@ impl Diagnostics<'_> {
     /// The worst of the quantities beside the torque, which has warnings of its own.
     fn inexact_window(&self) -> Option<Warning> {
         let tolerance = self.analysis.tolerance();
-        let mut shares = self.accuracy.of_kind(|errors| errors.window);
+        let mut shares = self.accuracy.errors.of_kind(|errors| errors.window);
         // A torque that is cut off is cut off at the motor and along the link as well.
         if shares.torque > tolerance {
             (shares.motor_torque, shares.bending_moment) = (None, None);

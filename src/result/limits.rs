@@ -262,7 +262,7 @@ struct Errors<'a> {
 
 impl<'a> Errors<'a> {
     fn of(answer: &Answer, joint: &AnsweredJoint, metrics: &'a JointMetrics) -> Self {
-        let errors = joint.errors.zip(&joint.errors, |own, _| all_kinds(own));
+        let errors = joint.errors.of_kind(all_kinds);
         // With gravity errors are shares of ranges.
         let per_peak = |error: f64, history: &[f64]| {
             if answer.has_weight {

@@ -313,7 +313,5 @@ impl Fingerprint {
 pub(super) fn unreadable(error: &InputError) -> TableError {
     let text = error.to_string();
     let (file, message) = text.split_once(": ").unwrap_or(("", &text));
-    Place { file, line: None }
-        .refuse_whole(message.to_owned())
-        .with_hint(error.hint().map(str::to_owned))
+    Place { file, line: None }.refuse_whole(message).with_hint(error.hint().map(str::to_owned))
 }

@@ -127,7 +127,7 @@ fn links_of(summary: &Summary, place: Place) -> Result<Vec<(String, Link)>, Tabl
     let missing = || place.refuse("arm.links", "nothing", "must be a list of two links or more");
     let link = |(k, entry): (usize, &Value)| {
         let name = entry["name"].as_str().map_or_else(|| (k + 1).to_string(), str::to_owned);
-        let refused = |error: String| place.refuse_whole(format!("arm.links.{k}: {error}"));
+        let refused = |error: String| place.refuse_whole(&format!("arm.links.{k}: {error}"));
         let record = serde_json::from_value::<LinkRecord>(entry["link"].clone());
         let drive = serde_json::from_value::<Option<Drive>>(entry["drive"].clone());
         let (record, drive) = record

@@ -144,7 +144,7 @@ fn read_run(folder: RunFolder) -> Result<StoredResult, TableError> {
 
 /// Reads the tables of a run with this summary, which is at `place`.
 fn read_files(folder: RunFolder, summary: &Summary, place: Place) -> Result<StoredRun, TableError> {
-    let link = summary.link().map_err(|error| place.refuse_whole(format!("link.{error}")))?;
+    let link = summary.link().map_err(|error| place.refuse_whole(&format!("link.{error}")))?;
     let mesh = read_mesh(&folder.file(NODES.0)?, &link, &summary.stations_m())?;
 
     let mut torque = Table::of(&folder.file(TORQUE.0)?, &TORQUE.1)?;

@@ -190,7 +190,7 @@ impl Table {
         }
         TimeGrid::through(self.times_s()).map(drop).map_err(|error| {
             let place = Place { file: &self.shown, line: Some(self.lines[error.sample]) };
-            place.refuse_whole(error.to_string())
+            place.refuse_whole(&error.to_string())
         })
     }
 
@@ -360,7 +360,7 @@ pub(super) fn read_mesh(
     let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();
     let plan = MeshPlan::through(link, &nodes_m, stations_m);
     let mesh = plan.and_then(|plan| Mesh::new(link, &plan));
-    mesh.map_err(|error| whole.refuse_whole(error.to_string()))
+    mesh.map_err(|error| whole.refuse_whole(&error.to_string()))
 }
 
 /// Refuses a torque over other times than those of the summary.

@@ -104,7 +104,7 @@ impl RunRecord {
         let message = format!("{}, but must have SHA-256 {expected}", others.join(", "));
         let (role, give) = (role.to_uppercase(), self.give());
         let hint = format!("{role} has changed since the run, or is another file; {give}");
-        Err(self.place().refuse_whole(message).with_hint(hint))
+        Err(self.place().refuse_whole(&message).with_hint(hint))
     }
 
     /// Compares the files of the run with those of its repetition in another folder, but for its page and

@@ -55,18 +55,18 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     let Played { tip: mut checks, energy } = played(answer, &wanted)?;
     checks.extend(tip_solved(answer, &wanted));
     let accuracy = &solution.accuracy;
-    checks.push(worst(&Kind::MESH, answer, &accuracy.of_kind(|errors| errors.mesh)));
+    checks.push(worst(&Kind::MESH, answer, &accuracy.errors.of_kind(|errors| errors.mesh)));
     checks.extend(with_the_step_halved(answer)?);
     // A cycle has no edge.
     if solution.motion.ends() != Ends::Periodic {
-        checks.push(worst(&Kind::WINDOW, answer, &accuracy.of_kind(|errors| errors.window)));
+        checks.push(worst(&Kind::WINDOW, answer, &accuracy.errors.of_kind(|errors| errors.window)));
     }
     if accuracy.errors.torque.modes.is_some() {
-        let left_out = accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0));
+        let left_out = accuracy.errors.of_kind(|errors| errors.modes.unwrap_or(0.0));
         checks.push(worst(&Kind::MODES, answer, &left_out));
     }
     if accuracy.errors.torque.iteration.is_some() {
-        let iteration = accuracy.of_kind(|errors| errors.iteration.unwrap_or(0.0));
+        let iteration = accuracy.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
         checks.push(worst(&Kind::ITERATION, answer, &iteration));
     }
     checks.extend([dense_transfer(answer), energy]);

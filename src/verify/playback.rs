@@ -171,6 +171,7 @@ fn played_large(
     };
     let stated = solution
         .accuracy
+        .errors
         .of_kind(|of| of.mesh + of.window + of.step.unwrap_or(0.0) + of.iteration.unwrap_or(0.0));
     let of_hub = stated.hub_angle.max(stated.hub_acceleration.unwrap_or(0.0));
     let analysis = &solution.analysis;

@@ -128,10 +128,7 @@ impl Solver<'_> {
         let spectrum = &solved.answer.path.tip.spectrum;
         let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
         for (joint, errors) in solution.errors.iter().enumerate() {
-            let worst = |kind: &dyn Fn(QuantityErrors) -> f64| {
-                let all = errors.zip(errors, |own, _| kind(own));
-                all.worst()
-            };
+            let worst = |kind: &dyn Fn(QuantityErrors) -> f64| errors.of_kind(kind).worst();
             let (quantity, share) = worst(&|own| own.window);
             let mut found = Vec::new();
             found.extend((share > tolerance).then_some(Warning::InexactWindow {

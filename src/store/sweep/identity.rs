@@ -157,13 +157,13 @@ impl SweepIdentity {
 
     fn checked(record: Record, place: Place) -> Result<Self, TableError> {
         let shard = record.shard.parse::<Shard>();
-        let shard = shard.map_err(|error| place.refuse_whole(error.to_string()))?;
+        let shard = shard.map_err(|error| place.refuse_whole(&error.to_string()))?;
         let variations: Result<Vec<Variation>, _> =
             record.inputs.vary.iter().map(|text| text.parse()).collect();
         let plan = variations
             .map_err(|error: VariationError| error.to_string())
             .and_then(|variations| SweepPlan::new(variations).map_err(|error| error.to_string()))
-            .map_err(|error| place.refuse_whole(format!("{VARY}: {error}")))?;
+            .map_err(|error| place.refuse_whole(&format!("{VARY}: {error}")))?;
         if plan.cases() != record.cases {
             let must = format!("must be {}, as inputs.vary has it", plan.cases());
             return Err(place.refuse("cases", record.cases.to_string(), must));

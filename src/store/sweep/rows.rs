@@ -133,7 +133,7 @@ impl SweepRows {
 pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
     let Some(first) = shards.first() else {
         let place = Place { file: "shards", line: None };
-        return Err(place.refuse_whole("must be one file or more".to_owned()));
+        return Err(place.refuse_whole("must be one file or more"));
     };
     let of = first.identity.shard().of();
     let mut ordered: Vec<Option<&SweepRows>> = vec![None; of];
@@ -142,7 +142,7 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
         let earlier = ordered[shard.identity.shard().number() - 1].replace(shard);
         if let Some(earlier) = earlier {
             if earlier.name == shard.name {
-                return Err(shard.place().refuse_whole("is named twice".to_owned()));
+                return Err(shard.place().refuse_whole("is named twice"));
             }
             let must = format!("must be another one than that of {}", earlier.name);
             return Err(shard.place().refuse("shard", shard.identity.shard().to_string(), must));

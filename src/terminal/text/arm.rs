@@ -1,48 +1,47 @@
 //! The summaries that `solve` and `simulate` print of an arm, and its modes.
 
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
 
-use flexlink::elastica::SecondOrder;
-use flexlink::inverse::{ArmSolution, QuantityErrors};
+use flexlink::inverse::ArmSolution;
 use flexlink::link::{Arm, Damping};
 use flexlink::motion::Prescribed;
-use flexlink::response::{ArmModes, Interpolation, PoseMode, SettledModes};
-use flexlink::result::{JointMetrics, LinkZeros, Metrics, PlayedJoint};
+use flexlink::response::{ArmModes, PoseMode, SettledModes};
+use flexlink::result::{LinkZeros, Metrics, PlayedJoint};
 use flexlink::store::PlayedRun;
 use flexlink::text::{plain, significant, visible};
 
-use super::layout::in_columns;
-use super::played::tip_error_line;
-use super::runs::{four, timing_text};
+use super::layout::LABEL;
+use super::played::{between, times, tip_error_line, tip_line};
+use super::runs::{errors_text, four, hub_line, joint_lines, labelled, order_text, title, turned};
 use super::tables::{MESH_ERROR, share, unsteady, zero_rows};
 
 /// The summary of an arm's solution; `written` says where its files are.
 pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: String) -> String {
-    let mut text = String::new();
     let arm = &solution.arm;
-    text += &title(arm);
-    let mut line = |label: &str, content: String| {
-        if !content.is_empty() {
-            let _ = writeln!(text, "{label:<8} {content}");
-        }
-    };
-    line("arm", size_line(arm));
-    for (number, elements) in solution.elements().into_iter().enumerate() {
-        line(&format!("link {}", number + 1), link_line(solution, number, elements));
-    }
-    line("gravity", gravity_line(arm));
-    line("path", path_line(solution));
-    line("order", order_line(solution));
-    for (number, joint) in metrics.joints.iter().enumerate() {
-        line(&format!("joint {}", number + 1), joint_text(joint));
-    }
-    line("errors", errors_line(solution));
-    line("written", written);
-    text
+    let numbered = |what: &str, number: usize| format!("{what} {}", number + 1);
+    let links = solution.elements().into_iter().enumerate().map(|(number, elements)| {
+        (numbered("link", number), arm_link_line(solution, number, elements))
+    });
+    let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
+        let lines = joint_lines(joint).map(|(_, line)| line);
+        let lines: Vec<String> = lines.into_iter().filter(|line| !line.is_empty()).collect();
+        (numbered("joint", number), lines.join(&format!("\n{:LABEL$}", "")))
+    });
+    let own = |label: &str, line: String| (label.to_owned(), line);
+    let lines = [own("arm", size_line(arm))].into_iter().chain(links);
+    let lines = lines.chain([
+        own("gravity", gravity_line(arm)),
+        own("path", path_line(solution)),
+        own("order", order_line(solution)),
+    ]);
+    let of = if arm.has_weight() { "of the range" } else { "of the peak" };
+    let tip = Some(solution.expected_tip_error());
+    let errors = errors_text(&solution.errors, (tip, None), (false, of));
+    let end = [own("errors", errors), own("written", written)];
+    labelled(arm.title(), lines.chain(joints).chain(end))
 }
 
-fn link_line(solution: &ArmSolution, number: usize, elements: usize) -> String {
+fn arm_link_line(solution: &ArmSolution, number: usize, elements: usize) -> String {
     let own = &solution.arm.links()[number];
     let name = own.name.as_deref().map(|name| format!("{}, ", visible(name))).unwrap_or_default();
     let [length, mass] = four([own.link.length_m(), own.link.mass_kg()]);
@@ -51,10 +50,6 @@ fn link_line(solution: &ArmSolution, number: usize, elements: usize) -> String {
         name => name,
     };
     format!("{name}{length} m, {mass} kg, {elements} elements, {damping} damping")
-}
-
-fn title(arm: &Arm) -> String {
-    if arm.title().is_empty() { String::new() } else { format!("{}\n", visible(arm.title())) }
 }
 
 fn size_line(arm: &Arm) -> String {
@@ -84,68 +79,11 @@ fn path_line(solution: &ArmSolution) -> String {
 }
 
 fn order_line(solution: &ArmSolution) -> String {
-    let findings = &solution.findings;
-    let slopes: Vec<String> =
-        solution.links.iter().map(|link| significant(link.largest_slope, 3)).collect();
-    let slopes = format!("largest slopes {}", slopes.join(", "));
-    let name = match findings.order {
-        SecondOrder::None => return format!("none: linear; {slopes}"),
-        SecondOrder::First => "first",
-        SecondOrder::Full => "full",
-    };
-    let iteration = &findings.iteration;
-    let change = significant(100.0 * iteration.second_order_change, 2);
-    let contraction = iteration.contraction.map_or("none".into(), |own| significant(own, 2));
+    let (findings, iteration) = (&solution.findings, &solution.findings.iteration);
+    let slopes: Vec<f64> = solution.links.iter().map(|link| link.largest_slope).collect();
+    let iterated = (iteration.second_order_change, iteration.iterations, iteration.contraction);
     let fallback = findings.fallback.map_or("", |_| "; all terms do not converge");
-    format!(
-        "{name}: {change} % of a torque; {slopes};\n         {} iterations, contraction {contraction}{fallback}",
-        iteration.iterations
-    )
-}
-
-fn joint_text(joint: &JointMetrics) -> String {
-    let [peak, rms, rigid] = four([
-        joint.peak_torque_n_m.value,
-        joint.rms_torque_n_m,
-        joint.peak_rigid_torque_n_m.value,
-    ]);
-    let [start, end] = four(joint.end_angles_rad);
-    let [rate, power, deflection, moment] = four([
-        joint.peak_hub_rate_rad_s.value,
-        joint.peak_power_w.value,
-        joint.peak_deflection_m.value,
-        joint.peak_root_moment_n_m.value,
-    ]);
-    let mut text = format!(
-        "peak {peak} N m, rms {rms} N m; the rigid arm {rigid} N m;\n         {}\n         turns from {start} to {end} rad; peaks {rate} rad/s, {power} W\n         its link bends by \
-         {deflection} m; {moment} N m at its root",
-        timing_text(joint)
-    );
-    if let Some(motor) = &joint.motor {
-        let [torque, rate] = four([motor.peak_torque_n_m.value, motor.peak_rate_rad_s.value]);
-        let _ = write!(text, "\n         its motor peaks {torque} N m, {rate} rad/s");
-    }
-    text
-}
-
-fn errors_line(solution: &ArmSolution) -> String {
-    type Kind = fn(&QuantityErrors) -> Option<f64>;
-    let kinds: [(&str, Kind); 5] = [
-        ("mesh", |own| Some(own.mesh)),
-        ("window", |own| Some(own.window)),
-        ("step", |own| own.step),
-        ("iteration", |own| own.iteration),
-        ("input", |own| own.input),
-    ];
-    let worst = kinds.into_iter().filter_map(|(name, kind)| {
-        let is_there = solution.errors.iter().any(|own| kind(&own.torque).is_some());
-        let error = is_there.then(|| solution.worst(|own| kind(own).unwrap_or(0.0)))?;
-        Some((name.to_owned(), significant(error, 2)))
-    });
-    let tip = ("tip".to_owned(), significant(solution.expected_tip_error(), 2));
-    let of = if solution.arm.has_weight() { "range" } else { "peak" };
-    let end = format!("of each {of}, worst of all joints");
-    in_columns(std::iter::once(tip).chain(worst), &end)
+    order_text(findings.order, &slopes, iterated) + fallback
 }
 
 /// Modes of an arm in a pose, joints free and held, and zeros of its links.
@@ -171,7 +109,7 @@ pub(crate) fn arm_modes_text(arm: &Arm, found: &ArmModes, zeros: &[LinkZeros]) -
         lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
         lines.extend(zero_rows(own));
     }
-    title(arm) + &lines.join("\n") + "\n"
+    title(arm.title()) + &lines.join("\n") + "\n"
 }
 
 fn rotors_held(joint_stiffnesses_n_m_rad: &[f64]) -> String {
@@ -211,27 +149,26 @@ fn arm_mode_rows(found: &SettledModes) -> Vec<String> {
 
 /// The summary of an arm's simulation; `written` says where its files are.
 pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
-    let mut text = title(run.arm);
-    let mut line = |label: &str, content: String| {
-        if !content.is_empty() {
-            let _ = writeln!(text, "{label:<8} {content}");
-        }
-    };
-    line("arm", size_line(run.arm));
-    line("damping", damping_line(run));
-    line("gravity", gravity_line(run.arm));
-    line("torques", torques_line(run));
-    line("feedback", feedback_line(run));
-    for (number, joint) in run.metrics.joints.iter().enumerate() {
-        line(&format!("joint {}", number + 1), played_joint_text(joint, run.arm.has_weight()));
-    }
-    let [x, y] = four(run.metrics.final_tip_m.unwrap_or_default());
-    let way = significant(run.metrics.farthest_m, 4);
-    line("tip", format!("moves by {way} m from where it starts; ends at {x}, {y} m"));
-    line("error", run.target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default());
-    line("errors", played_errors_line(run));
-    line("written", written.to_owned());
-    text
+    let own = |label: &str, line: String| (label.to_owned(), line);
+    let joints = run.metrics.joints.iter().enumerate().map(|(number, joint)| {
+        let line = played_joint_text(joint, run.arm.has_weight());
+        (format!("joint {}", number + 1), line)
+    });
+    let lines = [
+        own("arm", size_line(run.arm)),
+        own("damping", damping_line(run)),
+        own("gravity", gravity_line(run.arm)),
+        own("torques", torques_line(run)),
+        own("feedback", feedback_line(run)),
+    ];
+    let error = run.target.map(|target| tip_error_line(&target.tip_error));
+    let end = [
+        own("tip", tip_line(run.metrics, false)),
+        own("error", error.unwrap_or_default()),
+        own("errors", played_errors_line(run)),
+        own("written", written.to_owned()),
+    ];
+    labelled(run.arm.title(), lines.into_iter().chain(joints).chain(end))
 }
 
 /// What is played in place of damping that has no equation in time.
@@ -246,14 +183,7 @@ fn damping_line(run: &PlayedRun<'_>) -> String {
 }
 
 fn torques_line(run: &PlayedRun<'_>) -> String {
-    let grid = &run.played.grid;
-    let [from, to, step] = four([grid.time_s(0), grid.end_s(), grid.step_s]);
-    let between = match run.play.interpolation {
-        Interpolation::Cubic => "cubic spline",
-        Interpolation::Linear => "straight lines",
-        Interpolation::Zero => "held from sample to sample",
-    };
-    format!("{from} … {to} s at {step} s, {between}")
+    format!("{}, {}", times(&run.played.grid), between(run.play.interpolation))
 }
 
 fn feedback_line(run: &PlayedRun<'_>) -> String {
@@ -269,14 +199,11 @@ fn feedback_line(run: &PlayedRun<'_>) -> String {
 fn played_joint_text(joint: &PlayedJoint, has_weight: bool) -> String {
     let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
     let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
-    let [start, end] = four(joint.end_angles_rad);
-    let [rate, power] = four([joint.peak_hub_rate_rad_s.value, joint.peak_power_w.value]);
     let holding =
         if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
-    format!(
-        "peak {peak} N m{holding}\n         turns from {start} to {end} rad; \
-         peaks {rate} rad/s, {power} W"
-    )
+    let turns = turned(Some(joint.end_angles_rad), joint.peak_hub_angle_rad);
+    let turns = hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w]);
+    format!("peak {peak} N m{holding}\n{:LABEL$}{turns}", "")
 }
 
 fn played_errors_line(run: &PlayedRun<'_>) -> String {

@@ -1,7 +1,7 @@
 //! The summary that `simulate` prints.
 
 use flexlink::link::{Damping, Link};
-use flexlink::numeric::largest;
+use flexlink::numeric::{TimeGrid, largest};
 use flexlink::response::{
     Input, Interpolation, ModalPlay, Play, PlayError, Played, PlayedModelError, Simulation,
 };
@@ -9,7 +9,8 @@ use flexlink::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipE
 use flexlink::store::PlayFindings;
 use flexlink::text::{plain, significant};
 
-use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line};
+use super::layout::LABEL;
+use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, turned};
 
 /// The summary of a torque or a hub motion that was played; `written` says where its files are.
 pub(crate) fn simulate_text(
@@ -21,9 +22,9 @@ pub(crate) fn simulate_text(
     written: String,
 ) -> String {
     let own = metrics.hub();
-    let hub = [own.peak_hub_angle_rad, own.peak_hub_rate_rad_s, own.peak_power_w];
+    let turns = turned(None, own.peak_hub_angle_rad);
     labelled(
-        link,
+        link.title(),
         [
             ("link", link_line(link, &simulation.mesh)),
             ("damping", played_damping(link, simulation, play)),
@@ -32,8 +33,8 @@ pub(crate) fn simulate_text(
             ("torque", played_torque(play, metrics)),
             ("feedback", feedback_line(play)),
             played_by(simulation, play),
-            ("tip", tip_line(metrics, play)),
-            ("hub", hub_line(&hub)),
+            ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
+            ("hub", hub_line(&turns, [own.peak_hub_rate_rad_s, own.peak_power_w])),
             ("bending", own.peak_deflection_m.map(deflection).unwrap_or_default()),
             ("after", residual_line(simulation)),
             ("decay", decay_line(simulation, play)),
@@ -117,17 +118,21 @@ fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
     if let Input::HubAngle(_) = play.input {
         return format!("peak {peak} N m, as the hub's motion takes it");
     }
-    let between = match play.interpolation {
+    let (times, between) = (times(&play.input.grid()), between(play.interpolation));
+    format!("{times}, {between}; peak {peak} N m")
+}
+
+/// How a torque is played between its samples.
+pub(super) fn between(interpolation: Interpolation) -> &'static str {
+    match interpolation {
         Interpolation::Cubic => "cubic spline",
         Interpolation::Linear => "straight lines",
         Interpolation::Zero => "held from sample to sample",
-    };
-    format!("{}, {between}; peak {peak} N m", times(play))
+    }
 }
 
 /// Times of the samples that are played.
-fn times(play: &Play) -> String {
-    let grid = play.input.grid();
+pub(super) fn times(grid: &TimeGrid) -> String {
     let [start, end] = four([grid.time_s(0), grid.end_s()]);
     format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
 }
@@ -136,7 +141,7 @@ fn times(play: &Play) -> String {
 fn played_hub(play: &Play) -> String {
     match play.input {
         Input::Torque(_) => String::new(),
-        Input::HubAngle(_) => format!("hub angle, {}, quintic spline", times(play)),
+        Input::HubAngle(_) => format!("hub angle, {}, quintic spline", times(&play.input.grid())),
     }
 }
 
@@ -183,13 +188,17 @@ fn modes_line(modes: &ModalPlay, play: &Play) -> String {
     format!("{modes} of {of}, to {highest} Hz ({input} band to {band} Hz)")
 }
 
-fn tip_line(metrics: &PlayedMetrics, play: &Play) -> String {
+pub(super) fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
     let [farthest, travel] = four([metrics.farthest_m, metrics.travel_m]);
-    if play.cycle_turn_rad.is_some() {
+    if is_cycle {
         return format!("moves by up to {farthest} m");
     }
     let velocity = significant(metrics.final_tip_velocity_m_s, 2);
-    format!("moves by up to {farthest} m, by {travel} m in all; ends with {velocity} m/s")
+    let travel = format!("moves by up to {farthest} m, by {travel} m in all;");
+    match metrics.final_tip_m.map(four) {
+        None => format!("{travel} ends with {velocity} m/s"),
+        Some([x, y]) => format!("{travel}\n{:LABEL$}ends with {velocity} m/s at {x}, {y} m", ""),
+    }
 }
 
 /// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.

@@ -1,11 +1,11 @@
 //! The summary that `solve` prints, and the lines of it that `simulate` prints, too.
 
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 
 use flexlink::beam::Mesh;
 use flexlink::elastica::SecondOrder;
-use flexlink::inverse::{Quantity, QuantityErrors, Solution};
+use flexlink::inverse::{PerQuantity, Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::Ends;
@@ -30,34 +30,36 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let own = metrics.hub();
-    let hub = [own.peak_hub_angle_rad, own.peak_hub_rate_rad_s, own.peak_power_w];
-    labelled(
-        link,
-        [
-            ("link", link_line(link, solution.mesh())),
-            ("damping", damping_line(link, law, &frequencies)),
-            ("gravity", gravity_line(solution)),
-            ("order", order_line(solution)),
-            ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
-            ("motion", motion_line(solution, metrics)),
-            ("torque", torque_line(own)),
-            ("timing", timing_text(own)),
-            ("hub", hub_line(&hub)),
-            ("motor", own.motor.as_ref().map(motor_line).unwrap_or_default()),
-            ("bending", bending_line(own)),
-            ("errors", solution_errors(solution)),
-            ("written", written),
-        ],
-    )
+    let before = [
+        ("link", link_line(link, solution.mesh())),
+        ("damping", damping_line(link, law, &frequencies)),
+        ("gravity", gravity_line(solution)),
+        ("order", order_line(solution)),
+        ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
+        ("motion", motion_line(solution, metrics)),
+    ];
+    let after = [("errors", solution_errors(solution)), ("written", written)];
+    labelled(link.title(), before.into_iter().chain(joint_lines(metrics.hub())).chain(after))
 }
 
-/// The link's title, then a line for each label that has content.
-pub(super) fn labelled<'a>(
-    link: &Link,
-    lines: impl IntoIterator<Item = (&'a str, String)>,
+/// The lines of a joint, its link and its motor.
+pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
+    let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
+    [
+        ("torque", torque_line(joint)),
+        ("timing", timing_text(joint)),
+        ("hub", hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w])),
+        ("motor", joint.motor.as_ref().map(motor_line).unwrap_or_default()),
+        ("bending", bending_line(joint)),
+    ]
+}
+
+/// A title, then a line for each label that has content.
+pub(super) fn labelled<L: Display>(
+    titled: &str,
+    lines: impl IntoIterator<Item = (L, String)>,
 ) -> String {
-    let mut text = title(link);
+    let mut text = title(titled);
     for (label, content) in lines.into_iter().filter(|(_, content)| !content.is_empty()) {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{label:<8} {content}");
@@ -65,9 +67,9 @@ pub(super) fn labelled<'a>(
     text
 }
 
-/// The link's title on a line of its own, if it has one.
-pub(super) fn title(link: &Link) -> String {
-    if link.title().is_empty() { String::new() } else { format!("{}\n", visible(link.title())) }
+/// The title of a link or an arm on a line of its own, if it has one.
+pub(super) fn title(title: &str) -> String {
+    if title.is_empty() { String::new() } else { format!("{}\n", visible(title)) }
 }
 
 /// Each number with four significant digits.
@@ -117,18 +119,29 @@ fn gravity_line(solution: &Solution) -> String {
 /// What was counted of the second order, and what it brought.
 fn order_line(solution: &Solution) -> String {
     let Some(found) = solution.second_order() else { return String::new() };
-    let slope = significant(found.largest_slope, 3);
-    let name = match found.order {
-        SecondOrder::None => return format!("none: linear; largest slope {slope}"),
+    let iterated = (found.torque_change, found.iterations, found.contraction);
+    order_text(found.order, &[found.largest_slope], iterated)
+}
+
+/// The order of the terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
+/// and the number of iterations with their contraction.
+pub(super) fn order_text(
+    order: SecondOrder,
+    slopes: &[f64],
+    (change, iterations, contraction): (f64, usize, Option<f64>),
+) -> String {
+    let slope = if slopes.len() > 1 { "slopes" } else { "slope" };
+    let slopes = format!("{slope} {}", list(slopes, 3));
+    let name = match order {
+        SecondOrder::None => return format!("none: linear; largest {slopes}"),
         SecondOrder::First => "first",
         SecondOrder::Full => "full",
     };
-    let change = significant(100.0 * found.torque_change, 2);
-    let contraction = found.contraction.map_or("none".into(), |factor| significant(factor, 2));
-    let iterations = found.iterations;
+    let change = significant(100.0 * change, 2);
+    let contraction = contraction.map_or("none".into(), |factor| significant(factor, 2));
     let parts = [
         format!("{name}: {change} % of torque"),
-        format!("slope {slope}"),
+        slopes,
         format!("{iterations} iterations"),
         format!("contraction {contraction}"),
     ];
@@ -231,7 +244,7 @@ fn torque_line(metrics: &JointMetrics) -> String {
     let parts = [
         format!("peak {peak} N m at {time} s"),
         format!("rms {rms}"),
-        format!("rigid link {rigid}"),
+        format!("rigid {} {rigid}", if metrics.joint.is_some() { "arm" } else { "link" }),
         format!("ratio {ratio}"),
     ];
     wrapped(parts.into_iter(), "")
@@ -253,10 +266,18 @@ fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     format!("starts {start} s {begins} the motion begins, ends {end} s {ends} it ends")
 }
 
-/// The largest angle, rate and power of the hub.
-pub(super) fn hub_line([angle_rad, rate_rad_s, power_w]: &[Peak; 3]) -> String {
-    let [angle, rate, power] = four([angle_rad.value, rate_rad_s.value, power_w.value]);
-    format!("turns by up to {angle} rad; peaks {rate} rad/s, {power} W")
+/// How far a hub turns, or from where to where a joint of an arm does.
+pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String {
+    match end_angles_rad.map(four) {
+        Some([from, to]) => format!("turns from {from} to {to} rad"),
+        None => format!("turns by up to {} rad", significant(peak_rad.value, 4)),
+    }
+}
+
+/// How a hub turns, its largest rate and its largest power.
+pub(super) fn hub_line(turns: &str, [rate_rad_s, power_w]: [Peak; 2]) -> String {
+    let [rate, power] = four([rate_rad_s.value, power_w.value]);
+    format!("{turns}; peaks {rate} rad/s, {power} W")
 }
 
 /// Torque, rate and power of the motor, on its own side of the gear.
@@ -283,10 +304,21 @@ const INPUT: &str = "input";
 /// A cycle is not cut out of a longer one.
 const WINDOW: &str = "window";
 
-/// The worst error of each kind, and of which quantity it is, where that is not the torque.
 fn solution_errors(solution: &Solution) -> String {
     let errors = &solution.accuracy;
     let is_cycle = solution.motion.ends() == Ends::Periodic;
+    let tip = solution.band.cutoff_hz.map(|_| errors.tip);
+    let of = if solution.link().has_weight() { "of the range" } else { "of the peak" };
+    errors_text(&[errors.errors], (tip, errors.tip_model), (is_cycle, of))
+}
+
+/// The errors of the tip, then the worst error of each kind, with its quantity where that is not the torque, and its joint
+/// of several.
+pub(super) fn errors_text(
+    errors: &[PerQuantity<QuantityErrors>],
+    (tip, tip_model): (Option<f64>, Option<f64>),
+    (is_cycle, of): (bool, &str),
+) -> String {
     let kinds: [(&str, Kind); 6] = [
         ("mesh", |errors| Some(errors.mesh)),
         (WINDOW, |errors| Some(errors.window)),
@@ -296,23 +328,28 @@ fn solution_errors(solution: &Solution) -> String {
         (INPUT, |errors| errors.input),
     ];
     let worst = kinds.iter().filter_map(|(name, kind)| {
-        kind(errors.errors.torque).filter(|_| !(is_cycle && *name == WINDOW))?;
-        let (quantity, error) = errors.of_kind(|e| kind(e).unwrap_or(0.0)).worst();
-        let of = match quantity {
-            Quantity::Torque => String::new(),
-            other => format!(" ({})", other.name().replace("acceleration", "accel.")),
-        };
+        let is_measured = errors.iter().any(|own| kind(own.torque).is_some());
+        let joints = (1..).zip(errors).filter(|_| is_measured && !(is_cycle && *name == WINDOW));
+        let worst = joints.map(|(joint, own)| {
+            let (quantity, error) = own.of_kind(|own| kind(own).unwrap_or(0.0)).worst();
+            (joint, own.torque.input, quantity, error)
+        });
+        let (joint, of_torque, quantity, error) =
+            worst.reduce(|worst, own| if own.3 > worst.3 { own } else { worst })?;
+        let of_joint = (errors.len() > 1).then(|| format!("joint {joint}"));
+        let other = (quantity != Quantity::Torque)
+            .then(|| quantity.name().replace("acceleration", "accel."));
+        let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");
+        let of = if of.is_empty() { of } else { format!(" ({of})") };
         // The input moves derivatives most; of the torque it must be known as well.
-        let torque = errors.errors.torque.input;
-        let torque = torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
+        let torque = of_torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
         let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
         Some((format!("{name}{of}"), format!("{torque}{error:.1e}")))
     });
-    let of = if solution.link().has_weight() { "of the range" } else { "of the peak" };
     let share = |name: &str, share: f64| (name.to_owned(), format!("{share:.1e}"));
-    let tip = solution.band.cutoff_hz.map(|_| share("tip", errors.tip));
-    let model = errors.errors.torque.model.map(|error| share("model", error));
-    let tip_model = errors.tip_model.map(|strays| share("model (tip)", strays));
+    let tip = tip.map(|error| share("tip", error));
+    let model = errors.iter().find_map(|own| own.torque.model).map(|error| share("model", error));
+    let tip_model = tip_model.map(|strays| share("model (tip)", strays));
     in_columns(tip.into_iter().chain(worst).chain(model).chain(tip_model), of)
 }
 

@@ -22,7 +22,7 @@ pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> Stri
     lines.push(hub_held(link));
     let held = &result.held;
     lines.extend(mode_rows(&held.omega_rad_s, &held.damping_ratios, &held.mesh_errors));
-    title(link) + &lines.join("\n") + "\n"
+    title(link.title()) + &lines.join("\n") + "\n"
 }
 
 /// A heading, then a row a zero, and a line for each frequency at which no torque moves the tip.
@@ -54,7 +54,7 @@ pub(crate) fn pose_text(link: &Link, mesh: &Mesh, pose: &PoseModes) -> String {
     lines.extend(pose_rows(0, &pose.free));
     lines.push(hub_held(link));
     lines.extend(pose_rows(1, &pose.held));
-    title(link) + &lines.join("\n") + "\n"
+    title(link.title()) + &lines.join("\n") + "\n"
 }
 
 /// What holds the hub.

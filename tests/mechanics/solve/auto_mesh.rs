@@ -73,7 +73,8 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
         let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
         for tolerance in [1e-2, 1e-4, 1e-6] {
             let solution = automatic(&link, &motion, tolerance);
-            let worst = |solution: &Solution| solution.accuracy.of_kind(|e| e.mesh).worst().1;
+            let worst =
+                |solution: &Solution| solution.accuracy.errors.of_kind(|e| e.mesh).worst().1;
             let error = worst(&solution);
             assert!(error <= tolerance, "{error:e} for {tolerance:e}");
             let elements = solution.mesh().elements().len();

@@ -174,7 +174,7 @@ fn a_cycle_is_that_of_the_motion_repeated_thirty_times() {
         assert!((motion.travel_m() - travel_m).abs() < 1e-12);
         let found = solved(&parts, &motion).unwrap();
         assert_eq!((found.grid.first, found.grid.len), (0, all.len()));
-        let (_, window) = found.accuracy.of_kind(|errors| errors.window).worst();
+        let (_, window) = found.accuracy.errors.of_kind(|errors| errors.window).worst();
         assert_eq!(window.to_bits(), 0, "nothing is cut off");
         let longer = solved(&parts, &repeated(samples, 30, travel_m)).unwrap();
         for (name, off) in apart(&found, &longer, 15.0 * CYCLE_S) {

@@ -192,7 +192,7 @@ fn modes_that_are_too_few_are_told_with_the_error_that_was_measured() {
     let solution = few(1);
     let warning = of_kind(&solution, "few_modes");
     let Warning::FewModes { error, .. } = *warning else { panic!("{warning}") };
-    let (_, worst) = solution.accuracy.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
+    let (_, worst) = solution.accuracy.errors.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
     assert!((error - worst).abs() < 1e-15 && error > 0.01, "{error}");
     assert!(few(8).warnings.is_empty(), "{:?}", few(8).warnings);
 }
