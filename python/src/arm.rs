@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyTuple};
 use flexlink::csv::{InputFile, PathTable};
 use flexlink::inverse::ArmJoint;
 use flexlink::motion::{PathColumn, PathColumns, Recording};
-use flexlink::result::StoredWarning;
+use flexlink::result::Notice;
 use flexlink::spec::{ArmSpecification, Described};
 use flexlink::store::{OutputFolder, RunInputs};
 
@@ -19,7 +19,7 @@ use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
 use crate::link::{PickledSource, Source, python_text};
-use crate::messages::{objects, of_arm, of_limit, of_remark, usage};
+use crate::messages::{objects, usage};
 use crate::motion::{
     MOTION, Motion, Pickled, PickledFile, path_of, pickled_file, refuse_reading, taken_time,
     unpickled_file,
@@ -183,7 +183,7 @@ pub(crate) struct ArmSolution {
     given: Arc<GivenPath>,
     keywords: Vec<String>,
     solved: SolvedArm,
-    pub(crate) warnings: Vec<StoredWarning>,
+    pub(crate) warnings: Vec<Notice>,
 }
 
 /// Solves an arm.
@@ -208,8 +208,8 @@ impl ArmSolution {
         keywords: Vec<String>,
         solved: SolvedArm,
     ) -> Self {
-        let limits = solved.exceeded.iter().map(of_limit);
-        let warnings = solved.solution.warnings.iter().map(of_arm).chain(limits).collect();
+        let limits = solved.exceeded.iter().map(Notice::from);
+        let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
         Self { source, given, keywords, solved, warnings }
     }
 
@@ -338,7 +338,7 @@ impl ArmSolution {
     /// What is possible but rare, often a slip of units.
     #[getter]
     fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.solved.remarks.iter().map(of_remark).collect::<Vec<_>>())
+        objects(py, &self.solved.remarks.iter().map(Notice::from).collect::<Vec<_>>())
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 
 use flexlink::fit::{FitOutcome, Replaced};
-use flexlink::result::StoredWarning;
+use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
 use crate::arm::Arm;
 use crate::cli::fit::{Problem, Unfitted, check_output};
 use crate::interrupt::until_pressed;
 use crate::link::{Link, Source, described_by};
-use crate::messages::{notice, objects, usage, warn};
+use crate::messages::{objects, usage, warn};
 use crate::options::common::option;
 use crate::terminal::{Failure, console};
 
@@ -103,9 +103,9 @@ impl Fit {
 }
 
 impl Fit {
-    fn warnings(&self) -> Vec<StoredWarning> {
+    fn warnings(&self) -> Vec<Notice> {
         let warnings = self.outcome.warnings().into_iter();
-        warnings.map(|own| notice(own.kind(), &own, own.hint())).collect()
+        warnings.map(Notice::from).collect()
     }
 
     fn write_to(&self, path: &Path) -> Result<(), Failure> {

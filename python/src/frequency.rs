@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::result::{BandMeshError, CoarseMesh, ModesResult};
+use flexlink::result::{BandMeshError, CoarseMesh, ModesResult, Notice};
 use flexlink::store::{ResponseColumns, arm_response, link_response};
 
 use crate::arm::Arm;
@@ -18,7 +18,7 @@ use crate::cli::modes::{computed, in_pose};
 use crate::interrupt::until_pressed;
 use crate::keywords;
 use crate::link::{Link, described_by};
-use crate::messages::{of_mesh, usage, warn};
+use crate::messages::{usage, warn};
 use crate::options::common::directions;
 use crate::terminal::Failure;
 
@@ -77,7 +77,7 @@ pub(crate) fn modes<'py>(
 
 /// Gives warnings of a coarse mesh to Python's filters.
 fn warn_of(py: Python<'_>, coarse: impl IntoIterator<Item = CoarseMesh>) -> PyResult<()> {
-    warn(py, &coarse.into_iter().map(|own| of_mesh(&own)).collect::<Vec<_>>())
+    warn(py, &coarse.into_iter().map(Notice::from).collect::<Vec<_>>())
 }
 
 /// One direction, or one for each link.

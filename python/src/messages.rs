@@ -3,8 +3,7 @@
 use pyo3::prelude::*;
 
 use flexlink::csv::Reading;
-use flexlink::inverse::{ArmWarning, Warning};
-use flexlink::result::{CoarseMesh, Exceeded, Remark, StoredWarning};
+use flexlink::result::Notice;
 
 use crate::terminal::{Exit, Failure};
 
@@ -79,53 +78,27 @@ pub(crate) fn usage(message: &impl ToString, hint: Option<&str>) -> Failure {
     Failure::new(Exit::Usage, message, hint)
 }
 
-pub(crate) fn of_solution(warning: &Warning) -> StoredWarning {
-    notice(warning.kind(), warning, warning.hint())
-}
-
-pub(crate) fn of_arm(warning: &ArmWarning) -> StoredWarning {
-    notice(warning.kind(), warning, warning.hint())
-}
-
-pub(crate) fn of_limit(exceeded: &Exceeded) -> StoredWarning {
-    notice(Exceeded::KIND, exceeded, exceeded.hint())
-}
-
-pub(crate) fn of_mesh(warning: &CoarseMesh) -> StoredWarning {
-    notice(warning.kind(), warning, warning.hint())
-}
-
 /// What was found in a file beyond the standard form.
-pub(crate) fn of_reading(shown: &str, reading: &Reading) -> Vec<StoredWarning> {
-    let note = reading.note().map(|note| notice("reading", &format!("{shown}: {note}"), ""));
-    let remarks = reading.remark().into_iter().chain(reading.jitter());
-    let remarks = remarks.map(|(own, hint)| notice("reading", &format!("{shown}: {own}"), hint));
+pub(crate) fn of_reading(shown: &str, reading: &Reading) -> Vec<Notice> {
+    let of = |text: &str, hint| Notice::new("reading", format!("{shown}: {text}"), hint);
+    let note = reading.note().map(|note| of(&note, ""));
+    let remarks = reading.remarks().map(|(remark, hint)| of(remark, hint));
     note.into_iter().chain(remarks).collect()
-}
-
-pub(crate) fn of_remark(remark: &Remark) -> StoredWarning {
-    notice(remark.kind(), remark, remark.hint())
-}
-
-/// What a user must know: its kind, its text, and what to do about it.
-pub(crate) fn notice(kind: &str, message: &impl ToString, hint: &str) -> StoredWarning {
-    StoredWarning { kind: kind.to_owned(), message: message.to_string(), hint: hint.to_owned() }
 }
 
 /// Warnings as objects of Python.
 pub(crate) fn objects<'py>(
     py: Python<'py>,
-    warnings: &[StoredWarning],
+    warnings: &[Notice],
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let class = py.import(CLASSES)?.getattr("FlexlinkWarning")?;
-    let made = |own: &StoredWarning| {
-        class.call1((in_python(&own.message), in_python(&own.hint), &own.kind))
-    };
+    let made =
+        |own: &Notice| class.call1((in_python(&own.message), in_python(&own.hint), &own.kind));
     warnings.iter().map(made).collect()
 }
 
 /// Gives warnings to Python's filters, at the line of the caller.
-pub(crate) fn warn(py: Python<'_>, warnings: &[StoredWarning]) -> PyResult<()> {
+pub(crate) fn warn(py: Python<'_>, warnings: &[Notice]) -> PyResult<()> {
     if warnings.is_empty() {
         return Ok(());
     }

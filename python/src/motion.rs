@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use flexlink::csv::{InputFile, MotionTable, read_motion_table_as};
 use flexlink::link::{Gravity, Link as LibraryLink};
 use flexlink::motion::{MotionColumns, Periods, TipMotion, TipTarget};
-use flexlink::result::StoredWarning;
+use flexlink::result::Notice;
 
 use crate::arrays::{column, dictionary, places};
 use crate::cli::solve::run::SolveOptions;
@@ -72,7 +72,7 @@ impl Given {
         &self,
         length_m: f64,
         options: &SolveOptions,
-    ) -> Result<(MotionTable, Vec<StoredWarning>), Failure> {
+    ) -> Result<(MotionTable, Vec<Notice>), Failure> {
         if !matches!(self, Self::File(_)) {
             refuse_reading(options)?;
         }
@@ -100,7 +100,7 @@ impl Given {
         &self,
         link: &LibraryLink,
         options: &SolveOptions,
-    ) -> Result<(TipMotion, Vec<StoredWarning>), Failure> {
+    ) -> Result<(TipMotion, Vec<Notice>), Failure> {
         let (table, reading) = self.table(link.length_m(), options)?;
         let motion = options.resample.motion_in(table, link)?;
         Ok((options.scale.scaled(motion)?, reading))
@@ -243,7 +243,7 @@ fn of_motion(options: &SolveOptions) -> Vec<String> {
 pub(crate) struct Motion {
     given: Arc<Given>,
     arguments: Vec<String>,
-    pub(crate) reading: Vec<StoredWarning>,
+    pub(crate) reading: Vec<Notice>,
     pub(crate) tip: TipMotion,
     pub(crate) periods: Arc<Periods>,
     /// The link that was given with it.

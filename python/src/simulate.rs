@@ -11,7 +11,7 @@ use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
 use flexlink::link::Link as LibraryLink;
 use flexlink::response::{PlayError, Simulation, simulate as played};
-use flexlink::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
+use flexlink::result::{FollowedTarget, Limits, Notice, PlayedMetrics};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
 
@@ -20,7 +20,7 @@ use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
-use crate::messages::{notice, objects, of_limit, warn};
+use crate::messages::{objects, warn};
 use crate::motion::path_of;
 use crate::play::{Keywords, Playing};
 use crate::pool;
@@ -114,7 +114,7 @@ pub(crate) struct PlayedLink {
     error: Option<PlayError>,
     limits: Limits,
     target: Option<FollowedTarget>,
-    warnings: Vec<StoredWarning>,
+    warnings: Vec<Notice>,
 }
 
 impl PlayedLink {
@@ -127,12 +127,12 @@ impl PlayedLink {
         let target = compared.transpose()?;
         let coarse = error.as_ref().and_then(|error| error.warning(&simulation));
         let warnings = simulation.warnings.iter().copied().chain(coarse);
-        let warnings = warnings.map(|own| notice(own.kind(), &own, own.hint()));
+        let warnings = warnings.map(Notice::from);
         let late = target.as_ref().and_then(|target| target.tip_error.late);
-        let late = late.map(|own| notice(own.kind(), &own, own.hint()));
+        let late = late.map(Notice::from);
         let metrics = PlayedMetrics::of(&simulation);
         let exceeded = metrics.exceeded(&[specification.limits]);
-        let exceeded = exceeded.iter().map(of_limit);
+        let exceeded = exceeded.iter().map(Notice::from);
         let warnings = warnings.chain(late).chain(exceeded).collect();
         let (link, limits) = (link.clone(), specification.limits);
         Ok(Self { link, playing, simulation, error, limits, target, warnings })

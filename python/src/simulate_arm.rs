@@ -12,7 +12,7 @@ use flexlink::numeric::TimeGrid;
 use flexlink::response::{
     ArmPlayWarning, HubReference, Interpolation, PlayedArm, Torque, simulate_arm,
 };
-use flexlink::result::{FollowedTarget, PlayedMetrics, StoredWarning, TipPlaces};
+use flexlink::result::{FollowedTarget, Notice, PlayedMetrics, TipPlaces};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Summary, read_state, state_json};
 
@@ -21,7 +21,7 @@ use crate::arrays::{Every, column, columns, frame, rows, view};
 use crate::cli::simulate::arm::{nodes_m, refusal};
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
-use crate::messages::{notice, objects, of_limit, usage};
+use crate::messages::{objects, usage};
 use crate::options::play_arm::{ArmTorques, Start, feedback};
 use crate::play::{HALF_A_FEEDBACK, Keywords, OF_ARM, OF_LINK, history, refuse_both};
 use crate::pool;
@@ -126,7 +126,7 @@ pub(crate) struct ArmSimulation {
     of_motion: Vec<ArmPlayWarning>,
     target: Option<FollowedTarget>,
     nodes_m: Vec<Vec<f64>>,
-    pub(crate) warnings: Vec<StoredWarning>,
+    pub(crate) warnings: Vec<Notice>,
 }
 
 impl ArmSimulation {
@@ -153,12 +153,12 @@ impl ArmSimulation {
         let compared = given.played.target.as_ref();
         let compared = compared.map(|own| FollowedTarget::of_arm(&motion, own));
         let target = compared.transpose()?;
-        let warnings = of_motion.iter().map(|own| notice(own.kind(), own, own.hint()));
+        let warnings = of_motion.iter().map(Notice::from);
         let late = target.as_ref().and_then(|target| target.tip_error.late);
-        let late = late.map(|own| notice(own.kind(), &own, own.hint()));
+        let late = late.map(Notice::from);
         let metrics = PlayedMetrics::of_arm(&motion);
         let exceeded = metrics.exceeded(&specification.limits);
-        let exceeded = exceeded.iter().map(of_limit);
+        let exceeded = exceeded.iter().map(Notice::from);
         let warnings = warnings.chain(late).chain(exceeded).collect();
         let nodes_m = nodes_m(&specification)?;
         Ok(Self { specification, given, motion, metrics, of_motion, target, nodes_m, warnings })

@@ -11,7 +11,7 @@ use pyo3::types::{PyDict, PyTuple};
 use flexlink::beam::NodalHistories;
 use flexlink::inverse::{Solution as LibrarySolution, Unwatched};
 use flexlink::link::ParameterError;
-use flexlink::result::{Exceeded, Limits, Metrics, StoredWarning};
+use flexlink::result::{Exceeded, Limits, Metrics, Notice};
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 
 use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
@@ -19,7 +19,7 @@ use crate::cli::solve::run::SolveOptions;
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
-use crate::messages::{objects, of_limit, of_remark, of_solution};
+use crate::messages::objects;
 use crate::motion::{Call, Given, PickledFile};
 use crate::options::inputs::remarks;
 use crate::pool;
@@ -53,27 +53,27 @@ pub(crate) struct Solution {
     of_file: Vec<flexlink::result::Remark>,
     given: Arc<Given>,
     /// How its file was read.
-    reading: Vec<StoredWarning>,
+    reading: Vec<Notice>,
     /// The keywords of the call, as options.
     keywords: Vec<String>,
     solution: LibrarySolution,
     metrics: Metrics,
     limits: Limits,
     exceeded: Vec<Exceeded>,
-    pub(crate) warnings: Vec<StoredWarning>,
+    pub(crate) warnings: Vec<Notice>,
 }
 
 impl Solution {
     pub(crate) fn new(
         link: &Link,
-        (given, reading): (Arc<Given>, Vec<StoredWarning>),
+        (given, reading): (Arc<Given>, Vec<Notice>),
         keywords: Vec<String>,
         solution: LibrarySolution,
     ) -> Self {
         let metrics = Metrics::of(&solution);
         let exceeded = metrics.exceeded(&[link.specification.limits]);
-        let of_limits = exceeded.iter().map(of_limit);
-        let warnings = solution.warnings.iter().map(of_solution).chain(of_limits).collect();
+        let of_limits = exceeded.iter().map(Notice::from);
+        let warnings = solution.warnings.iter().map(Notice::from).chain(of_limits).collect();
         let limits = link.specification.limits;
         let (source, of_file) = (link.source.clone(), link.specification.remarks.clone());
         Self {
@@ -315,7 +315,7 @@ impl Solution {
     #[getter]
     fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let found = remarks(&self.of_file, &self.solution);
-        let found = self.reading.iter().cloned().chain(found.iter().map(of_remark));
+        let found = self.reading.iter().cloned().chain(found.iter().map(Notice::from));
         objects(py, &found.collect::<Vec<_>>())
     }
 

@@ -15,7 +15,7 @@ use crate::cli::sweep::tally::Tally;
 use crate::interrupt::interruptible;
 use crate::keywords;
 use crate::link::{Link, described_by};
-use crate::messages::{in_python, notice, warn};
+use crate::messages::{in_python, warn};
 use crate::motion::Call;
 use crate::pool;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
@@ -175,8 +175,6 @@ fn table(
     }
     table.set_item("warnings", warnings)?;
     table.set_item("error", errors)?;
-    let told = tally.warnings(|case| format!("cases[{}]", case - 1));
-    let told = told.iter().map(|own| notice(&own.kind, &own.words, own.hint));
-    warn(py, &told.collect::<Vec<_>>())?;
+    warn(py, &tally.warnings(|case| format!("cases[{}]", case - 1)))?;
     Ok(table)
 }

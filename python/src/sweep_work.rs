@@ -9,14 +9,14 @@ use pyo3::types::PyDict;
 use flexlink::csv::PathTable;
 use flexlink::inverse::{Resources, invert_with};
 use flexlink::motion::{MotionScale, Periods, TipMotion};
-use flexlink::result::Metrics;
+use flexlink::result::{Metrics, Notice};
 use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
 use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind};
 
 use crate::arm::{Arm, ArmSolution, GivenPath};
 use crate::cli::arm::ArmAndPath;
 use crate::cli::solve::run::SolveOptions;
-use crate::cli::sweep::tally::Notice;
+use crate::cli::sweep::tally::of_limit;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source};
 use crate::messages::usage;
@@ -235,8 +235,8 @@ impl Shared {
         let found = SolvedCase { solution: &solution, metrics: &metrics, first_rad_s };
         let numbers = self.kind.solved(&found);
         let exceeded = metrics.exceeded(&[*limits]);
-        let limits = exceeded.iter().map(Notice::of_limit);
-        let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
+        let limits = exceeded.iter().map(of_limit);
+        let own = solution.warnings.iter().map(Notice::from);
         let notices = own.chain(limits).collect();
         if let Some(folder) = folder {
             let link = Link { source: self.source.changed(case.link.clone()), specification };
@@ -269,8 +269,8 @@ impl Shared {
         let solved =
             ArmAndPath::of((&self.source.file, specification), path)?.solve(self.memory_bytes)?;
         let (solution, metrics) = (&solved.solution, &solved.metrics);
-        let limits = solved.exceeded.iter().map(Notice::of_limit);
-        let own = solution.warnings.iter().map(|own| Notice::new(own.kind(), own, own.hint()));
+        let limits = solved.exceeded.iter().map(of_limit);
+        let own = solution.warnings.iter().map(Notice::from);
         let notices = own.chain(limits).collect();
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
         if let Some(folder) = folder {

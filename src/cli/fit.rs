@@ -385,7 +385,7 @@ fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<()
         console::plain(&undetermined.to_string());
     }
     let warnings = outcome.warnings();
-    console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+    console::warnings(&warnings);
     if outcome.is_from_other_start {
         console::note("a better fit was found from another start than the file's own values");
     }

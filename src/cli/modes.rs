@@ -199,7 +199,7 @@ impl Modes {
         let lists = [("mode", &pose.free), ("mode with the hub held", &pose.held)];
         let coarse = lists.map(|(what, found)| CoarseMesh::of(what, &found.mesh_errors));
         let coarse: Vec<_> = coarse.into_iter().flatten().collect();
-        console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
+        console::warnings(&coarse);
         let falls = lists.map(|(_, found)| is_unstable(found.squares_per_s2.iter().copied()));
         let warnings = coarse.len() + warn_of_fall(falls, ["link", "hub"]);
         let text = if self.json {
@@ -331,13 +331,13 @@ fn zeros_on(mesh: &Mesh, count: usize, highest_rad_s: f64) -> LinkZeros {
 fn tell(specification: &Specification, mesh: &Mesh, result: &ModesResult) -> usize {
     let link = &specification.link;
     console::remarks(&specification.remarks);
-    console::remarks(&Remark::on_modes(link, mesh, &result.omega_rad_s));
+    console::remarks(Remark::on_modes(link, mesh, &result.omega_rad_s));
     let thick = Thickness::known(link).noticeable(mesh, &result.omega_rad_s);
     if let Some(thick) = &thick {
         console::warning(thick, thick.hint());
     }
     let coarse = result.warnings();
-    console::warnings(coarse.iter().map(|warning| (warning, warning.hint())));
+    console::warnings(&coarse);
     usize::from(thick.is_some()) + coarse.len() + warn_of_gravity(link)
 }
 

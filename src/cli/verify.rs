@@ -80,7 +80,7 @@ impl Verify {
             Loaded::Arm(arm) => return self.run_arm(&arm),
         };
         let (solution, verification) = self.compute(&specification, &motion)?;
-        console::remarks(&remarks(&specification.remarks, &solution));
+        console::remarks(remarks(&specification.remarks, &solution));
         warn(&solution);
         self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
         refuse_failed(&verification)?;
@@ -95,7 +95,7 @@ impl Verify {
         let verification = arm.verified(&solution, self.digits, &stages);
         drop(stages);
         console::remarks(&remarks);
-        console::warnings(solution.warnings.iter().map(|w| (w, w.hint())));
+        console::warnings(&solution.warnings);
         self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
         refuse_failed(&verification)?;
         self.warnings.refuse(solution.warnings.len())
@@ -141,7 +141,7 @@ impl Verify {
 
 /// Prints the warnings of a solution.
 pub(crate) fn warn(solution: &Solution) {
-    console::warnings(solution.warnings.iter().map(|warning| (warning, warning.hint())));
+    console::warnings(&solution.warnings);
 }
 
 /// Checks a solution whose torque is written with so many digits.

@@ -177,8 +177,11 @@ impl Reading {
         Some((self.unread.as_deref()?, self.hint.as_deref()?))
     }
 
-    /// Which samples do not follow their neighbours, and what to do about them.
-    pub fn doubt(&self) -> Option<(&str, &str)> {
-        Some((self.doubt.as_deref()?, "correct a bad reading; a pulse of one step may stay"))
+    /// All remarks on the table, each with what to do about it: columns that were not read, uneven times, and samples that do
+    /// not follow their neighbours.
+    pub fn remarks(&self) -> impl Iterator<Item = (&str, &str)> {
+        let hint = "correct a bad reading; a pulse of one step may stay";
+        let doubt = self.doubt.as_deref().map(|doubt| (doubt, hint));
+        self.remark().into_iter().chain(self.jitter()).chain(doubt)
     }
 }

@@ -143,6 +143,8 @@ impl fmt::Display for FitWarning {
     }
 }
 
+crate::result::notices!(FitWarning);
+
 impl FitWarning {
     /// Its kind in the record.
     pub fn kind(&self) -> &'static str {

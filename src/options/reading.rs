@@ -81,9 +81,7 @@ pub(crate) fn tell(shown: &str, reading: &Reading) {
     if let Some(note) = reading.note() {
         console::note(&format!("{shown}: {note}"));
     }
-    for (remark, hint) in
-        reading.remark().into_iter().chain(reading.jitter()).chain(reading.doubt())
-    {
+    for (remark, hint) in reading.remarks() {
         console::remark(&format!("{shown}: {remark}"), hint);
     }
 }

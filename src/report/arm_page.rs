@@ -14,7 +14,7 @@ use super::tables::{checks, link_readings, readings, results, table, words_and_u
 use super::view::start_and_stop;
 use super::words::formula;
 use crate::numeric::largest;
-use crate::result::{StoredArm, StoredWarning};
+use crate::result::{Notice, StoredArm};
 use crate::text::significant;
 
 /// All figures of an arm's runs.
@@ -197,13 +197,10 @@ pub(super) fn arm_page(arms: &[StoredArm], figures: &Figures) -> Markup {
 }
 
 /// Warnings or remarks of all runs; those of several with the name of theirs.
-fn told(arms: &[StoredArm], of: fn(&StoredArm) -> &Vec<StoredWarning>) -> Vec<StoredWarning> {
-    let named = |arm: &StoredArm, warning: &StoredWarning| match arms.len() {
+fn told(arms: &[StoredArm], of: fn(&StoredArm) -> &Vec<Notice>) -> Vec<Notice> {
+    let named = |arm: &StoredArm, warning: &Notice| match arms.len() {
         1 => warning.clone(),
-        _ => StoredWarning {
-            message: format!("{}: {}", arm.name, warning.message),
-            ..warning.clone()
-        },
+        _ => Notice { message: format!("{}: {}", arm.name, warning.message), ..warning.clone() },
     };
     arms.iter().flat_map(|arm| of(arm).iter().map(move |warning| named(arm, warning))).collect()
 }

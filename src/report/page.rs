@@ -10,7 +10,7 @@ use super::link::{given, link_drawing, motion_data};
 use super::tables::{checks, errors, link_readings, modes, readings, results, table};
 use super::view::View;
 use super::words::glossary;
-use crate::result::{Origin, StoredRun, StoredWarning};
+use crate::result::{Notice, Origin, StoredRun};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -282,9 +282,9 @@ pub(super) fn animation(label: &str) -> Markup {
 }
 
 /// Every warning or remark and what to do about it.
-pub(super) fn advice(list: &[StoredWarning], is_strong: bool) -> Markup {
+pub(super) fn advice(list: &[Notice], is_strong: bool) -> Markup {
     html! {
-        ul { @for StoredWarning { message, hint, .. } in list {
+        ul { @for Notice { message, hint, .. } in list {
             li {
                 @if is_strong { strong { (message) } } @else { (message) }
                 " " span class="hint" { "What helps: " (hint) "." }

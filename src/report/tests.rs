@@ -18,8 +18,8 @@ use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, T
 use crate::motion::{Profile, TipMotion};
 use crate::numeric::largest;
 use crate::result::{
-    Limits, Metrics, Origin, StoredArm, StoredArmLink, StoredInput, StoredJoint, StoredNodes,
-    StoredResult, StoredRun, StoredSolution, StoredSweep, StoredWarning,
+    Limits, Metrics, Notice, Origin, StoredArm, StoredArmLink, StoredInput, StoredJoint,
+    StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
 };
 
 /// The paper's first example with a small mass and a payload, its title full of traps.
@@ -101,12 +101,12 @@ pub(super) fn run() -> StoredRun {
         readings: vec![("peak_torque_n_m".to_owned(), metrics.hub().peak_torque_n_m.value)],
         limits: Limits::default(),
         checks: vec![],
-        remarks: vec![StoredWarning {
+        remarks: vec![Notice {
             kind: "a kind".to_owned(),
             message: "a density of <b>".to_owned(),
             hint: "another unit".to_owned(),
         }],
-        warnings: vec![StoredWarning {
+        warnings: vec![Notice {
             kind: "a kind".to_owned(),
             message: "<em>bent".to_owned(),
             hint: "less & slower".to_owned(),

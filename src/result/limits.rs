@@ -98,6 +98,11 @@ impl Exceeded {
     /// Name of the kind of warning that it is, for machines.
     pub const KIND: &'static str = "limit_exceeded";
 
+    /// The same.
+    pub fn kind(&self) -> &'static str {
+        Self::KIND
+    }
+
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
         "a slower motion, a stronger motor or a stiffer link"

@@ -31,10 +31,11 @@ pub use peak::Peak;
 pub use quantities::{JointQuantity, QUANTITIES};
 pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
+pub(crate) use stored::notices;
 pub use stored::{
-    LineDifference, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredCheck,
+    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredCheck,
     StoredInput, StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution,
-    StoredSweep, StoredWarning, line_difference,
+    StoredSweep, line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;

@@ -5,15 +5,19 @@ use std::io::{self, BufRead, Read as _};
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::Limits;
-use super::tip_error::StoredTarget;
+use super::errors::CoarseMesh;
+use super::limits::{Exceeded, Limits};
+use super::remark::Remark;
+use super::tip_error::{LateTarget, StoredTarget};
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::elastica::SecondOrder;
-use crate::inverse::MotorHistories;
+use crate::inverse::{ArmWarning, MotorHistories, Warning};
 use crate::link::Link;
+use crate::modal::ThickLink;
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
+use crate::response::{ArmPlayWarning, SimulationWarning};
 
 /// A result that was read back.
 #[derive(Debug, Clone)]
@@ -66,9 +70,9 @@ pub struct StoredRun {
     /// What verifying the answer gave; empty where it was not verified.
     pub checks: Vec<StoredCheck>,
     /// What the user must know.
-    pub warnings: Vec<StoredWarning>,
+    pub warnings: Vec<Notice>,
     /// What is possible but rare.
-    pub remarks: Vec<StoredWarning>,
+    pub remarks: Vec<Notice>,
 }
 
 /// What one run of an arm has left. All histories have as many values as `times_s`, but those of the nodes.
@@ -101,9 +105,9 @@ pub struct StoredArm {
     /// What verifying the answer gave; empty where it was not verified.
     pub checks: Vec<StoredCheck>,
     /// What the user must know.
-    pub warnings: Vec<StoredWarning>,
+    pub warnings: Vec<Notice>,
     /// What is possible but rare.
-    pub remarks: Vec<StoredWarning>,
+    pub remarks: Vec<Notice>,
 }
 
 /// One joint of an arm: histories, and its numbers in the summary.
@@ -248,9 +252,9 @@ pub struct StoredCheck {
     pub passes: bool,
 }
 
-/// A warning or remark of a run.
+/// A warning or remark in words.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StoredWarning {
+pub struct Notice {
     /// Its kind: `short lead`.
     pub kind: String,
     /// Its text.
@@ -259,12 +263,34 @@ pub struct StoredWarning {
     pub hint: String,
 }
 
-impl StoredWarning {
+impl Notice {
     /// A warning of a kind, with its text and what the user can do.
-    pub fn new(kind: &str, message: &dyn Display, hint: &str) -> Self {
+    pub fn new(kind: &str, message: impl Display, hint: &str) -> Self {
         Self { kind: kind.to_owned(), message: message.to_string(), hint: hint.to_owned() }
     }
 }
+
+macro_rules! notices {
+    ($($of:ty),*) => {
+        $(impl From<&$of> for $crate::result::Notice {
+            fn from(own: &$of) -> Self {
+                Self::new(own.kind(), own, own.hint())
+            }
+        }
+
+        impl From<$of> for $crate::result::Notice {
+            fn from(own: $of) -> Self {
+                Self::from(&own)
+            }
+        })*
+    };
+}
+
+pub(crate) use notices;
+
+// Everything that a user must know, or may want to, becomes a notice so.
+notices!(ArmPlayWarning, ArmWarning, CoarseMesh, Exceeded, LateTarget, Remark);
+notices!(SimulationWarning, ThickLink, Warning);
 
 /// The table of a sweep.
 #[derive(Debug, Clone)]

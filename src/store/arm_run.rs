@@ -3,17 +3,16 @@
 use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
-use super::run_summary::of_limit;
 use super::run_tables::{
     ARM_NODES, CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS,
     REACTIONS, REPORT, RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES, write_rows,
 };
 use super::summary::{LinkRecord, RunInputs, Summary, checks};
 use crate::csv::{Column, ColumnGroup, Digits};
-use crate::inverse::{ArmSolution, ArmWarning, MotorHistories};
+use crate::inverse::{ArmSolution, MotorHistories};
 use crate::link::Arm;
 use crate::motion::Prescribed;
-use crate::result::{Exceeded, JointMetrics, Limits, Metrics, Remark, StoredWarning};
+use crate::result::{Exceeded, JointMetrics, Limits, Metrics, Notice, Remark};
 use crate::verify::Verification;
 
 /// A run of an arm: its solution, and what is known of it beside its numbers.
@@ -287,9 +286,7 @@ impl Summary {
     pub fn of_arm(inputs: RunInputs, run: &ArmRun<'_>, outputs: &RunOutputs) -> Self {
         let ArmRun { solution, metrics, limits: given, exceeded, verification, remarks } = *run;
         let arm = &solution.arm;
-        let warning = |w: &ArmWarning| StoredWarning::new(w.kind(), w, w.hint());
-        let limits = exceeded.iter().map(of_limit);
-        let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
+        let limits = exceeded.iter().map(Notice::from);
         let (grid, path) = (&solution.grid, &solution.path);
         let (first, last) = path.moving_samples();
         let iteration = solution.findings.iteration;
@@ -338,8 +335,8 @@ impl Summary {
         Self {
             values,
             verification: Some(verification.map(checks)),
-            warnings: solution.warnings.iter().map(warning).chain(limits).collect(),
-            remarks: Some(remarks.iter().map(remark).collect()),
+            warnings: solution.warnings.iter().map(Notice::from).chain(limits).collect(),
+            remarks: Some(remarks.iter().map(Notice::from).collect()),
             files: file_names(outputs, solution).into_iter().map(str::to_owned).collect(),
             ..Self::titled("solve", inputs, arm.title())
         }

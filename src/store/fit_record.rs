@@ -8,7 +8,7 @@ use super::files::{is_stream, record_beside};
 use super::json::{FORMAT, Fingerprint, Head, json};
 use crate::csv::InputFile;
 use crate::fit::{FitOutcome, Replaced};
-use crate::result::{Origin, StoredWarning};
+use crate::result::{Notice, Origin};
 
 const COMMAND: &str = "fit";
 
@@ -68,7 +68,7 @@ struct FitRecord<'a> {
     replaced: &'a [Replaced],
     #[serde(flatten)]
     outcome: &'a FitOutcome,
-    warnings: Vec<StoredWarning>,
+    warnings: Vec<Notice>,
 }
 
 /// The record of a fit as JSON: the values with their standard errors, the residuals, the correlations, what
@@ -76,7 +76,7 @@ struct FitRecord<'a> {
 pub fn fit_json(inputs: &FitInputs, replaced: &[Replaced], outcome: &FitOutcome) -> String {
     let (flexlink, command) = (env!("CARGO_PKG_VERSION"), COMMAND);
     let warnings = outcome.warnings();
-    let stored = warnings.iter().map(|found| StoredWarning::new(found.kind(), found, found.hint()));
+    let stored = warnings.iter().map(Notice::from);
     let warnings = stored.collect();
     json(&FitRecord { format: FORMAT, flexlink, command, inputs, replaced, outcome, warnings })
 }

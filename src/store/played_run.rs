@@ -8,7 +8,7 @@ use super::arm_run::{
     Table, arm_record, each, joint_angle, one, position, tip_table, torque, write_nodes,
 };
 use super::folder::{FolderError, OutputFolder};
-use super::run_summary::{of_limit, played_results, tip_numbers};
+use super::run_summary::{played_results, tip_numbers};
 use super::run_tables::{
     CHORD_ANGLES, DISPLACEMENTS, ERROR, HUB_ANGLE, JOINT_ANGLES, NODES, PLAYED_HUB, POSITIONS,
     RESULT_FILES, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, TORQUES, WANTED, WANTED_PLACE,
@@ -18,7 +18,7 @@ use super::summary::{RunInputs, Summary};
 use crate::csv::{Column, ColumnGroup, group, write_csv};
 use crate::link::{Arm, Link};
 use crate::response::{ArmPlay, ArmPlayWarning, PlayedArm, Simulation};
-use crate::result::{FollowedTarget, Limits, PlayedMetrics, StoredWarning};
+use crate::result::{FollowedTarget, Limits, Notice, PlayedMetrics};
 
 /// A simulation of an arm, and what is known of it beside its numbers.
 #[derive(Debug, Clone, Copy)]
@@ -198,13 +198,12 @@ impl Summary {
             values["limits"] = json!(limits);
         }
         let exceeded = metrics.exceeded(run.limits);
-        let exceeded = exceeded.iter().map(of_limit);
-        let warning = |w: &ArmPlayWarning| StoredWarning::new(w.kind(), w, w.hint());
+        let exceeded = exceeded.iter().map(Notice::from);
         let late = tip_error.and_then(|error| error.late);
-        let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
+        let late = late.map(Notice::from);
         Self {
             values,
-            warnings: run.warnings.iter().map(warning).chain(late).chain(exceeded).collect(),
+            warnings: run.warnings.iter().map(Notice::from).chain(late).chain(exceeded).collect(),
             files: run.file_names().into_iter().map(str::to_owned).collect(),
             ..Self::titled("simulate", inputs, arm.title())
         }

@@ -9,14 +9,14 @@ use super::folder::{FolderError, OutputFolder};
 use super::run_tables::{DEFLECTIONS, RunOutputs};
 use super::summary::{RunInputs, Summary, checks};
 use crate::beam::Mesh;
-use crate::inverse::{Solution, Unwatched, Warning};
+use crate::inverse::{Solution, Unwatched};
 use crate::link::Link;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{Ends, TipMotion};
 use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
 use crate::result::{
-    Comparison, Exceeded, FollowedTarget, Limits, Metrics, PlayedJoint, PlayedMetrics, Remark,
-    StoredWarning, TipError,
+    Comparison, Exceeded, FollowedTarget, Limits, Metrics, Notice, PlayedJoint, PlayedMetrics,
+    Remark, TipError,
 };
 use crate::verify::Verification;
 
@@ -78,11 +78,6 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
     outputs.write(folder, nodal, (&summary, None), &Unwatched)
 }
 
-/// The warning of a limit that is exceeded.
-pub(super) fn of_limit(exceeded: &Exceeded) -> StoredWarning {
-    StoredWarning::new(Exceeded::KIND, exceeded, exceeded.hint())
-}
-
 impl Summary {
     /// The summary of a solution of which `outputs` are written.
     pub fn of_solution(
@@ -94,9 +89,7 @@ impl Summary {
     ) -> Self {
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         let (link, law) = (solution.link(), solution.law());
-        let warning = |w: &Warning| StoredWarning::new(w.kind(), w, w.hint());
-        let limits = findings.exceeded.iter().map(of_limit);
-        let remark = |remark: &Remark| StoredWarning::new(remark.kind(), remark, remark.hint());
+        let limits = findings.exceeded.iter().map(Notice::from);
         let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
         let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
         let mut values = json!({
@@ -130,8 +123,8 @@ impl Summary {
             drive: Some(link.drive().copied()),
             values,
             verification: Some(findings.verification.map(checks)),
-            warnings: solution.warnings.iter().map(warning).chain(limits).collect(),
-            remarks: Some(findings.remarks.iter().map(remark).collect()),
+            warnings: solution.warnings.iter().map(Notice::from).chain(limits).collect(),
+            remarks: Some(findings.remarks.iter().map(Notice::from).collect()),
             files: outputs.file_names(link).into_iter().map(str::to_owned).collect(),
             ..Self::of("solve", inputs, link, law)
         }
@@ -166,9 +159,9 @@ impl Summary {
         }
         let coarse = error.and_then(|error| error.warning(simulation));
         let played = simulation.warnings.iter().copied().chain(coarse);
-        let played = played.map(|w| StoredWarning::new(w.kind(), &w, w.hint()));
+        let played = played.map(Notice::from);
         let late = tip_error.and_then(|error| error.late);
-        let late = late.map(|late| StoredWarning::new(late.kind(), &late, late.hint()));
+        let late = late.map(Notice::from);
         let exceeded = metrics.exceeded(&[limits]);
         let input = match play.input {
             Input::Torque(_) => "torque",
@@ -213,7 +206,7 @@ impl Summary {
         Self {
             values,
             measured: comparison.cloned(),
-            warnings: played.chain(late).chain(exceeded.iter().map(of_limit)).collect(),
+            warnings: played.chain(late).chain(exceeded.into_iter().map(Notice::from)).collect(),
             files: RunOutputs::simulation_file_names(target)
                 .into_iter()
                 .map(str::to_owned)

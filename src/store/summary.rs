@@ -11,7 +11,7 @@ use crate::link::{
     Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
-use crate::result::{Comparison, Limits, Origin, StoredCheck, StoredWarning};
+use crate::result::{Comparison, Limits, Notice, Origin, StoredCheck};
 use crate::verify::{Check, Outcome, Verification};
 
 /// How a message describes a folder whose files are missing.
@@ -52,9 +52,9 @@ pub struct Summary {
     pub(super) measured: Option<Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) verification: Nullable<Vec<StoredCheck>>,
-    pub(super) warnings: Vec<StoredWarning>,
+    pub(super) warnings: Vec<Notice>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) remarks: Option<Vec<StoredWarning>>,
+    pub(super) remarks: Option<Vec<Notice>>,
     pub(super) files: Vec<String>,
 }
 

@@ -14,7 +14,7 @@ use super::summary::Summary;
 use crate::csv::{Column, ColumnGroup, Digits, NumberFormat, sha256, time_format, write_csv};
 use crate::numeric::largest;
 use crate::response::Interpolation;
-use crate::result::{StoredWarning, TorqueTable};
+use crate::result::{Notice, TorqueTable};
 use crate::text::{in_shell, path_in_shell, plain, visible};
 use crate::verify::TableError;
 
@@ -64,7 +64,7 @@ pub struct TableRecord<'a> {
     /// What playing it has found, where it is not the torque itself.
     pub error: Option<&'a TableError>,
     /// What the user must know of it.
-    pub warning: Option<&'a StoredWarning>,
+    pub warning: Option<&'a Notice>,
 }
 
 impl Summary {

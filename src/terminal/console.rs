@@ -12,7 +12,7 @@ use clap::builder::styling::{AnsiColor, Style};
 use clap::error::ContextValue;
 
 use flexlink::csv::system_words;
-use flexlink::result::Remark;
+use flexlink::result::Notice;
 use flexlink::store::{Durability, NamedBy, NewFile, write_file, write_files};
 use flexlink::text::{excerpt, is_hidden};
 
@@ -33,16 +33,16 @@ pub(crate) fn warning(message: impl Display, hint: &str) {
 }
 
 /// Prints warnings and their hints to standard error.
-pub(crate) fn warnings<W: Display>(warnings: impl IntoIterator<Item = (W, &'static str)>) {
-    for (message, hint) in warnings {
-        warning(message, hint);
+pub(crate) fn warnings(warnings: impl IntoIterator<Item: Into<Notice>>) {
+    for Notice { message, hint, .. } in warnings.into_iter().map(Into::into) {
+        warning(message, &hint);
     }
 }
 
 /// Prints remarks and their hints to standard error.
-pub(crate) fn remarks<'a>(remarks: impl IntoIterator<Item = &'a Remark>) {
-    for found in remarks {
-        remark(&found.to_string(), found.hint());
+pub(crate) fn remarks(remarks: impl IntoIterator<Item: Into<Notice>>) {
+    for Notice { message, hint, .. } in remarks.into_iter().map(Into::into) {
+        remark(&message, &hint);
     }
 }
 

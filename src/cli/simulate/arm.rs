@@ -53,11 +53,11 @@ impl Simulate {
         let run = played.run(inputs);
         let summary = self.write_arm(inputs, &run)?;
         console::remarks(&inputs.specification.remarks);
-        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+        console::warnings(warnings);
         let late = target.as_ref().and_then(|target| target.tip_error.late);
-        console::warnings(late.map(|late| (late, late.hint())));
+        console::warnings(late);
         let exceeded = run.metrics.exceeded(run.limits);
-        console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
+        console::warnings(&exceeded);
         let written = format!("{} files in {}", run.file_names().len(), shown_path(&self.output));
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
         self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())

@@ -210,11 +210,11 @@ impl Simulate {
         let Played { play, simulation, metrics, error, target, .. } = played;
         let coarse = error.as_ref().and_then(|error| error.warning(simulation));
         let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
-        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+        console::warnings(&warnings);
         let late = target.as_ref().and_then(|target| target.tip_error.late);
-        console::warnings(late.map(|late| (late, late.hint())));
+        console::warnings(late);
         let exceeded = metrics.exceeded(&[played.limits]);
-        console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
+        console::warnings(&exceeded);
         let text = || {
             let files = RunOutputs::simulation_file_names(target.as_ref()).len();
             let written = format!("{files} files in {}", shown_path(&self.output));

@@ -93,9 +93,9 @@ impl<'a> ArmProblem<'a> {
     /// Prints remarks, warnings and limits; with `is_strict` the first limit is an error, printed at the end.
     pub(super) fn warn(solved: &SolvedArm, is_strict: bool) {
         console::remarks(&solved.remarks);
-        console::warnings(solved.solution.warnings.iter().map(|w| (w, w.hint())));
+        console::warnings(&solved.solution.warnings);
         let limits = solved.exceeded.iter().skip(usize::from(is_strict));
-        console::warnings(limits.map(|limit| (limit, limit.hint())));
+        console::warnings(limits);
     }
 
     /// Number of the files that are written.

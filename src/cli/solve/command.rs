@@ -257,7 +257,7 @@ impl Solve {
         warn(solution);
         // With --strict the first is an error, printed at the end.
         let limits = exceeded.iter().skip(usize::from(self.strict));
-        console::warnings(limits.map(|limit| (limit, limit.hint())));
+        console::warnings(limits);
         let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
             let files = self.options.outputs().file_names(solution.link()).len();

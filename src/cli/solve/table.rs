@@ -9,7 +9,7 @@ use flexlink::csv::Digits;
 use flexlink::inverse::{ArmSolution, Solution};
 use flexlink::motion::Ends;
 use flexlink::response::Interpolation;
-use flexlink::result::{StoredWarning, TorqueTable};
+use flexlink::result::{Notice, TorqueTable};
 use flexlink::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
 use flexlink::text::{plain, shown_path, significant};
 use flexlink::verify::{TableError, VerificationError, arm_table_error, table_error};
@@ -63,7 +63,7 @@ enum Hold {
 pub(super) struct WrittenTable {
     table: TorqueTable,
     error: Option<TableError>,
-    warning: Option<StoredWarning>,
+    warning: Option<Notice>,
     /// What the file and the summary say of it, a line each.
     notes: Vec<String>,
 }
@@ -244,12 +244,7 @@ impl WriteArgs {
     }
 
     /// The warning of a table that moves the tip off by more than it should.
-    fn warning(
-        &self,
-        error: &TableError,
-        tip_tolerance: f64,
-        words: &Words,
-    ) -> Option<StoredWarning> {
+    fn warning(&self, error: &TableError, tip_tolerance: f64, words: &Words) -> Option<Notice> {
         let allowed = TIP.max(tip_tolerance);
         let TableError { tip, change_m, .. } = error;
         let share = tip.share * (1.0 + change_m / tip.worst_m.max(f64::MIN_POSITIVE));
@@ -264,7 +259,7 @@ impl WriteArgs {
             Some(_) => words.smaller,
             None => "a motion with a shorter step",
         };
-        Some(StoredWarning::new("table_moves_tip", &message, hint))
+        Some(Notice::new("table_moves_tip", &message, hint))
     }
 
     /// Writes the table and prints its warning; returns the number of warnings.
@@ -279,7 +274,7 @@ impl WriteArgs {
         let table = TorqueFile { table, summary, notes, digits };
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
         console::deliver_by(Some(file), |out| table.write(out, self.form(), &stem))?;
-        if let Some(StoredWarning { message, hint, .. }) = warning {
+        if let Some(Notice { message, hint, .. }) = warning {
             console::warning(message, hint);
         }
         Ok(usize::from(warning.is_some()))

@@ -1,37 +1,21 @@
 //! Failures, warnings and remarks of all cases of a sweep, counted.
 
-use std::fmt::Display;
-
-use flexlink::result::{Exceeded, Remark};
+use flexlink::result::{Exceeded, Notice, Remark};
 use flexlink::store::SweptCase;
 
 use crate::terminal::{Exit, Failure, console};
 
 const NAMED: &str = "the columns warnings and error name them";
 
-/// A warning or remark of one case.
-pub(crate) struct Notice {
-    /// The kind, as the table has it.
-    pub(crate) kind: String,
-    pub(crate) words: String,
-    pub(crate) hint: &'static str,
+/// The warning of an exceeded limit. Its kind names the limit's key, as the table has it.
+pub(crate) fn of_limit(limit: &Exceeded) -> Notice {
+    let joint = limit.0.joint.map(|joint| format!("joint{}.", joint + 1));
+    let kind = format!("{}:{}{}", Exceeded::KIND, joint.unwrap_or_default(), limit.0.key);
+    Notice { kind, ..Notice::from(limit) }
 }
 
-impl Notice {
-    pub(crate) fn new(kind: &str, words: &impl Display, hint: &'static str) -> Self {
-        Self { kind: kind.to_owned(), words: words.to_string(), hint }
-    }
-
-    /// The warning of an exceeded limit, whose key its kind names.
-    pub(crate) fn of_limit(limit: &Exceeded) -> Self {
-        let joint = limit.0.joint.map(|joint| format!("joint{}.", joint + 1));
-        let kind = format!("{}:{}{}", Exceeded::KIND, joint.unwrap_or_default(), limit.0.key);
-        Self::new(&kind, limit, limit.hint())
-    }
-
-    fn is_of_limit(&self) -> bool {
-        self.kind.split(':').next() == Some(Exceeded::KIND)
-    }
+fn is_of_limit(notice: &Notice) -> bool {
+    notice.kind.split(':').next() == Some(Exceeded::KIND)
 }
 
 /// Failures, warnings and remarks, counted.
@@ -60,8 +44,8 @@ struct Counted {
 
 impl Counted {
     fn line(&self, rows: usize, named: impl Fn(usize) -> String) -> String {
-        let Self { cases, first, notice: Notice { words, .. }, .. } = self;
-        format!("{cases} of {rows} cases, the first is {}: {words}", named(*first))
+        let Self { cases, first, notice: Notice { message, .. }, .. } = self;
+        format!("{cases} of {rows} cases, the first is {}: {message}", named(*first))
     }
 }
 
@@ -107,11 +91,10 @@ impl Tally {
             self.failed += 1;
             self.failure.get_or_insert_with(|| (case, message.clone()));
         }
-        self.exceeding += usize::from(warnings.iter().any(Notice::is_of_limit));
+        self.exceeding += usize::from(warnings.iter().any(is_of_limit));
         self.warned += usize::from(!warnings.is_empty());
         count(&mut self.warnings, case, warnings);
-        let remarks =
-            remarks.iter().map(|remark| Notice::new(remark.kind(), remark, remark.hint()));
+        let remarks = remarks.iter().map(Notice::from);
         count(&mut self.remarks, case, remarks);
     }
 
@@ -152,11 +135,9 @@ impl Tally {
     pub(crate) fn warn(&self) {
         let named = |case| format!("case {case}");
         for of in &self.remarks {
-            console::remark(&of.line(self.rows, named), of.notice.hint);
+            console::remark(&of.line(self.rows, named), &of.notice.hint);
         }
-        for Notice { words, hint, .. } in self.warnings(named) {
-            console::warning(words, hint);
-        }
+        console::warnings(self.warnings(named));
     }
 
     /// The failures, then each kind of warning once; `named` is the name of a case by its number from 1.
@@ -166,9 +147,8 @@ impl Tally {
             let words = format!("{failed}, the first is {}: {message}", named(*first));
             Notice::new("failed", &words, "the column error says why")
         });
-        let of_kind = |of: &Counted| {
-            Notice::new(&of.notice.kind, &of.line(self.rows, &named), of.notice.hint)
-        };
+        let of_kind =
+            |of: &Counted| Notice { message: of.line(self.rows, &named), ..of.notice.clone() };
         failure.into_iter().chain(self.warnings.iter().map(of_kind)).collect()
     }
 }

@@ -6,14 +6,14 @@ use flexlink::csv::{InputFile, PathTable};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
-use flexlink::result::{FollowedTarget, Metrics, PlayedMetrics, Remark};
+use flexlink::result::{FollowedTarget, Metrics, Notice, PlayedMetrics, Remark};
 use flexlink::spec::Specification;
 use flexlink::store::{Findings, OutputFolder, PlayFindings, RunInputs, SimulateFiles, Summary};
 use flexlink::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
 use super::first::{First, FirstLink};
-use super::tally::Notice;
+use super::tally::of_limit;
 use crate::cli::arm::{ArmAndPath, SolvedArm};
 use crate::options::inputs::remarks;
 use crate::terminal::{Exit, Failure, memory};
@@ -97,8 +97,8 @@ impl Cases<'_> {
             let folder = self.stage(&folder)?;
             outputs.write(folder, (&solution, deflections), (&summary, None), &Unwatched)?;
         }
-        let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(Notice::of_limit);
+        let own = solution.warnings.iter().map(Notice::from);
+        let limits = exceeded.iter().map(of_limit);
         let of_modes = Remark::on_modes(link, solution.mesh(), &first_rad_s);
         let (travel_m, tolerance) = (solution.tip_travel_m(), analysis.tip_tolerance());
         let of_motion = Remark::on_motion(link, &motion, travel_m, tolerance);
@@ -133,8 +133,8 @@ impl Cases<'_> {
         }
         let SolvedArm { solution, metrics, exceeded, remarks, .. } = &solved;
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
-        let own = solution.warnings.iter().map(|w| Notice::new(w.kind(), w, w.hint()));
-        let limits = exceeded.iter().map(Notice::of_limit);
+        let own = solution.warnings.iter().map(Notice::from);
+        let limits = exceeded.iter().map(of_limit);
         Ok((numbers, own.chain(limits).collect(), remarks.clone()))
     }
 
@@ -191,10 +191,10 @@ impl Cases<'_> {
         }
         let coarse = error.and_then(|error| error.warning(&simulation));
         let own = simulation.warnings.iter().copied().chain(coarse);
-        let own = own.map(|w| Notice::new(w.kind(), &w, w.hint()));
-        let late = tip_error.late.map(|late| Notice::new(late.kind(), &late, late.hint()));
+        let own = own.map(Notice::from);
+        let late = tip_error.late.map(Notice::from);
         let exceeded = metrics.exceeded(&[*limits]);
-        let notices = own.chain(late).chain(exceeded.iter().map(Notice::of_limit)).collect();
+        let notices = own.chain(late).chain(exceeded.iter().map(of_limit)).collect();
         Ok((numbers, notices, remarks.clone()))
     }
 

@@ -88,7 +88,7 @@ impl Search<'_> {
         warn(&solution);
         console::remarks(Remark::on_jumps(&solution).as_slice());
         let exceeded = specification.map(|own| metrics.exceeded(&[own.limits])).unwrap_or_default();
-        console::warnings(exceeded.iter().map(|limit| (limit, limit.hint())));
+        console::warnings(&exceeded);
         Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
     }
 
@@ -119,7 +119,7 @@ impl Search<'_> {
         let values = Metrics::of(&fit.solution).limited(&arm.limits);
         let warnings = &fit.solution.warnings;
         let found = self.told(profile, (&fit, warnings.len(), ""), &values);
-        console::warnings(warnings.iter().map(|warning| (warning, warning.hint())));
+        console::warnings(warnings);
         Ok(Found { warnings: warnings.len(), ..found })
     }
 

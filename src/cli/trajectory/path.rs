@@ -212,6 +212,6 @@ pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, F
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
     let warning = check_reach(&arm.arm, &path)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
-    console::warnings(warning.iter().map(|warning| (warning, warning.hint())));
+    console::warnings(warning);
     Ok(usize::from(warning.is_some()))
 }
