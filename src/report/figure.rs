@@ -172,6 +172,10 @@ impl Figures {
             Err(why) => self.omitted.push(why),
         }
     }
+
+    pub(super) fn extend(&mut self, figures: impl IntoIterator<Item = Result<Figure, String>>) {
+        figures.into_iter().for_each(|figure| self.add(figure));
+    }
 }
 
 /// Most rows of the table below a figure.
