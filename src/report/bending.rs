@@ -232,7 +232,9 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
     }
     for history in nodes.histories.iter_mut().filter(|_| is_arm) {
         let rest = history[0];
-        history.iter_mut().for_each(|value| *value -= rest);
+        for value in history {
+            *value -= rest;
+        }
     }
     let rest = if is_arm && view.has_weight() { ", less what it is at rest at first," } else { "" };
     let root = view.pick("the root", "its joint");

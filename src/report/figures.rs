@@ -65,12 +65,11 @@ fn run_figures(view: &View) -> Figures {
     figures
 }
 
+/// A quantity of a joint of the flexible and of the rigid arm.
+type Both<'a> = (&'a Vec<f64>, Option<&'a Vec<f64>>);
+
 /// A quantity of a joint: of every run, and of the first rigid arm that was written.
-fn of_joint(
-    view: &View,
-    (joint, name): (usize, &str),
-    of: fn(&StoredJoint) -> (&Vec<f64>, Option<&Vec<f64>>),
-) -> Vec<Curve> {
+fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> Both) -> Vec<Curve> {
     let mut curves =
         view.of_runs(name, |arm| Some((&arm.times_s, Cow::from(of(&arm.joints[joint]).0))));
     let known = view.arms.iter().find_map(|arm| Some((arm, of(&arm.joints[joint]).1?)));

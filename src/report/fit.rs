@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::axis;
 use super::fit_figures::{figures, labels};
-use super::page::{Section, all_figures, document, inputs, made_by};
+use super::page::{Section, advice, all_figures, document, inputs, made_by};
 use super::tables::table;
 use crate::fit::{FitOutcome, FittedValue, Replaced, Residual};
 use crate::result::Origin;
@@ -56,13 +57,9 @@ fn warnings(outcome: &FitOutcome) -> Option<Markup> {
     let misfit = outcome.misfit.as_ref().map(|misfit| (misfit.to_string(), misfit.hint()));
     let others = outcome.warnings();
     let others = others.iter().map(|other| (other.to_string(), other.hint().to_owned()));
-    let all: Vec<(String, String)> = misfit.into_iter().chain(others).collect();
-    let content = html! {
-        ul { @for (message, hint) in &all {
-            li { strong { (sentence(message)) } " " span class="hint" { "What helps: " (hint) "." } }
-        } }
-    };
-    (!all.is_empty()).then_some(content)
+    let all = misfit.into_iter().chain(others);
+    let all: Vec<_> = all.map(|(message, hint)| (sentence(&message), hint)).collect();
+    advice(&all, true)
 }
 
 fn undetermined(outcome: &FitOutcome) -> Markup {
@@ -284,7 +281,7 @@ fn shown(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return UNKNOWN.to_owned();
     }
-    significant(value, digits).replace('-', "−")
+    axis::digits(value, digits)
 }
 
 /// Other values that fit about as well.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
-use super::axis::is_extreme;
+use super::axis::{digits, is_extreme};
 use super::bending::Chord;
 use super::figure::evenly;
 use super::link::{given, largest_stiffness, short, thickness};
@@ -15,7 +15,6 @@ use super::view::{View, inside, nearest, run_stroke};
 use crate::motion::Prescribed;
 use crate::numeric::{largest, rounded};
 use crate::result::{StoredArm, StoredNodes};
-use crate::text::significant;
 
 /// Most frames and nodes.
 const FRAMES: usize = 600;
@@ -197,8 +196,8 @@ impl Motion {
             |row: usize| (1..arm.links.len()).map(move |link| Chord::of(arm, link, row).start_m);
         let last = poses.len() - 1;
         let shade = |k: usize| format!("{:.2}", 0.25 + 0.75 * k as f64 / last.max(1) as f64);
-        let digits = |row: &usize| significant(arm.nodal_times_s[*row], 3).replace('-', "−");
-        let times: Vec<String> = rows.iter().map(digits).collect();
+        let times: Vec<String> =
+            rows.iter().map(|row| digits(arm.nodal_times_s[*row], 3)).collect();
         let scale = if self.factor > 1.0 {
             format!("{} times as large as they are", self.factor)
         } else {

@@ -147,14 +147,10 @@ pub(super) fn all_figures(figures: &Figures) -> Section {
 fn parted_figures(first: &'static str, figures: &Figures, note: &str) -> [Option<Section>; 2] {
     let (leading, other): (Vec<&Figure>, Vec<&Figure>) =
         figures.drawn.iter().partition(|figure| figure.leads());
-    let omitted = &figures.omitted;
-    let section =
-        |name, figures: &[&Figure], omitted, note| figures_section(name, figures, omitted, note);
-    [
-        (!leading.is_empty()).then(|| section(("first", first), &leading, &[], note)),
-        (!other.is_empty() || !omitted.is_empty())
-            .then(|| section(("figures", "More figures"), &other, omitted, "")),
-    ]
+    let has_more = !other.is_empty() || !figures.omitted.is_empty();
+    let more = || figures_section(("figures", "More figures"), &other, &figures.omitted, "");
+    let first = || figures_section(("first", first), &leading, &[], note);
+    [(!leading.is_empty()).then(first), has_more.then(more)]
 }
 
 fn figure_markup(figure: &Figure) -> Markup {
@@ -234,12 +230,12 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     let tables = tables(view, errors.as_ref().filter(|_| !view.is_arm()));
     let named = |id, name, content: Option<Markup>| Some(Section::new(id, name, content?));
     let sections = [
-        advice(view, |arm| &arm.warnings, true).map(Section::warnings),
+        advice(&told(view, |arm| &arm.warnings), true).map(Section::warnings),
         leading,
         animated,
         named("arm", "Poses", poses),
         more,
-        named("remarks", "Remarks", advice(view, |arm| &arm.remarks, false)),
+        named("remarks", "Remarks", advice(&told(view, |arm| &arm.remarks), false)),
         named("link", "Link", view.link.map(|run| drawing(&run.link))),
         Some(Section::glossary()),
         Some(Section::new("results", "Results", tables)),
@@ -259,27 +255,28 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     document(title.unwrap_or(untitled), &origin, &sections, FILES, data.as_deref())
 }
 
-/// Every warning or remark of all runs and what to do about it, with the name of the run if there are several.
-fn advice(
-    view: &View,
-    of: fn(&StoredArm) -> &Vec<StoredWarning>,
-    is_strong: bool,
-) -> Option<Markup> {
-    let all: Vec<_> =
-        view.arms.iter().flat_map(|arm| of(arm).iter().map(move |own| (arm, own))).collect();
-    let message = |arm: &StoredArm, own: &StoredWarning| match view.arms.len() {
-        1 => own.message.clone(),
-        _ => format!("{}: {}", arm.name, own.message),
-    };
+/// Warnings or remarks of all runs, each with its hint; of several runs with the name of the run.
+fn told(view: &View, of: fn(&StoredArm) -> &Vec<StoredWarning>) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for arm in view.arms.iter() {
+        let name = format!("{}: ", arm.name);
+        let name = if view.arms.len() > 1 { &name } else { "" };
+        all.extend(of(arm).iter().map(|own| (name.to_owned() + &own.message, own.hint.clone())));
+    }
+    all
+}
+
+/// Every warning or remark and what to do about it, if there are any.
+pub(super) fn advice(list: &[(String, String)], is_strong: bool) -> Option<Markup> {
     let content = html! {
-        ul { @for (arm, own) in &all {
+        ul { @for (message, hint) in list {
             li {
-                @if is_strong { strong { (message(arm, own)) } } @else { (message(arm, own)) }
-                " " span class="hint" { "What helps: " (own.hint) "." }
+                @if is_strong { strong { (message) } } @else { (message) }
+                " " span class="hint" { "What helps: " (hint) "." }
             }
         } }
     };
-    (!all.is_empty()).then_some(content)
+    (!list.is_empty()).then_some(content)
 }
 
 fn drawing(link: &Link) -> Markup {

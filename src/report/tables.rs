@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use maud::{Markup, html};
 
+use super::axis::digits;
 use super::link::given;
 use super::view::{ERROR, View};
 use crate::link::{Damping, Drive, Link, Segment};
@@ -65,10 +66,9 @@ pub(super) fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
 /// A number of the summary with its unit.
 fn amount(name: &str, value: f64) -> String {
     // A count has no decimals.
-    let digits =
-        if name.ends_with("iterations") { value.to_string() } else { significant(value, 4) };
-    let (_, unit) = words_and_unit(name);
-    format!("{} {unit}", digits.replace('-', "−")).trim_end().to_owned()
+    let is_count = name.ends_with("iterations");
+    let number = if is_count { value.to_string() } else { digits(value, 4) };
+    format!("{number} {}", words_and_unit(name).1).trim_end().to_owned()
 }
 
 /// Numbers of the summary in words and units, but for the errors.

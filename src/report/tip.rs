@@ -1,6 +1,6 @@
 //! Figures of the tip: of a link its motion along the arc, of an arm its place, and how far it is from where it should be.
 
-use super::axis::is_extreme;
+use super::axis::{digits, is_extreme};
 use super::bending::Interpolation;
 use super::figure::{Curve, Figure, Stroke};
 use super::link::given;
@@ -28,7 +28,7 @@ pub(super) fn motion(view: &View, run: &StoredRun) -> [Figure; 2] {
         vec![view.curve("tip", Stroke::Solid(3), times_s, &tip.acceleration_m_s2)],
     );
     let travel = tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
-    let travel = significant(travel, 4).replace('-', "−");
+    let travel = digits(travel, 4);
     let mut curves = vec![view.curve("tip", Stroke::Solid(3), times_s, &tip.displacement_m)];
     let cited = cited(view, [Some(4), None]);
     let mut caption = format!(

@@ -63,7 +63,7 @@ impl<'a> From<&'a StoredRun> for View<'a> {
                 motor: solved.and_then(|solved| solved.motor.clone()),
                 readings: run.readings.clone(),
                 errors: errors_by_kind(&run.readings),
-                limits: run.limits.clone(),
+                limits: run.limits,
             }],
             links: vec![StoredArmLink {
                 name: "1".to_owned(),
