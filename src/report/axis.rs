@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::numeric::rounded;
+use crate::text::significant;
 
 /// Name of the axis that all figures over time share.
 pub(super) const TIME: &str = "time";
@@ -184,6 +185,11 @@ pub(super) fn drawn_points(
     kept.sort_unstable();
     kept.dedup();
     kept.into_iter()
+}
+
+/// A number with `count` significant digits, as a page shows it.
+pub(super) fn digits(value: f64, count: usize) -> String {
+    significant(value, count).replace('-', "−")
 }
 
 /// Decimal if that is short, else with an exponent.

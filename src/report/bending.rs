@@ -1,10 +1,12 @@
 //! Bending along the link: moments estimated where a run did not write them, deflections of an arm's links from their
 //! chords, and the figure of waves.
 
+use std::borrow::Cow;
+
 use super::axis::{Axis, is_extreme};
 use super::colour_map::{ColourMap, Colours};
 use super::figure::{Figure, Stroke};
-use super::view::{View, inside, nearest, peak_words};
+use super::view::{View, from_start_m, inside, nearest, peak_words, reading};
 use super::words::formula;
 use crate::beam::Mesh;
 use crate::numeric::largest;
@@ -31,33 +33,79 @@ pub(super) struct Moments {
     pub(super) is_written: bool,
 }
 
-/// The bending moments that the run wrote, or those estimated from its displacements: force and moment
-/// at a node accelerate all that lies outboard of it.
-///
-/// ```text
-/// m(x) = ∫ₓᴸ m̄ (s − x) v̈ ds + Σ [m (x_m − x) v̈ + J φ̈] + payload     (d'Alembert; v of Bayo 1987, eq 1)
-/// ```
-///
-/// v̈ is taken from second differences over time and is linear between nodes: exact enough for colours,
-/// not for design. None if nodes, times or digits do not suffice.
-pub(super) fn bending_moments(view: &View) -> Option<Moments> {
-    let run = view.run;
-    if let Some(nodes) = run.moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1) {
-        return Some(Moments { nodes, is_written: true });
+impl View<'_> {
+    /// Deflections of a link from its chord; of a single link from the hub's tangent line, with those of the root, 0,
+    /// and of the tip, `v − Lθ`. None if no node between the two was written, or fewer than two times.
+    pub(super) fn deflections(&self, link: usize) -> Option<StoredNodes> {
+        let Some(run) = self.link else {
+            return Some(deflections(self.first(), link)).filter(|nodes| nodes.times_s.len() > 1);
+        };
+        let mut nodes = run.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
+        let tip = run.mesh.nodes_m().len() - 1;
+        if nodes.nodes.first() != Some(&0) {
+            nodes.nodes.insert(0, 0);
+            nodes.histories.insert(0, vec![0.0; nodes.times_s.len()]);
+        }
+        if nodes.nodes.last() != Some(&tip) {
+            let bent = bent_m(run);
+            let at = |time_s: &f64| bent[nearest(&run.times_s, *time_s)];
+            nodes.histories.push(nodes.times_s.iter().map(at).collect());
+            nodes.nodes.push(tip);
+        }
+        (nodes.nodes.len() > 2 || tip < 2).then_some(nodes)
     }
-    // The weight's part, and what holds it, do not follow from accelerations.
-    if run.link.has_weight() {
-        return None;
+
+    /// The bending moments of a link that the run wrote, or, of a single link, the moments estimated from its
+    /// displacements: force and moment at a node accelerate all that lies outboard of it.
+    ///
+    /// ```text
+    /// m(x) = ∫ₓᴸ m̄ (s − x) v̈ ds + Σ [m (x_m − x) v̈ + J φ̈] + payload     (d'Alembert; v of Bayo 1987, eq 1)
+    /// ```
+    ///
+    /// v̈ is taken from second differences over time and is linear between nodes: exact enough for colours,
+    /// not for design. None if nodes, times or digits do not suffice.
+    pub(super) fn moments(&self, link: usize) -> Option<Moments> {
+        let Some(run) = self.link else {
+            let nodes = self.first().links[link].moments_n_m.clone()?;
+            return Some(Moments { nodes, is_written: true });
+        };
+        if let Some(nodes) = run.moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1) {
+            return Some(Moments { nodes, is_written: true });
+        }
+        // The weight's part, and what holds it, do not follow from accelerations.
+        if self.has_weight() {
+            return None;
+        }
+        let deflections = self.deflections(link)?;
+        let step_s = deflections.times_s[1] - deflections.times_s[0];
+        let (from_s, until_s) = self.span_s;
+        let apart = (inside(&deflections.times_s, from_s, until_s).len() / COLUMNS).max(1);
+        let is_fine = apart as f64 * step_s < COARSEST * self.period_s.unwrap_or(f64::INFINITY);
+        if deflections.nodes.len() < FEWEST || deflections.times_s.len() < 3 || !is_fine {
+            return None;
+        }
+        let histories = estimated(run, &deflections, (step_s, apart));
+        let known = reading(&run.readings, "peak_root_moment_n_m");
+        let is_right =
+            known.is_none_or(|peak| (largest(&histories[0]) / peak - 1.0).abs() < TRUSTED);
+        let nodes = StoredNodes { histories, ..deflections };
+        is_right.then_some(Moments { nodes, is_written: false })
     }
-    let deflections = view.deflections()?;
-    let step_s = deflections.times_s[1] - deflections.times_s[0];
-    let (from_s, until_s) = view.span_s();
-    let apart = (inside(&deflections.times_s, from_s, until_s).len() / COLUMNS).max(1);
-    let period_s = view.period_s.unwrap_or(f64::INFINITY);
-    let is_fine = apart as f64 * step_s < COARSEST * period_s;
-    if deflections.nodes.len() < FEWEST || deflections.times_s.len() < 3 || !is_fine {
-        return None;
-    }
+}
+
+/// Bending of the tip of a single link over the time of the run, `v − Lθ`, in m.
+pub(super) fn bent_m(run: &StoredRun) -> Vec<f64> {
+    let length_m = run.mesh.length_m();
+    let pairs = run.tip.displacement_m.iter().zip(&run.hub_angle_rad);
+    pairs.map(|(v, angle)| v - length_m * (angle - run.origin_rad)).collect()
+}
+
+/// Moments in N m at the nodes of deflections, from their second differences over `apart` of their steps.
+fn estimated(
+    run: &StoredRun,
+    deflections: &StoredNodes,
+    (step_s, apart): (f64, usize),
+) -> Vec<Vec<f64>> {
     let intervals = Interval::between(&run.mesh, &deflections.nodes);
     let turns: Vec<f64> = deflections
         .times_s
@@ -79,14 +127,10 @@ pub(super) fn bending_moments(view: &View) -> Option<Moments> {
         let middle = k.clamp(apart, last - apart);
         let second = |v: &Vec<f64>| v[middle - apart] - 2.0 * v[middle] + v[middle + apart];
         let accelerations: Vec<f64> = motions.iter().map(|v| second(v) / square).collect();
-        let moments = moments(run, &deflections, &intervals, &accelerations);
+        let moments = moments(run, deflections, &intervals, &accelerations);
         histories.iter_mut().zip(moments).for_each(|(history, moment)| history.push(moment));
     }
-    let known = run.readings.iter().find(|(name, _)| name == "peak_root_moment_n_m");
-    let is_right =
-        known.is_none_or(|(_, peak)| (largest(&histories[0]) / peak - 1.0).abs() < TRUSTED);
-    let nodes = StoredNodes { histories, ..deflections };
-    is_right.then_some(Moments { nodes, is_written: false })
+    histories
 }
 
 /// Length in m and mass in kg between two neighbouring nodes.
@@ -141,59 +185,100 @@ fn moments(run: &StoredRun, nodes: &StoredNodes, intervals: &[Interval], a: &[f6
 /// Rows of the map, evenly along the link.
 pub(super) const ROWS: usize = 120;
 
-/// Waves along the link: the bending moment, or the deflection if too few displacements were written
-/// for it.
-pub(super) fn waves(view: &View) -> Result<Figure, String> {
-    let (name, unit, what, formula, nodes) = if let Some(moments) = bending_moments(view) {
-        let (what, formula) = if moments.is_written {
-            ("bending moment", formula::MOMENT)
-        } else {
-            ("bending moment, estimated from the displacements,", formula::MOMENT_ESTIMATED)
-        };
-        ("moment", "N m", what, formula, moments.nodes)
-    } else {
-        let none = "waves and animation, since no node between root and tip was written, or but one \
-                    moment";
-        let nodes = view.deflections().ok_or(none)?;
-        ("deflection", "m", "deflection from the hub's tangent line", formula::DEFLECTION, nodes)
+/// A quantity of bending: its name, unit and letter, its words in a caption, its formula.
+type Quantity = (&'static str, &'static str, char, &'static str, &'static str);
+
+const ARM_MOMENT: Quantity = ("moment", "N m", 'm', "bending moment", formula::ARM_MOMENT);
+const MOMENT: Quantity = ("moment", "N m", 'm', "bending moment", formula::MOMENT);
+const MOMENT_ESTIMATED: Quantity = (
+    "moment",
+    "N m",
+    'm',
+    "bending moment, estimated from the displacements,",
+    formula::MOMENT_ESTIMATED,
+);
+const ARM_DEFLECTION: Quantity =
+    ("deflection", "m", 'w', "deflection from the chord", formula::ARM_DEFLECTION);
+const DEFLECTION: Quantity =
+    ("deflection", "m", 'w', "deflection from the hub's tangent line", formula::DEFLECTION);
+
+/// Waves along a link: the bending moment, or the deflection where it is not known. An arm's are less those at first.
+pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
+    let is_arm = view.is_arm();
+    let place = view.pick("the link".to_owned(), format!("link {}", view.number_of(link)));
+    let omitted = |why: &str| {
+        let waves = view.pick("waves and animation".to_owned(), format!("waves along {place}"));
+        format!("{waves}, since {why}")
     };
-    if is_extreme(nodes.peak()) {
-        let why = "waves and animation, since what bends is too large or too small to be drawn";
-        return Err(why.to_owned());
+    let few = view.pick(
+        "no node between root and tip was written, or but one moment",
+        "but one moment was written",
+    );
+    let (quantity, mut nodes) = match view.moments(link) {
+        Some(Moments { nodes, .. }) if is_arm => (ARM_MOMENT, nodes),
+        Some(Moments { nodes, is_written: true }) => (MOMENT, nodes),
+        Some(Moments { nodes, .. }) => (MOMENT_ESTIMATED, nodes),
+        None => {
+            let nodes = view.deflections(link).ok_or_else(|| omitted(few))?;
+            (view.pick(DEFLECTION, ARM_DEFLECTION), nodes)
+        }
+    };
+    let (name, unit, letter, what, formula) = quantity;
+    if nodes.times_s.len() < 2 {
+        return Err(omitted(few));
     }
-    let story = if view.run.solved.is_some() && name == "moment" {
+    if is_extreme(nodes.peak()) {
+        return Err(omitted("what bends is too large or too small to be drawn"));
+    }
+    for history in nodes.histories.iter_mut().filter(|_| is_arm) {
+        let rest = history[0];
+        for value in history {
+            *value -= rest;
+        }
+    }
+    let rest = if is_arm && view.has_weight() { ", less what it is at rest at first," } else { "" };
+    let root = view.pick("the root", "its joint");
+    let beside = view.pick("displacement", "distance from where it begins");
+    let story = if !is_arm && view.is_solved() && name == "moment" {
         " Before the tip moves a wave runs out to it: the colours begin earlier the nearer to the \
          hub. After the tip has stopped what is left runs back to the hub, where the torque takes it \
          up."
     } else {
         ""
     };
-    // At the root or the tip the summary knows it, also between samples.
-    let (end, known) = if name == "moment" {
-        ((nodes.nodes[0] == 0).then_some(0), view.reading("peak_root_moment_n_m"))
-    } else {
-        (nodes.histories.len().checked_sub(1), view.reading("peak_deflection_m"))
-    };
-    let is_there = end.is_some_and(|end| largest(&nodes.histories[end]) >= nodes.peak());
-    let peak = peak_words(known.filter(|_| is_there), &[nodes.peak()]);
+    let peak = peak_words(known_peak(view, name, &nodes), &[nodes.peak()]);
     let caption = format!(
-        "The {what} over time (to the right) and along the link (up, from the root), below the tip's \
-         displacement; it reaches {peak} {unit}. Colours go by the square root, so that weak waves are seen \
+        "The {what}{rest} over time (to the right) and along the link (up, from {root}), below the tip's \
+         {beside}; it reaches {peak} {unit}. Colours go by the square root, so that weak waves are seen \
          too.{story}"
     );
-    let tip = view.curve("tip displacement", Stroke::Solid(6), &view.run.tip.displacement_m);
+    let (of_tip, travel_m) = match view.link {
+        Some(run) => ("tip displacement", Cow::Borrowed(&run.tip.displacement_m)),
+        None => ("tip from its start", Cow::Owned(from_start_m(view.first()))),
+    };
+    let tip = view.curve(of_tip, Stroke::Solid(6), &view.first().times_s, &travel_m);
     let above = Axis::around("tip", "m", tip.points.iter().map(|(_, value)| value));
-    let (map, x) = map(view.span_s(), &nodes, view.run.mesh.nodes_m(), (name, unit));
-    let figure = Figure::new("waves", "Waves along the link", caption, view.time_axis(), x);
+    let (map, x) = map(view.span_s, &nodes, &view.first().links[link].nodes_m, (name, unit));
+    let id = view.id("waves", link);
+    let figure = Figure::new(id, &format!("Waves along {place}"), caption, view.time_axis(), x);
+    let colour =
+        format!(" Colour: sign({letter}) √(|{letter}| / max |{letter}|) of what is drawn.");
     let marks = view.start_and_stop();
     Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure }
-        .by(with_colour(formula, name)))
+        .by(formula.to_owned() + &colour))
 }
 
-/// The formula of a map's quantity, with that of its colours.
-pub(super) fn with_colour(formula: &str, name: &str) -> String {
-    let letter = if name == "moment" { "m" } else { "w" };
-    format!("{formula} Colour: sign({letter}) √(|{letter}| / max |{letter}|) of what is drawn.")
+/// The peak of a single link's moment or deflection in the summary, which knows it also between samples, where it is at
+/// the root or at the tip.
+fn known_peak(view: &View, name: &str, nodes: &StoredNodes) -> Option<f64> {
+    let readings = &view.link?.readings;
+    let (end, known) = if name == "moment" {
+        ((nodes.nodes[0] == 0).then_some(0), reading(readings, "peak_root_moment_n_m"))
+    } else {
+        (nodes.histories.len().checked_sub(1), reading(readings, "peak_deflection_m"))
+    };
+    let is_there = end.is_some_and(|end| largest(&nodes.histories[end]) >= nodes.peak());
+    known.filter(|_| is_there)
 }
 
 /// A map over the time shown, linear between times and between nodes, which are at `nodes_m`, and its axis along the

@@ -3,8 +3,8 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+use super::axis::digits;
 use crate::numeric::largest;
-use crate::text::significant;
 
 /// Numbers over a rectangle, shown by colours.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,16 +74,13 @@ impl ColourMap {
             return String::new();
         }
         let is_narrow = self.colours == Colours::Sequential && (first < low || last > high);
-        let digits = if is_narrow { 5 } else { 4 };
-        let text = |value: f64| significant(value, digits).replace('-', "−");
-        let unit = format!(" {}", self.unit);
-        let range = format!(" From {} to {}{}", text(low), text(high), unit.trim_end());
+        let [low, high] = [low, high].map(|value| digits(value, if is_narrow { 5 } else { 4 }));
+        let range = format!(" From {low} to {high} {}", self.unit);
+        let range = range.trim_end();
         if is_narrow {
-            let text = |value: f64| significant(value, 3).replace('-', "−");
+            let [first, last] = [first, last].map(|value| digits(value, 3));
             return format!(
-                "{range}; the colours span {} to {}, as the numbers hardly differ.",
-                text(first),
-                text(last)
+                "{range}; the colours span {first} to {last}, as the numbers hardly differ."
             );
         }
         format!("{range}.")

@@ -6,10 +6,9 @@ use std::slice;
 
 use maud::{Markup, html};
 
-use super::axis::{Axis, TIME, in_unit};
+use super::axis::{Axis, TIME, digits, in_unit};
 use super::colour_map::{ColourMap, Fields};
 use super::figure::{Curve, Figure, Mark, Stroke, thinned};
-use crate::text::significant;
 
 /// Approximate width of a letter.
 const LETTER: f64 = 6.6;
@@ -128,7 +127,7 @@ impl Figure {
             g class="fields" {
                 @for (at_y, row) in y.iter().zip(values).take(most) {
                     @for (k, value) in row.iter().enumerate().filter(|(_, value)| value.is_finite()) {
-                        @let label = significant(*value, 3).replace('-', "−");
+                        @let label = digits(*value, 3);
                         @let (from, to) = (borders[k], borders[k + 1]);
                         @if LETTER * label.chars().count() as f64 + 2.0 < width * (to - from) {
                             text class=(if map.is_dark(*value) { "on-dark" } else { "on-light" })
@@ -310,7 +309,7 @@ fn colour_scale(map: &ColourMap) -> Markup {
     let width = |opacity: f64| if opacity < 1.0 { step } else { step + 0.5 };
     let label = |value: f64| match value {
         zero if zero.abs() <= 0.0 => "0".to_owned(),
-        value => significant(value, 3).replace('-', "−"),
+        value => digits(value, 3),
     };
     html! {
         text class="legend-text" x=(start - 8.0) y="12" text-anchor="end" { (in_unit(&map.name, &map.unit)) }

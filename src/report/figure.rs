@@ -7,7 +7,7 @@ use std::sync::Arc;
 use maud::{PreEscaped, html};
 use resvg::{tiny_skia, usvg};
 
-use super::axis::{Axis, drawn_points, in_unit};
+use super::axis::{Axis, digits, drawn_points, in_unit};
 use super::colour_map::{ColourMap, Fields};
 use crate::text::{given, significant, visible_document};
 
@@ -172,6 +172,10 @@ impl Figures {
             Err(why) => self.omitted.push(why),
         }
     }
+
+    pub(super) fn extend(&mut self, figures: impl IntoIterator<Item = Result<Figure, String>>) {
+        figures.into_iter().for_each(|figure| self.add(figure));
+    }
 }
 
 /// Most rows of the table below a figure.
@@ -239,7 +243,7 @@ impl Figure {
     /// Headings and rows of a table: some values of x at even distances, and the value of each line there; of a map
     /// all fields, or some rows.
     pub(super) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let (mut lines, unit, most, digits) = match &self.map {
+        let (mut lines, unit, most, count) = match &self.map {
             Some(map) if map.fields.is_some() => {
                 (self.map_lines(map), "", usize::MAX, FIELD_DIGITS)
             }
@@ -248,10 +252,8 @@ impl Figure {
         };
         lines.retain(|line| line.stroke.has_values());
         let Some(first) = lines.first() else { return (vec![], vec![]) };
-        let text = |value: f64| {
-            let text = value.is_finite().then(|| significant(value, digits).replace('-', "−"));
-            text.unwrap_or_default()
-        };
+        let text =
+            |value: f64| if value.is_finite() { digits(value, count) } else { String::new() };
         let mut head = vec![self.x.title()];
         head.extend(lines.iter().map(|line| in_unit(&line.name, unit)));
         let row = |k: usize| {

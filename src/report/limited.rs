@@ -1,47 +1,25 @@
 //! Figures of what may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
 
-use super::axis::Axis;
-use super::bending::bending_moments;
+use std::borrow::Cow;
+
+use super::bending::{TRUSTED, bent_m, tip_deflection_m};
 use super::figure::{Curve, Figure, Stroke};
-use super::view::{View, peak_words, reading};
+use super::view::{COLOURS, View, peak_words};
 use super::words::formula;
-use crate::result::{Limits, StoredJoint, StoredMotor, StoredRun};
-
-/// What turns at a hub or at a joint.
-pub(super) struct Turning<'a> {
-    torque_n_m: &'a [f64],
-    rate_rad_s: &'a [f64],
-    motor: Option<&'a StoredMotor>,
-}
-
-impl<'a> From<&'a StoredRun> for Turning<'a> {
-    fn from(run: &'a StoredRun) -> Self {
-        let motor = run.solved.as_ref().and_then(|solved| solved.motor.as_ref());
-        Self { torque_n_m: &run.torque_n_m, rate_rad_s: &run.hub_rate_rad_s, motor }
-    }
-}
-
-impl<'a> From<&'a StoredJoint> for Turning<'a> {
-    fn from(joint: &'a StoredJoint) -> Self {
-        let StoredJoint { torque_n_m, rate_rad_s, motor, .. } = joint;
-        Self { torque_n_m, rate_rad_s, motor: motor.as_ref() }
-    }
-}
+use crate::numeric::largest;
+use crate::result::{Limits, StoredJoint, StoredNodes};
 
 /// A quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
-    pub(super) id: &'static str,
+    /// The id of its figure: of a motor `motor-torque`.
+    id: &'static str,
     /// Its peak in the summary.
     reading: &'static str,
-    /// Whether it is the motor's.
-    is_of_motor: bool,
     /// Its title, but for what it is of.
     title: &'static str,
-    /// Its caption, with `{}` for its peak.
-    caption: &'static str,
     quantity: (&'static str, &'static str),
-    pub(super) limit: fn(&Limits) -> Option<f64>,
-    pub(super) of: fn(&Turning) -> Option<Vec<f64>>,
+    limit: fn(&Limits) -> Option<f64>,
+    of: fn(&StoredJoint) -> Option<Cow<[f64]>>,
     formula: &'static str,
 }
 
@@ -52,88 +30,86 @@ const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
 pub(super) const MOTOR_TORQUE: Limited = Limited {
     id: "motor-torque",
     reading: "peak_motor_torque_n_m",
-    is_of_motor: true,
     title: "Torque of the motor of",
-    caption: OF_MOTOR,
     quantity: ("torque", "N m"),
     limit: |limits| limits.motor_torque_n_m,
-    of: |turning| Some(turning.motor?.torque_n_m.clone()),
+    of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.torque_n_m)),
     formula: formula::MOTOR,
 };
 
 /// Rate and power, at the joint and of its motor: drawn where they have a limit.
 pub(super) const LIMITED: [Limited; 4] = [
     Limited {
-        id: "rate",
+        id: "hub-rate",
         reading: "peak_hub_rate_rad_s",
-        is_of_motor: false,
         title: "Rate of",
-        caption: AT_MOST,
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.hub_rate_rad_s,
-        of: |turning| Some(turning.rate_rad_s.to_vec()),
+        of: |joint| Some(Cow::Borrowed(&joint.rate_rad_s)),
         formula: formula::RATE,
     },
     Limited {
-        id: "power",
+        id: "hub-power",
         reading: "peak_power_w",
-        is_of_motor: false,
         title: "Power at",
-        caption: AT_MOST,
         quantity: ("power", "W"),
         limit: |limits| limits.power_w,
-        of: |turning| Some(power_w(turning.torque_n_m, turning.rate_rad_s)),
+        of: |joint| Some(power_w(&joint.torque_n_m, &joint.rate_rad_s)),
         formula: formula::POWER,
     },
     Limited {
         id: "motor-rate",
         reading: "peak_motor_rate_rad_s",
-        is_of_motor: true,
         title: "Rate of the motor of",
-        caption: OF_MOTOR,
         quantity: ("rate", "rad/s"),
         limit: |limits| limits.motor_rate_rad_s,
-        of: |turning| Some(turning.motor?.rate_rad_s.clone()),
+        of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.rate_rad_s)),
         formula: formula::MOTOR_RATE,
     },
     Limited {
         id: "motor-power",
         reading: "peak_motor_power_w",
-        is_of_motor: true,
         title: "Power of the motor of",
-        caption: OF_MOTOR,
         quantity: ("power", "W"),
         limit: |limits| limits.motor_power_w,
-        of: |turning| turning.motor.map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
+        of: |joint| joint.motor.as_ref().map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
         formula: formula::MOTOR_POWER,
     },
 ];
 
-fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Vec<f64> {
+fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
     torque_n_m.iter().zip(rate_rad_s).map(|(torque, rate)| torque * rate).collect()
 }
 
+/// Name of the flexible line where a page shows one run: `played` of the simulation of a link.
+pub(super) fn flexible<'a>(view: &View, played: &'a str) -> &'a str {
+    view.pick(if view.is_solved() { "flexible link" } else { played }, "flexible arm")
+}
+
 impl Limited {
-    /// Its figure, of `what` in a run of a link or an arm, with the limit if there is one.
-    pub(super) fn figure(
-        &self,
-        (id, what): (String, &str),
-        time: Axis,
-        (curves, limit): (Vec<Curve>, Option<f64>),
-        readings: &[(String, f64)],
-    ) -> Figure {
-        let title = format!("{} {what}", self.title);
-        let known = reading(readings, self.reading);
-        let words = (&title[..], self.caption);
-        figure(id, words, time, self.quantity, (curves, limit), known).by(self.formula)
+    /// Its figure of a joint, with the limit if there is one; none where the joint lacks the quantity.
+    pub(super) fn figure(&self, view: &View, joint: usize) -> Option<Figure> {
+        let first = &view.first().joints[joint];
+        (self.of)(first)?;
+        let is_of_motor = self.id.starts_with("motor");
+        let of_link = if is_of_motor { "motor" } else { flexible(view, "hub") };
+        let name = view.pick(of_link, "flexible arm");
+        let caption = if is_of_motor { OF_MOTOR } else { AT_MOST };
+        let curves = view.of_runs(name, |arm| Some((&arm.times_s, (self.of)(&arm.joints[joint])?)));
+        let lines = (curves, (self.limit)(&first.limits));
+        let title = format!("{} {}", self.title, view.joint_words(joint));
+        let known = first.reading(self.reading);
+        let figure =
+            figure(view, view.id(self.id, joint), (&title, caption), self.quantity, lines, known);
+        Some(figure.by(self.formula))
     }
 }
 
 /// A figure of lines with a limit; the caption says how far the first line gets, as the summary has it if it is `known`.
-pub(super) fn figure(
+fn figure(
+    view: &View,
     id: String,
     (title, caption): (&str, &str),
-    time: Axis,
     (name, unit): (&str, &str),
     (mut curves, limit): (Vec<Curve>, Option<f64>),
     known: Option<f64>,
@@ -143,89 +119,104 @@ pub(super) fn figure(
     let peak = format!("{} {unit}", peak_words(known, &values));
     let mut caption = caption.replace("{}", &peak);
     caption.push_str(&Curve::add_limit(&mut curves, limit, ("", unit), 1));
-    Figure::of_curves(id, title, caption, time, (name, unit), curves)
+    view.figure(id, title, caption, (name, unit), curves)
 }
 
-/// The torque of the motor, where there is one.
-pub(super) fn motor_torque(view: &View) -> Option<Figure> {
-    of_hub(view, &MOTOR_TORQUE, view.run.limits.motor_torque_n_m)
+/// All quantities of a joint, its motor and its link that have a limit, but for torques.
+pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> {
+    let limits = &view.first().joints[joint].limits;
+    let has_limit = |topic: &&Limited| (topic.limit)(limits).is_some();
+    let turning = LIMITED.iter().filter(has_limit);
+    let turning = turning.filter_map(|topic| topic.figure(view, joint)).map(Ok);
+    let deflected = limits.deflection_m.map(|limit| deflection(view, joint, limit));
+    // The moments of all links of an arm are in one figure.
+    let limit = limits.bending_moment_n_m.filter(|_| !view.is_arm());
+    let moment = limit.map(|limit| root_moment(view, limit));
+    turning.chain(deflected).chain(moment).collect()
 }
 
-/// A quantity of the hub or of its motor.
-fn of_hub(view: &View, topic: &Limited, limit: Option<f64>) -> Option<Figure> {
-    let run = view.run;
-    let history = (topic.of)(&Turning::from(run))?;
-    let (id, name) = if topic.is_of_motor {
-        (topic.id.to_owned(), "motor")
+/// Deflection of a link's tip from the tangent line at its root: of a single link as it was written, or `v − Lθ`.
+fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
+    let known = view.first().joints[link].reading("peak_deflection_m");
+    let of_arm =
+        format!("Deflection at the tip of link {}, estimated from its nodes", view.number_of(link));
+    let title = view.pick("Deflection of the tip from the hub's tangent line", &of_arm);
+    let caption = view.pick(AT_MOST, "From the tangent line at the link's root, at most {}.");
+    let curves = if let Some(run) = view.link {
+        let tip = run.mesh.nodes_m().len() - 1;
+        let written = run.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
+        let bent = bent_m(run);
+        let (times_s, history) = written
+            .and_then(|own| Some((&own.times_s, own.histories.last()?)))
+            .unwrap_or((&run.times_s, &bent));
+        vec![view.curve("flexible link", Stroke::Solid(1), times_s, history)]
     } else {
-        (format!("hub-{}", topic.id), if run.solved.is_some() { "flexible link" } else { "hub" })
+        let own = largest(&tip_deflection_m(view.first(), link));
+        if known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
+            let why = "too few rows were written for it: --every 1 writes all";
+            return Err(format!("{title}, since {why}"));
+        }
+        view.of_runs("flexible arm", |arm| {
+            Some((&arm.nodal_times_s, tip_deflection_m(arm, link).into()))
+        })
     };
-    let curves = vec![view.curve(name, Stroke::Solid(1), &history)];
-    Some(topic.figure((id, "the hub"), view.time_axis(), (curves, limit), &run.readings))
+    let (id, lines) = (view.id("tip-deflection", link), (curves, Some(limit)));
+    let figure = figure(view, id, (title, caption), ("deflection", "m"), lines, known);
+    Ok(figure.by(view.pick(formula::TIP_DEFLECTION, formula::LINK_DEFLECTION)))
 }
 
-/// What of a link has a limit, but for torques.
-pub(super) fn limited_of_link(view: &View) -> Vec<Result<Figure, String>> {
-    let run = view.run;
-    let turning = LIMITED.iter().filter_map(|topic| {
-        let limit = (topic.limit)(&run.limits)?;
-        of_hub(view, topic, Some(limit)).map(Ok)
-    });
-    let deflection = run.limits.deflection_m.map(|limit| {
-        let curves = vec![deflection(view)];
-        let title = "Deflection of the tip from the hub's tangent line";
-        let (id, words) = ("tip-deflection".to_owned(), (title, AT_MOST));
-        let lines = (curves, Some(limit));
-        let known = view.reading("peak_deflection_m");
-        Ok(figure(id, words, view.time_axis(), ("deflection", "m"), lines, known)
-            .by(formula::TIP_DEFLECTION))
-    });
-    let moment = run.limits.bending_moment_n_m.map(|limit| root_moment(view, limit));
-    turning.chain(deflection).chain(moment).collect()
-}
-
-/// The deflection of the tip as it was written, or `v − Lθ`.
-fn deflection(view: &View) -> Curve {
-    let run = view.run;
-    let tip = run.mesh.nodes_m().len() - 1;
-    let written = run.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
-    if let Some(history) = written.and_then(|own| Some((&own.times_s, own.histories.last()?))) {
-        return view.over_time("flexible link", Stroke::Solid(1), history);
-    }
-    let length_m = run.mesh.length_m();
-    let pairs = run.tip.displacement_m.iter().zip(&run.hub_angle_rad);
-    let bent: Vec<f64> = pairs.map(|(v, angle)| v - length_m * (angle - run.origin_rad)).collect();
-    view.over_time("flexible link", Stroke::Solid(1), (&run.times_s, &bent))
-}
-
-/// The bending moment at the root, if it is known.
+/// The bending moment at the root of a single link, if it is known.
 fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
-    let moments = bending_moments(view).filter(|moments| moments.nodes.nodes.first() == Some(&0));
-    let why = if view.run.solved.is_some() {
+    let moments = view.moments(0).filter(|moments| moments.nodes.nodes.first() == Some(&0));
+    let why = if view.is_solved() {
         "it was not written: solve --moments writes it"
     } else {
         "too few rows were written for an estimate: --every 1 writes all"
     };
     let moments = moments.ok_or_else(|| format!("the bending moment at the root, since {why}"))?;
-    let history = (&moments.nodes.times_s, &moments.nodes.histories[0]);
-    let curves = vec![view.over_time("flexible link", Stroke::Solid(1), history)];
+    let StoredNodes { times_s, histories, .. } = &moments.nodes;
+    let curves = vec![view.curve("flexible link", Stroke::Solid(1), times_s, &histories[0])];
     let (title, formula) = if moments.is_written {
         ("Bending moment at the root", formula::ROOT_MOMENTS)
     } else {
         ("Bending moment at the root, estimated", formula::MOMENT_ESTIMATED)
     };
-    let (id, words) = ("hub-moment".to_owned(), (title, AT_MOST));
-    let (lines, known) = ((curves, Some(limit)), view.reading("peak_root_moment_n_m"));
-    Ok(figure(id, words, view.time_axis(), ("moment", "N m"), lines, known).by(formula))
+    let (id, words, quantity) = ("hub-moment".to_owned(), (title, AT_MOST), ("moment", "N m"));
+    let known = view.first().joints[0].reading("peak_root_moment_n_m");
+    Ok(figure(view, id, words, quantity, (curves, Some(limit)), known).by(formula))
+}
+
+/// The bending moments at the roots of all links of an arm.
+pub(super) fn root_moments(view: &View) -> Result<Figure, String> {
+    let mut curves = view.each(&view.numbered("link"), |arm, link| {
+        let moments = arm.links[link].moments_n_m.as_ref()?;
+        Some((&moments.times_s, moments.histories[0].clone()))
+    });
+    if curves.is_empty() {
+        let why = if view.is_solved() {
+            "they were not written: solve --moments writes them"
+        } else {
+            "a simulation does not write them"
+        };
+        return Err(format!("bending moments, since {why}"));
+    }
+    let mut caption =
+        "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
+    for (link, joint) in view.first().joints.iter().enumerate() {
+        let (whose, limit) = (format!("link {}:", link + 1), joint.limits.bending_moment_n_m);
+        let colour = 1 + link % COLOURS;
+        caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
+    }
+    let (title, quantity) = ("Bending moments at the roots", ("moment", "N m"));
+    Ok(view.figure("root-moments", title, caption, quantity, curves).by(formula::ROOT_MOMENTS))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numeric::largest;
     use crate::report::Figures;
     use crate::report::tests::{run, solution};
-    use crate::result::StoredResult;
+    use crate::result::{StoredMotor, StoredResult, StoredRun};
     use crate::text::significant;
 
     /// A peak between samples is larger than all of them.

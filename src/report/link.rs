@@ -1,15 +1,9 @@
-//! The link of a run: drawn to scale, and its motion as the animation plays it.
+//! A link drawn to scale, and numbers as a page shows them.
 
 use maud::{Markup, html};
-use serde_json::json;
 
-use super::axis::is_extreme;
-use super::bending::bending_moments;
-use super::figure::evenly;
-use super::view::{View, inside, nearest};
 use crate::link::{Link, Segment};
-use crate::numeric::{largest, rounded};
-use crate::result::StoredNodes;
+use crate::numeric::rounded;
 use crate::text::significant;
 
 /// Width and height of the drawing, position of the axis, x of the farthest body, all in pixels.
@@ -152,77 +146,8 @@ pub(super) fn given(value: f64, unit: &str) -> String {
     format!("{short} {unit}").replace('-', "−").trim_end().to_owned()
 }
 
-/// Most frames and nodes.
-pub(super) const FRAMES: usize = 600;
-pub(super) const NODES: usize = 61;
-
 /// Significant digits of the numbers, which the CSV file of a map has too.
 const DIGITS: usize = 6;
-
-/// The motion over the time shown as JSON; none if no nodes were written, or if its numbers are too large
-/// or too small to be drawn.
-pub(super) fn motion_data(view: &View) -> Option<String> {
-    let run = view.run;
-    let nodes = &view.deflections()?;
-    // A small torque or hub angle only gives a short arrow.
-    let [torque_n_m, angle_rad] =
-        [&run.torque_n_m, &run.hub_angle_rad].map(|h| largest(h).max(1.0));
-    let tip_m = largest(&run.tip.displacement_m);
-    if [torque_n_m, angle_rad, tip_m, nodes.peak()].into_iter().any(is_extreme) {
-        return None;
-    }
-    let (from_s, until_s) = view.span_s();
-    let shown = inside(&nodes.times_s, from_s, until_s);
-    let frames: Vec<usize> =
-        evenly(shown.len(), FRAMES).into_iter().map(|k| shown.start + k).collect();
-    // Nodes may be written at fewer times than the other histories.
-    let samples: Vec<usize> =
-        frames.iter().map(|k| nearest(&run.times_s, nodes.times_s[*k])).collect();
-    let of = |history: &[f64]| -> Vec<f64> { samples.iter().map(|k| short(history[*k])).collect() };
-    let kept = evenly(nodes.nodes.len(), NODES);
-    let of_nodes = |quantity: &StoredNodes, frame: &usize| -> Vec<f64> {
-        kept.iter().map(|node| short(quantity.histories[*node][*frame])).collect()
-    };
-    // Moments at other nodes or times than the deflections are left out.
-    let alike = |m: &StoredNodes| {
-        m.nodes == nodes.nodes && m.times_s.len() == nodes.times_s.len() && !is_extreme(m.peak())
-    };
-    let moments = bending_moments(view).map(|moments| moments.nodes).filter(alike);
-    let solved = run.solved.as_ref();
-    let link = &run.link;
-    let body = |at: f64, kg: f64| json!({ "at_m": at, "mass_kg": kg });
-    let link = json!({
-        "angle_rad": of(&run.hub_angle_rad),
-        "deflection_m": frames.iter().map(|k| of_nodes(nodes, k)).collect::<Vec<_>>(),
-        "hub_radius_m": link.hub().radius_m,
-        "length_m": link.length_m(),
-        "masses": link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
-        "moment_n_m": moments.as_ref().map(|moments| frames.iter().map(|k| of_nodes(moments, k)).collect::<Vec<_>>()),
-        "nodes_m": kept.iter().map(|k| short(run.mesh.nodes_m()[nodes.nodes[*k]])).collect::<Vec<_>>(),
-        "payload": { "mass_kg": link.payload().mass_kg, "offset_m": link.payload().offset_m },
-        "peak_torque_n_m": largest(&run.torque_n_m),
-        "rigid_angle_rad": solved.map(|solved| of(&solved.rigid_hub_angle_rad)),
-        "thickness": thickness(link, largest_stiffness(link)),
-        "torque_n_m": of(&run.torque_n_m),
-    });
-    let data = json!({
-        "exaggeration": exaggeration(nodes.peak() / run.link.length_m()),
-        "links": [link],
-        "seen_from": if run.link.has_weight() { "the side" } else { "above" },
-        "times_s": frames.iter().map(|k| rounded(nodes.times_s[*k], 9)).collect::<Vec<_>>(),
-    });
-    // A `<` in a title could end the script element.
-    Some(data.to_string().replace('<', "\\u003c"))
-}
-
-/// How much larger than it is a deflection is drawn at first, which is `bending` of the link's length: so that it is
-/// well seen.
-pub(super) fn exaggeration(bending: f64) -> f64 {
-    const SEEN: f64 = 0.08;
-    let factors = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
-    let off = |factor: &f64| (factor * bending - SEEN).abs();
-    factors.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
-}
 
 /// Relative thickness along the link, at both ends of each segment, of a stiffness in N m² that is 1.
 pub(super) fn thickness(link: &Link, largest: f64) -> Vec<[f64; 2]> {

@@ -1,8 +1,5 @@
 //! A result, or a fit, as figures and as a page to look at.
 
-mod arm;
-mod arm_motion;
-mod arm_page;
 mod axis;
 mod bending;
 mod colour_map;
@@ -11,16 +8,18 @@ mod figure;
 mod figures;
 mod fit;
 mod fit_figures;
-mod fit_starts;
 mod frequency;
 mod limited;
 mod link;
+mod motion;
 mod page;
+mod paper;
 mod sweep;
 mod sweep_page;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod tip;
 mod view;
 mod words;
 

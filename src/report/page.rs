@@ -6,11 +6,13 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest as _, Sha256};
 
 use super::figure::{self, Figure, Figures};
-use super::link::{given, link_drawing, motion_data};
-use super::tables::{checks, errors, link_readings, modes, readings, results, table};
+use super::link::{given, link_drawing};
+use super::motion::Motion;
+use super::tables::{checks, errors, joints, link_readings, modes, readings, results, table};
 use super::view::View;
 use super::words::glossary;
-use crate::result::{Notice, Origin, StoredRun};
+use crate::link::Link;
+use crate::result::{Notice, Origin, StoredArm};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -142,21 +144,13 @@ pub(super) fn all_figures(figures: &Figures) -> Section {
 }
 
 /// The section of the figures that a page shows first, and that of the others; none without figures.
-pub(super) fn parted_figures(
-    first: &'static str,
-    figures: &Figures,
-    note: &str,
-) -> [Option<Section>; 2] {
+fn parted_figures(first: &'static str, figures: &Figures, note: &str) -> [Option<Section>; 2] {
     let (leading, other): (Vec<&Figure>, Vec<&Figure>) =
         figures.drawn.iter().partition(|figure| figure.leads());
-    let omitted = &figures.omitted;
-    let section =
-        |name, figures: &[&Figure], omitted, note| figures_section(name, figures, omitted, note);
-    [
-        (!leading.is_empty()).then(|| section(("first", first), &leading, &[], note)),
-        (!other.is_empty() || !omitted.is_empty())
-            .then(|| section(("figures", "More figures"), &other, omitted, "")),
-    ]
+    let has_more = !other.is_empty() || !figures.omitted.is_empty();
+    let more = || figures_section(("figures", "More figures"), &other, &figures.omitted, "");
+    let first = || figures_section(("first", first), &leading, &[], note);
+    [(!leading.is_empty()).then(first), has_more.then(more)]
 }
 
 fn figure_markup(figure: &Figure) -> Markup {
@@ -209,68 +203,123 @@ fn command_line(arguments: &[String]) -> String {
     arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
 }
 
-pub(super) fn run_page(run: &StoredRun, figures: &Figures) -> Markup {
-    let origin = &run.origin;
-    let title = match origin.title.trim() {
-        "" => "A flexible link",
-        title => title,
-    };
-    let view = View::of(run);
-    let data = motion_data(&view);
-    let (from, until) = view.span_s();
-    let [from, until, first, last] =
-        [from, until, run.times_s[0], run.times_s[run.times_s.len() - 1]].map(|t| given(t, ""));
+/// The page of the first of an arm's runs, with the others beside it. A link is an arm of one.
+pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
+    let first = view.first();
+    let untitled = view.pick("A flexible link", "An arm of flexible links");
+    let leading = view.pick("Torque, tip and hub", "Torques, tip and joints");
+    let heading = view.pick("The link in motion", "The arm in motion");
+    let label = view.pick("The link while it moves", "The arm while it moves");
+    let title = Some(first.origin.title.trim()).filter(|title| !title.is_empty());
+    let (times, (from, until)) = (&first.times_s, view.span_s);
+    let [from, until, start, end] =
+        [from, until, times[0], times[times.len() - 1]].map(|t| given(t, ""));
     let note = format!(
-        "Over time the figures show {from} … {until} s of the {first} … {last} s that were computed."
+        "Over time the figures show {from} … {until} s of the {start} … {end} s that were computed."
     );
-    let [first, more] = parted_figures("Torque, tip and hub", figures, &note);
-    let mut sections = Vec::new();
-    if !run.warnings.is_empty() {
-        sections.push(Section::warnings(advice(&run.warnings, true)));
-    }
-    sections.extend(first);
-    if data.is_some() {
-        let (heading, class) = ("The link in motion", Some("needs-script"));
-        let section = Section::new("animation", "Motion", animation("The link while it moves"));
-        sections.push(Section { heading, class, ..section });
-    }
-    sections.extend(more);
-    if !run.remarks.is_empty() {
-        sections.push(Section::new("remarks", "Remarks", advice(&run.remarks, false)));
-    }
-    sections.push(Section::new("link", "Link", drawing(run)));
-    sections.push(Section::glossary());
-    sections.push(Section::new("results", "Results", tables(run)));
-    if !run.checks.is_empty() {
-        sections.push(Section::new("checks", "Verification", checks(&run.checks)));
-    }
-    sections.push(inputs(origin));
-    document(title, &made_by(origin), &sections, FILES, data.as_deref())
+    let [leading, more] = parted_figures(leading, figures, &note);
+    let motion = Motion::of(view);
+    let animated = motion.is_some().then(|| {
+        let section = Section::new("animation", "Motion", animation(label));
+        Section { heading, class: Some("needs-script"), ..section }
+    });
+    let poses = motion.as_ref().filter(|_| view.is_arm());
+    let poses = poses.map(|motion| motion.drawing(view));
+    // The errors of a link stand among its results.
+    let errors = errors(view);
+    let tables = tables(view, errors.as_ref().filter(|_| !view.is_arm()));
+    let named = |id, name, content: Option<Markup>| Some(Section::new(id, name, content?));
+    let sections = [
+        advice(&told(view, |arm| &arm.warnings), true).map(Section::warnings),
+        leading,
+        animated,
+        named("arm", "Poses", poses),
+        more,
+        named("remarks", "Remarks", advice(&told(view, |arm| &arm.remarks), false)),
+        named("link", "Link", view.link.map(|run| drawing(&run.link))),
+        Some(Section::glossary()),
+        Some(Section::new("results", "Results", tables)),
+        named("errors", "Errors", errors.filter(|_| view.is_arm())),
+        named("checks", "Verification", checks(&first.checks)),
+        Some(inputs(&first.origin)),
+    ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    let origin = html! {
+        @for (k, arm) in view.arms.iter().enumerate() {
+            @if k > 0 { br; }
+            @if view.arms.len() > 1 { strong { (arm.name) } " " }
+            (made_by(&arm.origin))
+        }
+    };
+    let data = motion.map(|motion| motion.json(view));
+    document(title.unwrap_or(untitled), &origin, &sections, FILES, data.as_deref())
 }
 
-fn drawing(run: &StoredRun) -> Markup {
+/// Warnings or remarks of all runs, each with its hint; of several runs with the name of the run.
+fn told(view: &View, of: fn(&StoredArm) -> &Vec<Notice>) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for arm in view.arms.iter() {
+        let name = format!("{}: ", arm.name);
+        let name = if view.arms.len() > 1 { &name } else { "" };
+        all.extend(of(arm).iter().map(|own| (name.to_owned() + &own.message, own.hint.clone())));
+    }
+    all
+}
+
+/// Every warning or remark and what to do about it, if there are any.
+pub(super) fn advice(list: &[(String, String)], is_strong: bool) -> Option<Markup> {
+    let content = html! {
+        ul { @for (message, hint) in list {
+            li {
+                @if is_strong { strong { (message) } } @else { (message) }
+                " " span class="hint" { "What helps: " (hint) "." }
+            }
+        } }
+    };
+    (!list.is_empty()).then_some(content)
+}
+
+fn drawing(link: &Link) -> Markup {
     html! {
         figure class="drawing" {
-            (link_drawing(&run.link))
+            (link_drawing(link))
             figcaption { "Lengths are to scale; thickness grows with the cube root of the bending stiffness, \
                 a dot with that of its mass, up to a limit." }
         }
     }
 }
 
-fn tables(run: &StoredRun) -> Markup {
+fn tables(view: &View, errors: Option<&Markup>) -> Markup {
+    let first = view.first();
+    let is_arm = view.is_arm();
+    let last = first.links.len() - 1;
+    let link = |k: usize| {
+        let mut rows = link_readings(&first.links[k].link);
+        let body = rows.iter_mut().filter(|(name, _)| name == "payload" && k < last);
+        body.for_each(|(name, _)| "body at its tip".clone_into(name));
+        let number = view.pick(String::new(), format!(" {}", view.number_of(k)));
+        readings(&format!("Link{number}"), &rows)
+    };
     html! {
-        div class="columns" {
-            (readings("Results", &results(&run.readings)))
-            (readings("Link", &link_readings(&run.link)))
+        @if is_arm {
+            div class="columns" { @for arm in view.arms.iter() { div {
+                @if view.arms.len() > 1 { h3 { (arm.name) } }
+                (joints(arm))
+            } } }
         }
-        (modes(run))
-        (errors(run))
+        div class="columns" {
+            @if !first.readings.is_empty() {
+                (readings(view.pick("Results", "Whole arm"), &results(&first.readings)))
+            }
+            @for k in 0..=last { (link(k)) }
+        }
+        @if let Some(run) = view.link { (modes(run)) }
+        @if let Some(errors) = errors { h3 { "Errors" } (errors) }
     }
 }
 
 /// What the page's script plays the motion in.
-pub(super) fn animation(label: &str) -> Markup {
+fn animation(label: &str) -> Markup {
     html! {
         figure class="stage" {
             svg id="stage" role="img" aria-label=(label)
@@ -278,17 +327,5 @@ pub(super) fn animation(label: &str) -> Markup {
             figcaption id="stage-caption" {}
         }
         div class="controls" {}
-    }
-}
-
-/// Every warning or remark and what to do about it.
-pub(super) fn advice(list: &[Notice], is_strong: bool) -> Markup {
-    html! {
-        ul { @for Notice { message, hint, .. } in list {
-            li {
-                @if is_strong { strong { (message) } } @else { (message) }
-                " " span class="hint" { "What helps: " (hint) "." }
-            }
-        } }
     }
 }

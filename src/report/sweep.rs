@@ -3,6 +3,7 @@
 use super::axis::{Axis, in_unit};
 use super::colour_map::{ColourMap, Colours, Fields};
 use super::figure::{Curve, Figure, Figures, Stroke};
+use super::view::nearest;
 use crate::compare::{Table, TableColumn};
 use crate::result::StoredSweep;
 
@@ -198,12 +199,7 @@ fn field_axis(varied: &Varied) -> Axis {
 fn fields(varied: &Varied, count: usize) -> Vec<usize> {
     let axis = field_axis(varied);
     let levels: Vec<f64> = varied.levels.iter().map(|level| axis.share(*level)).collect();
-    let nearest = |k: usize| {
-        let at = (k as f64 + 0.5) / count as f64;
-        let next = levels.partition_point(|level| *level < at).clamp(1, levels.len() - 1);
-        if at - levels[next - 1] < levels[next] - at { next - 1 } else { next }
-    };
-    (0..count).map(nearest).collect()
+    (0..count).map(|k| nearest(&levels, (k as f64 + 0.5) / count as f64)).collect()
 }
 
 /// The first column: a line for each combination of the other values.

@@ -4,13 +4,15 @@ use std::f64::consts::TAU;
 
 use maud::{Markup, html};
 
+use super::axis::digits;
 use super::link::given;
+use super::view::{ERROR, View};
 use crate::link::{Damping, Drive, Link, Segment};
 use crate::modal::{
     DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
 };
 use crate::response::damping_ratios;
-use crate::result::{StoredCheck, StoredRun};
+use crate::result::{StoredArm, StoredCheck, StoredRun};
 use crate::text::{digits_beyond, significant};
 
 /// A table that scrolls sideways where the page is narrow.
@@ -61,20 +63,45 @@ pub(super) fn readings(caption: &str, rows: &[(String, String)]) -> Markup {
     }
 }
 
-/// End of the names of errors, which have a table of their own.
-const ERROR: &str = "_error";
+/// A number of the summary with its unit.
+fn amount(name: &str, value: f64) -> String {
+    // A count has no decimals.
+    let is_count = name.ends_with("iterations");
+    let number = if is_count { value.to_string() } else { digits(value, 4) };
+    format!("{number} {}", words_and_unit(name).1).trim_end().to_owned()
+}
 
 /// Numbers of the summary in words and units, but for the errors.
 pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
-    let row = |(name, value): &(String, f64)| {
-        let (words, unit) = words_and_unit(name);
-        // A count has no decimals.
-        let digits =
-            if name.ends_with("iterations") { value.to_string() } else { significant(*value, 4) };
-        let amount = format!("{} {unit}", digits.replace('-', "−"));
-        (words, amount.trim_end().to_owned())
+    let rows = readings.iter().filter(|(name, _)| !name.ends_with(ERROR));
+    rows.map(|(name, value)| (words_and_unit(name).0, amount(name, *value))).collect()
+}
+
+/// The numbers of the joints of an arm, a column each; nothing where there are none.
+pub(super) fn joints(arm: &StoredArm) -> Markup {
+    let names = distinct(arm.joints.iter().flat_map(|joint| &joint.readings));
+    let head = (1..=arm.joints.len()).map(|number| format!("joint {number}"));
+    let head: Vec<String> = ["quantity".to_owned()].into_iter().chain(head).collect();
+    let rows = html! {
+        @for name in &names { tr {
+            th scope="row" { (words_and_unit(name).0) }
+            @for joint in &arm.joints {
+                td { @if let Some(value) = joint.reading(name) { (amount(name, value)) } }
+            }
+        } }
     };
-    readings.iter().filter(|(name, _)| !name.ends_with(ERROR)).map(row).collect()
+    html! { @if !names.is_empty() { (table(&head, &rows)) } }
+}
+
+/// The different names of numbers, in their order.
+fn distinct<'a>(numbers: impl Iterator<Item = &'a (String, f64)>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in numbers {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
 }
 
 /// The parts of the link.
@@ -169,54 +196,36 @@ pub(super) fn modes(run: &StoredRun) -> Markup {
     }
 }
 
-/// Heading of the tip's error, which is of no kind: what it is off by is known at every moment.
-const WANTED: &str = "from the wanted motion";
-
-/// Kinds of errors, the last part of their names.
-const KINDS: [&str; 8] =
-    ["mesh", "window", "step", "iteration", "modes", "input", "model", "refinement"];
-
-/// What each quantity may be off by, a column for each kind, and what that is a share of.
-pub(super) fn errors(run: &StoredRun) -> Markup {
-    let mut kinds: Vec<&str> = Vec::new();
-    let mut found: Vec<(&str, Vec<(&str, f64)>)> = Vec::new();
-    for (name, error) in &run.readings {
-        let Some(name) = name.strip_suffix(ERROR) else { continue };
-        let of_kind = |kind: &&&str| name.ends_with(&format!("_{kind}"));
-        let kind = KINDS.iter().find(of_kind).copied().unwrap_or(WANTED);
-        let quantity =
-            name.strip_suffix(kind).map_or(name, |quantity| quantity.trim_end_matches('_'));
-        if !kinds.contains(&kind) {
-            kinds.push(kind);
-        }
-        match found.iter_mut().find(|(own, _)| *own == quantity) {
-            Some((_, errors)) => errors.push((kind, *error)),
-            None => found.push((quantity, vec![(kind, *error)])),
-        }
-    }
+/// What each quantity of each joint may be off by, a column for each kind, and what that is a share of.
+pub(super) fn errors(view: &View) -> Option<Markup> {
+    let (is_arm, has_weight) = (view.is_arm(), view.has_weight());
+    let joints = view.first().joints.iter().enumerate();
+    let all: Vec<_> = joints.flat_map(|(k, j)| j.errors.iter().map(move |of| (k, of))).collect();
+    let kinds = distinct(all.iter().flat_map(|(_, (_, kinds))| kinds));
+    let size = if has_weight { "range" } else { "peak" };
+    let joint = view.pick("hub", "joint");
+    let words = |quantity: &str| quantity.replace("hub", joint).replace('_', " ");
     let of = |quantity: &str| match quantity {
         "tip" => "the tip's travel".to_owned(),
-        _ if run.link.has_weight() => format!("the range of the {}", quantity.replace('_', " ")),
-        _ => format!("the peak of the {}", quantity.replace('_', " ")),
+        _ => format!("the {size} of the {}", words(quantity)),
     };
-    let head: Vec<&str> =
-        ["quantity"].into_iter().chain(kinds.iter().copied()).chain(["share of"]).collect();
+    let (number, share) = view.pick((&[][..], &["share of"][..]), (&["joint"], &[]));
+    let head = [&["quantity"], number, &kinds, share].concat();
     let rows = html! {
-        @for (quantity, errors) in &found { tr {
-            th scope="row" { (quantity.replace('_', " ")) }
+        @for (k, (quantity, errors)) in &all { tr {
+            th scope="row" { (words(quantity)) }
+            @if is_arm { td { (k + 1) } }
             @for kind in &kinds {
                 td { @if let Some((_, error)) = errors.iter().find(|(own, _)| own == kind) { (significant(*error, 2)) } }
             }
-            td { (of(quantity)) }
+            @if !is_arm { td { (of(quantity)) } }
         } }
     };
-    html! {
-        @if !found.is_empty() {
-            h3 { "Errors" }
-            p { "What each quantity may be off by, as a share." }
-            (table(&head, &rows))
-        }
-    }
+    let content = html! {
+        p { "What each quantity may be off by, as a share" @if is_arm { " of its own " (size) } "." }
+        (table(&head, &rows))
+    };
+    (!all.is_empty()).then_some(content)
 }
 
 fn segment_words(segment: &Segment) -> String {
@@ -248,8 +257,8 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
     if inertia_kg_m2 > 0.0 { format!("{mass}, {}", given(inertia_kg_m2, "kg m²")) } else { mass }
 }
 
-/// The table of `verify`.
-pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
+/// The table of `verify`, if it was made.
+pub(super) fn checks(checks: &[StoredCheck]) -> Option<Markup> {
     let rows = html! {
         @for check in checks { tr {
             th scope="row" { (check.what) }
@@ -272,10 +281,11 @@ pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
             }
         } }
     };
-    html! {
+    let content = html! {
         p { "The answer, measured by other means." }
         (table(&["check", "found", "at most", "of", "verdict"], &rows))
-    }
+    };
+    (!checks.is_empty()).then_some(content)
 }
 
 #[cfg(test)]
@@ -293,7 +303,7 @@ mod tests {
             reason: None,
             passes: false,
         };
-        let page = checks(&[check]).into_string();
+        let page = checks(&[check]).unwrap().into_string();
         assert!(page.contains(">1.04</td><td>1.0</td>"), "{page}");
     }
 }

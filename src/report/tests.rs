@@ -3,13 +3,11 @@
 use std::num::NonZeroUsize;
 
 use super::Figures;
-use super::arm::rigid_tip_m;
-use super::bending::{
-    COLUMNS, Moments, ROWS, bending_moments, deflections, tip_deflection_m, waves,
-};
-use super::link::exaggeration;
+use super::bending::{COLUMNS, Moments, ROWS, deflections, tip_deflection_m, waves};
+use super::motion::exaggeration;
 use super::sweep::{FINE, sweep_figures};
-use super::view::View;
+use super::tip::rigid_tip_m;
+use super::view::{View, inside};
 use crate::beam::{Mesh, MeshPlan};
 use crate::compare::{Cell, Table, TableColumn};
 use crate::elastica::SecondOrder;
@@ -98,7 +96,11 @@ pub(super) fn run() -> StoredRun {
             histories: solution.deflections(&all, NonZeroUsize::MIN).unwrap().histories().samples,
         }),
         moments_n_m: None,
-        readings: vec![("peak_torque_n_m".to_owned(), metrics.hub().peak_torque_n_m.value)],
+        readings: vec![
+            ("peak_torque_n_m".to_owned(), metrics.hub().peak_torque_n_m.value),
+            ("lead_s".to_owned(), metrics.hub().lead_s.unwrap()),
+            ("lag_s".to_owned(), metrics.hub().lag_s.unwrap()),
+        ],
         limits: Limits::default(),
         checks: vec![],
         remarks: vec![Notice {
@@ -120,13 +122,13 @@ pub(super) fn run() -> StoredRun {
 #[test]
 fn moments_made_from_displacements_are_those_of_the_solution() {
     let run = run();
-    let view = View::of(&run);
-    let Moments { nodes: found, is_written } = bending_moments(&view).unwrap();
+    let view = View::from(&run);
+    let Moments { nodes: found, is_written } = view.moments(0).unwrap();
     assert!(!is_written);
     let exact = solution().moments(&found.nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let peak = exact[0].iter().fold(0.0_f64, |peak, m| peak.max(m.abs()));
     for (node, (found, exact)) in found.histories.iter().zip(&exact).enumerate() {
-        for k in view.samples.clone() {
+        for k in inside(&run.times_s, view.span_s.0, view.span_s.1) {
             let error = (found[k] - exact[k]).abs() / peak;
             assert!(error < 0.02, "node {node}, sample {k}: {error}");
         }
@@ -140,35 +142,35 @@ fn moments_written_are_taken_as_they_are() {
     written.histories[0][7] = 42.0;
     run.moments_n_m = Some(written.clone());
     let expected = Moments { nodes: written, is_written: true };
-    assert_eq!(bending_moments(&View::of(&run)), Some(expected));
+    assert_eq!(View::from(&run).moments(0), Some(expected));
 }
 
 #[test]
 fn an_estimate_that_misses_the_summary_is_none() {
     let mut run = run();
-    assert!(bending_moments(&View::of(&run)).is_some());
+    assert!(View::from(&run).moments(0).is_some());
     let exact = largest(&solution().root_moment_n_m);
     run.readings.push(("peak_root_moment_n_m".to_owned(), exact));
-    assert!(bending_moments(&View::of(&run)).is_some());
+    assert!(View::from(&run).moments(0).is_some());
     // Three digits: their second differences are noise.
     for history in &mut run.deflections_m.as_mut().unwrap().histories {
         for w in history {
             *w = (*w * 1e4).round() * 1e-4;
         }
     }
-    assert_eq!(bending_moments(&View::of(&run)), None);
+    assert_eq!(View::from(&run).moments(0), None);
 }
 
 #[test]
 fn colours_stand_at_their_time_however_the_rows_are_thinned() {
     let run = run();
-    let whole = waves(&View::of(&run)).unwrap().map.unwrap();
+    let whole = waves(&View::from(&run), 0).unwrap().map.unwrap();
     let mut thinned = run.clone();
     let nodes = thinned.deflections_m.as_mut().unwrap();
     for values in nodes.histories.iter_mut().chain([&mut nodes.times_s]) {
         *values = values.iter().copied().step_by(4).collect();
     }
-    let thinned = waves(&View::of(&thinned)).unwrap().map.unwrap();
+    let thinned = waves(&View::from(&thinned), 0).unwrap().map.unwrap();
     let middle = ROWS / 2;
     for k in 0..COLUMNS {
         let apart = (whole.rows[middle][k] - thinned.rows[middle][k]) / whole.limits().1;
@@ -185,7 +187,7 @@ fn the_tip_is_known_without_its_node() {
         nodes.nodes.remove(list);
         nodes.histories.remove(list);
     }
-    let found = View::of(&run).deflections().unwrap();
+    let found = View::from(&run).deflections(0).unwrap();
     assert_eq!(found.nodes, whole.nodes);
     for (found, written) in found.histories.iter().zip(&whole.histories) {
         let apart = found.iter().zip(written).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
@@ -193,8 +195,8 @@ fn the_tip_is_known_without_its_node() {
     }
     run.deflections_m.as_mut().unwrap().nodes.clear();
     run.deflections_m.as_mut().unwrap().histories.clear();
-    assert_eq!(View::of(&run).deflections(), None);
-    assert!(waves(&View::of(&run)).is_err());
+    assert_eq!(View::from(&run).deflections(0), None);
+    assert!(waves(&View::from(&run), 0).is_err());
 }
 
 #[test]
@@ -344,34 +346,18 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
             .collect(),
         moments_n_m: None,
     });
-    let joints = (0..2).map(|joint| StoredJoint {
-        torque_n_m: vec![0.0; 3],
-        angle_rad: vec![0.0; 3],
-        rate_rad_s: vec![0.0; 3],
-        rigid_torque_n_m: None,
-        rigid_angle_rad: Some(rigid(joint)),
-        motor: None,
-        readings: vec![],
-        errors: vec![],
-        limits: Limits::default(),
-    });
+    let run = run();
+    let one = View::from(&run).first().clone();
+    let joints = (0..2)
+        .map(|joint| StoredJoint { rigid_angle_rad: Some(rigid(joint)), ..one.joints[0].clone() });
     let times_s = vec![0.0, 1.0, 2.0];
     let arm = StoredArm {
-        origin: run().origin,
-        name: String::new(),
         joints: joints.collect(),
         links: links.collect(),
         nodal_times_s: times_s.clone(),
         times_s,
         tip_m: [0, 1].map(|axis| (0..3).map(|k| tip(1, k)[axis]).collect()),
-        target: None,
-        prescribed: None,
-        moving_s: None,
-        gravity_m_s2: [0.0; 2],
-        readings: vec![],
-        checks: vec![],
-        warnings: vec![],
-        remarks: vec![],
+        ..one
     };
     for link in 0..2 {
         let found = deflections(&arm, link);

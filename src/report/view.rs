@@ -1,96 +1,227 @@
-//! The part of a run's time that its figures show.
+//! Runs as a page shows them, and the part of their time that its figures show.
 
+use std::borrow::Cow;
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::axis::{Axis, TIME};
 use super::figure::{Curve, Figure, Mark, Span, Stroke};
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
-use crate::result::{StoredNodes, StoredRun, StoredSolution};
+use crate::result::{StoredArm, StoredArmLink, StoredJoint, StoredRun};
 use crate::text::significant;
 
-/// Time shown before and after the motion, in multiples of lead and lag.
+/// Time shown before and after the motion, in multiples of the largest lead and lag, and over its duration at least.
 const AROUND: f64 = 1.7;
+const SHORTEST: f64 = 0.15;
 
-/// Time shown after the motion at least, in periods of the first mode.
+/// Time shown after the motion of a link at least, in periods of the first mode.
 const PERIODS: f64 = 4.0;
 
-/// Share of the peak above which a torque acts, for runs without a wanted motion.
+/// Share of the peak above which a torque acts, for runs of a link without a wanted motion.
 const CALM: f64 = 1e-3;
 
-/// The part of a run's time that its figures show: the motion with some time before and after it, but
-/// not all the rest.
+/// Colours of the style sheet.
+pub(super) const COLOURS: usize = 6;
+
+/// Colours of the runs beside the first one; those before are of torques.
+const BESIDE: [usize; 3] = [3, 5, 6];
+
+/// Runs of one arm, and the time that their figures show: the motion with some time before and after it.
 #[derive(Debug, Clone)]
 pub(super) struct View<'a> {
-    /// The run.
-    pub(super) run: &'a StoredRun,
-    /// Samples shown.
-    pub(super) samples: Range<usize>,
-    /// Period of the first mode in s, if anything vibrates.
+    /// The run that the page is of, then the runs beside it. A link is an arm of one.
+    pub(super) arms: Cow<'a, [StoredArm]>,
+    /// The run of one link, which knows its mesh and the motion of its tip along the arc.
+    pub(super) link: Option<&'a StoredRun>,
+    /// First and last time shown in s.
+    pub(super) span_s: (f64, f64),
+    /// Period of the first mode in s, if the run is of one link that vibrates.
     pub(super) period_s: Option<f64>,
 }
 
+impl<'a> From<&'a [StoredArm]> for View<'a> {
+    fn from(arms: &'a [StoredArm]) -> Self {
+        Self::of(Cow::Borrowed(arms), None)
+    }
+}
+
+impl<'a> From<&'a StoredRun> for View<'a> {
+    fn from(run: &'a StoredRun) -> Self {
+        let solved = run.solved.as_ref();
+        let gravity = run.link.gravity();
+        let arm = StoredArm {
+            origin: run.origin.clone(),
+            name: String::new(),
+            times_s: run.times_s.clone(),
+            joints: vec![StoredJoint {
+                torque_n_m: run.torque_n_m.clone(),
+                angle_rad: run.hub_angle_rad.clone(),
+                rate_rad_s: run.hub_rate_rad_s.clone(),
+                rigid_torque_n_m: solved.map(|solved| solved.rigid_torque_n_m.clone()),
+                rigid_angle_rad: solved.map(|solved| solved.rigid_hub_angle_rad.clone()),
+                motor: solved.and_then(|solved| solved.motor.clone()),
+                readings: run.readings.clone(),
+                errors: errors_by_kind(&run.readings),
+                limits: run.limits,
+            }],
+            links: vec![StoredArmLink {
+                name: "1".to_owned(),
+                link: run.link.clone(),
+                nodes_m: run.mesh.nodes_m().to_vec(),
+                positions_m: vec![],
+                moments_n_m: None,
+            }],
+            nodal_times_s: vec![],
+            tip_m: [vec![], vec![]],
+            target: run.target.clone(),
+            prescribed: None,
+            moving_s: solved.map(|solved| solved.moving_s),
+            gravity_m_s2: gravity.map_or([0.0; 2], |gravity| gravity.acceleration_m_s2),
+            readings: run.readings.clone(),
+            checks: run.checks.clone(),
+            warnings: run.warnings.clone(),
+            remarks: run.remarks.clone(),
+        };
+        Self::of(Cow::Owned(vec![arm]), Some(run))
+    }
+}
+
 impl<'a> View<'a> {
-    /// Finds the part of a run in which link and torque act.
-    pub(super) fn of(run: &'a StoredRun) -> Self {
-        let times = &run.times_s;
-        let period_s = natural_frequencies(&run.mesh, 1).first().map(|w| std::f64::consts::TAU / w);
+    /// Finds the time in which tip and torques act; of a simulated arm, all.
+    fn of(arms: Cow<'a, [StoredArm]>, link: Option<&'a StoredRun>) -> Self {
+        let first = &arms[0];
+        let times = &first.times_s;
+        let frequencies = link.map(|run| natural_frequencies(&run.mesh, 1));
+        let period_s = frequencies.and_then(|all| all.first().map(|omega| TAU / omega));
         let after = PERIODS * period_s.unwrap_or(0.0);
-        let (from_s, until_s) = if let Some(solved) = &run.solved {
-            let (from, until) = solved.moving_s;
-            let short = 0.15 * (until - from);
-            let [lead_s, lag_s] = [solved.lead_s, solved.lag_s].map(Option::unwrap_or_default);
-            let before = (AROUND * lead_s).max(short);
-            (from - before, until + (AROUND * lag_s).max(short).max(after))
-        } else {
-            let peak = largest(&run.torque_n_m);
+        let (from_s, until_s) = if let Some((from, until)) = first.moving_s {
+            let short = SHORTEST * (until - from);
+            let most = |name: &str| {
+                let all = first.joints.iter().filter_map(|joint| joint.reading(name));
+                (AROUND * all.fold(0.0, f64::max)).max(short)
+            };
+            (from - most("lead_s"), until + most("lag_s").max(after))
+        } else if link.is_some() {
+            let torque = &first.joints[0].torque_n_m;
+            let peak = largest(torque);
             let acts = |torque: &f64| torque.abs() > CALM * peak;
-            let first = run.torque_n_m.iter().position(acts).unwrap_or(0);
-            let last = run.torque_n_m.iter().rposition(acts).unwrap_or(times.len() - 1);
-            let short = 0.1 * (times[last] - times[first]);
-            (times[first] - short, times[last] + short.max(2.0 * after))
+            let start = torque.iter().position(acts).unwrap_or(0);
+            let last = torque.iter().rposition(acts).unwrap_or(times.len() - 1);
+            let short = 0.1 * (times[last] - times[start]);
+            (times[start] - short, times[last] + short.max(2.0 * after))
+        } else {
+            (f64::NEG_INFINITY, f64::INFINITY)
         };
         let samples = inside(times, from_s, until_s);
-        Self { run, samples, period_s }
+        let span_s = (times[samples.start], times[samples.end - 1]);
+        Self { arms, link, span_s, period_s }
     }
 
-    /// A number of the run's summary.
-    pub(super) fn reading(&self, name: &str) -> Option<f64> {
-        reading(&self.run.readings, name)
+    /// The run that the page is of.
+    pub(super) fn first(&self) -> &StoredArm {
+        &self.arms[0]
     }
 
-    /// The peak that the summary has under a name, in words; that of the samples if it has none.
+    /// True if the page is of an arm of several links.
+    pub(super) fn is_arm(&self) -> bool {
+        self.link.is_none()
+    }
+
+    /// The first of two words, or the like, on the page of a link, the second on that of an arm.
+    pub(super) fn pick<T>(&self, of_link: T, of_arm: T) -> T {
+        if self.is_arm() { of_arm } else { of_link }
+    }
+
+    /// The id of a joint's figure: `torque`, `hub-rate`; of an arm `torque-1`, `rate-1`.
+    pub(super) fn id(&self, name: &str, joint: usize) -> String {
+        let of_arm = format!("{}-{}", name.trim_start_matches("hub-"), joint + 1);
+        self.pick(name.to_owned(), of_arm)
+    }
+
+    /// A joint in words: `the hub`; of an arm `joint 2, fore`.
+    pub(super) fn joint_words(&self, joint: usize) -> String {
+        self.pick("the hub".to_owned(), format!("joint {}", self.number_of(joint)))
+    }
+
+    /// True if the page is of the answer for a wanted motion, false for a simulation.
+    pub(super) fn is_solved(&self) -> bool {
+        self.first().moving_s.is_some()
+    }
+
+    /// True if gravity acts in the plane of motion.
+    pub(super) fn has_weight(&self) -> bool {
+        largest(&self.first().gravity_m_s2) > 0.0
+    }
+
+    /// The runs, each with the name of its line: `own` if there is but one.
+    pub(super) fn named(&self, own: &str) -> impl Iterator<Item = (&StoredArm, String)> {
+        let is_alone = self.arms.len() == 1;
+        self.arms
+            .iter()
+            .map(move |arm| (arm, if is_alone { own.to_owned() } else { arm.name.clone() }))
+    }
+
+    /// The first run that the rigid arm was written of.
+    pub(super) fn rigid(&self) -> Option<&StoredArm> {
+        let is_whole = |arm: &&StoredArm| arm.joints.iter().all(|j| j.rigid_angle_rad.is_some());
+        self.arms.iter().find(is_whole)
+    }
+
+    /// The peak in the summary of the whole run, in words; that of the samples if the summary has none.
     pub(super) fn peak(&self, name: &str, history: &[f64]) -> String {
-        peak_words(self.reading(name), history)
-    }
-
-    /// First and last time shown, in s.
-    pub(super) fn span_s(&self) -> (f64, f64) {
-        (self.run.times_s[self.samples.start], self.run.times_s[self.samples.end - 1])
+        peak_words(reading(&self.first().readings, name), history)
     }
 
     /// A history as a line over the time shown.
-    pub(super) fn curve(&self, name: &str, stroke: Stroke, history: &[f64]) -> Curve {
-        let samples = self.samples.clone();
-        Curve::new(name, stroke, &self.run.times_s[samples.clone()], &history[samples])
-    }
-
-    /// A history at times of its own as a line over the time shown.
-    pub(super) fn over_time(
+    pub(super) fn curve(
         &self,
         name: &str,
         stroke: Stroke,
-        (times_s, history): (&Vec<f64>, &Vec<f64>),
+        times_s: &[f64],
+        history: &[f64],
     ) -> Curve {
-        let (from_s, until_s) = self.span_s();
-        let samples = inside(times_s, from_s, until_s);
+        let samples = inside(times_s, self.span_s.0, self.span_s.1);
         Curve::new(name, stroke, &times_s[samples.clone()], &history[samples])
+    }
+
+    /// A line for each run that has the quantity: times in s and values.
+    pub(super) fn of_runs<'b>(
+        &'b self,
+        own: &str,
+        of: impl Fn(&'b StoredArm) -> Option<(&'b [f64], Cow<'b, [f64]>)>,
+    ) -> Vec<Curve> {
+        let line = |(run, (arm, name)): (usize, (&'b StoredArm, String))| {
+            let (times_s, history) = of(arm)?;
+            Some(self.curve(&name, run_stroke(run), times_s, &history))
+        };
+        self.named(own).enumerate().filter_map(line).collect()
+    }
+
+    /// A line for each run and each of the `names` that has the quantity: times in s and values.
+    pub(super) fn each<'b>(
+        &'b self,
+        names: &[String],
+        of: impl Fn(&'b StoredArm, usize) -> Option<(&'b [f64], Vec<f64>)>,
+    ) -> Vec<Curve> {
+        let mut curves = Vec::new();
+        for (run, (arm, beside)) in self.named("").enumerate() {
+            for (k, name) in names.iter().enumerate() {
+                let Some((times_s, history)) = of(arm, k) else { continue };
+                let words =
+                    if beside.is_empty() { name.clone() } else { format!("{name}, {beside}") };
+                let colour = 1 + k % COLOURS;
+                let stroke = if run == 0 { Stroke::Solid(colour) } else { Stroke::Dashed(colour) };
+                curves.push(self.curve(&words, stroke, times_s, &history));
+            }
+        }
+        curves
     }
 
     /// A figure over the time shown, with the axis that its lines need.
     pub(super) fn figure(
         &self,
-        id: &'static str,
+        id: impl Into<Cow<'static, str>>,
         title: &str,
         caption: String,
         quantity: (&str, &str),
@@ -99,47 +230,86 @@ impl<'a> View<'a> {
         Figure::of_curves(id, title, caption, self.time_axis(), quantity, curves)
     }
 
-    /// Deflections, completed by those of the root, 0, and of the tip, `v − Lθ`. None if no node between
-    /// them was written, or fewer than two times.
-    pub(super) fn deflections(&self) -> Option<StoredNodes> {
-        let run = self.run;
-        let mut nodes = run.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
-        let tip = run.mesh.nodes_m().len() - 1;
-        if nodes.nodes.first() != Some(&0) {
-            nodes.nodes.insert(0, 0);
-            nodes.histories.insert(0, vec![0.0; nodes.times_s.len()]);
-        }
-        if nodes.nodes.last() != Some(&tip) {
-            let length_m = run.mesh.length_m();
-            let bent = |time_s: &f64| {
-                let k = nearest(&run.times_s, *time_s);
-                run.tip.displacement_m[k] - length_m * (run.hub_angle_rad[k] - run.origin_rad)
-            };
-            nodes.histories.push(nodes.times_s.iter().map(bent).collect());
-            nodes.nodes.push(tip);
-        }
-        (nodes.nodes.len() > 2 || tip < 2).then_some(nodes)
-    }
-
     /// The axis of the time shown.
     pub(super) fn time_axis(&self) -> Axis {
-        let (from, until) = self.span_s();
-        Axis::linear(TIME, "s", from..until)
+        Axis::linear(TIME, "s", self.span_s.0..self.span_s.1)
     }
 
-    /// Lead and lag, shaded.
-    pub(super) fn lead_and_lag(&self) -> Vec<Span> {
-        let solved = self.run.solved.as_ref();
-        let spans =
-            |solved: &StoredSolution| lead_and_lag(solved.moving_s, [solved.lead_s, solved.lag_s]);
-        solved.map(spans).unwrap_or_default()
+    /// `joint 1`, `joint 2`, ….
+    pub(super) fn numbered(&self, what: &str) -> Vec<String> {
+        (1..=self.first().joints.len()).map(|number| format!("{what} {number}")).collect()
     }
 
-    /// Times at which the tip starts and stops, if they are known.
+    /// The number of a joint or of its link, with the link's name if it has one: `2, fore`.
+    pub(super) fn number_of(&self, link: usize) -> String {
+        let number = (link + 1).to_string();
+        let name = &self.first().links[link].name;
+        if *name == number { number } else { format!("{number}, {name}") }
+    }
+
+    /// Lead and lag of a joint's torque, shaded.
+    pub(super) fn lead_and_lag(&self, joint: usize) -> Vec<Span> {
+        let Some((from, until)) = self.first().moving_s else { return vec![] };
+        let joint = &self.first().joints[joint];
+        let lead = |lead_s| Span { name: "lead", range: from - lead_s..from };
+        let lag = |lag_s| Span { name: "lag", range: until..until + lag_s };
+        let spans = joint.reading("lead_s").map(lead).into_iter();
+        let spans = spans.chain(joint.reading("lag_s").map(lag));
+        spans.filter(|span| span.range.end > span.range.start).collect()
+    }
+
+    /// Times at which the tip starts and stops; a periodic motion has neither, nor a lead.
     pub(super) fn start_and_stop(&self) -> Vec<Mark> {
-        let timed = self.run.solved.as_ref().filter(|solved| solved.lead_s.is_some());
-        timed.map(|solved| start_and_stop(solved.moving_s)).unwrap_or_default()
+        let has_lead = |joint: &StoredJoint| joint.reading("lead_s").is_some();
+        let moving_s = self.first().moving_s.filter(|_| self.first().joints.iter().any(has_lead));
+        let marks = |(from, until)| {
+            [(from, "tip starts", "start"), (until, "tip stops", "stop")]
+                .map(|(at, label, class)| Mark { at, label: label.to_owned(), class })
+        };
+        moving_s.map(marks).into_iter().flatten().collect()
     }
+}
+
+/// How a run's line is drawn: the lines beside the first are dashed, so that equal ones are seen.
+pub(super) fn run_stroke(run: usize) -> Stroke {
+    match run.checked_sub(1) {
+        None => Stroke::Solid(1),
+        Some(beside) => Stroke::Dashed(BESIDE[beside % BESIDE.len()]),
+    }
+}
+
+/// Distance of the tip from its first place in m.
+pub(super) fn from_start_m(arm: &StoredArm) -> Vec<f64> {
+    let [x, y] = &arm.tip_m;
+    x.iter().zip(y).map(|(at_x, at_y)| libm::hypot(at_x - x[0], at_y - y[0])).collect()
+}
+
+/// End of the names of errors, which have a table of their own.
+pub(super) const ERROR: &str = "_error";
+
+/// Heading of the tip's error, which is of no kind: what it is off by is known at every moment.
+const WANTED: &str = "from the wanted motion";
+
+/// Kinds of errors, the last part of their names.
+const KINDS: [&str; 8] =
+    ["mesh", "window", "step", "iteration", "modes", "input", "model", "refinement"];
+
+/// The errors among the numbers of a link's summary: for each quantity what it may be off by, by kind.
+fn errors_by_kind(readings: &[(String, f64)]) -> Vec<(String, Vec<(String, f64)>)> {
+    let mut found: Vec<(String, Vec<(String, f64)>)> = Vec::new();
+    for (name, error) in readings {
+        let Some(name) = name.strip_suffix(ERROR) else { continue };
+        let of_kind = |kind: &&&str| name.ends_with(&format!("_{kind}"));
+        let kind = KINDS.iter().find(of_kind).copied().unwrap_or(WANTED);
+        let quantity =
+            name.strip_suffix(kind).map_or(name, |quantity| quantity.trim_end_matches('_'));
+        let error = (kind.to_owned(), *error);
+        match found.iter_mut().find(|(own, _)| own == quantity) {
+            Some((_, errors)) => errors.push(error),
+            None => found.push((quantity.to_owned(), vec![error])),
+        }
+    }
+    found
 }
 
 /// A number of a summary by its name.
@@ -147,27 +317,10 @@ pub(super) fn reading(readings: &[(String, f64)], name: &str) -> Option<f64> {
     readings.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
 }
 
-/// A peak as captions have it, with the digits of the tables: it may lie between samples, so that the one of the summary
-/// comes first.
+/// A peak as captions have it, with the digits of the tables: the summary's comes first, since a peak may lie between
+/// samples.
 pub(super) fn peak_words(known: Option<f64>, history: &[f64]) -> String {
     significant(known.unwrap_or_else(|| largest(history)), 4)
-}
-
-/// Lead and lag in s of a torque whose tip moves between two times, shaded.
-pub(super) fn lead_and_lag(
-    (from, until): (f64, f64),
-    [lead_s, lag_s]: [Option<f64>; 2],
-) -> Vec<Span> {
-    let lead = |lead_s| Span { name: "lead", range: from - lead_s..from };
-    let lag = |lag_s| Span { name: "lag", range: until..until + lag_s };
-    let spans = lead_s.map(lead).into_iter().chain(lag_s.map(lag));
-    spans.filter(|span| span.range.end > span.range.start).collect()
-}
-
-/// The times between which a tip moves.
-pub(super) fn start_and_stop((from, until): (f64, f64)) -> Vec<Mark> {
-    let marks = [(from, "tip starts", "start"), (until, "tip stops", "stop")];
-    marks.map(|(at, label, class)| Mark { at, label: label.to_owned(), class }).into()
 }
 
 /// The sample nearest to a time.
@@ -195,11 +348,11 @@ mod tests {
         let mut run = run();
         let (first, last) = (run.times_s[0], run.times_s[run.times_s.len() - 1]);
         let solved = run.solved.clone().unwrap();
-        let (from, until) = View::of(&run).span_s();
+        let (from, until) = View::from(&run).span_s;
         assert!(first < from && from < solved.moving_s.0 - solved.lead_s.unwrap(), "from {from} s");
         assert!(until > solved.moving_s.1 + 4.0 * 0.52 && until < last, "until {until} s");
         run.solved = None;
-        let (from, until) = View::of(&run).span_s();
+        let (from, until) = View::from(&run).span_s;
         assert!(first < from && from < solved.moving_s.0 - solved.lead_s.unwrap(), "from {from} s");
         assert!(until > solved.moving_s.1 + solved.lag_s.unwrap(), "until {until} s");
     }

@@ -169,7 +169,7 @@ fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
         assert!(output.status.success(), "{}", stderr(&output));
     };
     done(&["report", "sweep.csv", "-q", "--svg", "maps"]);
-    let topics = ["deflection", "lag", "lead", "peak-torque"];
+    let topics = ["deflection", "lag", "lead", "peak-torque", "torque-ratio"];
     let of_joints = |topic: &&str| [1, 2].map(|joint| format!("{topic}-joint-{joint}.svg"));
     let expected: Vec<String> = topics.iter().flat_map(of_joints).collect();
     assert_eq!(bench.names("maps"), expected);

@@ -1,4 +1,4 @@
-//! The motion of an arm: its poses in a drawing, and as the animation plays it.
+//! The motion of a link or an arm as the animation plays it, and the poses of an arm in a drawing.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -6,23 +6,26 @@ use std::fmt::Write as _;
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
-use super::arm::{Shown, has_weight, rigid_directions_rad, rigid_tip_m, run_stroke};
-use super::axis::is_extreme;
-use super::bending::{Chord, deflections};
+use super::axis::{digits, is_extreme};
+use super::bending::Chord;
 use super::figure::evenly;
-use super::link::{FRAMES, NODES, exaggeration, given, largest_stiffness, short, thickness};
-use super::view::{inside, nearest};
+use super::link::{given, largest_stiffness, short, thickness};
+use super::tip::{rigid_directions_rad, rigid_tip_m};
+use super::view::{View, inside, nearest, run_stroke};
 use crate::motion::Prescribed;
 use crate::numeric::{largest, rounded};
 use crate::result::{StoredArm, StoredNodes};
-use crate::text::significant;
 
-/// The motion of an arm in as many moments and nodes as a page shows.
+/// Most frames and nodes.
+const FRAMES: usize = 600;
+const NODES: usize = 61;
+
+/// The motion in as many moments and nodes as a page shows.
 pub(super) struct Motion {
-    /// Rows of the nodes' places, and the samples of all other histories at their times.
+    /// Rows of the nodes' tables, and the samples of all other histories at their times.
     rows: Vec<usize>,
     samples: Vec<usize>,
-    /// Of each link, its deflections from the chord in m, and those of its nodes that are shown.
+    /// Of each link, its deflections in m, and the numbers of the histories that are shown.
     links: Vec<(StoredNodes, Vec<usize>)>,
     /// How much larger than they are deflections are drawn.
     factor: f64,
@@ -30,56 +33,64 @@ pub(super) struct Motion {
 
 impl Motion {
     /// None if there is but one moment, or if its numbers are too large or too small to be drawn.
-    pub(super) fn of(shown: &Shown) -> Option<Self> {
-        let arm = shown.first;
-        let times_s = &arm.nodal_times_s;
-        let inside = inside(times_s, shown.span_s.0, shown.span_s.1);
-        let rows: Vec<usize> =
-            evenly(inside.len(), FRAMES).into_iter().map(|k| inside.start + k).collect();
-        let samples = rows.iter().map(|row| nearest(&arm.times_s, times_s[*row])).collect();
+    pub(super) fn of(view: &View) -> Option<Self> {
+        let arm = view.first();
         let most = (NODES / arm.links.len()).max(9);
         let links = (0..arm.links.len()).map(|link| {
-            let own = deflections(arm, link);
-            let nodes = evenly(own.nodes.len(), most);
-            (own, nodes)
+            let own = view.deflections(link)?;
+            let nodes = evenly(own.histories.len(), most);
+            Some((own, nodes))
         });
-        let links: Vec<_> = links.collect();
+        let links: Vec<_> = links.collect::<Option<_>>()?;
+        let times_s = &links[0].0.times_s;
+        let inside = inside(times_s, view.span_s.0, view.span_s.1);
+        let rows: Vec<usize> =
+            evenly(inside.len(), FRAMES).into_iter().map(|k| inside.start + k).collect();
+        // Nodes may be written at fewer times than the other histories.
+        let samples = rows.iter().map(|row| nearest(&arm.times_s, times_s[*row])).collect();
+        // A small torque or angle only gives a short arrow, and a small place is next to the base.
         let places = arm.links.iter().flat_map(|link| link.positions_m.iter().flatten());
+        let turns = arm.joints.iter().flat_map(|joint| [&joint.torque_n_m, &joint.angle_rad]);
+        let sizes = places.chain(turns).map(|history| largest(history).max(1.0));
         let peaks = links.iter().map(|(own, _)| own.peak());
-        let torques = arm.joints.iter().map(|joint| largest(&joint.torque_n_m).max(1.0));
-        // A small place is next to the base.
-        let mut sizes = places.map(|place| largest(place).max(1.0)).chain(peaks).chain(torques);
+        let tip_m = view.link.map(|run| largest(&run.tip.displacement_m));
+        let is_drawn = !sizes.chain(peaks).chain(tip_m).any(is_extreme);
         let bends =
             links.iter().zip(&arm.links).map(|((own, _), link)| own.peak() / link.link.length_m());
         let factor = exaggeration(bends.fold(0.0, f64::max));
-        let is_drawn = rows.len() > 1 && !sizes.any(is_extreme);
         is_drawn.then_some(Self { rows, samples, links, factor })
     }
 
     /// As JSON for the page's script.
-    pub(super) fn json(&self, shown: &Shown) -> String {
-        let arm = shown.first;
-        let wanted = rigid_tip_m(arm).filter(|_| arm.prescribed == Some(Prescribed::Tip));
-        let wanted = wanted.map(|[x, y]| -> Vec<[f64; 2]> {
-            self.samples.iter().map(|k| [short(x[*k]), short(y[*k])]).collect()
-        });
+    pub(super) fn json(&self, view: &View) -> String {
+        let arm = view.first();
+        let times_s = &self.links[0].0.times_s;
         let stiffest = arm.links.iter().map(|own| largest_stiffness(&own.link)).fold(0.0, f64::max);
-        let links = (0..arm.links.len()).map(|link| self.link_json(arm, link, stiffest));
-        let data = json!({
+        let links = (0..arm.links.len()).map(|link| self.link_json(view, link, stiffest));
+        let mut data = json!({
             "exaggeration": self.factor,
             "links": links.collect::<Vec<Value>>(),
-            "seen_from": if has_weight(arm) { "the side" } else { "above" },
-            "times_s": self.rows.iter().map(|row| rounded(arm.nodal_times_s[*row], 9)).collect::<Vec<_>>(),
-            "wanted_m": wanted,
+            "seen_from": if view.has_weight() { "the side" } else { "above" },
+            "times_s": self.rows.iter().map(|row| rounded(times_s[*row], 9)).collect::<Vec<_>>(),
         });
+        if view.is_arm() {
+            let wanted = rigid_tip_m(arm).filter(|_| arm.prescribed == Some(Prescribed::Tip));
+            let wanted = wanted.map(|[x, y]| -> Vec<[f64; 2]> {
+                self.samples.iter().map(|k| [short(x[*k]), short(y[*k])]).collect()
+            });
+            data["wanted_m"] = json!(wanted);
+        }
+        // A `<` in a title could end the script element.
         data.to_string().replace('<', "\\u003c")
     }
 
-    fn link_json(&self, arm: &StoredArm, number: usize, stiffest: f64) -> Value {
+    fn link_json(&self, view: &View, number: usize, stiffest: f64) -> Value {
+        let arm = view.first();
         let (own, joint) = (&arm.links[number], &arm.joints[number]);
+        let (link, payload) = (&own.link, own.link.payload());
         let (deflections, nodes) = &self.links[number];
-        // A rigid piece leads from the joint to the first node.
-        let is_behind = own.nodes_m[0] > 0.0;
+        // The chord begins at the joint: a rigid piece leads from there to the first node.
+        let is_behind = view.is_arm() && own.nodes_m[0] > 0.0;
         let from_joint = |first: f64, of: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let all = nodes.iter().map(|node| short(of(*node)));
             is_behind.then_some(first).into_iter().chain(all).collect()
@@ -89,38 +100,50 @@ impl Motion {
             let of = |row: &usize| from_joint(first(*row), &|node| histories[node][*row]);
             self.rows.iter().map(of).collect()
         };
-        let mut angle_rad: Vec<f64> = Vec::new();
-        let mut chord_m = Vec::new();
-        for row in &self.rows {
-            let chord = Chord::of(arm, number, *row);
-            let turns = angle_rad.last().map_or(0.0, |before| (before - chord.angle_rad) / TAU);
-            angle_rad.push(chord.angle_rad + TAU * turns.round());
-            chord_m.push(short(chord.length_m));
-        }
         let at_samples = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
             self.samples.iter().map(|k| of(*k).map(short)).collect()
         };
-        // Moments at other times than the places are left out.
-        let alike = |moments: &&StoredNodes| {
-            moments.times_s.len() == arm.nodal_times_s.len() && !is_extreme(moments.peak())
+        // Moments at other nodes or times than the deflections are left out.
+        let alike = |moments: &StoredNodes| {
+            moments.nodes == deflections.nodes
+                && moments.times_s.len() == deflections.times_s.len()
+                && !is_extreme(moments.peak())
         };
-        let moments = own.moments_n_m.as_ref().filter(alike);
+        let moments = view.moments(number).map(|moments| moments.nodes).filter(alike);
+        let (mut angle_rad, mut chord_m) = (at_samples(&|k| Some(joint.angle_rad[k])), None);
+        if view.is_arm() {
+            let mut directions: Vec<f64> = Vec::new();
+            let mut lengths_m = Vec::new();
+            for row in &self.rows {
+                let chord = Chord::of(arm, number, *row);
+                let turns =
+                    directions.last().map_or(0.0, |before| (before - chord.angle_rad) / TAU);
+                directions.push(chord.angle_rad + TAU * turns.round());
+                lengths_m.push(short(chord.length_m));
+            }
+            angle_rad = Some(directions.into_iter().map(short).collect());
+            chord_m = Some(lengths_m);
+        }
         let body = |at: f64, kg: f64| json!({ "at_m": at, "mass_kg": kg });
-        json!({
-            "angle_rad": angle_rad.into_iter().map(short).collect::<Vec<f64>>(),
+        let mut data = json!({
+            "angle_rad": angle_rad,
             "chord_m": chord_m,
             "deflection_m": at_nodes(&deflections.histories, false),
-            "hub_radius_m": 0.0,
-            "length_m": own.link.length_m(),
-            "masses": own.link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
+            "hub_radius_m": if view.is_arm() { 0.0 } else { link.hub().radius_m },
+            "length_m": link.length_m(),
+            "masses": link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
             "moment_n_m": moments.map(|moments| at_nodes(&moments.histories, true)),
-            "nodes_m": from_joint(0.0, &|node| own.nodes_m[node]),
-            "payload": { "mass_kg": own.link.payload().mass_kg, "offset_m": own.link.payload().offset_m },
+            "nodes_m": from_joint(0.0, &|node| own.nodes_m[deflections.nodes[node]]),
+            "payload": { "mass_kg": payload.mass_kg, "offset_m": payload.offset_m },
             "peak_torque_n_m": largest(&joint.torque_n_m),
             "rigid_angle_rad": at_samples(&|k| Some(rigid_directions_rad(arm, k)?[number])),
-            "thickness": thickness(&own.link, stiffest),
+            "thickness": thickness(link, stiffest),
             "torque_n_m": at_samples(&|k| Some(joint.torque_n_m[k])),
-        })
+        });
+        if let Some(data) = data.as_object_mut().filter(|_| chord_m.is_none()) {
+            data.shift_remove("chord_m");
+        }
+        data
     }
 
     /// x and y in m of a link's nodes at a row, its deflection as large as it is drawn.
@@ -136,6 +159,15 @@ impl Motion {
     }
 }
 
+/// How much larger than it is a deflection is drawn at first, which is `bending` of the link's length: so that it is
+/// well seen.
+pub(super) fn exaggeration(bending: f64) -> f64 {
+    const SEEN: f64 = 0.08;
+    let factors = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+    let off = |factor: &f64| (factor * bending - SEEN).abs();
+    factors.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
+}
+
 /// Width, largest height and margin of the poses in pixels, and the height of the row below them.
 const WIDTH: f64 = 760.0;
 const HIGHEST: f64 = 460.0;
@@ -149,23 +181,23 @@ const POSES: usize = 6;
 const ARROW: f64 = 26.0;
 
 impl Motion {
-    /// Poses, with the ways of the tips of all runs, and the wanted one.
-    pub(super) fn drawing(&self, shown: &Shown) -> Markup {
-        let arm = shown.first;
+    /// Poses of an arm, with the ways of the tips of all runs, and the wanted one.
+    pub(super) fn drawing(&self, view: &View) -> Markup {
+        let arm = view.first();
         let rows = self.along_the_way(arm);
         let poses: Vec<Vec<[f64; 2]>> = rows
             .iter()
             .map(|row| (0..arm.links.len()).flat_map(|link| self.places(arm, link, *row)).collect())
             .collect();
-        let ways = ways(shown);
+        let ways = ways(view);
         let lines = ways.iter().map(|way| &way.places_m);
-        let view = Frame::around(poses.iter().chain(lines).flatten());
+        let frame = Frame::around(poses.iter().chain(lines).flatten());
         let joints =
             |row: usize| (1..arm.links.len()).map(move |link| Chord::of(arm, link, row).start_m);
         let last = poses.len() - 1;
         let shade = |k: usize| format!("{:.2}", 0.25 + 0.75 * k as f64 / last.max(1) as f64);
-        let digits = |row: &usize| significant(arm.nodal_times_s[*row], 3).replace('-', "−");
-        let times: Vec<String> = rows.iter().map(digits).collect();
+        let times: Vec<String> =
+            rows.iter().map(|row| digits(arm.nodal_times_s[*row], 3)).collect();
         let scale = if self.factor > 1.0 {
             format!("{} times as large as they are", self.factor)
         } else {
@@ -173,22 +205,22 @@ impl Motion {
         };
         html! {
             figure class="drawing" {
-                svg role="img" aria-label="Poses of the arm" viewBox=(format!("0 0 {WIDTH} {:.0}", view.height)) {
-                    @for way in &ways { path class=(way.class) d=(view.path(&way.places_m)) {} }
+                svg role="img" aria-label="Poses of the arm" viewBox=(format!("0 0 {WIDTH} {:.0}", frame.height)) {
+                    @for way in &ways { path class=(way.class) d=(frame.path(&way.places_m)) {} }
                     @for (k, (pose, row)) in poses.iter().zip(&rows).enumerate() {
                         g class="pose" opacity=(shade(k)) {
-                            path class="link" d=(view.path(pose)) {}
-                            @for [x, y] in joints(*row).map(|place| view.at(place)) {
+                            path class="link" d=(frame.path(pose)) {}
+                            @for [x, y] in joints(*row).map(|place| frame.at(place)) {
                                 circle class="hub" cx=(x) cy=(y) r="5" {}
                             }
                             @if let Some(tip) = pose.last() {
-                                @let [x, y] = view.at(*tip);
+                                @let [x, y] = frame.at(*tip);
                                 circle class="payload" cx=(x) cy=(y) r="5" {}
                             }
                         }
                     }
-                    (base(view.at([0.0; 2])))
-                    (view.foot(arm.gravity_m_s2))
+                    (base(frame.at([0.0; 2])))
+                    (frame.foot(arm.gravity_m_s2))
                 }
                 div class="key" {
                     @for way in &ways { span {
@@ -203,9 +235,7 @@ impl Motion {
             }
         }
     }
-}
 
-impl Motion {
     /// Rows at which the tip has gone even parts of its way.
     fn along_the_way(&self, arm: &StoredArm) -> Vec<usize> {
         let places = arm.links.last().and_then(|link| link.positions_m.last());
@@ -238,17 +268,17 @@ struct Way {
 const POINTS: usize = 400;
 
 /// The ways of the tips of all runs in the time shown, and the wanted one on top.
-fn ways(shown: &Shown) -> Vec<Way> {
+fn ways(view: &View) -> Vec<Way> {
     let way = |name: String, class: String, (times_s, [x, y]): (&[f64], &[Vec<f64>; 2])| {
-        let samples = inside(times_s, shown.span_s.0, shown.span_s.1);
+        let samples = inside(times_s, view.span_s.0, view.span_s.1);
         let kept = evenly(samples.len(), POINTS).into_iter().map(|k| samples.start + k);
         Way { name, class, places_m: kept.map(|k| [x[k], y[k]]).collect() }
     };
-    let runs = shown.named("way of the tip").enumerate().map(|(k, (arm, name))| {
+    let runs = view.named("way of the tip").enumerate().map(|(k, (arm, name))| {
         let class = if k == 0 { "way reached s4".to_owned() } else { run_stroke(k).classes() };
         way(name, class, (&arm.times_s, &arm.tip_m))
     });
-    let rigid = shown.rigid().filter(|arm| arm.prescribed == Some(Prescribed::Tip));
+    let rigid = view.rigid().filter(|arm| arm.prescribed == Some(Prescribed::Tip));
     let wanted = rigid.and_then(|arm| Some((arm, rigid_tip_m(arm)?)));
     let wanted = wanted.map(|(arm, tip_m)| {
         way("wanted way".to_owned(), "line s6 dashed".to_owned(), (&arm.times_s, &tip_m))
