@@ -10,7 +10,7 @@ use crate::modal::{
     DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
 };
 use crate::response::damping_ratios;
-use crate::result::{StoredCheck, StoredRun};
+use crate::result::{Check, StoredRun};
 use crate::text::{digits_beyond, significant};
 
 /// A table that scrolls sideways where the page is narrow.
@@ -249,7 +249,7 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
 }
 
 /// The table of `verify`.
-pub(super) fn checks(checks: &[StoredCheck]) -> Markup {
+pub(super) fn checks(checks: &[Check]) -> Markup {
     let rows = html! {
         @for check in checks { tr {
             th scope="row" { (check.what) }
@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     fn a_check_that_fails_by_little_shows_a_number_beyond_its_bound() {
-        let check = StoredCheck {
+        let check = Check {
             name: "limit_hub_rate".to_owned(),
             what: "limits.hub_rate".to_owned(),
             of: "the limit".to_owned(),
@@ -292,6 +292,7 @@ mod tests {
             bound: Some(1.0),
             reason: None,
             passes: false,
+            hint: "",
         };
         let page = checks(&[check]).into_string();
         assert!(page.contains(">1.04</td><td>1.0</td>"), "{page}");

@@ -25,16 +25,16 @@ pub use errors::{
 pub use fit::{
     ArmFitProblem, Fit, FitError, FitProblem, OpenMotion, shortest_arm_fit, shortest_fit,
 };
-pub use limits::{Exceeded, LimitedValue, Limits, Reached, reached};
+pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
 pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
 pub use peak::Peak;
 pub use quantities::{JointQuantity, QUANTITIES};
 pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub use stored::{
-    LineDifference, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredCheck,
-    StoredInput, StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution,
-    StoredSweep, StoredWarning, line_difference,
+    LineDifference, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredInput,
+    StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
+    StoredWarning, line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;
