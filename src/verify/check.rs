@@ -137,7 +137,7 @@ impl Kind {
     pub(super) const ITERATION: Self = Self {
         name: "iteration",
         what: "with further iterations",
-        of: RANGE,
+        of: PEAK,
         bound: |answer| answer.solution.analysis().tolerance(),
         hint: "a slower motion or a stiffer link",
     };

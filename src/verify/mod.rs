@@ -99,10 +99,8 @@ fn worst(
     let larger =
         |a: (Quantity, f64), b: (Quantity, f64)| if b.1 > a.1 || b.1.is_nan() { b } else { a };
     let (quantity, error) = each.reduce(larger)?;
-    let check = kind.measured(answer, error);
-    let is_of_range = matches!(answer.solution, AnySolution::Link(_)) && check.of == RANGE;
-    let of = if is_of_range || answer.solution.has_weight() { RANGE } else { PEAK };
-    let check = Check { of: of.to_owned(), ..check };
+    let of = if answer.solution.has_weight() { RANGE } else { PEAK };
+    let check = Check { of: of.to_owned(), ..kind.measured(answer, error) };
     Some(match answer.solution {
         AnySolution::Link(_) => of_quantity(quantity, check),
         AnySolution::Arm(_) => Check { what: format!("all joints {}", check.what), ..check },
