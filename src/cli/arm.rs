@@ -1,17 +1,17 @@
 //! An arm of several links and its path, as `solve`, `verify` and `sweep` read and solve them.
 
 use flexlink::beam::MeshPlan;
-use flexlink::csv::{Digits, InputFile, PathTable};
+use flexlink::csv::{InputFile, PathTable};
 use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert_arm};
 use flexlink::motion::ArmPath;
 use flexlink::result::{Exceeded, Limits, Metrics, Remark};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
-use flexlink::verify::{ArmAnswer, Verification, verify_arm};
+use flexlink::verify::Verification;
 
 use crate::options::inputs::{ResampleArgs, ScaleArgs};
 use crate::options::reading::{ReadArgs, tell};
-use crate::terminal::{Exit, Failure, StageBar, memory};
+use crate::terminal::{Exit, Failure, memory};
 
 /// An arm and the path that it is to follow.
 pub(crate) struct ArmAndPath {
@@ -27,7 +27,7 @@ pub(crate) struct SolvedArm {
     pub(crate) solution: ArmSolution,
     pub(crate) metrics: Metrics,
     /// The limits of each joint.
-    limits: Vec<Limits>,
+    pub(crate) limits: Vec<Limits>,
     /// Those that are exceeded.
     pub(crate) exceeded: Vec<Exceeded>,
     /// Remarks on the arm and its path.
@@ -104,26 +104,6 @@ impl ArmAndPath {
             None => error.to_string(),
         };
         Failure::new(Exit::NotSolvable, &message, hint)
-    }
-
-    /// Checks a solution whose torques are written with so many digits.
-    pub(crate) fn verified(
-        &self,
-        solution: &ArmSolution,
-        digits: Digits,
-        stages: &StageBar,
-    ) -> Verification {
-        stages.at("verifying");
-        let written = solution.joints.iter().map(|joint| digits.as_written(&joint.torque_n_m));
-        let written: Vec<Vec<f64>> = written.collect();
-        let ArmSpecification { meshes: plans, limits, .. } = &*self.specification;
-        verify_arm(&ArmAnswer {
-            plans,
-            limits,
-            solution,
-            memory_bytes: memory::available(),
-            written_torques_n_m: &written,
-        })
     }
 }
 

@@ -1,15 +1,17 @@
 //! `verify`: the answer of `solve` measured by other means.
 
 use std::path::PathBuf;
+use std::slice::from_ref;
 
 use clap::Args;
 
+use flexlink::beam::MeshPlan;
 use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Resources, Solution, invert_with};
-use flexlink::motion::TipMotion;
-use flexlink::spec::{Described, Specification};
+use flexlink::result::Limits;
+use flexlink::spec::{ArmSpecification, Described, Specification};
 use flexlink::store::verification_json;
-use flexlink::verify::{Answer, Verification, VerificationError, verify};
+use flexlink::verify::{Answer, AnySolution, Verification, VerificationError, verify};
 
 use super::arm::{ArmAndPath, SolvedArm};
 use crate::options::common::refuse_for_arms;
@@ -17,7 +19,9 @@ use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, describe
 use crate::options::reading::{ReadArgs, tell};
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
-use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console, memory};
+use crate::terminal::{
+    Exit, Failure, PrintArgs, StageBar, ThreadArgs, WarningArgs, console, memory,
+};
 
 const EXAMPLE: &str = "\
 Example:
@@ -66,76 +70,58 @@ pub(crate) struct Verify {
     read: ReadArgs,
 }
 
-/// One link and its motion, or an arm and its path.
-enum Loaded {
-    Link(Box<(Specification, TipMotion)>),
-    Arm(Box<ArmAndPath>),
-}
-
 impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
-        let (specification, motion) = match self.load()? {
-            Loaded::Link(loaded) => *loaded,
-            Loaded::Arm(arm) => return self.run_arm(&arm),
-        };
-        let (solution, verification) = self.compute(&specification, &motion)?;
-        console::remarks(remarks(&specification.remarks, &solution));
-        warn(&solution);
-        self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
-        refuse_failed(&verification)?;
-        self.warnings.refuse(solution.warnings.len())
-    }
-
-    /// Solves and checks an arm.
-    fn run_arm(&self, arm: &ArmAndPath) -> Result<(), Failure> {
-        let stages = self.print.stages();
-        stages.at("solving");
-        let SolvedArm { solution, remarks, .. } = arm.solve(memory::available())?;
-        let verification = arm.verified(&solution, self.digits, &stages);
-        drop(stages);
-        console::remarks(&remarks);
-        console::warnings(&solution.warnings);
-        self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
-        refuse_failed(&verification)?;
-        self.warnings.refuse(solution.warnings.len())
-    }
-
-    fn load(&self) -> Result<Loaded, Failure> {
         read_once(&[&self.link.link, &self.motion])?;
         let file = InputFile::read_toml(&self.link.link)?;
-        let specification = match described(&file, &self.link.changes.overrides()?)? {
-            Described::Link(specification) => specification,
-            Described::Arm(arm) => {
-                let options = [self.resample.of_one_link(), self.scale.of_one_link()];
-                refuse_for_arms(options.concat())?;
-                let path = InputFile::read(&self.motion)?;
-                let how = (&self.read, &self.resample, &self.scale);
-                let arm = ArmAndPath::read((&file, arm), &path, how)?;
-                return Ok(Loaded::Arm(Box::new(arm)));
-            }
+        let (verification, warnings) = match described(&file, &self.link.changes.overrides()?)? {
+            Described::Link(specification) => self.of_link(&specification)?,
+            Described::Arm(arm) => self.of_arm(&file, arm)?,
         };
+        self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
+        refuse_failed(&verification)?;
+        self.warnings.refuse(warnings)
+    }
+
+    /// The checks of a link, and the number of its warnings.
+    fn of_link(&self, specification: &Specification) -> Result<(Verification, usize), Failure> {
+        let Specification { link, mesh, analysis, limits, .. } = specification;
         let file = InputFile::read(&self.motion)?;
-        let link = &specification.link;
         let (motion, reading) = self.resample.motion_of(&file, link, &self.read)?;
         tell(&file.shown, &reading);
         let motion = self.scale.scaled(motion)?;
-        Ok(Loaded::Link(Box::new((*specification, motion))))
-    }
-
-    fn compute(
-        &self,
-        specification: &Specification,
-        motion: &TipMotion,
-    ) -> Result<(Solution, Verification), Failure> {
-        let Specification { link, mesh, analysis, .. } = specification;
         let stages = self.print.stages();
         let memory_bytes = memory::available();
         let resources = Resources { memory_bytes, watch: &stages, ..Resources::default() };
-        let solution = invert_with(link, mesh, motion, analysis, &resources)?;
-        stages.at("verifying");
-        let verification = verified(specification, &solution, self.digits)?;
-        Ok((solution, verification))
+        let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
+        let plans = (from_ref(mesh), from_ref(limits));
+        let verification = verified(AnySolution::Link(&solution), plans, self.digits, &stages)?;
+        drop(stages);
+        console::remarks(remarks(&specification.remarks, &solution));
+        warn(&solution);
+        Ok((verification, solution.warnings.len()))
+    }
+
+    /// The checks of an arm, and the number of its warnings.
+    fn of_arm(
+        &self,
+        file: &InputFile,
+        arm: Box<ArmSpecification>,
+    ) -> Result<(Verification, usize), Failure> {
+        refuse_for_arms([self.resample.of_one_link(), self.scale.of_one_link()].concat())?;
+        let path = InputFile::read(&self.motion)?;
+        let how = (&self.read, &self.resample, &self.scale);
+        let arm = ArmAndPath::read((file, arm), &path, how)?;
+        let stages = self.print.stages();
+        stages.at("solving");
+        let SolvedArm { solution, limits, remarks, .. } = arm.solve(memory::available())?;
+        let plans = (arm.plans(), &limits[..]);
+        let verification = verified(AnySolution::Arm(&solution), plans, self.digits, &stages)?;
+        drop(stages);
+        console::remarks(&remarks);
+        console::warnings(&solution.warnings);
+        Ok((verification, solution.warnings.len()))
     }
 }
 
@@ -144,20 +130,20 @@ pub(crate) fn warn(solution: &Solution) {
     console::warnings(&solution.warnings);
 }
 
-/// Checks a solution whose torque is written with so many digits.
+/// Checks a solution whose torques are written with this many digits.
 pub(crate) fn verified(
-    specification: &Specification,
-    solution: &Solution,
+    solution: AnySolution<'_>,
+    (plans, limits): (&[MeshPlan], &[Limits]),
     digits: Digits,
+    stages: &StageBar,
 ) -> Result<Verification, VerificationError> {
-    verify(&Answer {
-        plan: &specification.mesh,
-        limits: &specification.limits,
-        solution,
-        // Less than before the inversion: the solution stays.
-        memory_bytes: memory::available(),
-        written_torque_n_m: &digits.as_written(&solution.torque_n_m),
-    })
+    stages.at("verifying");
+    let torques = solution.torques();
+    let written = torques.whole_n_m().iter().map(|torque_n_m| digits.as_written(torque_n_m));
+    // Less memory is free than before the inversion: the solution stays.
+    let memory_bytes = memory::available();
+    let written_torques_n_m = &written.collect::<Vec<_>>();
+    verify(&Answer { solution, plans, limits, memory_bytes, written_torques_n_m })
 }
 
 /// Returns an error if a check is out of its bound.

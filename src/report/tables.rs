@@ -12,7 +12,7 @@ use crate::modal::{
     DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
 };
 use crate::response::damping_ratios;
-use crate::result::{StoredArm, StoredCheck, StoredRun};
+use crate::result::{Check, StoredArm, StoredRun};
 use crate::text::{digits_beyond, significant};
 
 /// A table that scrolls sideways where the page is narrow.
@@ -258,7 +258,7 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
 }
 
 /// The table of `verify`, if it was made.
-pub(super) fn checks(checks: &[StoredCheck]) -> Option<Markup> {
+pub(super) fn checks(checks: &[Check]) -> Option<Markup> {
     let rows = html! {
         @for check in checks { tr {
             th scope="row" { (check.what) }
@@ -294,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_check_that_fails_by_little_shows_a_number_beyond_its_bound() {
-        let check = StoredCheck {
+        let check = Check {
             name: "limit_hub_rate".to_owned(),
             what: "limits.hub_rate".to_owned(),
             of: "the limit".to_owned(),
@@ -302,6 +302,7 @@ mod tests {
             bound: Some(1.0),
             reason: None,
             passes: false,
+            hint: "",
         };
         let page = checks(&[check]).unwrap().into_string();
         assert!(page.contains(">1.04</td><td>1.0</td>"), "{page}");

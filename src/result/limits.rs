@@ -1,4 +1,4 @@
-//! Limits of a link and its motor, and how near a solution comes to them.
+//! Limits of a link and its motor, how near a solution comes to them, and checks of other numbers against bounds.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -191,6 +191,28 @@ impl Reached {
     pub fn share(&self) -> f64 {
         self.value.found * (1.0 + self.error) / self.value.limit
     }
+}
+
+/// One measured number against its bound: a line of the table of `verify`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Its name in summary.json: `tip_error`, `mesh_halving`, ….
+    pub name: String,
+    /// The measurement, for a person to read.
+    pub what: String,
+    /// The size by which the number is divided.
+    pub of: String,
+    /// The number; `None` if it was not measured.
+    pub found: Option<f64>,
+    /// The largest number that passes.
+    pub bound: Option<f64>,
+    /// Why it was not measured.
+    pub reason: Option<String>,
+    /// False if the number exceeds its bound or is NaN.
+    pub passes: bool,
+    /// The remedy where it fails. A folder does not hold it.
+    #[serde(skip)]
+    pub hint: &'static str,
 }
 
 impl Metrics {

@@ -25,7 +25,7 @@ pub use errors::{
 pub use fit::{
     ArmFitProblem, Fit, FitError, FitProblem, OpenMotion, shortest_arm_fit, shortest_fit,
 };
-pub use limits::{Exceeded, LimitedValue, Limits, Reached, reached};
+pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
 pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
 pub use peak::Peak;
 pub use quantities::{JointQuantity, QUANTITIES};
@@ -33,9 +33,9 @@ pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub(crate) use stored::notices;
 pub use stored::{
-    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredCheck,
-    StoredInput, StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution,
-    StoredSweep, line_difference,
+    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredInput,
+    StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
+    line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Read as _};
 use serde::{Deserialize, Serialize};
 
 use super::errors::CoarseMesh;
-use super::limits::{Exceeded, Limits};
+use super::limits::{Check, Exceeded, Limits};
 use super::remark::Remark;
 use super::tip_error::{LateTarget, StoredTarget};
 use crate::beam::Mesh;
@@ -68,7 +68,7 @@ pub struct StoredRun {
     /// Limits of the link file.
     pub limits: Limits,
     /// What verifying the answer gave; empty where it was not verified.
-    pub checks: Vec<StoredCheck>,
+    pub checks: Vec<Check>,
     /// What the user must know.
     pub warnings: Vec<Notice>,
     /// What is possible but rare.
@@ -103,7 +103,7 @@ pub struct StoredArm {
     /// Numbers of the summary that belong to no joint, by name: `farthest_m`.
     pub readings: Vec<(String, f64)>,
     /// What verifying the answer gave; empty where it was not verified.
-    pub checks: Vec<StoredCheck>,
+    pub checks: Vec<Check>,
     /// What the user must know.
     pub warnings: Vec<Notice>,
     /// What is possible but rare.
@@ -231,25 +231,6 @@ impl StoredNodes {
     pub fn peak(&self) -> f64 {
         self.histories.iter().map(|history| largest(history)).fold(0.0, f64::max)
     }
-}
-
-/// One line of the table of checks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredCheck {
-    /// Its key: `tip_error`.
-    pub name: String,
-    /// What was compared with what.
-    pub what: String,
-    /// What the numbers are relative to.
-    pub of: String,
-    /// What was found; none if it was not measured.
-    pub found: Option<f64>,
-    /// What it may be at most.
-    pub bound: Option<f64>,
-    /// Why it was not measured.
-    pub reason: Option<String>,
-    /// Whether it holds.
-    pub passes: bool,
 }
 
 /// A warning or remark in words.

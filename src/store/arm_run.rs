@@ -7,7 +7,7 @@ use super::run_tables::{
     ARM_NODES, CHORD_ANGLES, DEFLECTIONS, JOINT_ANGLES, MOMENTS, MOTOR, NODES, POSITIONS,
     REACTIONS, REPORT, RESULT_FILES, RIGID_TORQUES, RunOutputs, SUMMARY, TIP, TORQUES, write_rows,
 };
-use super::summary::{LinkRecord, RunInputs, Summary, checks};
+use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::csv::{Column, ColumnGroup, Digits};
 use crate::inverse::{ArmSolution, MotorHistories};
 use crate::link::Arm;
@@ -334,7 +334,7 @@ impl Summary {
         }
         Self {
             values,
-            verification: Some(verification.map(checks)),
+            verification: Some(verification.map(|own| own.checks.clone())),
             warnings: solution.warnings.iter().map(Notice::from).chain(limits).collect(),
             remarks: Some(remarks.iter().map(Notice::from).collect()),
             files: file_names(outputs, solution).into_iter().map(str::to_owned).collect(),

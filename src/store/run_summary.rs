@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
 use super::run_tables::{DEFLECTIONS, RunOutputs};
-use super::summary::{RunInputs, Summary, checks};
+use super::summary::{RunInputs, Summary};
 use crate::beam::Mesh;
 use crate::inverse::{Solution, Unwatched};
 use crate::link::Link;
@@ -122,7 +122,7 @@ impl Summary {
         Self {
             drive: Some(link.drive().copied()),
             values,
-            verification: Some(findings.verification.map(checks)),
+            verification: Some(findings.verification.map(|own| own.checks.clone())),
             warnings: solution.warnings.iter().map(Notice::from).chain(limits).collect(),
             remarks: Some(findings.remarks.iter().map(Notice::from).collect()),
             files: outputs.file_names(link).into_iter().map(str::to_owned).collect(),

@@ -11,8 +11,8 @@ use crate::link::{
     Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
-use crate::result::{Comparison, Limits, Notice, Origin, StoredCheck};
-use crate::verify::{Check, Outcome, Verification};
+use crate::result::{Check, Comparison, Limits, Notice, Origin};
+use crate::verify::Verification;
 
 /// How a message describes a folder whose files are missing.
 pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
@@ -51,7 +51,7 @@ pub struct Summary {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) measured: Option<Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) verification: Nullable<Vec<StoredCheck>>,
+    pub(super) verification: Nullable<Vec<Check>>,
     pub(super) warnings: Vec<Notice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) remarks: Option<Vec<Notice>>,
@@ -359,20 +359,7 @@ impl LinkRecord {
     }
 }
 
-/// The checks of a verification as they are stored.
-pub(super) fn checks(verification: &Verification) -> Vec<StoredCheck> {
-    let stored = |check: &Check| {
-        let (found, bound, reason) = match &check.outcome {
-            Outcome::Measured { found, bound } => (Some(*found), Some(*bound), None),
-            Outcome::NotMeasured { reason } => (None, None, Some(reason.clone())),
-        };
-        let [name, what, of] = [&*check.name, &*check.what, check.of].map(str::to_owned);
-        StoredCheck { name, what, of, found, bound, reason, passes: !check.fails() }
-    };
-    verification.checks.iter().map(stored).collect()
-}
-
 /// The JSON text of a verification: a list of its checks.
 pub fn verification_json(verification: &Verification) -> String {
-    json(&checks(verification))
+    json(&verification.checks)
 }

@@ -1,16 +1,11 @@
-//! Kinds of checks, and what one has found.
+//! Kinds of checks, each with its bound.
 
-use serde::Serialize;
-use thiserror::Error;
-
+use super::answer::{Answer, AnySolution};
 use crate::beam::MeshPlan;
-use crate::inverse::{InversionError, Solution};
-use crate::motion::MotionError;
-use crate::response::{HistoryError, SimulationError};
-use crate::result::Limits;
+use crate::result::Check;
 
 /// Bound on what elements, modes or a step of the user's own choice may change; no tolerance sets it.
-const CHOSEN: f64 = 1e-2;
+pub(super) const CHOSEN: f64 = 1e-2;
 
 /// How far the tip of a link with all terms of second order may stray, over its travel: what is claimed is up to three times
 /// the truth.
@@ -37,69 +32,11 @@ const RIGID: f64 = 1e-6;
 /// Largest relative difference where round-off does not spoil the dense solve.
 const AGREEMENT: f64 = 1e-9;
 
-/// A solution, the plan of its mesh and the limits set, and its torque as written.
-#[derive(Clone, Copy)]
-pub struct Answer<'a> {
-    /// The plan of its mesh.
-    pub plan: &'a MeshPlan,
-    /// The limits of link and motor.
-    pub limits: &'a Limits,
-    /// The solution.
-    pub solution: &'a Solution,
-    /// Memory in bytes that the checks may take; `None`: no limit.
-    pub memory_bytes: Option<usize>,
-    /// The torque in N m, rounded as in its file.
-    pub written_torque_n_m: &'a [f64],
-}
-
-/// One measured number against its bound.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Check {
-    /// Name in summary.json: `tip_error`, `mesh_halving`, ….
-    pub name: String,
-    /// What was measured, for a person to read.
-    pub what: String,
-    /// What the number is a share of.
-    pub of: &'static str,
-    /// Its result.
-    pub outcome: Outcome,
-    /// What the user can do where it fails.
-    pub hint: &'static str,
-}
-
-/// Result of a check.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// A number and the largest one that passes.
-    Measured {
-        /// What was found.
-        found: f64,
-        /// Its bound.
-        bound: f64,
-    },
-    /// The check was not made.
-    NotMeasured {
-        /// The reason.
-        reason: String,
-    },
-}
-
-impl Check {
-    /// True if the value exceeds its bound or is NaN.
-    pub fn fails(&self) -> bool {
-        match self.outcome {
-            Outcome::Measured { found, bound } => found.is_nan() || found > bound,
-            Outcome::NotMeasured { .. } => false,
-        }
-    }
-}
-
-/// What errors of a quantity are shares of.
+/// The size by which errors of a quantity are divided.
 pub(super) const PEAK: &str = "its peak";
 pub(super) const RANGE: &str = "its range";
 
-/// A kind of check: all that is known before a number is.
+/// A kind of check, without its number.
 #[derive(Clone, Copy)]
 pub(super) struct Kind {
     name: &'static str,
@@ -115,10 +52,7 @@ impl Kind {
         name: "tip_error",
         what: "tip, the link's own damping",
         of: "the tip's travel",
-        bound: |answer| {
-            let analysis = &answer.solution.analysis;
-            analysis.tip_tolerance() + TIP.max(analysis.tolerance())
-        },
+        bound: |answer| answer.tip_tolerance() + TIP.max(answer.solution.analysis().tolerance()),
         hint: "a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or more --digits",
     };
     pub(super) const TIP_ERROR_VISCOUS: Self = Self {
@@ -140,7 +74,7 @@ impl Kind {
         hint: "analysis.second_order = \"full\", more elements, a shorter step or a smoother motion",
     };
     pub(super) const OF_HUB: [Self; 2] = [Self::TIP_OF_HUB, Self::TORQUE_OF_HUB];
-    /// The same of the link with viscous damping.
+    /// Those of a link that is solved again with viscous damping.
     pub(super) const OF_HUB_VISCOUS: [Self; 2] = [
         Self {
             name: "tip_error_viscous",
@@ -153,52 +87,44 @@ impl Kind {
             ..Self::TORQUE_OF_HUB
         },
     ];
-    /// Of arms: the joints moved as solved.
     pub(super) const TIP_OF_JOINTS: Self =
-        Self { what: "tip, the joints moved as solved", of: "the tip's way", ..Self::TIP_OF_HUB };
-    pub(super) const TORQUE_OF_JOINT: Self = Self {
-        name: "torque_of_joint",
-        what: "torque taken by moved joint",
-        ..Self::TORQUE_OF_HUB
-    };
+        Self { what: "tip, the joints moved as solved", ..Self::TIP_OF_HUB };
+    pub(super) const OF_JOINTS: [Self; 2] = [
+        Self::TIP_OF_JOINTS,
+        Self {
+            name: "torque_of_joint",
+            what: "torque taken by moved joint",
+            ..Self::TORQUE_OF_HUB
+        },
+    ];
     pub(super) const TORQUE_AT_REST: Self = Self {
         name: "torque_at_rest",
         what: "torque at rest of joint",
-        of: "its range",
+        of: RANGE,
         ..Self::TORQUE_OF_HUB
     };
-    pub(super) const RIGID_ARM: Self = Self {
-        name: "rigid_arm",
-        what: "links that do not bend",
-        of: "rigid torques' ranges",
-        bound: |_| RIGID,
-        hint: "please report this as an error of the program",
-    };
-    /// Bounds of checks of arms.
-    pub(super) const MOST_TIP: f64 = TIP;
-    pub(super) const MOST_TORQUE: f64 = TORQUE;
-    pub(super) const MOST_ENERGY: f64 = ENERGY_OF_ARM;
-    pub(super) const MOST_RIGID: f64 = RIGID;
-    pub(super) const CHOSEN_MESH: f64 = CHOSEN;
     pub(super) const TIP_SOLVED: Self = Self {
         name: "tip_solved",
         what: "tip that is solved",
         of: "the tip's travel",
-        bound: |answer| answer.solution.analysis.tip_tolerance() + ROUNDED,
+        bound: |answer| answer.tip_tolerance() + ROUNDED,
         hint: "a shorter step, a smoother motion or a looser analysis.tip_tolerance",
     };
     pub(super) const MESH: Self = Self {
         name: "mesh_halving",
         what: "with elements halved",
         of: PEAK,
-        bound: |Answer { plan, .. }| if plan.is_automatic() { plan.tolerance() } else { CHOSEN },
+        bound: |Answer { plans, .. }| {
+            let is_automatic = plans.iter().any(MeshPlan::is_automatic);
+            if is_automatic { MeshPlan::smallest_tolerance(plans) } else { CHOSEN }
+        },
         hint: "more elements, or mesh.elements = \"auto\"",
     };
     pub(super) const WINDOW: Self = Self {
         name: "wrap_around",
         what: "at the window's edge",
         of: PEAK,
-        bound: |answer| answer.solution.analysis.tolerance(),
+        bound: |answer| answer.solution.analysis().tolerance(),
         hint: "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag",
     };
     pub(super) const MODES: Self = Self {
@@ -211,23 +137,19 @@ impl Kind {
     pub(super) const ITERATION: Self = Self {
         name: "iteration",
         what: "with further iterations",
-        of: RANGE,
-        bound: |answer| answer.solution.analysis.tolerance(),
+        of: PEAK,
+        bound: |answer| answer.solution.analysis().tolerance(),
         hint: "a slower motion or a stiffer link",
     };
     pub(super) const STEP: Self = Self {
         name: "step_halving",
-        what: "torque with the step halved",
+        what: "with the step halved",
         of: "the torque, rms",
         bound: |_| CHOSEN,
         hint: "a shorter step or a smoother motion",
     };
-    pub(super) const STEP_OF_MOTOR: Self = Self {
-        name: "step_halving_motor",
-        what: "motor torque with the step halved",
-        of: PEAK,
-        ..Self::STEP
-    };
+    pub(super) const STEP_OF_MOTOR: Self =
+        Self { name: "step_halving_motor", of: PEAK, ..Self::STEP };
     pub(super) const DENSE: Self = Self {
         name: "dense_transfer",
         what: "T/a_tip of the paper's dense H",
@@ -235,11 +157,21 @@ impl Kind {
         bound: |_| AGREEMENT,
         hint: "please report this as an error of the program",
     };
+    pub(super) const RIGID_ARM: Self = Self {
+        name: "rigid_arm",
+        what: "links that do not bend",
+        of: "rigid torques' ranges",
+        bound: |_| RIGID,
+        ..Self::DENSE
+    };
     pub(super) const ENERGY: Self = Self {
         name: "energy",
         what: "work less energy held and lost",
         of: "the largest energy",
-        bound: |answer| ENERGY.min(answer.solution.analysis.tolerance()),
+        bound: |answer| match answer.solution {
+            AnySolution::Link(solution) => ENERGY.min(solution.analysis.tolerance()),
+            AnySolution::Arm(_) => ENERGY_OF_ARM,
+        },
         hint: "a shorter step or a smoother motion",
     };
     pub(super) const MODEL: Self = Self {
@@ -265,46 +197,16 @@ impl Kind {
 
     /// The check with its number and a bound that was measured, too.
     pub(super) fn measured_to(&self, found: f64, bound: f64) -> Check {
-        self.with(Outcome::Measured { found, bound })
+        let passes = found <= bound;
+        let (found, bound, reason) = (Some(found), Some(bound), None);
+        Check { found, bound, reason, passes, ..self.not_measured("") }
     }
 
     /// The check without a number.
     pub(super) fn not_measured(&self, reason: impl Into<String>) -> Check {
-        self.with(Outcome::NotMeasured { reason: reason.into() })
-    }
-
-    fn with(&self, outcome: Outcome) -> Check {
-        let Self { name, what, of, hint, .. } = *self;
-        Check { name: name.to_owned(), what: what.to_owned(), of, outcome, hint }
-    }
-}
-
-/// Why a solution is not verified.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum VerificationError {
-    /// The written samples are no torque.
-    #[error("the written torque: {0}")]
-    Torque(#[from] HistoryError),
-    /// The torque cannot be played.
-    #[error("playing the torque: {0}")]
-    Simulation(#[from] SimulationError),
-    /// The motion cannot be sampled twice as often.
-    #[error("the motion at half the step: {0}")]
-    Motion(#[from] MotionError),
-    /// The motion at half the step has no torque.
-    #[error("the motion at half the step: {0}")]
-    Inversion(#[from] InversionError),
-}
-
-impl VerificationError {
-    /// What the user can do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::Torque(error) => error.hint(),
-            Self::Simulation(error) => error.hint(),
-            Self::Motion(error) => error.hint(),
-            Self::Inversion(error) => error.hint(),
-        }
+        let [name, what, of] = [self.name, self.what, self.of].map(str::to_owned);
+        let (found, bound, reason) = (None, None, Some(reason.into()));
+        Check { name, what, of, found, bound, reason, passes: true, hint: self.hint }
     }
 }
 
@@ -314,8 +216,8 @@ mod tests {
 
     #[test]
     fn a_value_that_is_nan_fails() {
-        let fails = |found| Kind::MESH.measured_to(found, 1.0).fails();
-        assert!(!fails(1.0) && fails(1.1) && fails(f64::NAN));
-        assert!(!Kind::MESH.not_measured("too large").fails());
+        let passes = |found| Kind::MESH.measured_to(found, 1.0).passes;
+        assert!(passes(1.0) && !passes(1.1) && !passes(f64::NAN));
+        assert!(Kind::MESH.not_measured("too large").passes);
     }
 }

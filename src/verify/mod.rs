@@ -1,32 +1,40 @@
 //! Checks every approximation of a solution by other means, in the order in which they are shown.
 
-mod arm;
+mod answer;
 mod check;
 mod playback;
 mod table;
 
-pub use arm::{ArmAnswer, verify_arm};
-pub use check::{Answer, Check, Outcome, VerificationError};
-pub use table::{TableError, arm_table_error, table_error};
+pub use answer::{Answer, AnySolution, VerificationError};
+pub use table::{TableError, table_error};
 
+use std::error::Error;
 use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use crate::inverse::{PerQuantity, Quantity, Resources, Solution, torques_over_window};
+use crate::beam::{ElementCount, MeshPlan};
+use crate::elastica::SecondOrder;
+use crate::inverse::{
+    ArmSolution, Quantity, QuantityErrors, Resources, Solution, invert_arm, torques_over_window,
+};
+use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::motion::Ends;
-use crate::numeric::{largest, magnitude};
-use crate::result::{Reached, reached};
+use crate::numeric::{Size, largest, magnitude};
+use crate::result::{Check, Reached};
 use check::{Kind, PEAK, RANGE};
-use playback::{Played, played, tip_solved, torque_change};
+use playback::{LEAST_SIZE, Played, largest_range, played, range, torque_change};
 
 /// Number of frequencies at which the dense system is solved.
 const FREQUENCIES: usize = 9;
 
 /// Round-off of the dense solve above which the comparison says nothing.
 const SPOILT: f64 = 1e-3;
+
+/// Factor on the stiffness with which links do not bend.
+const RIGID: f64 = 1e9;
 
 /// The checks of a solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,60 +45,66 @@ pub struct Verification {
 
 /// Checks a solution by other means:
 ///
-/// - the written torque, played on the link with its own damping law and with viscous damping;
-/// - the solved tip against the wanted motion;
-/// - the torque with elements halved and with the step halved;
-/// - the rest of the torque at the window's edge;
-/// - the transfer against the paper's dense system at sample frequencies;
-/// - the balance of energy;
+/// - the written torque, played on the link with its damping law and with viscous damping; with weight, at large angles and
+///   for an arm the joints, moved as solved: where the tip goes and which torques that takes;
+/// - the solved tip of a link against the wanted motion;
+/// - the torques with elements halved and with the step halved;
+/// - the rest of the torques at the window's edge;
 /// - the iteration of second-order terms, where they are counted;
+/// - the transfer of a link against the paper's dense system at sample frequencies, an arm whose links do not bend against
+///   the rigid one;
+/// - the balance of energy;
 /// - the tip of a link with all terms of second order, unless these are counted;
-/// - the limits of the link file.
+/// - the limits.
 ///
 /// # Errors
 /// [`VerificationError`].
 pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
-    let Answer { limits, solution, .. } = answer;
-    let wanted = solution.motion.target(solution.grid.time_s(0), solution.grid.end_s());
-    let Played { tip: mut checks, energy } = played(answer, &wanted)?;
-    checks.extend(tip_solved(answer, &wanted));
-    let accuracy = &solution.accuracy;
-    checks.push(worst(&Kind::MESH, answer, &accuracy.errors.of_kind(|errors| errors.mesh)));
+    let Played { tip: mut checks, energy } = played(answer)?;
+    checks.extend(worst(&Kind::MESH, answer, |errors| Some(errors.mesh)));
     checks.extend(with_the_step_halved(answer)?);
     // A cycle has no edge.
-    if solution.motion.ends() != Ends::Periodic {
-        checks.push(worst(&Kind::WINDOW, answer, &accuracy.errors.of_kind(|errors| errors.window)));
+    let has_edge = answer.solution.ends() != Ends::Periodic;
+    checks.extend(worst(&Kind::WINDOW, answer, |errors| has_edge.then_some(errors.window)));
+    checks.extend(worst(&Kind::MODES, answer, |errors| errors.modes));
+    checks.extend(worst(&Kind::ITERATION, answer, |errors| errors.iteration));
+    match answer.solution {
+        AnySolution::Link(solution) => {
+            checks.extend([dense_transfer(answer, solution), energy]);
+            let strays = solution.accuracy.tip_model;
+            checks.extend(strays.map(|strays| Kind::MODEL.measured(answer, strays)));
+        }
+        AnySolution::Arm(solution) => checks.extend([rigid_arm(answer, solution), energy]),
     }
-    if accuracy.errors.torque.modes.is_some() {
-        let left_out = accuracy.errors.of_kind(|errors| errors.modes.unwrap_or(0.0));
-        checks.push(worst(&Kind::MODES, answer, &left_out));
-    }
-    if accuracy.errors.torque.iteration.is_some() {
-        let iteration = accuracy.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
-        checks.push(worst(&Kind::ITERATION, answer, &iteration));
-    }
-    checks.extend([dense_transfer(answer), energy]);
-    checks.extend(accuracy.tip_model.map(|strays| Kind::MODEL.measured(answer, strays)));
-    let reached = reached(*solution, &[**limits]);
-    checks.extend(reached.iter().map(|reached| within(answer, reached)));
+    checks.extend(answer.reached().iter().map(|reached| within(answer, reached)));
     Ok(Verification { checks })
 }
 
 impl Verification {
     /// The checks that are beyond their bounds.
     pub fn failed(&self) -> impl Iterator<Item = &Check> {
-        self.checks.iter().filter(|check| check.fails())
+        self.checks.iter().filter(|check| !check.passes)
     }
 }
 
-/// The check of the quantity with the largest error.
-fn worst(kind: &Kind, answer: &Answer, errors: &PerQuantity<f64>) -> Check {
-    let (quantity, error) = errors.worst();
-    let check = kind.measured(answer, error);
-    // Of a link with weight errors are shares of ranges.
-    let has_weight = answer.solution.link().has_weight();
-    let of = if has_weight && check.of == PEAK { RANGE } else { check.of };
-    of_quantity(quantity, Check { of, ..check })
+/// The check of the largest error of a kind, over all quantities of all joints. `None` if the torque has no such error.
+fn worst(
+    kind: &Kind,
+    answer: &Answer,
+    of_kind: impl Fn(QuantityErrors) -> Option<f64>,
+) -> Option<Check> {
+    let joints = answer.solution.errors().iter();
+    let joints = joints.filter(|errors| of_kind(errors.torque).is_some());
+    let each = joints.map(|errors| errors.of_kind(|own| of_kind(own).unwrap_or(0.0)).worst());
+    let larger =
+        |a: (Quantity, f64), b: (Quantity, f64)| if b.1 > a.1 || b.1.is_nan() { b } else { a };
+    let (quantity, error) = each.reduce(larger)?;
+    let of = if answer.solution.has_weight() { RANGE } else { PEAK };
+    let check = Check { of: of.to_owned(), ..kind.measured(answer, error) };
+    Some(match answer.solution {
+        AnySolution::Link(_) => of_quantity(quantity, check),
+        AnySolution::Arm(_) => Check { what: format!("all joints {}", check.what), ..check },
+    })
 }
 
 /// The check under the name of a quantity, in words that fit the column.
@@ -100,35 +114,43 @@ fn of_quantity(quantity: Quantity, check: Check) -> Check {
         Quantity::BendingMoment => "moment",
         _ => quantity.name(),
     };
-    let of = match (quantity, check.of) {
+    let of = match (quantity, &*check.of) {
         (Quantity::Torque, PEAK) => "the peak torque",
         (Quantity::Torque, RANGE) => "the torque's range",
         (_, of) => of,
     };
-    Check { what: format!("{name} {}", check.what), of, ..check }
+    Check { what: format!("{name} {}", check.what), of: of.to_owned(), ..check }
 }
 
-/// The check of one limit of the link file: the value with its estimated error, over the limit.
+/// The check of one limit: the value with its measured error, over the limit.
 fn within(answer: &Answer, reached: &Reached) -> Check {
     let check = Kind::LIMIT.measured(answer, reached.share());
     let key = reached.value.key;
-    Check { name: format!("{}_{key}", check.name), what: format!("{}.{key}", check.what), ..check }
+    let (number, of_joint) = reached.value.joint.map_or_else(Default::default, |joint| {
+        (format!("{}", joint + 1), format!("joint {} ", joint + 1))
+    });
+    let name = format!("{}{number}_{key}", check.name);
+    Check { name, what: format!("{of_joint}{}.{key}", check.what), ..check }
 }
 
-/// Change of the hub's torque, and of the motor's where there is a drive, with the motion sampled
-/// twice as often.
+/// Change of the torques with the motion sampled twice as often. A link is solved again, and its motor has a check besides;
+/// an arm has measured it where the step limits its band.
 fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
-    let Answer { solution, memory_bytes, .. } = *answer;
-    let resources = Resources { memory_bytes, ..Resources::default() };
+    let AnySolution::Link(solution) = answer.solution else {
+        return Ok(worst(&Kind::STEP, answer, |errors| errors.step).into_iter().collect());
+    };
+    let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };
     let finer = torques_over_window(solution, &solution.motion.twice_as_often()?, &resources)?;
-    let change = torque_change(&solution.torque_n_m, &finer.hub_n_m, 2, solution.link());
-    let torque = Kind::STEP.measured(answer, change);
+    let change =
+        torque_change(&solution.torque_n_m, &finer.hub_n_m, 2, (solution.link().has_weight(), 0.0));
+    let torque = of_quantity(Quantity::Torque, Kind::STEP.measured(answer, change));
     let motor = motor_change(solution, finer.motor_n_m.as_deref());
     let motor = motor.map(|change| Kind::STEP_OF_MOTOR.measured(answer, change));
+    let motor = motor.map(|check| of_quantity(Quantity::MotorTorque, check));
     Ok(std::iter::once(torque).chain(motor).collect())
 }
 
-/// Largest change of the motor's torque over its peak; none without a drive.
+/// Largest change of the motor's torque over its peak. `None` without a drive.
 ///
 /// Taken at the worst sample, since the motor must turn its rotor through that spike too.
 fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
@@ -137,17 +159,15 @@ fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
     measured.or_else(|| {
         let (own, finer) = (&solution.motor.as_ref()?.torque_n_m, finer?);
         let pairs = own.iter().zip(finer.iter().step_by(2));
-        let most = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, change| {
-            if change.is_nan() || change > most { change } else { most }
-        });
+        let most = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger);
         Some(most / largest(finer))
     })
 }
 
 /// The transfer from tip to torque against the paper's dense system, at frequencies around the first
 /// modes.
-fn dense_transfer(answer: &Answer) -> Check {
-    let (kind, solution) = (Kind::DENSE, answer.solution);
+fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
+    let kind = Kind::DENSE;
     if solution.model.kept_modes() != KeptModes::All {
         return kind.not_measured("the link is reduced to few modes");
     }
@@ -170,8 +190,7 @@ fn dense_transfer(answer: &Answer) -> Check {
         let exact = solution.model.tip_transfer(omega).inertia_kg_m;
         let found = dense.tip_transfer(omega).inertia_kg_m;
         let apart = magnitude(found - exact) / magnitude(exact);
-        // Unlike the larger of two numbers, NaN stays.
-        worst = if apart.is_nan() || apart > worst { apart } else { worst };
+        worst = Size::larger(worst, apart);
         bound = bound.max(dense.round_off(omega));
     }
     if bound > SPOILT {
@@ -179,6 +198,50 @@ fn dense_transfer(answer: &Answer) -> Check {
     }
     // Round-off has other digits on every processor: a difference within the bound counts as the bound.
     kind.measured_to(if worst <= bound { bound } else { worst }, bound)
+}
+
+/// The same path with links that do not bend, against the torques of the rigid arm.
+fn rigid_arm(answer: &Answer, solution: &ArmSolution) -> Check {
+    match rigid_arm_error(solution, answer.memory_bytes) {
+        Ok(apart) => Kind::RIGID_ARM.measured(answer, apart),
+        Err(error) => Kind::RIGID_ARM.not_measured(error.to_string()),
+    }
+}
+
+/// Largest difference of a torque from that of the rigid arm, over the range of the latter.
+fn rigid_arm_error(
+    solution: &ArmSolution,
+    memory_bytes: Option<usize>,
+) -> Result<f64, Box<dyn Error>> {
+    let (mut links, mut plans) = (Vec::new(), Vec::new());
+    for ArmLink { name, link } in solution.arm.links() {
+        let mut parts = LinkParts::from(link.clone());
+        for segment in &mut parts.segments {
+            segment.bending_stiffness_n_m2 = segment.bending_stiffness_n_m2.scaled(RIGID);
+        }
+        let link = Link::new(LinkParts { damping: Damping::None, drive: None, ..parts })?;
+        let each = vec![None; link.segments().len()];
+        let pieces = ElementCount::Total(link.segments().len() + link.masses().len());
+        plans.push(MeshPlan::new(&link, &each, Some(pieces), MeshPlan::DEFAULT_TOLERANCE)?);
+        links.push(ArmLink { name: name.clone(), link });
+    }
+    let arm = Arm::new(ArmParts {
+        title: String::new(),
+        links,
+        gravity_m_s2: solution.arm.gravity_m_s2(),
+        elbow: solution.arm.elbow(),
+    })?;
+    let linear = solution.analysis.with_second_order(SecondOrder::None);
+    let resources = Resources { memory_bytes, ..Resources::default() };
+    let stiff = invert_arm(&arm, &plans, &solution.path, &linear, &resources)?;
+    let joints = || stiff.joints.iter();
+    let least = LEAST_SIZE * largest_range(joints().map(|joint| &joint.rigid_torque_n_m));
+    let apart = joints().map(|joint| {
+        let pairs = joint.torque_n_m.iter().zip(&joint.rigid_torque_n_m);
+        let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger);
+        apart / range(&joint.rigid_torque_n_m).max(least)
+    });
+    Ok(apart.fold(0.0, Size::larger))
 }
 
 #[cfg(test)]
@@ -189,9 +252,12 @@ mod tests {
     fn a_check_has_the_name_of_its_quantity() {
         let of = |quantity| of_quantity(quantity, Kind::MESH.measured_to(0.0, 1.0));
         let motor = of(Quantity::MotorTorque);
-        assert_eq!((&*motor.what, motor.of), ("motor torque with elements halved", "its peak"));
+        assert_eq!((&*motor.what, &*motor.of), ("motor torque with elements halved", "its peak"));
         assert_eq!(of(Quantity::HubAcceleration).what, "hub accel. with elements halved");
         let torque = of(Quantity::Torque);
-        assert_eq!((&*torque.what, torque.of), ("torque with elements halved", "the peak torque"));
+        assert_eq!(
+            (&*torque.what, &*torque.of),
+            ("torque with elements halved", "the peak torque")
+        );
     }
 }

@@ -1,15 +1,20 @@
-//! The written torque, played on the link.
+//! The written torque, played on the link, and joints moved as solved.
 
-use super::check::{Answer, Check, Kind, VerificationError};
-use crate::inverse::{Resources, Solution, invert_with};
+use std::error::Error;
+
+use super::answer::{Answer, AnySolution, Unplayed, VerificationError};
+use super::check::{CHOSEN, Kind};
+use crate::inverse::{ArmSolution, Resources, Solution, invert_with};
 use crate::link::{Damping, Link, LinkParts};
 use crate::modal::held_frequencies;
 use crate::motion::{Ends, TipTarget};
-use crate::numeric::{largest, largest_difference};
+use crate::numeric::{Size, extremes, largest, largest_difference};
 use crate::response::{
-    EnergyAccount, EnergyBalance, HubReference, Play, Simulation, SimulationError, State, Torque,
-    simulate_on,
+    EnergyAccount, EnergyBalance, HubReference, Interpolation, Play, Simulation, SimulationError,
+    State, Torque, simulate_on,
 };
+use crate::result::Check;
+use crate::text::significant;
 
 /// Error of the integrals of work above which a balance of energy says nothing.
 const QUADRATURE: f64 = 1e-3;
@@ -17,9 +22,12 @@ const QUADRATURE: f64 = 1e-3;
 /// Number of times at which the energies are summed.
 const BALANCES: usize = 64;
 
-/// What an error of the hub's motion, over its range, may at most become of the tip's travel: the error that the
-/// solution states is that of the worst sample already.
+/// Factor by which an error of a joint's motion, over its range, may grow to an error of the tip, over its travel: the
+/// error that the solution states is that of the worst sample already.
 const AMPLIFIED: f64 = 10.0;
+
+/// Least size by which errors of a joint's torque are divided, over the largest range of any joint's torque.
+pub(super) const LEAST_SIZE: f64 = 1e-6;
 
 /// The checks that follow from playing the torque.
 pub(super) struct Played {
@@ -27,70 +35,110 @@ pub(super) struct Played {
     pub(super) energy: Check,
 }
 
-/// Plays the written torque on the link: tip error and balance of energy.
-pub(super) fn played(answer: &Answer, wanted: &TipTarget) -> Result<Played, VerificationError> {
-    let solution = answer.solution;
-    let ends = solution.motion.ends();
-    let is_hysteretic =
-        matches!(solution.link().damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-    if ends == Ends::Moving && is_hysteretic {
-        return Ok(not_played("hysteretic damping has no state of a tip that has always moved"));
+/// A link or an arm with its joints moved as solved.
+struct Moved {
+    tip_error: f64,
+    torques_n_m: Vec<Vec<f64>>,
+    energy: Check,
+}
+
+/// Plays the written torque, or moves the joints as solved: errors of the tip, those of the solved tip included, and the
+/// balance of energy.
+pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
+    let (played, unplayed) = match answer.solution {
+        AnySolution::Link(solution) => (played_link(answer, solution), Kind::TIP_ERROR),
+        AnySolution::Arm(_) => (moved(answer, Kind::OF_JOINTS), Kind::TIP_OF_JOINTS),
+    };
+    let Played { mut tip, energy } = match played {
+        Ok(played) => played,
+        Err(Unplayed::Reason(reason)) => Played {
+            tip: vec![unplayed.not_measured(&*reason)],
+            energy: Kind::ENERGY.not_measured(reason),
+        },
+        Err(Unplayed::Error(error)) => return Err(error),
+    };
+    // Without a cut-off the tip is solved for at all frequencies of the samples.
+    if let AnySolution::Link(solution) = answer.solution
+        && answer.tip_tolerance() > 0.0
+    {
+        let error = tip_error(solution, &wanted_tip(solution), &solution.tip.displacement_m);
+        tip.push(Kind::TIP_SOLVED.measured(answer, error));
     }
-    if solution.second_order().is_some() {
-        return match solution.link().damping() {
-            Damping::Hysteretic { ratio } if is_hysteretic => played_viscous(answer, *ratio),
-            _ => played_large(answer, wanted, Kind::OF_HUB),
-        };
-    }
+    Ok(Played { tip, energy })
+}
+
+/// Plays a torque on a link as it starts to follow its motion.
+pub(super) fn simulated(
+    solution: &Solution,
+    torque_n_m: &[f64],
+    interpolation: Interpolation,
+    memory_bytes: Option<usize>,
+) -> Result<Simulation, VerificationError> {
     let (link, grid) = (solution.link(), solution.grid);
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let torque = Torque::new(&time_s, answer.written_torque_n_m.to_vec())?;
-    let memory_bytes = answer.memory_bytes;
+    let torque = Torque::new(&time_s, torque_n_m.to_vec())?;
     let initial_tip_m = solution.tip.displacement_m[0];
     let moving =
         State::turning(link, grid.time_s(0), [initial_tip_m, solution.tip.velocity_m_s[0]]);
     let play = Play {
+        interpolation,
         initial_tip_m,
         memory_bytes,
-        state: (ends == Ends::Moving).then_some(&moving),
+        is_large: solution.second_order().is_some(),
+        state: (solution.motion.ends() == Ends::Moving).then_some(&moving),
         cycle_turn_rad: turn_of_cycle_rad(solution),
         ..Play::of(&torque)
     };
-    let simulation = match simulate_on(link, solution.mesh().clone(), &play) {
-        Err(SimulationError::MasslessHub) => return Ok(not_played("the hub moves no mass")),
-        played => played?,
+    Ok(simulate_on(link, solution.mesh().clone(), &play)?)
+}
+
+/// Plays the written torque on a link, or moves its hub.
+fn played_link(answer: &Answer, solution: &Solution) -> Result<Played, Unplayed> {
+    let written_n_m = &answer.written_torques_n_m[0];
+    let (link, ends) = (solution.link(), solution.motion.ends());
+    let ratio = match link.damping() {
+        Damping::Hysteretic { ratio } if *ratio > 0.0 => Some(*ratio),
+        _ => None,
     };
-    let Some(modes) = simulation.modes() else { return played_large(answer, wanted, Kind::OF_HUB) };
-    let straight_m = modes.straight_tip_m(answer.written_torque_n_m);
-    let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
-    let bound = allowed_tip_error(answer, between_m);
-    let error = |tip_m: &[f64]| tip_error(answer, wanted, tip_m);
-    let tip = match link.damping() {
-        Damping::Hysteretic { ratio } if *ratio > 0.0 => {
-            let tip_m = modes.hysteretic_tip_m(*ratio, &net_torque(answer));
-            // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
-            // but by a computable amount; the tip less this amount must be the wanted motion.
-            let apart_m = modes.apart_m(*ratio, &solution.tip.acceleration_m_s2);
-            let viscous_m = &simulation.tip.displacement_m;
-            let less: Vec<f64> =
-                viscous_m.iter().zip(&apart_m).map(|(v, apart)| v - apart).collect();
-            if ends == Ends::Periodic {
-                // Both begin where the tip does: the rigid rotation is another from law to law.
-                let less: Vec<f64> = less.iter().map(|v| v + apart_m[0]).collect();
-                let tip = vec![Kind::TIP_ERROR_VISCOUS.measured_to(error(&less), bound)];
-                return Ok(Played { tip, energy: energy(answer, &simulation) });
-            }
-            vec![
-                Kind::TIP_ERROR.measured_to(error(&tip_m), bound),
-                Kind::TIP_ERROR_VISCOUS.measured_to(error(&less), bound),
-            ]
+    match ratio {
+        Some(_) if ends == Ends::Moving => {
+            return Err("hysteretic damping has no state of a tip that has always moved".into());
         }
-        _ => vec![Kind::TIP_ERROR.measured_to(error(&simulation.tip.displacement_m), bound)],
+        Some(ratio) if solution.second_order().is_some() => {
+            return played_viscous(answer, solution, ratio);
+        }
+        None if solution.second_order().is_some() => return moved(answer, Kind::OF_HUB),
+        _ => {}
+    }
+    let simulation = simulated(solution, written_n_m, Interpolation::Cubic, answer.memory_bytes)?;
+    let Some(modes) = simulation.modes() else { return moved(answer, Kind::OF_HUB) };
+    let straight_m = modes.straight_tip_m(written_n_m);
+    let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
+    let bound = allowed_tip_error(answer, solution, between_m);
+    let wanted = wanted_tip(solution);
+    let error = |tip_m: &[f64]| tip_error(solution, &wanted, tip_m);
+    let played_m = &simulation.tip.displacement_m;
+    let tip = if let Some(ratio) = ratio {
+        // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
+        // but by a computable amount; the tip less this amount must be the wanted motion.
+        let apart_m = modes.apart_m(ratio, &solution.tip.acceleration_m_s2);
+        let is_cycle = ends == Ends::Periodic;
+        // Both begin where the tip does: the rigid rotation is another from law to law.
+        let start_m = if is_cycle { apart_m[0] } else { 0.0 };
+        let less = played_m.iter().zip(&apart_m).map(|(v, apart)| v - apart + start_m);
+        let viscous = Kind::TIP_ERROR_VISCOUS.measured_to(error(&less.collect::<Vec<_>>()), bound);
+        let own = || {
+            let tip_m = modes.hysteretic_tip_m(ratio, &net_torque(written_n_m, solution));
+            Kind::TIP_ERROR.measured_to(error(&tip_m), bound)
+        };
+        (!is_cycle).then(own).into_iter().chain([viscous]).collect()
+    } else {
+        vec![Kind::TIP_ERROR.measured_to(error(played_m), bound)]
     };
     Ok(Played { tip, energy: energy(answer, &simulation) })
 }
 
-/// Turn in rad of a cycle; none of a motion that does not repeat.
+/// Turn in rad of a cycle; `None` for a motion that does not repeat.
 pub(super) fn turn_of_cycle_rad(solution: &Solution) -> Option<f64> {
     let is_cycle = solution.motion.ends() == Ends::Periodic;
     is_cycle.then(|| solution.motion.travel_m() / solution.link().length_m())
@@ -106,51 +154,77 @@ fn energy(answer: &Answer, simulation: &Simulation) -> Check {
     }
 }
 
-/// What was not played.
-fn not_played(reason: &str) -> Played {
-    let tip = vec![Kind::TIP_ERROR.not_measured(reason)];
-    Played { tip, energy: Kind::ENERGY.not_measured(reason) }
-}
-
-/// Solves the link again with viscous damping, which has an equation in time, of the same ratio in its first mode with the
-/// hub held, on a mesh of its own, and moves that one's hub: weight and second order are then played. The written torque is
-/// not; its law of damping is in the transfer.
-fn played_viscous(answer: &Answer, ratio: f64) -> Result<Played, VerificationError> {
-    let (solution, memory_bytes) = (answer.solution, answer.memory_bytes);
+/// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the hub of
+/// this solution. Viscous damping has an equation in time, so that weight and second order are played. The written torque is
+/// not played; its law of damping is in the transfer.
+fn played_viscous(answer: &Answer, solution: &Solution, ratio: f64) -> Result<Played, Unplayed> {
     let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
-        return Ok(not_played("hysteretic damping has no equation in time, and no mode"));
+        return Err("hysteretic damping has no equation in time, and no mode".into());
     };
     let damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2.0 * ratio / first_rad_s };
-    let resources = Resources { memory_bytes, ..Resources::default() };
-    let viscous = Link::new(LinkParts { damping, ..solution.link().clone().into() });
-    let viscous = viscous.map_err(|error| error.to_string()).and_then(|link| {
-        let (motion, analysis) = (&solution.motion, &solution.analysis);
-        let found = invert_with(&link, answer.plan, motion, analysis, &resources);
-        found.map_err(|error| error.to_string())
-    });
-    let viscous = match viscous {
-        Ok(viscous) => viscous,
-        Err(error) => return Ok(not_played(&format!("with viscous damping: {error}"))),
-    };
-    let wanted = viscous.motion.target(viscous.grid.time_s(0), viscous.grid.end_s());
-    let written_torque_n_m = &viscous.torque_n_m[..];
-    let answer = Answer { solution: &viscous, written_torque_n_m, ..*answer };
-    let Played { tip, energy } = played_large(&answer, &wanted, Kind::OF_HUB_VISCOUS)?;
+    let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };
+    let unsolved = |error: &dyn Error| Unplayed::Reason(format!("with viscous damping: {error}"));
+    let link = Link::new(LinkParts { damping, ..solution.link().clone().into() });
+    let link = link.map_err(|error| unsolved(&error))?;
+    let (motion, analysis) = (&solution.motion, &solution.analysis);
+    let viscous = invert_with(&link, &answer.plans[0], motion, analysis, &resources);
+    let viscous = viscous.map_err(|error| unsolved(&error))?;
+    let written_torques_n_m = std::slice::from_ref(&viscous.torque_n_m);
+    let answer = Answer { solution: AnySolution::Link(&viscous), written_torques_n_m, ..*answer };
+    let Played { tip, energy } = moved(&answer, Kind::OF_HUB_VISCOUS)?;
     let (name, what) = ("energy_viscous".to_owned(), "energy, viscous damping".to_owned());
     Ok(Played { tip, energy: Check { name, what, ..energy } })
 }
 
-/// Moves the hub of a link with weight, or at large angles, as solved: tip error, the torque that it takes beside the
-/// written one, and balance of energy.
+/// Moves the joints as solved, by other equations than the inversion has: error of the tip, the needed torques against the
+/// written ones, and the balance of energy.
 ///
-/// A torque would let the link fall from an upright pose; a hub that is moved does not.
-fn played_large(
-    answer: &Answer,
-    wanted: &TipTarget,
-    [tip_of_hub, torque_of_hub]: [Kind; 2],
-) -> Result<Played, VerificationError> {
+/// Torques would let a link or an arm with weight fall from an upright pose; joints that are moved do not.
+fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<Played, Unplayed> {
     let solution = answer.solution;
-    let grid = solution.grid;
+    let Moved { tip_error, torques_n_m, energy } = match solution {
+        AnySolution::Link(solution) => moved_link(answer, solution)?,
+        AnySolution::Arm(solution) => moved_arm(answer, solution)?,
+    };
+    let stated = solution.errors().iter().map(|errors| {
+        errors.of_kind(|of| {
+            of.mesh + of.window + of.step.unwrap_or(0.0) + of.iteration.unwrap_or(0.0)
+        })
+    });
+    let stated: Vec<_> = stated.collect();
+    let of_motion = stated.iter().fold(0.0, |most: f64, own| {
+        most.larger(own.hub_angle).larger(own.hub_acceleration.unwrap_or(0.0))
+    });
+    let allowed = |stated: f64| AMPLIFIED * (stated + solution.analysis().tolerance());
+    let bound = (tip.bound)(answer).min(answer.tip_tolerance() + allowed(of_motion));
+    let mut checks = vec![tip.measured_to(tip_error, bound)];
+    let least_n_m = LEAST_SIZE * largest_range(&torques_n_m);
+    let size = (solution.has_weight(), least_n_m);
+    let joints = answer.written_torques_n_m.iter().zip(&torques_n_m).zip(&stated);
+    for (number, ((written, needed), stated)) in (1..).zip(joints) {
+        let change = torque_change(written, needed, 1, size);
+        let least = (torque.bound)(answer);
+        match solution {
+            AnySolution::Link(_) => {
+                checks.push(torque.measured_to(change, least.max(allowed(stated.torque))));
+            }
+            AnySolution::Arm(_) => {
+                let bound = least.max(allowed(of_motion).min(CHOSEN));
+                let at_rest = change_at_rest(written, needed, least_n_m);
+                for (kind, found) in [(torque, change), (Kind::TORQUE_AT_REST, at_rest)] {
+                    let check = kind.measured_to(found, bound);
+                    let name = format!("{}{number}", check.name);
+                    checks.push(Check { name, what: format!("{} {number}", check.what), ..check });
+                }
+            }
+        }
+    }
+    Ok(Played { tip: checks, energy })
+}
+
+/// Moves the hub of a link.
+fn moved_link(answer: &Answer, solution: &Solution) -> Result<Moved, Unplayed> {
+    let (grid, wanted) = (solution.grid, wanted_tip(solution));
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let hub = HubReference::new(&time_s, solution.hub_angle_rad.clone(), None)?;
     let play = Play {
@@ -160,33 +234,31 @@ fn played_large(
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
-    let simulation = match simulate_on(solution.link(), solution.mesh().clone(), &play) {
-        Ok(simulation) => simulation,
-        Err(SimulationError::MasslessHub) => return Ok(not_played("the hub moves no mass")),
-        Err(SimulationError::NotConverged { .. }) => {
-            return Ok(not_played("the motion of its hub does not converge"));
-        }
-        Err(SimulationError::Cycle(_)) => return Ok(not_played("the link does not settle")),
-        Err(error) => return Err(error.into()),
-    };
-    let stated = solution
-        .accuracy
-        .errors
-        .of_kind(|of| of.mesh + of.window + of.step.unwrap_or(0.0) + of.iteration.unwrap_or(0.0));
-    let of_hub = stated.hub_angle.max(stated.hub_acceleration.unwrap_or(0.0));
-    let analysis = &solution.analysis;
-    let allowed = |stated: f64| AMPLIFIED * (stated + analysis.tolerance());
-    let bound = (tip_of_hub.bound)(answer).min(analysis.tip_tolerance() + allowed(of_hub));
-    let tip_error = tip_error(answer, wanted, &simulation.tip.displacement_m);
-    let torque_n_m = answer.written_torque_n_m;
-    let apart = torque_change(torque_n_m, &simulation.torque_n_m, 1, solution.link());
-    Ok(Played {
-        tip: vec![
-            tip_of_hub.measured_to(tip_error, bound),
-            torque_of_hub
-                .measured_to(apart, (torque_of_hub.bound)(answer).max(allowed(stated.torque))),
-        ],
+    let simulation = simulate_on(solution.link(), solution.mesh().clone(), &play);
+    let simulation = simulation.map_err(|error| match error {
+        SimulationError::NotConverged { .. } => "the motion of its hub does not converge".into(),
+        SimulationError::Cycle(_) => "the link does not settle".into(),
+        error => Unplayed::from(error),
+    })?;
+    Ok(Moved {
+        tip_error: tip_error(solution, &wanted, &simulation.tip.displacement_m),
         energy: energy(answer, &simulation),
+        torques_n_m: vec![simulation.torque_n_m],
+    })
+}
+
+/// Moves the joints of an arm.
+fn moved_arm(answer: &Answer, solution: &ArmSolution) -> Result<Moved, Unplayed> {
+    let moved = solution.moved().map_err(|error| Unplayed::Reason(error.to_string()))?;
+    if moved.change[0] > solution.analysis.tolerance() * solution.way_m {
+        let change = significant(moved.change[0] / solution.way_m, 2);
+        let reason = format!("the last refinement moves the tip by {change} of its travel");
+        return Err(Unplayed::Reason(reason));
+    }
+    Ok(Moved {
+        tip_error: solution.tip_error_of(&moved),
+        energy: Kind::ENERGY.measured(answer, moved.imbalance()),
+        torques_n_m: moved.torques_n_m,
     })
 }
 
@@ -195,8 +267,7 @@ fn played_large(
 /// It is how far a constant torque of the tolerance times the peak drives the rigid link over the window,
 /// plus `between_m`, the difference between cubics and straight lines through the samples; at most 1e-3
 /// or the tolerance. The tip tolerance of the analysis is added.
-fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
-    let solution = answer.solution;
+fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
     let (link, analysis) = (solution.link(), &solution.analysis);
     let peak = largest(&solution.torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
@@ -205,23 +276,21 @@ fn allowed_tip_error(answer: &Answer, between_m: f64) -> f64 {
     (Kind::TIP_ERROR.bound)(answer).min(analysis.tip_tolerance() + played)
 }
 
-/// The solved tip against the wanted motion; none where all frequencies of the samples are solved for.
-pub(super) fn tip_solved(answer: &Answer, wanted: &TipTarget) -> Option<Check> {
-    let found = || tip_error(answer, wanted, &answer.solution.tip.displacement_m);
-    let is_cut = answer.solution.analysis.tip_tolerance() > 0.0;
-    is_cut.then(|| Kind::TIP_SOLVED.measured(answer, found()))
-}
-
 /// The written torque less the hub's friction.
-fn net_torque(answer: &Answer) -> Vec<f64> {
-    let friction = answer.solution.link().joint().friction_n_m_s_rad;
-    let samples = answer.written_torque_n_m.iter().zip(&answer.solution.hub_rate_rad_s);
+fn net_torque(written_n_m: &[f64], solution: &Solution) -> Vec<f64> {
+    let friction = solution.link().joint().friction_n_m_s_rad;
+    let samples = written_n_m.iter().zip(&solution.hub_rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }
 
+/// The wanted motion over the window of a solution.
+pub(super) fn wanted_tip(solution: &Solution) -> TipTarget {
+    solution.motion.target(solution.grid.time_s(0), solution.grid.end_s())
+}
+
 /// Largest error of a tip against the wanted motion, over its travel.
-fn tip_error(answer: &Answer, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
-    largest_difference(tip_m, wanted.displacement_m()) / answer.solution.tip_travel_m()
+fn tip_error(solution: &Solution, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
+    largest_difference(tip_m, wanted.displacement_m()) / solution.tip_travel_m()
 }
 
 /// Largest imbalance of energy, and the error of its integrals, both over the largest energy in the
@@ -236,18 +305,42 @@ fn imbalance(simulation: &Simulation) -> (f64, f64) {
     (missing / largest, quadrature_error_j / largest)
 }
 
-/// Change of the torque against one with `often` times the samples, root mean square over root mean square.
+/// Largest value less the smallest.
+pub(super) fn range(torque_n_m: &[f64]) -> f64 {
+    let [low, high] = extremes(torque_n_m);
+    high - low
+}
+
+/// The largest range of several torques.
+pub(super) fn largest_range<'a>(torques_n_m: impl IntoIterator<Item = &'a Vec<f64>>) -> f64 {
+    torques_n_m.into_iter().map(|torque_n_m| range(torque_n_m)).fold(0.0, Size::larger)
+}
+
+/// Change of the torque against one with `often` times the samples, root mean square over root mean square; a torque that
+/// hardly changes is divided by `least_n_m`.
 ///
 /// The worst sample would not do: where the acceleration of a motion has a kink at its begin or end,
 /// the torque has a spike that becomes narrower with every shorter step, never converges, and hardly
-/// moves the link. What holds a weight at rest is no part of what must not change.
-pub(super) fn torque_change(own: &[f64], finer: &[f64], often: usize, link: &Link) -> f64 {
-    let held_n_m = if link.has_weight() { own.iter().sum::<f64>() / own.len() as f64 } else { 0.0 };
+/// moves the link. The mean torque, which holds a weight, does not count.
+pub(super) fn torque_change(
+    own: &[f64],
+    finer: &[f64],
+    often: usize,
+    (has_weight, least_n_m): (bool, f64),
+) -> f64 {
+    let count = own.len() as f64;
+    let held_n_m = if has_weight { own.iter().sum::<f64>() / count } else { 0.0 };
     let pairs = own.iter().zip(finer.iter().step_by(often));
     let (difference, whole) = pairs.fold((0.0, 0.0), |(difference, whole), (a, b)| {
         (difference + (a - b).powi(2), whole + (b - held_n_m).powi(2))
     });
-    (difference / whole).sqrt()
+    (difference / whole.max(count * least_n_m.powi(2))).sqrt()
+}
+
+/// Change of a torque at its ends, where it is at rest, over its range.
+fn change_at_rest(written: &[f64], needed: &[f64], least_n_m: f64) -> f64 {
+    let ends = [0, needed.len() - 1].map(|k| (written[k] - needed[k]).abs());
+    ends[0].max(ends[1]) / range(needed).max(least_n_m)
 }
 
 #[cfg(test)]
@@ -274,5 +367,21 @@ mod tests {
         }
         let (missing, quadrature) = imbalance(&simulation);
         assert!(missing > 1e-4 && quadrature < 1e-6, "{missing:e}, {quadrature:e}");
+    }
+
+    #[test]
+    fn a_torque_that_is_off_is_seen_in_motion_and_at_rest() {
+        let needed: Vec<f64> = (0..101).map(|k| 5.0 + f64::from(k * (100 - k)) / 2500.0).collect();
+        let apart = |written: &[f64]| {
+            let change = torque_change(written, &needed, 1, (true, LEAST_SIZE));
+            (change, change_at_rest(written, &needed, LEAST_SIZE))
+        };
+        let (change, at_rest) = apart(&needed);
+        assert!(change < 1e-15 && at_rest < 1e-15);
+        let off: Vec<f64> = needed.iter().map(|t| t + 0.01).collect();
+        let (change, at_rest) = apart(&off);
+        assert!((at_rest - 0.01).abs() < 1e-12 && change > 0.03, "{change} {at_rest}");
+        let check = Kind::TORQUE_AT_REST.measured_to(at_rest, 1e-3);
+        assert!(!check.passes && check.found.is_some());
     }
 }

@@ -1,19 +1,18 @@
-//! What a torque table does to the tip.
+//! The error of the tip under a table of torques.
 
-use super::check::VerificationError;
-use super::playback::turn_of_cycle_rad;
+use super::answer::{AnySolution, VerificationError};
+use super::playback::{simulated, wanted_tip};
 use crate::beam::MeshPlan;
-use crate::inverse::{ArmSolution, Solution};
+use crate::inverse::ArmSolution;
 use crate::link::{Arm, Link};
-use crate::motion::Ends;
 use crate::numeric::rounded;
 use crate::response::{
-    ArmPlay, ArmPose, ArmStart, Feedback, HubReference, Interpolation, Play, Played,
-    SimulationError, State, Torque, simulate_arm, simulate_on,
+    ArmPlay, ArmPose, ArmStart, Feedback, HubReference, Interpolation, Played, SimulationError,
+    Torque, simulate_arm,
 };
 use crate::result::{TipError, TorqueTable, for_hold};
 
-/// Share of the motion within which an arm that plays a table settles: a hundredth of the error that is warned of.
+/// Share of the motion within which an arm that plays a table settles: a hundredth of the error that causes a warning.
 const SETTLED: f64 = 1e-5;
 
 /// Poses of an arm, spread over the window, that are looked at.
@@ -22,7 +21,7 @@ const POSES: usize = 16;
 /// Damping ratio of the joints of a rigid arm under the feedback that holds it.
 const DAMPING_RATIO: f64 = 0.7;
 
-/// What playing a table finds.
+/// The tip under a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableError {
     /// Distance of the tip from the wanted motion; times are those of the solution.
@@ -35,108 +34,110 @@ pub struct TableError {
     pub feedback: Vec<[f64; 2]>,
 }
 
-/// Distance of the tip from the wanted motion if a table is played in place of the solved torque.
+/// Distance of the tip from the wanted motion if a table is played in place of the solved torques; `plans` are those of the
+/// links' meshes.
 ///
 /// Direct dynamics play both, and the difference of their tips is added to the solved tip. Hysteretic damping has no
 /// equation in time: both are played with the viscous damping that `simulate` takes for it, and what that alone changes
 /// cancels.
 ///
-/// # Errors
-/// [`VerificationError`] of a link that cannot be played.
-pub fn table_error(
-    solution: &Solution,
-    table: &TorqueTable,
-    memory_bytes: Option<usize>,
-) -> Result<TableError, VerificationError> {
-    let (grid, tip) = (solution.grid, &solution.tip);
-    let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let initial_tip_m = tip.displacement_m[0];
-    let moving =
-        State::turning(solution.link(), grid.time_s(0), [initial_tip_m, tip.velocity_m_s[0]]);
-    let played = |torque_n_m: &[f64], interpolation: Interpolation| {
-        let torque = Torque::new(&time_s, torque_n_m.to_vec())?;
-        let play = Play {
-            interpolation,
-            initial_tip_m,
-            memory_bytes,
-            is_large: solution.second_order().is_some(),
-            state: (solution.motion.ends() == Ends::Moving).then_some(&moving),
-            cycle_turn_rad: turn_of_cycle_rad(solution),
-            ..Play::of(&torque)
-        };
-        let simulation = simulate_on(solution.link(), solution.mesh().clone(), &play)?;
-        let change_m = match &simulation.played {
-            Played::Modes(_) => 0.0,
-            Played::Elastica(bent) => bent.tip_change_m,
-        };
-        Ok::<_, VerificationError>((simulation.tip.displacement_m, change_m))
-    };
-    let (of_table, change_m) = played(&table.whole_n_m()[0], table.interpolation())?;
-    let (of_solved, solved_change_m) = played(&solution.torque_n_m, Interpolation::Cubic)?;
-    let wanted = solution.motion.target(grid.time_s(0), grid.end_s());
-    let solved = tip.displacement_m.iter().zip(wanted.displacement_m());
-    let errors = of_table.iter().zip(&of_solved).zip(solved);
-    let errors: Vec<f64> = errors.map(|((t, s), (tip, wanted))| t - s + tip - wanted).collect();
-    let tip = TipError::among(&errors, (&grid, solution.tip_travel_m()), 0.0);
-    Ok(TableError { tip, change_m: change_m + solved_change_m, feedback: Vec::new() })
-}
-
-/// The same of an arm, as the distance of its tip from its path.
-///
 /// An arm that falls from a pose on its way is played under a feedback around the joints as solved, as a robot has it. For a
 /// converter that holds its values, the reference of the feedback is corrected as the torques are.
 ///
 /// # Errors
-/// [`VerificationError`] of an arm that cannot be played.
-pub fn arm_table_error(
-    solution: &ArmSolution,
+/// [`VerificationError`] where a link or an arm cannot be played.
+pub fn table_error(
+    solution: AnySolution<'_>,
     plans: &[MeshPlan],
     table: &TorqueTable,
     memory_bytes: Option<usize>,
 ) -> Result<TableError, VerificationError> {
-    let grid = solution.grid;
+    let grid = solution.grid();
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let gains = if falls(solution) { gains(&solution.arm) } else { Vec::new() };
-    let start_rad: Vec<f64> = solution.joints.iter().map(|joint| joint.angle[0][0]).collect();
-    let played = |torques_n_m: Vec<&Vec<f64>>, interpolation: Interpolation| {
-        let torques = torques_n_m.into_iter().map(|own| Torque::new(&time_s, own.clone()));
-        let torques = torques.collect::<Result<Vec<_>, _>>()?;
-        let reference = |samples: &[f64]| match interpolation {
-            Interpolation::Zero => for_hold(samples, false),
-            _ => samples.to_vec(),
-        };
-        let feedback = gains.iter().zip(&solution.joints).map(|([kp, kd], joint)| {
-            let [angle, rate, _] = &joint.angle;
-            let reference = HubReference::new(&time_s, reference(angle), Some(reference(rate)))?;
-            let feedback = Feedback::new(*kp, *kd, reference);
-            Ok::<_, VerificationError>(feedback.map_err(SimulationError::from)?)
-        });
-        let play = ArmPlay {
-            torques: &torques,
-            interpolation,
-            until_s: None,
-            feedback: &feedback.collect::<Result<Vec<_>, _>>()?,
-            start: ArmStart::Joints(&start_rad),
-            tolerance: SETTLED,
-            memory_bytes,
-        };
-        let (played, _) = simulate_arm(&solution.arm, plans, &play, &|_| {})?;
-        let [x, y] = played.tip.map(|[places_m, ..]| places_m);
-        Ok::<_, VerificationError>(([x, y], played.change[0]))
+    let gains = match solution {
+        AnySolution::Arm(solution) if falls(solution) => gains(&solution.arm),
+        _ => Vec::new(),
     };
-    let (of_table, change_m) = played(table.whole_n_m().iter().collect(), table.interpolation())?;
-    let solved = solution.joints.iter().map(|joint| &joint.torque_n_m).collect();
-    let (of_solved, solved_change_m) = played(solved, Interpolation::Cubic)?;
+    let played = |table: &TorqueTable| -> Result<(Vec<Vec<f64>>, f64), VerificationError> {
+        let (torques_n_m, interpolation) = (table.whole_n_m(), table.interpolation());
+        match solution {
+            AnySolution::Link(solution) => {
+                let simulation = simulated(solution, &torques_n_m[0], interpolation, memory_bytes)?;
+                let change_m = match &simulation.played {
+                    Played::Modes(_) => 0.0,
+                    Played::Elastica(bent) => bent.tip_change_m,
+                };
+                Ok((vec![simulation.tip.displacement_m], change_m))
+            }
+            AnySolution::Arm(solution) => {
+                let torques = torques_n_m.iter().map(|own| Torque::new(&time_s, own.clone()));
+                let torques = torques.collect::<Result<Vec<_>, _>>()?;
+                let start_rad = solution.joints.iter().map(|joint| joint.angle[0][0]);
+                let play = ArmPlay {
+                    torques: &torques,
+                    interpolation,
+                    until_s: None,
+                    feedback: &feedback(solution, &gains, &time_s, interpolation)?,
+                    start: ArmStart::Joints(&start_rad.collect::<Vec<_>>()),
+                    tolerance: SETTLED,
+                    memory_bytes,
+                };
+                let (played, _) = simulate_arm(&solution.arm, plans, &play, &|_| {})?;
+                let [[x, ..], [y, ..]] = played.tip;
+                Ok((vec![x, y], played.change[0]))
+            }
+        }
+    };
+    let (of_table, change_m) = played(table)?;
+    let (of_solved, solved_change_m) = played(&solution.torques())?;
+    let tips = solved_and_wanted_m(solution);
     let off = |k: usize| {
-        let wanted_m = solution.wanted_tip_m(k);
-        let [x, y] = [0, 1].map(|axis: usize| {
-            of_table[axis][k] - of_solved[axis][k] + solution.tip[axis][0][k] - wanted_m[axis]
-        });
-        (x * x + y * y).sqrt()
+        let axes = of_table.iter().zip(&of_solved).zip(&tips);
+        let axes = axes.map(|((t, s), [tip, wanted])| t[k] - s[k] + tip[k] - wanted[k]);
+        // The displacement of one link has a sign.
+        match axes.collect::<Vec<_>>()[..] {
+            [along] => along,
+            ref axes => axes.iter().map(|own| own * own).sum::<f64>().sqrt(),
+        }
     };
     let errors: Vec<f64> = (0..grid.len).map(off).collect();
-    let tip = TipError::among(&errors, (&grid, solution.way_m), 0.0);
+    let tip = TipError::among(&errors, (&grid, solution.travel_m()), 0.0);
     Ok(TableError { tip, change_m: change_m + solved_change_m, feedback: gains })
+}
+
+/// Each coordinate of the tip in m, as solved and as wanted: the displacement of a link's, x and y of an arm's.
+fn solved_and_wanted_m(solution: AnySolution) -> Vec<[Vec<f64>; 2]> {
+    match solution {
+        AnySolution::Link(solution) => {
+            let wanted = wanted_tip(solution);
+            vec![[solution.tip.displacement_m.clone(), wanted.displacement_m().to_vec()]]
+        }
+        AnySolution::Arm(solution) => {
+            let wanted =
+                |axis: usize| (0..solution.grid.len).map(move |k| solution.wanted_tip_m(k)[axis]);
+            let of = |axis: usize| [solution.tip[axis][0].clone(), wanted(axis).collect()];
+            vec![of(0), of(1)]
+        }
+    }
+}
+
+/// A feedback around each joint as solved; empty without gains.
+fn feedback(
+    solution: &ArmSolution,
+    gains: &[[f64; 2]],
+    time_s: &[f64],
+    interpolation: Interpolation,
+) -> Result<Vec<Feedback>, VerificationError> {
+    let reference = |samples: &[f64]| match interpolation {
+        Interpolation::Zero => for_hold(samples, false),
+        _ => samples.to_vec(),
+    };
+    let joints = gains.iter().zip(&solution.joints).map(|([kp, kd], joint)| {
+        let [angle, rate, _] = &joint.angle;
+        let reference = HubReference::new(time_s, reference(angle), Some(reference(rate)))?;
+        Ok(Feedback::new(*kp, *kd, reference).map_err(SimulationError::from)?)
+    });
+    joints.collect()
 }
 
 /// True if an arm with free joints leaves a pose of its way, held there by its torques, or if that is not known.

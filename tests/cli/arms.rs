@@ -1,5 +1,7 @@
 //! Arms of several links on the command line: what is written and told, refusals, repetition.
 
+use serde_json::Value;
+
 use super::{Bench, column, keys, repository, stderr, stdout};
 
 const ARM: &str = "gravity = [0, -9.81]
@@ -237,6 +239,30 @@ fn an_arm_is_verified_and_what_is_left_out_is_found() {
     let unplayed =
         bench.run(&[&["verify", "arm.toml", "path.csv"][..], &within, &hysteretic].concat());
     assert!(stdout(&unplayed).contains("not made: the damping of a link"), "{}", stdout(&unplayed));
+}
+
+#[test]
+fn a_limit_that_the_torque_of_a_joint_and_its_error_exceed_fails() {
+    let bench = bench();
+    let solved = bench.run(&["solve", "arm.toml", "path.csv"]);
+    assert!(solved.status.success(), "{}", stderr(&solved));
+    let summary = bench.json("out/summary.json");
+    let peak_n_m = summary["results"]["joints"][0]["peak_torque_n_m"].as_f64().unwrap();
+    let errors = summary["errors"]["joints"][0]["torque"].as_object().unwrap();
+    let error: f64 = errors.values().filter_map(Value::as_f64).sum();
+    let with = |beyond: f64| {
+        let limit = format!("links.upper.limits.torque={:e}", peak_n_m * (1.0 + beyond * error));
+        bench.run(&["verify", "arm.toml", "path.csv", "--set", &limit])
+    };
+    let kept = with(10.0);
+    assert!(kept.status.success(), "{}", stderr(&kept));
+    let exceeded = with(0.1);
+    assert_eq!(exceeded.status.code(), Some(4), "{}", stdout(&exceeded));
+    assert!(
+        stderr(&exceeded).contains("out of bounds: joint 1 limits.torque\n"),
+        "{}",
+        stderr(&exceeded)
+    );
 }
 
 /// Angles go on over whole turns where the tip is led around the first joint, and the elbow stays on its side.

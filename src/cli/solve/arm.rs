@@ -8,10 +8,11 @@ use flexlink::report::{self, Figures};
 use flexlink::result::StoredResult;
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{Durability, OutputFolder, RunInputs, Summary};
-use flexlink::verify::Verification;
+use flexlink::verify::{AnySolution, Verification};
 
 use super::run::{Page, SolveOptions};
 use crate::cli::arm::{ArmAndPath, SolvedArm};
+use crate::cli::verify::verified;
 use crate::terminal::{Failure, StageBar, console, memory};
 
 /// The inputs of a run.
@@ -58,8 +59,11 @@ impl<'a> ArmProblem<'a> {
         stages.at("solving");
         let solved = self.inputs.solve(memory::available())?;
         self.options.nodes.check_arm(&solved.solution)?;
-        let verified = || self.inputs.verified(&solved.solution, self.options.digits, stages);
-        let verification = self.options.verify.then(verified);
+        let verify = || {
+            let plans = (self.plans(), &solved.limits[..]);
+            verified(AnySolution::Arm(&solved.solution), plans, self.options.digits, stages)
+        };
+        let verification = self.options.verify.then(verify).transpose()?;
         Ok(SolvedRun { solved, verification })
     }
 

@@ -10,6 +10,7 @@ use flexlink::result::Remark;
 use flexlink::spec::Described;
 use flexlink::store::{REPORT, Summary};
 use flexlink::text::shown_path;
+use flexlink::verify::AnySolution;
 
 use super::arm::{ArmProblem, SolvedRun};
 use super::run::{Page, Problem, SolveOptions, Solved};
@@ -110,7 +111,8 @@ impl Solve {
         self.table.check_motion(motion.ends(), motion.grid().step_s)?;
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let table = self.table.of_link(&solved.solution, &stages)?;
+        let solution = AnySolution::Link(&solved.solution);
+        let table = self.table.table(solution, problem.plans(), &stages)?;
         let mut summary = self.table.recorded_in(problem.summary(&solved), table.as_ref());
         match output {
             Some(output) => {
@@ -201,7 +203,8 @@ impl Solve {
         self.table.check_motion(Ends::AtRest, problem.step_s())?;
         let stages = self.print.stages();
         let solved = problem.solve(&stages)?;
-        let table = self.table.of_arm(&solved.solved.solution, problem.plans(), &stages)?;
+        let solution = AnySolution::Arm(&solved.solved.solution);
+        let table = self.table.table(solution, problem.plans(), &stages)?;
         let mut summary = self.table.recorded_in(problem.summary(&solved), table.as_ref());
         match &self.output {
             Some(output) => {

@@ -6,6 +6,7 @@ use flexlink::csv::InputFile;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 use flexlink::text::{excerpt, path_in_shell};
+use flexlink::verify::AnySolution;
 
 use super::command::{OneOrSeveral, Solve};
 use super::run::{Page, SolveOptions};
@@ -56,13 +57,15 @@ impl Solve {
             let stages = self.print.stages();
             let solved = match problem {
                 OneOrSeveral::One(problem) => problem.solve(&stages).and_then(|solved| {
-                    let found = table.of_link(&solved.solution, &stages)?;
+                    let solution = AnySolution::Link(&solved.solution);
+                    let found = table.table(solution, problem.plans(), &stages)?;
                     let summary = table.recorded_in(problem.summary(&solved), found.as_ref());
                     let run = (&solved, &summary);
                     problem.write(run, (folder, durability), Page::Left, &stages)
                 }),
                 OneOrSeveral::Several(problem) => problem.solve(&stages).and_then(|solved| {
-                    let found = table.of_arm(&solved.solved.solution, problem.plans(), &stages)?;
+                    let solution = AnySolution::Arm(&solved.solved.solution);
+                    let found = table.table(solution, problem.plans(), &stages)?;
                     let summary = table.recorded_in(problem.summary(&solved), found.as_ref());
                     let run = (&solved, &summary);
                     problem.write(run, (folder, durability), Page::Left, &stages)

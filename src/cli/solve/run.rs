@@ -1,9 +1,11 @@
 //! One run of `solve`: options, load, compute, write.
 
 use std::path::Path;
+use std::slice::from_ref;
 
 use clap::{Args, Parser};
 
+use flexlink::beam::MeshPlan;
 use flexlink::csv::{Digits, InputFile};
 use flexlink::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
 use flexlink::link::Link;
@@ -13,7 +15,7 @@ use flexlink::result::{Exceeded, Metrics, Remark};
 use flexlink::spec::{Described, Specification};
 use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
 use flexlink::text::gigabytes;
-use flexlink::verify::Verification;
+use flexlink::verify::{AnySolution, Verification};
 
 use crate::cli::verify::verified;
 use crate::options::common::refuse_for_arms;
@@ -187,6 +189,11 @@ impl<'a> Problem<'a> {
         &self.motion
     }
 
+    /// The plan of the link's mesh.
+    pub(super) fn plans(&self) -> &[MeshPlan] {
+        from_ref(&self.specification.mesh)
+    }
+
     /// Computes the solution, and verifies it if the options ask for that.
     pub(super) fn solve(&self, stages: &StageBar) -> Result<Solved, Failure> {
         let Specification { link, mesh, analysis, limits, .. } = &self.specification;
@@ -210,8 +217,8 @@ impl<'a> Problem<'a> {
             })?;
         self.options.nodes.check(solution.mesh())?;
         let verify = || {
-            stages.at("verifying");
-            verified(&self.specification, &solution, self.options.digits)
+            let plans = (self.plans(), from_ref(limits));
+            verified(AnySolution::Link(&solution), plans, self.options.digits, stages)
         };
         let verification = self.options.verify.then(verify).transpose()?;
         let metrics = Metrics::of(&solution);

@@ -6,13 +6,12 @@ use clap::{Args, Parser, ValueEnum};
 
 use flexlink::beam::MeshPlan;
 use flexlink::csv::Digits;
-use flexlink::inverse::{ArmSolution, Solution};
 use flexlink::motion::Ends;
 use flexlink::response::Interpolation;
 use flexlink::result::{Notice, TorqueTable};
 use flexlink::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
 use flexlink::text::{plain, shown_path, significant};
-use flexlink::verify::{TableError, VerificationError, arm_table_error, table_error};
+use flexlink::verify::{AnySolution, TableError, table_error};
 
 use crate::options::common::{option, seconds};
 use crate::terminal::console::is_standard_output;
@@ -152,41 +151,32 @@ impl WriteArgs {
         self.write.as_deref().and_then(TorqueForm::of).unwrap_or(TorqueForm::Csv)
     }
 
-    /// The table of a link, its error measured; none without --write.
-    pub(super) fn of_link(
+    /// The table of a link or an arm, its error measured. `None` without --write.
+    pub(super) fn table(
         &self,
-        solution: &Solution,
-        stages: &StageBar,
-    ) -> Result<Option<WrittenTable>, Failure> {
-        if self.write.is_none() {
-            return Ok(None);
-        }
-        let table = self.shaped(TorqueTable::of(solution), solution.motion.ends());
-        let error = self.measured(stages, || table_error(solution, &table, memory::available()))?;
-        let motor = solution.motor.as_ref().map(|_| {
-            "torque at the hub, beyond the gear; with -o the motor's own is in motor.csv".to_owned()
-        });
-        Ok(Some(self.written((table, error), solution.analysis.tip_tolerance(), &OF_LINK, motor)))
-    }
-
-    /// The table of an arm, its error measured; none without --write.
-    pub(super) fn of_arm(
-        &self,
-        solution: &ArmSolution,
+        solved: AnySolution<'_>,
         plans: &[MeshPlan],
         stages: &StageBar,
     ) -> Result<Option<WrittenTable>, Failure> {
         if self.write.is_none() {
             return Ok(None);
         }
-        let table = self.shaped(TorqueTable::of_arm(solution), Ends::AtRest);
-        let error = self
-            .measured(stages, || arm_table_error(solution, plans, &table, memory::available()))?;
-        let has_motor = solution.joints.iter().any(|joint| joint.motor.is_some());
-        let motor = has_motor.then(|| {
-            "torques at the joints, beyond gears; motor.csv of -o has the motors'".to_owned()
-        });
-        Ok(Some(self.written((table, error), solution.analysis.tip_tolerance(), &OF_ARM, motor)))
+        let (words, has_motor) = match solved {
+            AnySolution::Link(solution) => (&OF_LINK, solution.motor.is_some()),
+            AnySolution::Arm(solution) => {
+                (&OF_ARM, solution.joints.iter().any(|joint| joint.motor.is_some()))
+            }
+        };
+        let table = self.shaped(solved.torques(), solved.ends());
+        let error = if self.hold.is_some() || self.window.is_some() {
+            stages.at("playing");
+            Some(table_error(solved, plans, &table, memory::available())?)
+        } else {
+            None
+        };
+        let motor = has_motor.then(|| words.motor.to_owned());
+        let tip_tolerance = solved.analysis().tip_tolerance();
+        Ok(Some(self.written((table, error), tip_tolerance, words, motor)))
     }
 
     /// A table with all that the options do to it, but for its start.
@@ -196,19 +186,6 @@ impl WriteArgs {
             Some(share) => table.cut(share),
             None => table,
         }
-    }
-
-    /// What playing a table finds, where it is not the torque itself.
-    fn measured(
-        &self,
-        stages: &StageBar,
-        error: impl FnOnce() -> Result<TableError, VerificationError>,
-    ) -> Result<Option<TableError>, Failure> {
-        if self.hold.is_none() && self.window.is_none() {
-            return Ok(None);
-        }
-        stages.at("playing");
-        Ok(Some(error()?))
     }
 
     /// The table at its start, its warning, and what is said of it.
@@ -313,18 +290,22 @@ struct Words {
     drift: &'static str,
     /// What helps against a cut that is too large.
     smaller: &'static str,
+    /// Where the torques act if there is a motor.
+    motor: &'static str,
 }
 
 const OF_LINK: Words = Words {
     of_torque: "the ",
     drift: "; a free hub drifts on after a cut",
     smaller: "a smaller --window, or feedback of the hub's angle",
+    motor: "torque at the hub, beyond the gear; with -o the motor's own is in motor.csv",
 };
 
 const OF_ARM: Words = Words {
     of_torque: "every ",
     drift: "; free joints drift on after a cut",
     smaller: "a smaller --window, or feedback of the joints",
+    motor: "torques at the joints, beyond gears; motor.csv of -o has the motors'",
 };
 
 /// What playing a table has found, a line each.

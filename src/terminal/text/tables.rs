@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use flexlink::beam::Mesh;
 use flexlink::link::Link;
 use flexlink::result::{
-    Fit, LimitedValue, LinkZeros, ModesResult, PoseModes, PoseSquares, Reached,
+    Check, Fit, LimitedValue, LinkZeros, ModesResult, PoseModes, PoseSquares, Reached,
 };
 use flexlink::text::{digits_beyond, given, significant};
-use flexlink::verify::{Check, Outcome, Verification};
+use flexlink::verify::Verification;
 
 use super::runs::{link_line, title};
 
@@ -131,20 +131,20 @@ const ROUND_OFF: f64 = 1e-9;
 
 fn check_line(check: &Check) -> String {
     let what = &check.what;
-    match &check.outcome {
-        Outcome::Measured { found, bound } => {
-            let verdict = if check.fails() { "  FAILS" } else { "" };
-            let found = if *found <= ROUND_OFF {
+    match check.found.zip(check.bound) {
+        Some((found, bound)) => {
+            let verdict = if check.passes { "" } else { "  FAILS" };
+            let found = if found <= ROUND_OFF {
                 format!("< {ROUND_OFF:.0e}")
-            } else if found >= bound && !check.fails() {
+            } else if found >= bound && check.passes {
                 format!("< {bound:.1e}")
             } else {
                 // The column has no place for more decimals.
-                format!("{found:.0$e}", digits_beyond(*found, *bound) - 1)
+                format!("{found:.0$e}", digits_beyond(found, bound) - 1)
             };
             format!("{what:<34} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
         }
-        Outcome::NotMeasured { reason } => format!("{what:<34} not made: {reason}"),
+        None => format!("{what:<34} not made: {}", check.reason.as_deref().unwrap_or_default()),
     }
 }
 
