@@ -113,7 +113,8 @@ impl<'a> From<&'a ArmSolution> for Answer<'a> {
         Self {
             grid,
             ends: Ends::AtRest,
-            per_cycle: solution.cutoff_hz.map(|highest_hz| 1.0 / (highest_hz * grid.step_s)),
+            // The roll-off and the turning links bring frequencies above the path's; they are small above twice its cut-off.
+            per_cycle: solution.cutoff_hz.map(|cutoff_hz| 0.5 / (cutoff_hz * grid.step_s)),
             moving_s: [first, last].map(|sample| path.grid().time_s(sample)),
             has_weight: arm.has_weight(),
             joints: joints.collect(),
