@@ -336,7 +336,9 @@ impl<'a> Errors<'a> {
             "deflection" => (deflection_m, 1.0),
             "bending_moment" => (torque, peak.max(value.found)),
             "motor_rms_torque" => (motor_torque, motor),
-            _ => (motor_torque + motor_rate, motor_power),
+            "motor_power" => (motor_torque + motor_rate, motor_power),
+            // A value whose error nobody measures is not known to be within any limit.
+            _ => return f64::INFINITY,
         };
         if error == 0.0 { 0.0 } else { (error * of / value.found).min(f64::MAX) }
     }
@@ -378,6 +380,19 @@ mod tests {
         assert_eq!(Limits::default().stored(), None);
         for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"power": 2.0}"#] {
             assert!(serde_json::from_str::<Limits>(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_limit_is_of_one_quantity() {
+        let limits = Limits::default();
+        let keys: Vec<&str> = limits.entries().iter().map(|(key, ..)| *key).collect();
+        let mut of_quantities: Vec<&str> = QUANTITIES.iter().filter_map(|own| own.limit).collect();
+        assert_eq!(of_quantities.len(), keys.len());
+        of_quantities.retain(|key| !keys.contains(key));
+        assert!(of_quantities.is_empty(), "{of_quantities:?}");
+        for (key, ..) in limits.entries() {
+            assert_eq!(QUANTITIES.iter().filter(|own| own.limit == Some(key)).count(), 1, "{key}");
         }
     }
 }

@@ -85,6 +85,9 @@ impl Remark {
     /// Remarks on the times of torques that the samples of the motion leave uncertain, of a link or of an arm.
     pub fn on_timing<'a>(answer: impl Into<Answer<'a>>) -> Vec<Self> {
         let answer = answer.into();
+        if answer.joints.iter().all(|joint| joint.errors.torque.input.is_none()) {
+            return Vec::new();
+        }
         let joints = answer.joints.iter().zip(Metrics::of_answer(&answer).joints);
         let of = |(joint, metrics): (&AnsweredJoint, JointMetrics)| {
             let share = joint.errors.torque.input?;
@@ -96,7 +99,8 @@ impl Remark {
             let is_noticed =
                 lead_s > SURE * metrics.lead_s?.abs() || lag_s > SURE * metrics.lag_s?.abs();
             let joint = joint.number.map(|number| number + 1);
-            is_noticed.then_some(Self::Timing { joint, share, lead_s, lag_s })
+            let of_range = answer.has_weight;
+            is_noticed.then_some(Self::Timing { joint, share, of_range, lead_s, lag_s })
         };
         joints.filter_map(of).collect()
     }

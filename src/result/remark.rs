@@ -231,7 +231,7 @@ pub enum Remark {
          told, and ends so by {} s",
         joint.map_or_else(String::new, |joint| format!("joint {joint}: ")),
         significant(100.0 * share, 2),
-        if joint.is_some() { "range" } else { "peak" },
+        if *of_range { "range" } else { "peak" },
         significant(*lead_s, 2),
         significant(*lag_s, 2)
     )]
@@ -239,8 +239,10 @@ pub enum Remark {
         /// Number of the joint of an arm, from 1.
         #[serde(skip_serializing_if = "Option::is_none")]
         joint: Option<usize>,
-        /// Error of the torque by the samples, over its peak or range.
+        /// Error of the torque by the samples, over its peak, or with gravity its range.
         share: f64,
+        /// True with gravity.
+        of_range: bool,
         /// Error of the lead in s.
         lead_s: f64,
         /// Error of the lag in s.

@@ -23,8 +23,13 @@ pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: Strin
         (numbered("link", number), arm_link_line(solution, number, elements))
     });
     let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
-        let lines = joint_lines(joint).map(|(_, line)| line);
-        let lines: Vec<String> = lines.into_iter().filter(|line| !line.is_empty()).collect();
+        let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
+        // The other lines say what they are of.
+        let lines = lines.map(|(label, line)| match label {
+            "motor" => format!("motor {line}"),
+            _ => line,
+        });
+        let lines: Vec<String> = lines.collect();
         (numbered("joint", number), lines.join(&format!("\n{:LABEL$}", "")))
     });
     let own = |label: &str, line: String| (label.to_owned(), line);

@@ -334,8 +334,8 @@ pub(super) fn errors_text(
             let (quantity, error) = own.of_kind(|own| kind(own).unwrap_or(0.0)).worst();
             (joint, own.torque.input, quantity, error)
         });
-        let (joint, of_torque, quantity, error) =
-            worst.reduce(|worst, own| if own.3 > worst.3 { own } else { worst })?;
+        let (joint, of_torque, quantity, error) = worst
+            .reduce(|worst, own| if own.3 > worst.3 || own.3.is_nan() { own } else { worst })?;
         let of_joint = (errors.len() > 1).then(|| format!("joint {joint}"));
         let other = (quantity != Quantity::Torque)
             .then(|| quantity.name().replace("acceleration", "accel."));

@@ -204,9 +204,11 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
         duration_s: 1.5,
         steps: 300,
     };
+    let solved_with = |arm: &Arm, decimals| {
+        solved(arm, &way.path(arm, decimals), ElementCount::Auto, &Analysis::default())
+    };
     let of = |decimals| {
-        let path = way.path(&arm, decimals);
-        let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
+        let found = solved_with(&arm, decimals);
         let metrics = Metrics::of(&found);
         let remarks = Remark::on_timing(&found);
         // Rounded samples leave their rest later than exact ones.
@@ -230,10 +232,20 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
             let off_s = [0, 1].map(|end| f64::abs(own[end] - other[end]));
             assert!(off_s[0] <= *lead_s && off_s[1] <= *lag_s, "{remark}: {off_s:?}");
             assert!(remark.to_string().starts_with(&format!("joint {joint}: ")), "{remark}");
+            assert!(remark.to_string().contains(" % of its range: "), "{remark}");
             told += 1;
         }
     }
     assert!(told > 0);
+    // Without gravity errors are shares of peaks.
+    let flat = solved_with(&self::arm(&two_links(), [0.0; 2]), 3);
+    let remarks = Remark::on_timing(&flat);
+    assert!(!remarks.is_empty());
+    for remark in remarks {
+        let Remark::Timing { joint: Some(joint), share, .. } = remark else { panic!("{remark}") };
+        assert_eq!(Some(share), flat.errors[joint - 1].torque.input);
+        assert!(remark.to_string().contains(" % of its peak: "), "{remark}");
+    }
 }
 
 /// Peaks lie between samples: those of a step four times as long are the same, though its largest samples differ.
