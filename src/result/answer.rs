@@ -1,9 +1,9 @@
 //! A solution as its metrics, limits and remarks read it: one list of joints, of a link or of an arm.
 
 use super::peak::Peaks;
-use crate::inverse::{ArmSolution, MotorHistories, PerQuantity, QuantityErrors, Solution};
+use crate::inverse::{ArmSolution, MotorHistories, PerQuantity, QuantityErrors, Solution, size};
 use crate::motion::Ends;
-use crate::numeric::{TimeGrid, extremes, largest};
+use crate::numeric::TimeGrid;
 
 /// A history that is computed on request.
 type Computed<'a> = Box<dyn Fn() -> Vec<f64> + 'a>;
@@ -47,11 +47,7 @@ impl Answer<'_> {
 
     /// The peak of a history, with gravity its range.
     pub(super) fn size_of(&self, history: &[f64]) -> f64 {
-        if !self.has_weight {
-            return largest(history);
-        }
-        let [low, high] = extremes(history);
-        high - low
+        size(history, self.has_weight)
     }
 }
 

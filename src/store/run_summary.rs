@@ -283,22 +283,21 @@ fn analysis_values(solution: &Solution) -> Value {
 
 /// The results of a simulation: its numbers with those of the hub, or of an arm with those of its joints.
 pub(super) fn played_results(metrics: &PlayedMetrics) -> Value {
-    let mut results = Map::new();
-    if metrics.final_tip_m.is_none() {
-        // It stands first.
-        results.insert("peak_torque_n_m".to_owned(), Value::Null);
-    }
-    results.insert("farthest_m".to_owned(), metrics.farthest_m.into());
-    results.insert("travel_m".to_owned(), metrics.travel_m.into());
-    results.insert("final_tip_velocity_m_s".to_owned(), metrics.final_tip_velocity_m_s.into());
-    if let Some(final_tip_m) = metrics.final_tip_m {
-        results.insert("final_tip_m".to_owned(), json!(final_tip_m));
-        let joints: Vec<_> = metrics.joints.iter().map(played_joint).collect();
-        results.insert("joints".to_owned(), json!(joints));
-    } else {
-        results.extend(played_joint(metrics.hub()));
-    }
-    results.into()
+    let whole = [
+        ("farthest_m", metrics.farthest_m),
+        ("travel_m", metrics.travel_m),
+        ("final_tip_velocity_m_s", metrics.final_tip_velocity_m_s),
+    ];
+    let whole = whole.map(|(key, number)| (key.to_owned(), Value::from(number))).into_iter();
+    let Some(final_tip_m) = metrics.final_tip_m else {
+        // The hub's torque stands first.
+        let mut hub = played_joint(metrics.hub()).into_iter();
+        let torque = hub.next();
+        return torque.into_iter().chain(whole).chain(hub).collect();
+    };
+    let joints: Vec<_> = metrics.joints.iter().map(played_joint).collect();
+    let arm = [("final_tip_m", json!(final_tip_m)), ("joints", json!(joints))];
+    whole.chain(arm.map(|(key, value)| (key.to_owned(), value))).collect()
 }
 
 /// The results of a simulation's joint.

@@ -4,11 +4,11 @@ use std::error::Error;
 
 use super::answer::{Answer, AnySolution, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
-use crate::inverse::{ArmSolution, Resources, Solution, invert_with};
+use crate::inverse::{ArmSolution, Resources, Solution, invert_with, size};
 use crate::link::{Damping, Link, LinkParts};
 use crate::modal::held_frequencies;
 use crate::motion::{Ends, TipTarget};
-use crate::numeric::{Size, extremes, largest, largest_difference};
+use crate::numeric::{Size, largest, largest_difference};
 use crate::response::{
     EnergyAccount, EnergyBalance, HubReference, Interpolation, Play, Simulation, SimulationError,
     State, Torque, simulate_on,
@@ -307,8 +307,7 @@ fn imbalance(simulation: &Simulation) -> (f64, f64) {
 
 /// Largest value less the smallest.
 pub(super) fn range(torque_n_m: &[f64]) -> f64 {
-    let [low, high] = extremes(torque_n_m);
-    high - low
+    size(torque_n_m, true)
 }
 
 /// The largest range of several torques.
