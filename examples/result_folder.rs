@@ -20,8 +20,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let folder = std::env::args_os().nth(1).map_or("out/from_numbers".into(), PathBuf::from);
     write_solution(&folder, &solution)?;
-    if let StoredResult::Run(run) = read_result(&folder)? {
-        println!("{} rows of torque in {}", run.torque_n_m.len(), folder.display());
+    if let StoredResult::Runs(runs) = read_result(&folder)? {
+        let rows = runs[0].joints[0].torque_n_m.len();
+        println!("{rows} rows of torque in {}", folder.display());
     }
     Ok(())
 }

@@ -27,6 +27,21 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A time in s for people: as [`significant`] has it, but with milliseconds from a million seconds on, as epochs need.
+///
+/// ```
+/// use flexlink::text::instant;
+/// assert_eq!(instant(0.526_425_1, 4), "0.5264");
+/// assert_eq!(instant(1_772_620_001.336_4, 3), "1772620001.336");
+/// ```
+pub fn instant(time_s: f64, digits: usize) -> String {
+    if (1e6..1e12).contains(&time_s.abs()) {
+        format!("{time_s:.3}")
+    } else {
+        significant(time_s, digits)
+    }
+}
+
 /// How many significant digits, two to six, show that a number exceeds its bound; two where it does not.
 pub fn digits_beyond(found: f64, bound: f64) -> usize {
     let differs = |after: &usize| format!("{found:.after$e}") != format!("{bound:.after$e}");

@@ -8,11 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::csv::{InputFile, PathTable};
-use flexlink::inverse::ArmJoint;
+use flexlink::inverse::{ArmJoint, Unwatched};
 use flexlink::motion::{PathColumn, PathColumns, Recording};
 use flexlink::result::Notice;
 use flexlink::spec::{ArmSpecification, Described};
-use flexlink::store::{OutputFolder, RunInputs};
+use flexlink::store::{OutputFolder, RunInputs, RunTables};
 
 use crate::arrays::{column, dictionary, frame, places, rows};
 use crate::cli::arm::{ArmAndPath, SolvedArm};
@@ -245,7 +245,8 @@ impl ArmSolution {
         options.nodes.check_arm(solution)?;
         let summary = self.solved.summary(self.inputs(&options), None, &outputs);
         let folder = OutputFolder::stage(folder, &|_| {})?;
-        Ok(outputs.write_arm(folder, solution, (&summary, None))?)
+        let tables = RunTables::of_arm(solution, &outputs);
+        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
     }
 }
 

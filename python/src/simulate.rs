@@ -1,6 +1,7 @@
 //! `simulate`: a torque or a motion of the hub in arrays, played on a link.
 
 use std::path::{Path, PathBuf};
+use std::slice::from_ref;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
@@ -9,11 +10,14 @@ use pyo3::types::PyDict;
 
 use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
+use flexlink::inverse::Unwatched;
 use flexlink::link::Link as LibraryLink;
 use flexlink::response::{PlayError, Simulation, simulate as played};
 use flexlink::result::{FollowedTarget, Limits, Notice, PlayedMetrics};
 use flexlink::spec::Specification;
-use flexlink::store::{OutputFolder, PlayFindings, RunInputs, Summary, read_state, state_json};
+use flexlink::store::{
+    OutputFolder, PlayFindings, RunInputs, RunTables, Summary, read_state, state_json,
+};
 
 use crate::arm::Arm;
 use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
@@ -141,7 +145,7 @@ impl PlayedLink {
     fn summary(&self, arguments: Vec<String>) -> Summary {
         let findings = PlayFindings {
             error: self.error.as_ref(),
-            limits: self.limits,
+            limits: from_ref(&self.limits),
             target: self.target.as_ref(),
             ..PlayFindings::default()
         };
@@ -162,7 +166,8 @@ impl PlayedLink {
         let summary = self.summary(options.arguments());
         let folder = OutputFolder::stage(folder, &|_| {})?;
         let run = (&self.link, simulation);
-        Ok(outputs.write_simulation(folder, run, (self.target.as_ref(), &summary))?)
+        let tables = RunTables::of_simulation(run, self.target.as_ref(), &outputs)?;
+        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
     }
 }
 

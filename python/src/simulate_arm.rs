@@ -8,13 +8,16 @@ use pyo3::types::PyDict;
 
 use flexlink::beam::MeshPlan;
 use flexlink::csv::InputFile;
+use flexlink::inverse::Unwatched;
 use flexlink::numeric::TimeGrid;
 use flexlink::response::{
     ArmPlayWarning, HubReference, Interpolation, PlayedArm, Torque, simulate_arm,
 };
 use flexlink::result::{FollowedTarget, Notice, PlayedMetrics, TipPlaces};
 use flexlink::spec::ArmSpecification;
-use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Summary, read_state, state_json};
+use flexlink::store::{
+    OutputFolder, PlayedRun, RunInputs, RunTables, Summary, read_state, state_json,
+};
 
 use crate::arm::Arm;
 use crate::arrays::{Every, column, columns, frame, rows, view};
@@ -34,11 +37,15 @@ type Columns<'py> = Bound<'py, PyArray2<f64>>;
 /// Keywords of `write`.
 const WRITING: [&str; 2] = ["every", "digits"];
 
+/// The refusal of gains that are no numbers.
+const NO_GAINS: &str =
+    "feedback = something else, but must be (stiffness, damping), or a list of one for each joint";
+
 /// The gains of all joints, or of each.
 #[derive(FromPyObject)]
 enum Gains {
-    One((f64, f64)),
-    Each(Vec<(f64, f64)>),
+    One([f64; 2]),
+    Each(Vec<[f64; 2]>),
 }
 
 /// What a call plays.
@@ -63,11 +70,12 @@ impl Given {
         };
         let torques = torques.into_iter().map(|own| Torque::new(&time_s, own));
         let torques: Vec<Torque> = torques.collect::<Result<_, _>>().map_err(|e| history(&e))?;
-        let gains = keywords.take("feedback")?.map(|given| given.extract::<Gains>()).transpose()?;
-        let gains = gains.map(|gains| match gains {
-            Gains::One(pair) => vec![pair],
-            Gains::Each(pairs) => pairs,
+        let gains = keywords.take("feedback")?.map(|given| match given.extract::<Gains>() {
+            Ok(Gains::One(pair)) => Ok(vec![pair.into()]),
+            Ok(Gains::Each(pairs)) => Ok(pairs.into_iter().map(Into::into).collect()),
+            Err(_) => Err(usage(&NO_GAINS, None)),
         });
+        let gains: Option<Vec<(f64, f64)>> = gains.transpose()?;
         let references = match (&gains, of_joints("reference")?, of_joints("reference_rate")?) {
             (None, None, None) => Vec::new(),
             (Some(_), Some(angles), rates) => joint_references(&time_s, angles, rates)?,
@@ -202,8 +210,11 @@ impl ArmSimulation {
     fn write_into(&self, folder: &Path, keywords: &[String]) -> Result<(), Failure> {
         let options = solve_options(keywords)?;
         let folder = OutputFolder::stage(folder, &|_| {})?;
+        let outputs = options.outputs();
         let written = self.with_run(options.arguments(), |run, summary| {
-            options.outputs().write_played(folder, run, summary)
+            let played = (run.arm, run.played);
+            let tables = RunTables::of_played_arm(played, run.nodes_m, run.target, &outputs);
+            outputs.write(folder, tables, (summary, None), &Unwatched)
         });
         Ok(written?)
     }

@@ -1,6 +1,7 @@
 //! The solution of a link.
 
 use std::path::{Path, PathBuf};
+use std::slice::from_ref;
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
@@ -12,7 +13,7 @@ use flexlink::beam::NodalHistories;
 use flexlink::inverse::{Solution as LibrarySolution, Unwatched};
 use flexlink::link::ParameterError;
 use flexlink::result::{Exceeded, Limits, Metrics, Notice};
-use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, Summary};
+use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 
 use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
 use crate::cli::solve::run::SolveOptions;
@@ -110,7 +111,7 @@ impl Solution {
     fn summary(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
         let remarks = remarks(&self.of_file, &self.solution);
         let findings = Findings {
-            limits: self.limits,
+            limits: from_ref(&self.limits),
             exceeded: &self.exceeded,
             verification: None,
             remarks: &remarks,
@@ -127,7 +128,8 @@ impl Solution {
         memory::check_nodes(deflections.bytes(), memory::available())?;
         let summary = self.summary(&options, &outputs);
         let folder = OutputFolder::stage(folder, &|_| {})?;
-        Ok(outputs.write(folder, (&self.solution, deflections), (&summary, None), &Unwatched)?)
+        let tables = RunTables::of_solution(&self.solution, deflections);
+        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
     }
 
     /// A quantity at nodes, all by default, of every `every`-th sample.

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use flexlink::compare::Cell;
-use flexlink::result::{StoredArm, StoredNodes, StoredResult, StoredRun, StoredSweep};
+use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
 use crate::arrays::{frame, rows, view};
@@ -23,10 +23,12 @@ type Array<'py> = Bound<'py, PyArray1<f64>>;
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     match py.detach(|| pool::install(|| Ok(read_result(&path)?)))? {
-        StoredResult::Run(run) => Ok(Bound::new(py, Run(*run))?.into_any()),
         StoredResult::Sweep(sweep) => Ok(table(py, &sweep)?.into_any()),
-        StoredResult::Arms(runs) => match runs.into_iter().next() {
-            Some(run) => Ok(Bound::new(py, ArmRun(run))?.into_any()),
+        StoredResult::Runs(runs) => match runs.into_iter().next() {
+            Some(mut run) => match run.arc.take() {
+                Some(arc) => Ok(Bound::new(py, Run { run, arc })?.into_any()),
+                None => Ok(Bound::new(py, ArmRun(run))?.into_any()),
+            },
             None => Err(PyTypeError::new_err("no run")),
         },
     }
@@ -58,7 +60,10 @@ fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDic
 
 /// A run of ``solve`` or ``simulate``, read from its folder: arrays with as many digits as the files have.
 #[pyclass(frozen, module = "flexlink")]
-pub(crate) struct Run(StoredRun);
+pub(crate) struct Run {
+    run: StoredRun,
+    arc: StoredArc,
+}
 
 /// What a folder without the tables of nodes is, and one without moments.
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
@@ -78,7 +83,12 @@ fn written<'a>(
 impl Run {
     /// What is there of nodes.
     fn nodal(&self) -> Option<&StoredNodes> {
-        self.0.deflections_m.as_ref().or(self.0.moments_n_m.as_ref())
+        self.arc.deflections_m.as_ref().or(self.run.links[0].moments_n_m.as_ref())
+    }
+
+    /// The hub.
+    fn hub(&self) -> &StoredJoint {
+        &self.run.joints[0]
     }
 
     /// Histories of nodes, all by default, each with an addend that depends on distance in m and hub angle in rad.
@@ -88,9 +98,9 @@ impl Run {
         of: &StoredNodes,
         (nodes, addend): (Option<Vec<usize>>, impl Fn(f64, f64) -> f64),
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let StoredRun { times_s, hub_angle_rad, origin_rad, mesh, .. } = &self.0;
+        let StoredArc { origin_rad, mesh, .. } = &self.arc;
         // Both are ascending; times that were written once are the same numbers.
-        let mut hub = times_s.iter().zip(hub_angle_rad);
+        let mut hub = self.run.times_s.iter().zip(&self.hub().angle_rad);
         let turned = of.times_s.iter().map(|at_s| {
             let found = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - self.half_a_step_s());
             found.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
@@ -113,7 +123,7 @@ impl Run {
 
     /// Half of the step of the run's times in s.
     fn half_a_step_s(&self) -> f64 {
-        let times_s = &self.0.times_s;
+        let times_s = &self.run.times_s;
         0.5 * (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1) as f64
     }
 }
@@ -123,61 +133,61 @@ impl Run {
     /// ``"solve"`` or ``"simulate"``.
     #[getter]
     fn command(&self) -> &str {
-        &self.0.origin.command
+        &self.run.origin.command
     }
 
     #[getter]
     fn title(&self) -> &str {
-        &self.0.origin.title
+        &self.run.origin.title
     }
 
     /// Times in s.
     #[getter]
     fn time<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.times_s)
+        view(slf, |own| &own.run.times_s)
     }
 
     /// Torque at the hub in N m.
     #[getter]
     fn torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.torque_n_m)
+        view(slf, |own| &own.hub().torque_n_m)
     }
 
     /// Hub angle in rad.
     #[getter]
     fn hub_angle<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.hub_angle_rad)
+        view(slf, |own| &own.hub().angle_rad)
     }
 
     /// Displacement of the tip in m along its arc.
     #[getter]
     fn tip_displacement<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.tip.displacement_m)
+        view(slf, |own| &own.arc.tip.displacement_m)
     }
 
     /// Velocity of the tip in m/s.
     #[getter]
     fn tip_velocity<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.tip.velocity_m_s)
+        view(slf, |own| &own.arc.tip.velocity_m_s)
     }
 
     /// Acceleration of the tip in m/s².
     #[getter]
     fn tip_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.tip.acceleration_m_s2)
+        view(slf, |own| &own.arc.tip.acceleration_m_s2)
     }
 
     /// Torque in N m of the rigid link; None of a simulation.
     #[getter]
     fn rigid_torque<'py>(slf: &Bound<'py, Self>) -> Option<Array<'py>> {
-        slf.get().0.solved.as_ref()?;
-        Some(view(slf, |own| own.0.solved.as_ref().map_or(&[], |own| &own.rigid_torque_n_m)))
+        slf.get().hub().rigid_torque_n_m.as_ref()?;
+        Some(view(slf, |own| own.hub().rigid_torque_n_m.as_deref().unwrap_or_default()))
     }
 
     /// Distances of the nodes from the axis in m.
     #[getter]
     fn nodes<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| own.0.mesh.nodes_m())
+        view(slf, |own| own.arc.mesh.nodes_m())
     }
 
     /// Numbers of the nodes that were written, from 0 at the root.
@@ -200,7 +210,7 @@ impl Run {
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let own = written(self.0.deflections_m.as_ref(), "displacements", NO_NODES)?;
+        let own = written(self.arc.deflections_m.as_ref(), "displacements", NO_NODES)?;
         self.histories(py, own, (nodes, |x_m, angle_rad| x_m * angle_rad))
     }
 
@@ -211,7 +221,7 @@ impl Run {
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let own = written(self.0.deflections_m.as_ref(), "deflections", NO_NODES)?;
+        let own = written(self.arc.deflections_m.as_ref(), "deflections", NO_NODES)?;
         self.histories(py, own, (nodes, |_, _| 0.0))
     }
 
@@ -222,20 +232,20 @@ impl Run {
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let own = written(self.0.moments_n_m.as_ref(), "moments", NO_MOMENTS)?;
+        let own = written(self.run.links[0].moments_n_m.as_ref(), "moments", NO_MOMENTS)?;
         self.histories(py, own, (nodes, |_, _| 0.0))
     }
 
     /// Numbers of summary.json by name: ``peak_torque_n_m``.
     #[getter]
     fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        numbers(py, &self.0.readings)
+        numbers(py, &self.run.readings)
     }
 
     /// What the user must know.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.0.warnings)
+        objects(py, &self.run.warnings)
     }
 
     /// The histories as a `pandas.DataFrame` over the time.
@@ -245,13 +255,13 @@ impl Run {
     }
 
     fn __repr__(&self) -> String {
-        format!("Run({:?}, samples={})", self.command(), self.0.times_s.len())
+        format!("Run({:?}, samples={})", self.command(), self.run.times_s.len())
     }
 }
 
 /// A run of an arm, read from its folder. Arrays have a column for each joint, the inner one first.
 #[pyclass(frozen, module = "flexlink")]
-pub(crate) struct ArmRun(StoredArm);
+pub(crate) struct ArmRun(StoredRun);
 
 #[pymethods]
 impl ArmRun {

@@ -6,7 +6,7 @@ use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert
 use flexlink::motion::ArmPath;
 use flexlink::result::{Exceeded, Limits, Metrics, Remark};
 use flexlink::spec::ArmSpecification;
-use flexlink::store::{ArmRun, RunInputs, RunOutputs, Summary};
+use flexlink::store::{Findings, RunInputs, RunOutputs, Summary};
 use flexlink::verify::Verification;
 
 use crate::options::inputs::{ResampleArgs, ScaleArgs};
@@ -116,7 +116,7 @@ impl SolvedArm {
         outputs: &RunOutputs,
     ) -> Summary {
         let Self { solution, metrics, limits, exceeded, remarks } = self;
-        let run = ArmRun { solution, metrics, limits, exceeded, verification, remarks };
-        Summary::of_arm(inputs, &run, outputs)
+        let findings = Findings { limits, exceeded, verification, remarks };
+        Summary::of_arm(inputs, solution, metrics, &findings, outputs)
     }
 }

@@ -47,5 +47,5 @@ pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, with
 pub use rows::{TableError, checked_header, checked_rows};
 pub use samples::read_table;
 pub use table::{Column, ColumnGroup, write_csv};
-pub(crate) use table::{group, write_columns, write_nodal};
+pub(crate) use table::{write_columns, write_nodal};
 pub use unit_name::UnitName;

@@ -125,7 +125,10 @@ impl Axis {
         // One digit of the step suffices.
         let decimals = usize::try_from(-libm::floor(libm::log10(step * 1.001)) as i32).unwrap_or(0);
         let label = |value: f64| {
-            if !(1e-4..1e6).contains(&start.abs().max(end.abs())) {
+            let largest = start.abs().max(end.abs());
+            // Six digits do not tell the ticks of an epoch apart.
+            let is_offset = largest < 1e12 && step < 1e-5 * largest;
+            if !(1e-4..1e6).contains(&largest) && !is_offset {
                 return if value == 0.0 {
                     "0".to_owned()
                 } else {
@@ -227,6 +230,10 @@ mod tests {
         assert_eq!(labels(&axis(0.0..0.05)), ["0.00", "0.01", "0.02", "0.03", "0.04", "0.05"]);
         assert_eq!(labels(&axis(0.0..0.6)), ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
         assert_eq!(labels(&axis(97.0..412.0)), ["100", "200", "300", "400"]);
+        assert_eq!(
+            labels(&axis(1_772_620_000.2..1_772_620_001.5))[..2],
+            ["1772620000.5", "1772620001.0"]
+        );
         assert_eq!(labels(&axis(0.0..3e-7))[..2], ["0", "5e-8"]);
         assert_eq!(labels(&axis(0.0..3e-7)).last().unwrap(), "3e-7");
     }

@@ -6,11 +6,11 @@ use std::borrow::Cow;
 use super::axis::{Axis, is_extreme};
 use super::colour_map::{ColourMap, Colours};
 use super::figure::{Figure, Stroke};
-use super::view::{View, from_start_m, inside, nearest, peak_words, reading};
+use super::view::{Single, View, from_start_m, inside, nearest, peak_words, reading};
 use super::words::formula;
 use crate::beam::Mesh;
 use crate::numeric::largest;
-use crate::result::{StoredArm, StoredNodes, StoredRun};
+use crate::result::{StoredNodes, StoredRun};
 
 /// Columns of the map, one for each pixel; the step of accelerations is at most one column.
 pub(super) const COLUMNS: usize = 680;
@@ -40,15 +40,15 @@ impl View<'_> {
         let Some(run) = self.link else {
             return Some(deflections(self.first(), link)).filter(|nodes| nodes.times_s.len() > 1);
         };
-        let mut nodes = run.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
-        let tip = run.mesh.nodes_m().len() - 1;
+        let mut nodes = run.arc.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
+        let tip = run.arc.mesh.nodes_m().len() - 1;
         if nodes.nodes.first() != Some(&0) {
             nodes.nodes.insert(0, 0);
             nodes.histories.insert(0, vec![0.0; nodes.times_s.len()]);
         }
         if nodes.nodes.last() != Some(&tip) {
             let bent = bent_m(run);
-            let at = |time_s: &f64| bent[nearest(&run.times_s, *time_s)];
+            let at = |time_s: &f64| bent[nearest(run.times_s, *time_s)];
             nodes.histories.push(nodes.times_s.iter().map(at).collect());
             nodes.nodes.push(tip);
         }
@@ -69,7 +69,9 @@ impl View<'_> {
             let nodes = self.first().links[link].moments_n_m.clone()?;
             return Some(Moments { nodes, is_written: true });
         };
-        if let Some(nodes) = run.moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1) {
+        if let Some(nodes) =
+            self.first().links[link].moments_n_m.clone().filter(|nodes| nodes.times_s.len() > 1)
+        {
             return Some(Moments { nodes, is_written: true });
         }
         // The weight's part, and what holds it, do not follow from accelerations.
@@ -85,7 +87,7 @@ impl View<'_> {
             return None;
         }
         let histories = estimated(run, &deflections, (step_s, apart));
-        let known = reading(&run.readings, "peak_root_moment_n_m");
+        let known = reading(run.readings, "peak_root_moment_n_m");
         let is_right =
             known.is_none_or(|peak| (largest(&histories[0]) / peak - 1.0).abs() < TRUSTED);
         let nodes = StoredNodes { histories, ..deflections };
@@ -94,27 +96,27 @@ impl View<'_> {
 }
 
 /// Bending of the tip of a single link over the time of the run, `v − Lθ`, in m.
-pub(super) fn bent_m(run: &StoredRun) -> Vec<f64> {
-    let length_m = run.mesh.length_m();
-    let pairs = run.tip.displacement_m.iter().zip(&run.hub_angle_rad);
-    pairs.map(|(v, angle)| v - length_m * (angle - run.origin_rad)).collect()
+pub(super) fn bent_m(run: Single) -> Vec<f64> {
+    let length_m = run.arc.mesh.length_m();
+    let pairs = run.arc.tip.displacement_m.iter().zip(&run.joint.angle_rad);
+    pairs.map(|(v, angle)| v - length_m * (angle - run.arc.origin_rad)).collect()
 }
 
 /// Moments in N m at the nodes of deflections, from their second differences over `apart` of their steps.
 fn estimated(
-    run: &StoredRun,
+    run: Single,
     deflections: &StoredNodes,
     (step_s, apart): (f64, usize),
 ) -> Vec<Vec<f64>> {
-    let intervals = Interval::between(&run.mesh, &deflections.nodes);
+    let intervals = Interval::between(&run.arc.mesh, &deflections.nodes);
     let turns: Vec<f64> = deflections
         .times_s
         .iter()
-        .map(|t| run.hub_angle_rad[nearest(&run.times_s, *t)] - run.origin_rad)
+        .map(|t| run.joint.angle_rad[nearest(run.times_s, *t)] - run.arc.origin_rad)
         .collect();
     // v of every node.
     let motion = |(node, w): (&usize, &Vec<f64>)| -> Vec<f64> {
-        let x_m = run.mesh.nodes_m()[*node];
+        let x_m = run.arc.mesh.nodes_m()[*node];
         w.iter().zip(&turns).map(|(w, turn)| w + x_m * turn).collect()
     };
     let motions: Vec<_> =
@@ -151,7 +153,7 @@ impl Interval {
 }
 
 /// Moments in N m at the nodes, summed up from the tip inward.
-fn moments(run: &StoredRun, nodes: &StoredNodes, intervals: &[Interval], a: &[f64]) -> Vec<f64> {
+fn moments(run: Single, nodes: &StoredNodes, intervals: &[Interval], a: &[f64]) -> Vec<f64> {
     let payload = run.link.payload();
     let tip = a.len() - 1;
     // φ̈ of the chord inboard of a node.
@@ -162,7 +164,7 @@ fn moments(run: &StoredRun, nodes: &StoredNodes, intervals: &[Interval], a: &[f6
     let mut force = payload.mass_kg * (a[tip] + payload.offset_m * turning(tip));
     let mut moment = payload.offset_m * force + payload.inertia_kg_m2 * turning(tip);
     let lumped = |k: usize| {
-        let x_m = run.mesh.nodes_m()[nodes.nodes[k]];
+        let x_m = run.arc.mesh.nodes_m()[nodes.nodes[k]];
         let here = run.link.masses().iter().filter(|m| (m.at_m - x_m).abs() < 1e-9 * (1.0 + x_m));
         here.fold((0.0, 0.0), |(mass, inertia), m| (mass + m.mass_kg, inertia + m.inertia_kg_m2))
     };
@@ -253,7 +255,7 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
          too.{story}"
     );
     let (of_tip, travel_m) = match view.link {
-        Some(run) => ("tip displacement", Cow::Borrowed(&run.tip.displacement_m)),
+        Some(run) => ("tip displacement", Cow::Borrowed(&run.arc.tip.displacement_m)),
         None => ("tip from its start", Cow::Owned(from_start_m(view.first()))),
     };
     let tip = view.curve(of_tip, Stroke::Solid(6), &view.first().times_s, &travel_m);
@@ -343,7 +345,7 @@ pub(super) struct Chord {
 
 impl Chord {
     /// That of a link at a row of the nodes' places.
-    pub(super) fn of(arm: &StoredArm, link: usize, row: usize) -> Self {
+    pub(super) fn of(arm: &StoredRun, link: usize, row: usize) -> Self {
         let tip = |link: usize| {
             let places = &arm.links[link].positions_m;
             places[places.len() - 1].each_ref().map(|axis| axis[row])
@@ -362,7 +364,7 @@ impl Chord {
 }
 
 /// Deflections of a link's nodes from its chord in m.
-pub(super) fn deflections(arm: &StoredArm, link: usize) -> StoredNodes {
+pub(super) fn deflections(arm: &StoredRun, link: usize) -> StoredNodes {
     let times_s = arm.nodal_times_s.clone();
     let chords: Vec<Chord> = (0..times_s.len()).map(|row| Chord::of(arm, link, row)).collect();
     let of = |places: &[Vec<f64>; 2]| {
@@ -378,7 +380,7 @@ const AT_ROOT: usize = 5;
 
 /// Deflection in m of a link's tip from the tangent line at its root: by the slope there of the polynomial through the
 /// first nodes, or of the rigid piece that leads to them.
-pub(super) fn tip_deflection_m(arm: &StoredArm, link: usize) -> Vec<f64> {
+pub(super) fn tip_deflection_m(arm: &StoredRun, link: usize) -> Vec<f64> {
     let own = &arm.links[link];
     let nodes = deflections(arm, link);
     let x_m = &own.nodes_m[..own.nodes_m.len().min(AT_ROOT)];

@@ -22,8 +22,7 @@ impl Figures {
     /// All figures of a result.
     pub fn of(result: &StoredResult) -> Self {
         match result {
-            StoredResult::Run(run) => run_figures(&View::from(&**run)),
-            StoredResult::Arms(arms) => run_figures(&View::from(&arms[..])),
+            StoredResult::Runs(runs) => run_figures(&View::of(runs)),
             StoredResult::Sweep(sweep) => sweep_figures(sweep),
         }
     }
@@ -32,8 +31,7 @@ impl Figures {
 /// The page of a result, with its figures: one HTML file that needs nothing else.
 pub fn page(result: &StoredResult, figures: &Figures) -> String {
     let document = match result {
-        StoredResult::Run(run) => run_page(&View::from(&**run), figures),
-        StoredResult::Arms(arms) => run_page(&View::from(&arms[..]), figures),
+        StoredResult::Runs(runs) => run_page(&View::of(runs), figures),
         StoredResult::Sweep(sweep) => sweep_page(sweep, figures),
     };
     visible_document(&document.into_string())
@@ -58,7 +56,7 @@ fn run_figures(view: &View) -> Figures {
     figures.extend(joints.map(|link| waves(view, link)));
     if let Some(run) = view.link {
         figures.extend(view.is_solved().then(|| tip::under_rigid_torque(view, run)));
-        figures.extend([transfer(run), shapes(&run.mesh)]);
+        figures.extend([transfer(run), shapes(&run.arc.mesh)]);
     } else {
         figures.add(root_moments(view));
     }
@@ -72,7 +70,7 @@ type Both<'a> = (&'a Vec<f64>, Option<&'a Vec<f64>>);
 fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> Both) -> Vec<Curve> {
     let mut curves =
         view.of_runs(name, |arm| Some((&arm.times_s, Cow::from(of(&arm.joints[joint]).0))));
-    let known = view.arms.iter().find_map(|arm| Some((arm, of(&arm.joints[joint]).1?)));
+    let known = view.runs.iter().find_map(|arm| Some((arm, of(&arm.joints[joint]).1?)));
     if let Some((arm, rigid)) = known {
         let name = view.pick("rigid link", "rigid arm");
         curves.push(view.curve(name, Stroke::Dashed(2), &arm.times_s, rigid));
@@ -110,7 +108,7 @@ fn torque_formula(view: &View) -> Cow<'static, str> {
     match view.link {
         _ if !view.is_solved() => formula::TORQUE_PLAYED.into(),
         None => formula::ARM_TORQUE.into(),
-        Some(run) if is_bent(run.second_order) => {
+        Some(run) if is_bent(run.arc.second_order) => {
             format!("{} {}", formula::TORQUE, formula::SECOND_ORDER).into()
         }
         Some(_) => formula::TORQUE.into(),

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, Mark, Stroke};
+use super::view::Single;
 use super::words::formula;
 use crate::beam::Mesh;
 use crate::modal::{Shape, mode, natural_frequencies, real_frequency_zeros, torque_zeros};
 use crate::model::{FrequencyResponse, KeptModes, model_of};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
-use crate::result::StoredRun;
 use crate::text::significant;
 
 /// Frequencies that are drawn.
@@ -28,9 +28,9 @@ struct MotionSpectrum {
 }
 
 impl MotionSpectrum {
-    fn of(run: &StoredRun) -> Self {
+    fn of(run: Single) -> Self {
         let step_s = run.times_s[1] - run.times_s[0];
-        let mut samples = run.tip.acceleration_m_s2.clone();
+        let mut samples = run.arc.tip.acceleration_m_s2.clone();
         let len = fast_length(samples.len().next_multiple_of(2));
         samples.resize(len, 0.0);
         let amplitudes = FourierPair::new(len).amplitudes(samples);
@@ -68,12 +68,12 @@ impl MotionSpectrum {
 }
 
 /// `|T/a_tip|` with natural frequencies and zeros, the motion's spectrum behind it.
-pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
-    let kept = run.kept_modes.map_or(KeptModes::All, KeptModes::First);
-    let model = model_of(&run.link, run.mesh.clone(), kept)
+pub(super) fn transfer(run: Single) -> Result<Figure, String> {
+    let kept = run.arc.kept_modes.map_or(KeptModes::All, KeptModes::First);
+    let model = model_of(run.link, run.arc.mesh.clone(), kept)
         .map_err(|error| format!("torque per tip acceleration, since {error}"))?;
     // A simulated tip may still vibrate at the last sample: its spectrum would be that of the cut.
-    let spectrum = run.solved.is_some().then(|| MotionSpectrum::of(run));
+    let spectrum = run.joint.rigid_angle_rad.is_some().then(|| MotionSpectrum::of(run));
     let (from_hz, to_hz) = band(run, spectrum.as_ref());
     let hertz: Vec<f64> = (0..POINTS)
         .map(|k| from_hz * libm::pow(to_hz / from_hz, k as f64 / (POINTS - 1) as f64))
@@ -89,7 +89,7 @@ pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
     let range = 0.7 * finite().fold(f64::INFINITY, f64::min)..1.5 * finite().fold(0.0, f64::max);
     let y = Axis::logarithmic("|T / a|", "kg m", range);
     let x = Axis::logarithmic("frequency", "Hz", from_hz..to_hz);
-    let marks = marks(&run.mesh, from_hz..to_hz);
+    let marks = marks(&run.arc.mesh, from_hz..to_hz);
     let caption = caption(&marks, spectrum.is_some());
     Ok(Figure {
         backdrop: spectrum.map(|spectrum| spectrum.backdrop(&hertz)),
@@ -105,8 +105,8 @@ pub(super) fn transfer(run: &StoredRun) -> Result<Figure, String> {
 
 /// First and last frequency in Hz: from a tenth of the first mode to the end of the motion's spectrum,
 /// or to the last mode marked.
-fn band(run: &StoredRun, spectrum: Option<&MotionSpectrum>) -> (f64, f64) {
-    let modes = natural_frequencies(&run.mesh, MARKED);
+fn band(run: Single, spectrum: Option<&MotionSpectrum>) -> (f64, f64) {
+    let modes = natural_frequencies(&run.arc.mesh, MARKED);
     let nyquist_hz = 0.5 / (run.times_s[1] - run.times_s[0]);
     let first_hz = modes.first().map_or(0.1 * nyquist_hz, |omega| omega / TAU);
     let last_hz = match spectrum {
@@ -210,12 +210,13 @@ fn smooth(mesh: &Mesh, shape: &Shape) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tests::run;
+    use crate::report::tests::{run, view};
 
     #[test]
     fn the_curve_begins_at_the_rigid_link_and_falls_at_natural_frequencies() {
         let run = run();
-        let figure = transfer(&run).unwrap();
+        let run = view(&run).link.unwrap();
+        let figure = transfer(run).unwrap();
         let rigid = run.link.rigid_inertia_kg_m2() / run.link.length_m();
         let points = &figure.curves[0].points;
         assert!((points[0].1 / rigid - 1.0).abs() < 0.02, "{} of {rigid}", points[0].1);
@@ -231,9 +232,10 @@ mod tests {
     #[test]
     fn the_curves_are_absolute_values_friction_included() {
         let mut run = run();
-        run.link = crate::report::tests::link(2.0);
-        let figure = transfer(&run).unwrap();
-        let model = model_of(&run.link, run.mesh.clone(), KeptModes::All).unwrap();
+        run.links[0].link = crate::report::tests::link(2.0);
+        let run = view(&run).link.unwrap();
+        let figure = transfer(run).unwrap();
+        let model = model_of(run.link, run.arc.mesh.clone(), KeptModes::All).unwrap();
         let inertia = run.link.rigid_inertia_kg_m2() / run.link.length_m();
         for k in (0..POINTS).step_by(37) {
             let (f, size) = figure.curves[0].points[k];
@@ -249,7 +251,7 @@ mod tests {
     #[test]
     fn the_spectrum_is_that_of_the_motion() {
         let run = run();
-        let spectrum = MotionSpectrum::of(&run);
+        let spectrum = MotionSpectrum::of(view(&run).link.unwrap());
         // A sine of 0.88 s has its peak just below 1/0.88 s and a gap at 2/0.88 s.
         let peak = spectrum.shares.iter().position(|share| *share >= 1.0).unwrap();
         assert!((0.7..1.2).contains(&spectrum.hertz[peak]), "{} Hz", spectrum.hertz[peak]);

@@ -143,12 +143,12 @@ fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
     let title = view.pick("Deflection of the tip from the hub's tangent line", &of_arm);
     let caption = view.pick(AT_MOST, "From the tangent line at the link's root, at most {}.");
     let curves = if let Some(run) = view.link {
-        let tip = run.mesh.nodes_m().len() - 1;
-        let written = run.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
+        let tip = run.arc.mesh.nodes_m().len() - 1;
+        let written = run.arc.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
         let bent = bent_m(run);
         let (times_s, history) = written
-            .and_then(|own| Some((&own.times_s, own.histories.last()?)))
-            .unwrap_or((&run.times_s, &bent));
+            .and_then(|own| Some((&own.times_s[..], own.histories.last()?)))
+            .unwrap_or((run.times_s, &bent));
         vec![view.curve("flexible link", Stroke::Solid(1), times_s, history)]
     } else {
         let own = largest(&tip_deflection_m(view.first(), link));
@@ -224,12 +224,12 @@ mod tests {
     fn captions_have_the_peaks_of_the_summary() {
         let mut run = run();
         let motor = StoredMotor {
-            torque_n_m: run.torque_n_m.clone(),
-            rate_rad_s: run.hub_rate_rad_s.clone(),
+            torque_n_m: run.joints[0].torque_n_m.clone(),
+            rate_rad_s: run.joints[0].rate_rad_s.clone(),
         };
-        run.solved.as_mut().unwrap().motor = Some(motor);
-        run.limits.hub_rate_rad_s = Some(2.0);
-        run.limits.deflection_m = Some(0.2);
+        run.joints[0].motor = Some(motor);
+        run.joints[0].limits.hub_rate_rad_s = Some(2.0);
+        run.joints[0].limits.deflection_m = Some(0.2);
         let moment_n_m = 1.01 * largest(&solution().root_moment_n_m);
         let moment_words = format!("reaches {} N m", significant(moment_n_m, 4));
         let peaks = [
@@ -242,7 +242,8 @@ mod tests {
             ("waves", "peak_root_moment_n_m", moment_n_m, &moment_words),
         ];
         run.readings = peaks.map(|(_, name, value, _)| (name.to_owned(), value)).to_vec();
-        let drawn = Figures::of(&StoredResult::Run(Box::new(run))).drawn;
+        run.joints[0].readings.clone_from(&run.readings);
+        let drawn = Figures::of(&StoredResult::Runs(vec![run])).drawn;
         for (id, name, _, words) in peaks {
             let figure = drawn.iter().find(|figure| figure.id == id).unwrap();
             assert!(figure.caption.contains(words), "{name}: {}", figure.caption);
@@ -252,45 +253,40 @@ mod tests {
     #[test]
     fn every_limit_of_a_history_is_a_line_in_its_figure() {
         let mut run = run();
-        let solved = run.solved.as_mut().unwrap();
-        solved.motor = Some(StoredMotor {
-            torque_n_m: run.torque_n_m.iter().map(|torque| 0.5 * torque).collect(),
-            rate_rad_s: run.hub_rate_rad_s.iter().map(|rate| 2.0 * rate).collect(),
+        run.joints[0].motor = Some(StoredMotor {
+            torque_n_m: run.joints[0].torque_n_m.iter().map(|torque| 0.5 * torque).collect(),
+            rate_rad_s: run.joints[0].rate_rad_s.iter().map(|rate| 2.0 * rate).collect(),
         });
-        let drawn = |run: &StoredRun| Figures::of(&StoredResult::Run(Box::new(run.clone()))).drawn;
+        let drawn = |run: &StoredRun| Figures::of(&StoredResult::Runs(vec![run.clone()])).drawn;
         assert!(!drawn(&run).iter().any(|figure| figure.id == "hub-power"), "there is no limit");
         let half = |history: &[f64]| Some(0.5 * largest(history));
-        let power: Vec<f64> = run
+        let power: Vec<f64> = run.joints[0]
             .torque_n_m
             .iter()
-            .zip(&run.hub_rate_rad_s)
+            .zip(&run.joints[0].rate_rad_s)
             .map(|(torque, rate)| torque * rate)
             .collect();
-        run.limits = Limits {
-            torque_n_m: half(&run.torque_n_m),
-            hub_rate_rad_s: half(&run.hub_rate_rad_s),
+        run.joints[0].limits = Limits {
+            torque_n_m: half(&run.joints[0].torque_n_m),
+            hub_rate_rad_s: half(&run.joints[0].rate_rad_s),
             power_w: half(&power),
-            deflection_m: half(run.deflections_m.as_ref().unwrap().histories.last().unwrap()),
+            deflection_m: half(run.bent().histories.last().unwrap()),
             bending_moment_n_m: half(&solution().root_moment_n_m),
-            motor_torque_n_m: half(
-                &run.solved.as_ref().unwrap().motor.as_ref().unwrap().torque_n_m,
-            ),
-            motor_rate_rad_s: half(
-                &run.solved.as_ref().unwrap().motor.as_ref().unwrap().rate_rad_s,
-            ),
+            motor_torque_n_m: half(&run.joints[0].motor.as_ref().unwrap().torque_n_m),
+            motor_rate_rad_s: half(&run.joints[0].motor.as_ref().unwrap().rate_rad_s),
             motor_power_w: half(&power),
             ..Limits::default()
         };
         let figures = drawn(&run);
         for (id, line, limit) in [
-            ("torque", "flexible link", run.limits.torque_n_m),
-            ("motor-torque", "motor", run.limits.motor_torque_n_m),
-            ("hub-rate", "flexible link", run.limits.hub_rate_rad_s),
-            ("hub-power", "flexible link", run.limits.power_w),
-            ("motor-rate", "motor", run.limits.motor_rate_rad_s),
-            ("motor-power", "motor", run.limits.motor_power_w),
-            ("tip-deflection", "flexible link", run.limits.deflection_m),
-            ("hub-moment", "flexible link", run.limits.bending_moment_n_m),
+            ("torque", "flexible link", run.joints[0].limits.torque_n_m),
+            ("motor-torque", "motor", run.joints[0].limits.motor_torque_n_m),
+            ("hub-rate", "flexible link", run.joints[0].limits.hub_rate_rad_s),
+            ("hub-power", "flexible link", run.joints[0].limits.power_w),
+            ("motor-rate", "motor", run.joints[0].limits.motor_rate_rad_s),
+            ("motor-power", "motor", run.joints[0].limits.motor_power_w),
+            ("tip-deflection", "flexible link", run.joints[0].limits.deflection_m),
+            ("hub-moment", "flexible link", run.joints[0].limits.bending_moment_n_m),
         ] {
             let figure = figures.iter().find(|figure| figure.id == id).unwrap();
             let curve = figure.curves.iter().find(|curve| curve.name == line).unwrap();

@@ -14,7 +14,7 @@ use super::tip::{rigid_directions_rad, rigid_tip_m};
 use super::view::{View, inside, nearest, run_stroke};
 use crate::motion::Prescribed;
 use crate::numeric::{largest, rounded};
-use crate::result::{StoredArm, StoredNodes};
+use crate::result::{StoredNodes, StoredRun};
 
 /// Most frames and nodes.
 const FRAMES: usize = 600;
@@ -53,7 +53,7 @@ impl Motion {
         let turns = arm.joints.iter().flat_map(|joint| [&joint.torque_n_m, &joint.angle_rad]);
         let sizes = places.chain(turns).map(|history| largest(history).max(1.0));
         let peaks = links.iter().map(|(own, _)| own.peak());
-        let tip_m = view.link.map(|run| largest(&run.tip.displacement_m));
+        let tip_m = view.link.map(|run| largest(&run.arc.tip.displacement_m));
         let is_drawn = !sizes.chain(peaks).chain(tip_m).any(is_extreme);
         let bends =
             links.iter().zip(&arm.links).map(|((own, _), link)| own.peak() / link.link.length_m());
@@ -147,7 +147,7 @@ impl Motion {
     }
 
     /// x and y in m of a link's nodes at a row, its deflection as large as it is drawn.
-    fn places(&self, arm: &StoredArm, link: usize, row: usize) -> Vec<[f64; 2]> {
+    fn places(&self, arm: &StoredRun, link: usize, row: usize) -> Vec<[f64; 2]> {
         let chord = Chord::of(arm, link, row);
         let (sin, cos) = (libm::sin(chord.angle_rad), libm::cos(chord.angle_rad));
         let more = self.factor - 1.0;
@@ -237,7 +237,7 @@ impl Motion {
     }
 
     /// Rows at which the tip has gone even parts of its way.
-    fn along_the_way(&self, arm: &StoredArm) -> Vec<usize> {
+    fn along_the_way(&self, arm: &StoredRun) -> Vec<usize> {
         let places = arm.links.last().and_then(|link| link.positions_m.last());
         let Some([x, y]) = places else { return Vec::new() };
         let mut gone_m = vec![0.0];

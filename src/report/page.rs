@@ -12,7 +12,7 @@ use super::tables::{checks, errors, joints, link_readings, modes, readings, resu
 use super::view::View;
 use super::words::glossary;
 use crate::link::Link;
-use crate::result::{Notice, Origin, StoredArm};
+use crate::result::{Notice, Origin, StoredRun};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -236,7 +236,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
         named("arm", "Poses", poses),
         more,
         named("remarks", "Remarks", advice(&told(view, |arm| &arm.remarks), false)),
-        named("link", "Link", view.link.map(|run| drawing(&run.link))),
+        named("link", "Link", view.link.map(|run| drawing(run.link))),
         Some(Section::glossary()),
         Some(Section::new("results", "Results", tables)),
         named("errors", "Errors", errors.filter(|_| view.is_arm())),
@@ -245,9 +245,9 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let origin = html! {
-        @for (k, arm) in view.arms.iter().enumerate() {
+        @for (k, arm) in view.runs.iter().enumerate() {
             @if k > 0 { br; }
-            @if view.arms.len() > 1 { strong { (arm.name) } " " }
+            @if view.runs.len() > 1 { strong { (arm.name) } " " }
             (made_by(&arm.origin))
         }
     };
@@ -256,11 +256,11 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
 }
 
 /// Warnings or remarks of all runs, each with its hint; of several runs with the name of the run.
-fn told(view: &View, of: fn(&StoredArm) -> &Vec<Notice>) -> Vec<(String, String)> {
+fn told(view: &View, of: fn(&StoredRun) -> &Vec<Notice>) -> Vec<(String, String)> {
     let mut all = Vec::new();
-    for arm in view.arms.iter() {
+    for arm in view.runs {
         let name = format!("{}: ", arm.name);
-        let name = if view.arms.len() > 1 { &name } else { "" };
+        let name = if view.runs.len() > 1 { &name } else { "" };
         all.extend(of(arm).iter().map(|own| (name.to_owned() + &own.message, own.hint.clone())));
     }
     all
@@ -302,8 +302,8 @@ fn tables(view: &View, errors: Option<&Markup>) -> Markup {
     };
     html! {
         @if is_arm {
-            div class="columns" { @for arm in view.arms.iter() { div {
-                @if view.arms.len() > 1 { h3 { (arm.name) } }
+            div class="columns" { @for arm in view.runs.iter() { div {
+                @if view.runs.len() > 1 { h3 { (arm.name) } }
                 (joints(arm))
             } } }
         }

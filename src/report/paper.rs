@@ -11,7 +11,7 @@ use crate::numeric::largest;
 fn example(view: &View) -> Option<usize> {
     let run = view.link?;
     let (from, until) = view.first().moving_s?;
-    let (link, tip) = (&run.link, &run.tip);
+    let (link, tip) = (run.link, &run.arc.tip);
     let (hub, payload) = (link.hub(), link.payload());
     let is_bare = [
         payload.mass_kg,

@@ -6,13 +6,13 @@ use maud::{Markup, html};
 
 use super::axis::digits;
 use super::link::given;
-use super::view::{ERROR, View};
+use super::view::{ERROR, Single, View};
 use crate::link::{Damping, Drive, Link, Segment};
 use crate::modal::{
     DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
 };
 use crate::response::damping_ratios;
-use crate::result::{Check, StoredArm, StoredRun};
+use crate::result::{Check, StoredRun};
 use crate::text::{digits_beyond, significant};
 
 /// A table that scrolls sideways where the page is narrow.
@@ -78,7 +78,7 @@ pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
 }
 
 /// The numbers of the joints of an arm, a column each; nothing where there are none.
-pub(super) fn joints(arm: &StoredArm) -> Markup {
+pub(super) fn joints(arm: &StoredRun) -> Markup {
     let names = distinct(arm.joints.iter().flat_map(|joint| &joint.readings));
     let head = (1..=arm.joints.len()).map(|number| format!("joint {number}"));
     let head: Vec<String> = ["quantity".to_owned()].into_iter().chain(head).collect();
@@ -166,10 +166,10 @@ fn damping_words(damping: &Damping) -> String {
 }
 
 /// Natural frequencies in Hz with their damping ratios, and the first zeros.
-pub(super) fn modes(run: &StoredRun) -> Markup {
-    let frequencies = natural_frequencies(&run.mesh, REPORTED_MODES);
-    let ratios = DampingLaw::of(&run.link, &run.mesh)
-        .map(|law| damping_ratios((&run.link, &run.mesh, &law), PoseHub::Free, &frequencies));
+pub(super) fn modes(run: Single) -> Markup {
+    let frequencies = natural_frequencies(&run.arc.mesh, REPORTED_MODES);
+    let ratios = DampingLaw::of(run.link, &run.arc.mesh)
+        .map(|law| damping_ratios((run.link, &run.arc.mesh, &law), PoseHub::Free, &frequencies));
     let ratio = |k: usize| match &ratios {
         Err(_) => "not known".to_owned(),
         Ok(all) if all[k].is_nan() => "none: it does not vibrate".to_owned(),
@@ -183,7 +183,7 @@ pub(super) fn modes(run: &StoredRun) -> Markup {
             td { (ratio(k)) }
         } }
     };
-    let zeros: Vec<String> = torque_zeros(&run.mesh, REPORTED_ZEROS)
+    let zeros: Vec<String> = torque_zeros(&run.arc.mesh, REPORTED_ZEROS)
         .iter()
         .map(|zero| format!("±{}", significant(*zero, 4)))
         .collect();

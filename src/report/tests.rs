@@ -1,6 +1,7 @@
 //! A run and a sweep as they are read back, and what is drawn of their bending and their cases.
 
 use std::num::NonZeroUsize;
+use std::slice::from_ref;
 
 use super::Figures;
 use super::bending::{COLUMNS, Moments, ROWS, deflections, tip_deflection_m, waves};
@@ -16,8 +17,8 @@ use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, T
 use crate::motion::{Profile, TipMotion};
 use crate::numeric::largest;
 use crate::result::{
-    Limits, Metrics, Notice, Origin, StoredArm, StoredArmLink, StoredInput, StoredJoint,
-    StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
+    Limits, Metrics, Notice, Origin, StoredArc, StoredInput, StoredJoint, StoredLink, StoredNodes,
+    StoredResult, StoredRun, StoredSweep,
 };
 
 /// The paper's first example with a small mass and a payload, its title full of traps.
@@ -59,6 +60,11 @@ pub(super) fn run() -> StoredRun {
     let all: Vec<usize> = (0..mesh.nodes_m().len()).collect();
     let times = |len: usize| (0..len).map(|k| solution.grid.time_s(k)).collect::<Vec<f64>>();
     let times_s = times(solution.grid.len);
+    let readings = vec![
+        ("peak_torque_n_m".to_owned(), metrics.hub().peak_torque_n_m.value),
+        ("lead_s".to_owned(), metrics.hub().lead_s.unwrap()),
+        ("lag_s".to_owned(), metrics.hub().lag_s.unwrap()),
+    ];
     StoredRun {
         origin: Origin {
             command: "solve".to_owned(),
@@ -71,37 +77,51 @@ pub(super) fn run() -> StoredRun {
             }],
             arguments: vec!["--set".to_owned(), "title=<u>".to_owned()],
         },
-        second_order: SecondOrder::None,
-        kept_modes: None,
-        torque_n_m: solution.torque_n_m.clone(),
-        origin_rad: 0.0,
-        hub_angle_rad: solution.hub_angle_rad.clone(),
-        hub_rate_rad_s: solution.hub_rate_rad_s.clone(),
-        tip: solution.tip.clone(),
-        solved: Some(StoredSolution {
-            rigid_torque_n_m: solution.rigid_torque_n_m.clone(),
-            rigid_hub_angle_rad: solution.rigid_hub_angle_rad.clone(),
+        name: String::new(),
+        joints: vec![StoredJoint {
+            torque_n_m: solution.torque_n_m.clone(),
+            angle_rad: solution.hub_angle_rad.clone(),
+            rate_rad_s: solution.hub_rate_rad_s.clone(),
+            rigid_torque_n_m: Some(solution.rigid_torque_n_m.clone()),
+            rigid_angle_rad: Some(solution.rigid_hub_angle_rad.clone()),
             motor: None,
-            moving_s: (
-                solution.grid.time_s(solution.moving.0),
-                solution.grid.time_s(solution.moving.1),
-            ),
-            lead_s: metrics.hub().lead_s,
-            lag_s: metrics.hub().lag_s,
+            readings: readings.clone(),
+            errors: vec![],
+            limits: Limits::default(),
+        }],
+        arc: Some(StoredArc {
+            second_order: SecondOrder::None,
+            kept_modes: None,
+            origin_rad: 0.0,
+            tip: solution.tip.clone(),
+            deflections_m: Some(StoredNodes {
+                nodes: all.clone(),
+                times_s: times_s.clone(),
+                histories: solution
+                    .deflections(&all, NonZeroUsize::MIN)
+                    .unwrap()
+                    .histories()
+                    .samples,
+            }),
+            mesh,
         }),
+        links: vec![StoredLink {
+            name: "1".to_owned(),
+            link,
+            nodes_m: solution.mesh().nodes_m().to_vec(),
+            positions_m: vec![],
+            moments_n_m: None,
+        }],
+        nodal_times_s: vec![],
+        tip_m: [vec![], vec![]],
+        moving_s: Some((
+            solution.grid.time_s(solution.moving.0),
+            solution.grid.time_s(solution.moving.1),
+        )),
         target: None,
-        deflections_m: Some(StoredNodes {
-            nodes: all.clone(),
-            times_s: times_s.clone(),
-            histories: solution.deflections(&all, NonZeroUsize::MIN).unwrap().histories().samples,
-        }),
-        moments_n_m: None,
-        readings: vec![
-            ("peak_torque_n_m".to_owned(), metrics.hub().peak_torque_n_m.value),
-            ("lead_s".to_owned(), metrics.hub().lead_s.unwrap()),
-            ("lag_s".to_owned(), metrics.hub().lag_s.unwrap()),
-        ],
-        limits: Limits::default(),
+        prescribed: None,
+        gravity_m_s2: [0.0; 2],
+        readings,
         checks: vec![],
         remarks: vec![Notice {
             kind: "a kind".to_owned(),
@@ -114,15 +134,25 @@ pub(super) fn run() -> StoredRun {
             hint: "less & slower".to_owned(),
         }],
         times_s,
-        link,
-        mesh,
     }
+}
+
+impl StoredRun {
+    /// The deflections of the nodes of the single link.
+    pub(super) fn bent(&mut self) -> &mut StoredNodes {
+        self.arc.as_mut().unwrap().deflections_m.as_mut().unwrap()
+    }
+}
+
+/// The view of one run.
+pub(super) fn view(run: &StoredRun) -> View<'_> {
+    View::of(from_ref(run))
 }
 
 #[test]
 fn moments_made_from_displacements_are_those_of_the_solution() {
     let run = run();
-    let view = View::from(&run);
+    let view = View::of(from_ref(&run));
     let Moments { nodes: found, is_written } = view.moments(0).unwrap();
     assert!(!is_written);
     let exact = solution().moments(&found.nodes, NonZeroUsize::MIN).unwrap().histories().samples;
@@ -138,39 +168,39 @@ fn moments_made_from_displacements_are_those_of_the_solution() {
 #[test]
 fn moments_written_are_taken_as_they_are() {
     let mut run = run();
-    let mut written = run.deflections_m.clone().unwrap();
+    let mut written = run.bent().clone();
     written.histories[0][7] = 42.0;
-    run.moments_n_m = Some(written.clone());
+    run.links[0].moments_n_m = Some(written.clone());
     let expected = Moments { nodes: written, is_written: true };
-    assert_eq!(View::from(&run).moments(0), Some(expected));
+    assert_eq!(view(&run).moments(0), Some(expected));
 }
 
 #[test]
 fn an_estimate_that_misses_the_summary_is_none() {
     let mut run = run();
-    assert!(View::from(&run).moments(0).is_some());
+    assert!(view(&run).moments(0).is_some());
     let exact = largest(&solution().root_moment_n_m);
     run.readings.push(("peak_root_moment_n_m".to_owned(), exact));
-    assert!(View::from(&run).moments(0).is_some());
+    assert!(view(&run).moments(0).is_some());
     // Three digits: their second differences are noise.
-    for history in &mut run.deflections_m.as_mut().unwrap().histories {
+    for history in &mut run.bent().histories {
         for w in history {
             *w = (*w * 1e4).round() * 1e-4;
         }
     }
-    assert_eq!(View::from(&run).moments(0), None);
+    assert_eq!(view(&run).moments(0), None);
 }
 
 #[test]
 fn colours_stand_at_their_time_however_the_rows_are_thinned() {
     let run = run();
-    let whole = waves(&View::from(&run), 0).unwrap().map.unwrap();
+    let whole = waves(&view(&run), 0).unwrap().map.unwrap();
     let mut thinned = run.clone();
-    let nodes = thinned.deflections_m.as_mut().unwrap();
+    let nodes = thinned.bent();
     for values in nodes.histories.iter_mut().chain([&mut nodes.times_s]) {
         *values = values.iter().copied().step_by(4).collect();
     }
-    let thinned = waves(&View::from(&thinned), 0).unwrap().map.unwrap();
+    let thinned = waves(&view(&thinned), 0).unwrap().map.unwrap();
     let middle = ROWS / 2;
     for k in 0..COLUMNS {
         let apart = (whole.rows[middle][k] - thinned.rows[middle][k]) / whole.limits().1;
@@ -181,30 +211,30 @@ fn colours_stand_at_their_time_however_the_rows_are_thinned() {
 #[test]
 fn the_tip_is_known_without_its_node() {
     let mut run = run();
-    let whole = run.deflections_m.clone().unwrap();
-    let nodes = run.deflections_m.as_mut().unwrap();
+    let whole = run.bent().clone();
+    let nodes = run.bent();
     for list in [0, nodes.nodes.len() - 2] {
         nodes.nodes.remove(list);
         nodes.histories.remove(list);
     }
-    let found = View::from(&run).deflections(0).unwrap();
+    let found = view(&run).deflections(0).unwrap();
     assert_eq!(found.nodes, whole.nodes);
     for (found, written) in found.histories.iter().zip(&whole.histories) {
         let apart = found.iter().zip(written).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(apart < 1e-12, "{apart:e}");
     }
-    run.deflections_m.as_mut().unwrap().nodes.clear();
-    run.deflections_m.as_mut().unwrap().histories.clear();
-    assert_eq!(View::from(&run).deflections(0), None);
-    assert!(waves(&View::from(&run), 0).is_err());
+    run.bent().nodes.clear();
+    run.bent().histories.clear();
+    assert_eq!(view(&run).deflections(0), None);
+    assert!(waves(&view(&run), 0).is_err());
 }
 
 #[test]
 fn the_formula_of_the_waves_is_that_of_what_they_draw() {
     let estimated = run();
     let (mut written, mut deflected) = (estimated.clone(), estimated.clone());
-    written.moments_n_m.clone_from(&estimated.deflections_m);
-    let nodes = deflected.deflections_m.as_mut().unwrap();
+    written.links[0].moments_n_m = Some(written.bent().clone());
+    let nodes = deflected.bent();
     for k in (0..nodes.nodes.len()).rev().filter(|k| ![0, 5].contains(k)) {
         nodes.nodes.remove(k);
         nodes.histories.remove(k);
@@ -214,7 +244,7 @@ fn the_formula_of_the_waves_is_that_of_what_they_draw() {
         (written, "m(x, t) = EI", "√(|m|"),
         (deflected, "w(x, t)", "√(|w|"),
     ] {
-        let figures = Figures::of(&StoredResult::Run(Box::new(run))).drawn;
+        let figures = Figures::of(&StoredResult::Runs(vec![run])).drawn;
         assert!(figures.iter().all(|figure| !figure.formula.is_empty()));
         let formula = &figures.iter().find(|figure| figure.id == "waves").unwrap().formula;
         assert!(formula.starts_with(begins) && formula.contains(holds), "{formula}");
@@ -336,7 +366,7 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
         [from[0] + x_m * cos - w * sin, from[1] + x_m * sin + w * cos]
     };
     let segment = Segment::uniform(1.0, 5.0, 0.8);
-    let links = (0..2_usize).map(|link| StoredArmLink {
+    let links = (0..2_usize).map(|link| StoredLink {
         name: link.to_string(),
         link: Link::builder().segment(segment.clone()).build().unwrap(),
         nodes_m: nodes_m.clone(),
@@ -346,18 +376,18 @@ fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigi
             .collect(),
         moments_n_m: None,
     });
-    let run = run();
-    let one = View::from(&run).first().clone();
+    let one = run();
     let joints = (0..2)
         .map(|joint| StoredJoint { rigid_angle_rad: Some(rigid(joint)), ..one.joints[0].clone() });
     let times_s = vec![0.0, 1.0, 2.0];
-    let arm = StoredArm {
+    let arm = StoredRun {
         joints: joints.collect(),
         links: links.collect(),
         nodal_times_s: times_s.clone(),
         times_s,
         tip_m: [0, 1].map(|axis| (0..3).map(|k| tip(1, k)[axis]).collect()),
-        ..one
+        arc: None,
+        ..one.clone()
     };
     for link in 0..2 {
         let found = deflections(&arm, link);

@@ -5,19 +5,19 @@ use super::bending::Interpolation;
 use super::figure::{Curve, Figure, Stroke};
 use super::link::given;
 use super::paper::cited;
-use super::view::{COLOURS, View, from_start_m, inside, reading, run_stroke};
+use super::view::{COLOURS, Single, View, from_start_m, inside, reading, run_stroke};
 use super::words::formula;
 use crate::elastica::SecondOrder;
 use crate::link::Damping;
 use crate::motion::Prescribed;
 use crate::numeric::largest;
 use crate::response::{Play, Torque, simulate_on};
-use crate::result::{StoredArm, StoredJoint, StoredRun};
+use crate::result::{StoredJoint, StoredRun};
 use crate::text::significant;
 
 /// Acceleration and displacement of the tip of a link.
-pub(super) fn motion(view: &View, run: &StoredRun) -> [Figure; 2] {
-    let (tip, times_s) = (&run.tip, &run.times_s);
+pub(super) fn motion(view: &View, run: Single) -> [Figure; 2] {
+    let (tip, times_s) = (&run.arc.tip, run.times_s);
     let what = if view.is_solved() { "The wanted motion" } else { "The simulated motion" };
     let peak = view.peak("peak_tip_acceleration_m_s2", &tip.acceleration_m_s2);
     let acceleration = view.figure(
@@ -34,7 +34,7 @@ pub(super) fn motion(view: &View, run: &StoredRun) -> [Figure; 2] {
     let mut caption = format!(
         "{what}: tip displacement along the arc; it ends {travel} m from where it began{cited}."
     );
-    if let Some(target) = &run.target {
+    if let Some(target) = &view.first().target {
         curves.push(view.curve("wanted", Stroke::Dashed(2), &target.times_s, &target.wanted_m[0]));
         caption.push_str(" Dashed: the target.");
     }
@@ -45,7 +45,7 @@ pub(super) fn motion(view: &View, run: &StoredRun) -> [Figure; 2] {
 
 /// The formula of a motion of a link: what a solution has, or what makes it in a simulation.
 pub(super) fn motion_formula(view: &View, solved: &'static str) -> &'static str {
-    match view.link.map(|run| run.second_order) {
+    match view.link.map(|run| run.arc.second_order) {
         _ if view.is_solved() => solved,
         None | Some(SecondOrder::None) => formula::MODES_PLAYED,
         Some(SecondOrder::First | SecondOrder::Full) => formula::ELASTICA_PLAYED,
@@ -121,28 +121,27 @@ fn off_target(view: &View) -> Option<Figure> {
 const STARTS: f64 = 1e-6;
 
 /// The tip of a link when the rigid link's torque is played on the flexible link.
-pub(super) fn under_rigid_torque(view: &View, run: &StoredRun) -> Result<Figure, String> {
+pub(super) fn under_rigid_torque(view: &View, run: Single) -> Result<Figure, String> {
     const TITLE: &str = "the tip under the rigid link's torque, since";
     let joint = &view.first().joints[0];
     let rigid_n_m = joint.rigid_torque_n_m.clone().unwrap_or_default();
-    let torque =
-        Torque::new(&run.times_s, rigid_n_m).map_err(|error| format!("{TITLE} {error}"))?;
-    let [wanted, velocity] = [&run.tip.displacement_m, &run.tip.velocity_m_s];
+    let torque = Torque::new(run.times_s, rigid_n_m).map_err(|error| format!("{TITLE} {error}"))?;
+    let [wanted, velocity] = [&run.arc.tip.displacement_m, &run.arc.tip.velocity_m_s];
     if joint.reading("lead_s").is_none() || velocity[0].abs() > STARTS * largest(velocity) {
         return Err(format!("{TITLE} it is played from rest, where this motion does not begin"));
     }
     let play = Play { initial_tip_m: wanted[0], ..Play::of(&torque) };
-    let simulation = simulate_on(&run.link, run.mesh.clone(), &play)
+    let simulation = simulate_on(run.link, run.arc.mesh.clone(), &play)
         .map_err(|error| format!("{TITLE} {error}"))?;
     let tip = &simulation.tip.displacement_m;
     let stop_s = view.first().moving_s.map_or(f64::NEG_INFINITY, |(_, until)| until);
-    let after = inside(&run.times_s, stop_s, f64::INFINITY);
+    let after = inside(run.times_s, stop_s, f64::INFINITY);
     let strays: Vec<f64> = after.map(|k| tip[k] - wanted[k]).collect();
     let strays_m = largest(&strays);
     if is_extreme(strays_m) {
         return Err(format!("{TITLE} it strays by more or less than can be drawn"));
     }
-    let share = 100.0 * strays_m / run.tip.largest_travel_m();
+    let share = 100.0 * strays_m / run.arc.tip.largest_travel_m();
     let of_travel = if is_extreme(share) {
         String::new()
     } else {
@@ -160,8 +159,8 @@ pub(super) fn under_rigid_torque(view: &View, run: &StoredRun) -> Result<Figure,
         cited(view, [Some(8), Some(9)])
     );
     let curves = vec![
-        view.curve("wanted", Stroke::Solid(3), &run.times_s, wanted),
-        view.curve("rigid link's torque", Stroke::Dashed(2), &run.times_s, tip),
+        view.curve("wanted", Stroke::Solid(3), run.times_s, wanted),
+        view.curve("rigid link's torque", Stroke::Dashed(2), run.times_s, tip),
     ];
     let (title, quantity) = ("Tip under the rigid link's torque", ("displacement", "m"));
     let figure = view.figure("tip-under-rigid-torque", title, caption, quantity, curves);
@@ -176,7 +175,7 @@ pub(super) fn at_times(times_s: &[f64], (own_s, history): (&[f64], &[f64])) -> V
 }
 
 /// Directions of the rigid arm's links in rad at a sample, where its joint angles are known.
-pub(super) fn rigid_directions_rad(arm: &StoredArm, sample: usize) -> Option<Vec<f64>> {
+pub(super) fn rigid_directions_rad(arm: &StoredRun, sample: usize) -> Option<Vec<f64>> {
     let mut direction = 0.0;
     let turned = |joint: &StoredJoint| {
         direction += joint.rigid_angle_rad.as_ref()?[sample];
@@ -186,7 +185,7 @@ pub(super) fn rigid_directions_rad(arm: &StoredArm, sample: usize) -> Option<Vec
 }
 
 /// x and y of the rigid arm's tip in m: the wanted ones where the path prescribes the tip.
-pub(super) fn rigid_tip_m(arm: &StoredArm) -> Option<[Vec<f64>; 2]> {
+pub(super) fn rigid_tip_m(arm: &StoredRun) -> Option<[Vec<f64>; 2]> {
     let mut tip_m = [Vec::new(), Vec::new()];
     for sample in 0..arm.times_s.len() {
         let mut at = [0.0; 2];

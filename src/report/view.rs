@@ -6,9 +6,10 @@ use std::ops::Range;
 
 use super::axis::{Axis, TIME};
 use super::figure::{Curve, Figure, Mark, Span, Stroke};
+use crate::link::Link;
 use crate::modal::natural_frequencies;
 use crate::numeric::largest;
-use crate::result::{StoredArm, StoredArmLink, StoredJoint, StoredRun};
+use crate::result::{StoredArc, StoredJoint, StoredRun};
 use crate::text::significant;
 
 /// Time shown before and after the motion, in multiples of the largest lead and lag, and over its duration at least.
@@ -27,72 +28,44 @@ pub(super) const COLOURS: usize = 6;
 /// Colours of the runs beside the first one; those before are of torques.
 const BESIDE: [usize; 3] = [3, 5, 6];
 
-/// Runs of one arm, and the time that their figures show: the motion with some time before and after it.
+/// Runs of a link or of an arm, and the time that their figures show: the motion with some time before and after it.
 #[derive(Debug, Clone)]
 pub(super) struct View<'a> {
-    /// The run that the page is of, then the runs beside it. A link is an arm of one.
-    pub(super) arms: Cow<'a, [StoredArm]>,
-    /// The run of one link, which knows its mesh and the motion of its tip along the arc.
-    pub(super) link: Option<&'a StoredRun>,
+    /// The run that the page is of, then the runs beside it.
+    pub(super) runs: &'a [StoredRun],
+    /// The run of a single link.
+    pub(super) link: Option<Single<'a>>,
     /// First and last time shown in s.
     pub(super) span_s: (f64, f64),
     /// Period of the first mode in s, if the run is of one link that vibrates.
     pub(super) period_s: Option<f64>,
 }
 
-impl<'a> From<&'a [StoredArm]> for View<'a> {
-    fn from(arms: &'a [StoredArm]) -> Self {
-        Self::of(Cow::Borrowed(arms), None)
-    }
+/// A run of a single link: its mesh is known, and the motion of its tip along the arc.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Single<'a> {
+    pub(super) times_s: &'a [f64],
+    pub(super) joint: &'a StoredJoint,
+    pub(super) link: &'a Link,
+    pub(super) arc: &'a StoredArc,
+    pub(super) readings: &'a [(String, f64)],
 }
 
-impl<'a> From<&'a StoredRun> for View<'a> {
-    fn from(run: &'a StoredRun) -> Self {
-        let solved = run.solved.as_ref();
-        let gravity = run.link.gravity();
-        let arm = StoredArm {
-            origin: run.origin.clone(),
-            name: String::new(),
-            times_s: run.times_s.clone(),
-            joints: vec![StoredJoint {
-                torque_n_m: run.torque_n_m.clone(),
-                angle_rad: run.hub_angle_rad.clone(),
-                rate_rad_s: run.hub_rate_rad_s.clone(),
-                rigid_torque_n_m: solved.map(|solved| solved.rigid_torque_n_m.clone()),
-                rigid_angle_rad: solved.map(|solved| solved.rigid_hub_angle_rad.clone()),
-                motor: solved.and_then(|solved| solved.motor.clone()),
-                readings: run.readings.clone(),
-                errors: errors_by_kind(&run.readings),
-                limits: run.limits,
-            }],
-            links: vec![StoredArmLink {
-                name: "1".to_owned(),
-                link: run.link.clone(),
-                nodes_m: run.mesh.nodes_m().to_vec(),
-                positions_m: vec![],
-                moments_n_m: None,
-            }],
-            nodal_times_s: vec![],
-            tip_m: [vec![], vec![]],
-            target: run.target.clone(),
-            prescribed: None,
-            moving_s: solved.map(|solved| solved.moving_s),
-            gravity_m_s2: gravity.map_or([0.0; 2], |gravity| gravity.acceleration_m_s2),
-            readings: run.readings.clone(),
-            checks: run.checks.clone(),
-            warnings: run.warnings.clone(),
-            remarks: run.remarks.clone(),
-        };
-        Self::of(Cow::Owned(vec![arm]), Some(run))
+impl<'a> Single<'a> {
+    fn of(run: &'a StoredRun) -> Option<Self> {
+        let StoredRun { times_s, joints, links, arc, readings, .. } = run;
+        let (joint, link) = (&joints[0], &links[0].link);
+        arc.as_ref().map(|arc| Self { times_s, joint, link, arc, readings })
     }
 }
 
 impl<'a> View<'a> {
     /// Finds the time in which tip and torques act; of a simulated arm, all.
-    fn of(arms: Cow<'a, [StoredArm]>, link: Option<&'a StoredRun>) -> Self {
-        let first = &arms[0];
+    pub(super) fn of(runs: &'a [StoredRun]) -> Self {
+        let first = &runs[0];
+        let link = Single::of(first);
         let times = &first.times_s;
-        let frequencies = link.map(|run| natural_frequencies(&run.mesh, 1));
+        let frequencies = link.map(|run| natural_frequencies(&run.arc.mesh, 1));
         let period_s = frequencies.and_then(|all| all.first().map(|omega| TAU / omega));
         let after = PERIODS * period_s.unwrap_or(0.0);
         let (from_s, until_s) = if let Some((from, until)) = first.moving_s {
@@ -115,12 +88,12 @@ impl<'a> View<'a> {
         };
         let samples = inside(times, from_s, until_s);
         let span_s = (times[samples.start], times[samples.end - 1]);
-        Self { arms, link, span_s, period_s }
+        Self { runs, link, span_s, period_s }
     }
 
     /// The run that the page is of.
-    pub(super) fn first(&self) -> &StoredArm {
-        &self.arms[0]
+    pub(super) fn first(&self) -> &StoredRun {
+        &self.runs[0]
     }
 
     /// True if the page is of an arm of several links.
@@ -155,17 +128,17 @@ impl<'a> View<'a> {
     }
 
     /// The runs, each with the name of its line: `own` if there is but one.
-    pub(super) fn named(&self, own: &str) -> impl Iterator<Item = (&StoredArm, String)> {
-        let is_alone = self.arms.len() == 1;
-        self.arms
+    pub(super) fn named(&self, own: &str) -> impl Iterator<Item = (&StoredRun, String)> {
+        let is_alone = self.runs.len() == 1;
+        self.runs
             .iter()
             .map(move |arm| (arm, if is_alone { own.to_owned() } else { arm.name.clone() }))
     }
 
     /// The first run that the rigid arm was written of.
-    pub(super) fn rigid(&self) -> Option<&StoredArm> {
-        let is_whole = |arm: &&StoredArm| arm.joints.iter().all(|j| j.rigid_angle_rad.is_some());
-        self.arms.iter().find(is_whole)
+    pub(super) fn rigid(&self) -> Option<&StoredRun> {
+        let is_whole = |arm: &&StoredRun| arm.joints.iter().all(|j| j.rigid_angle_rad.is_some());
+        self.runs.iter().find(is_whole)
     }
 
     /// The peak in the summary of the whole run, in words; that of the samples if the summary has none.
@@ -189,9 +162,9 @@ impl<'a> View<'a> {
     pub(super) fn of_runs<'b>(
         &'b self,
         own: &str,
-        of: impl Fn(&'b StoredArm) -> Option<(&'b [f64], Cow<'b, [f64]>)>,
+        of: impl Fn(&'b StoredRun) -> Option<(&'b [f64], Cow<'b, [f64]>)>,
     ) -> Vec<Curve> {
-        let line = |(run, (arm, name)): (usize, (&'b StoredArm, String))| {
+        let line = |(run, (arm, name)): (usize, (&'b StoredRun, String))| {
             let (times_s, history) = of(arm)?;
             Some(self.curve(&name, run_stroke(run), times_s, &history))
         };
@@ -202,7 +175,7 @@ impl<'a> View<'a> {
     pub(super) fn each<'b>(
         &'b self,
         names: &[String],
-        of: impl Fn(&'b StoredArm, usize) -> Option<(&'b [f64], Vec<f64>)>,
+        of: impl Fn(&'b StoredRun, usize) -> Option<(&'b [f64], Vec<f64>)>,
     ) -> Vec<Curve> {
         let mut curves = Vec::new();
         for (run, (arm, beside)) in self.named("").enumerate() {
@@ -279,38 +252,13 @@ pub(super) fn run_stroke(run: usize) -> Stroke {
 }
 
 /// Distance of the tip from its first place in m.
-pub(super) fn from_start_m(arm: &StoredArm) -> Vec<f64> {
+pub(super) fn from_start_m(arm: &StoredRun) -> Vec<f64> {
     let [x, y] = &arm.tip_m;
     x.iter().zip(y).map(|(at_x, at_y)| libm::hypot(at_x - x[0], at_y - y[0])).collect()
 }
 
 /// End of the names of errors, which have a table of their own.
 pub(super) const ERROR: &str = "_error";
-
-/// Heading of the tip's error, which is of no kind: what it is off by is known at every moment.
-const WANTED: &str = "from the wanted motion";
-
-/// Kinds of errors, the last part of their names.
-const KINDS: [&str; 8] =
-    ["mesh", "window", "step", "iteration", "modes", "input", "model", "refinement"];
-
-/// The errors among the numbers of a link's summary: for each quantity what it may be off by, by kind.
-fn errors_by_kind(readings: &[(String, f64)]) -> Vec<(String, Vec<(String, f64)>)> {
-    let mut found: Vec<(String, Vec<(String, f64)>)> = Vec::new();
-    for (name, error) in readings {
-        let Some(name) = name.strip_suffix(ERROR) else { continue };
-        let of_kind = |kind: &&&str| name.ends_with(&format!("_{kind}"));
-        let kind = KINDS.iter().find(of_kind).copied().unwrap_or(WANTED);
-        let quantity =
-            name.strip_suffix(kind).map_or(name, |quantity| quantity.trim_end_matches('_'));
-        let error = (kind.to_owned(), *error);
-        match found.iter_mut().find(|(own, _)| own == quantity) {
-            Some((_, errors)) => errors.push(error),
-            None => found.push((quantity.to_owned(), vec![error])),
-        }
-    }
-    found
-}
 
 /// A number of a summary by its name.
 pub(super) fn reading(readings: &[(String, f64)], name: &str) -> Option<f64> {
@@ -341,20 +289,21 @@ pub(super) fn inside(times_s: &[f64], from_s: f64, until_s: f64) -> Range<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tests::run;
+    use crate::report::tests::{run, view};
 
     #[test]
     fn the_view_holds_lead_and_lag_and_some_periods_but_not_all_the_calm() {
         let mut run = run();
         let (first, last) = (run.times_s[0], run.times_s[run.times_s.len() - 1]);
-        let solved = run.solved.clone().unwrap();
-        let (from, until) = View::from(&run).span_s;
-        assert!(first < from && from < solved.moving_s.0 - solved.lead_s.unwrap(), "from {from} s");
-        assert!(until > solved.moving_s.1 + 4.0 * 0.52 && until < last, "until {until} s");
-        run.solved = None;
-        let (from, until) = View::from(&run).span_s;
-        assert!(first < from && from < solved.moving_s.0 - solved.lead_s.unwrap(), "from {from} s");
-        assert!(until > solved.moving_s.1 + solved.lag_s.unwrap(), "until {until} s");
+        let moving_s = run.moving_s.unwrap();
+        let [lead_s, lag_s] = ["lead_s", "lag_s"].map(|name| reading(&run.readings, name).unwrap());
+        let (from, until) = view(&run).span_s;
+        assert!(first < from && from < moving_s.0 - lead_s, "from {from} s");
+        assert!(until > moving_s.1 + 4.0 * 0.52 && until < last, "until {until} s");
+        run.moving_s = None;
+        let (from, until) = view(&run).span_s;
+        assert!(first < from && from < moving_s.0 - lead_s, "from {from} s");
+        assert!(until > moving_s.1 + lag_s, "until {until} s");
     }
 
     #[test]

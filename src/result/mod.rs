@@ -33,9 +33,8 @@ pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub(crate) use stored::notices;
 pub use stored::{
-    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArm, StoredArmLink, StoredInput,
-    StoredJoint, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSolution, StoredSweep,
-    line_difference,
+    LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredInput, StoredJoint,
+    StoredLink, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSweep, line_difference,
 };
 pub use tip_error::{FollowedTarget, LateTarget, StoredTarget, TargetError, TipError, TipPlaces};
 pub use torque_table::TorqueTable;

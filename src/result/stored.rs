@@ -22,62 +22,16 @@ use crate::response::{ArmPlayWarning, SimulationWarning};
 /// A result that was read back.
 #[derive(Debug, Clone)]
 pub enum StoredResult {
-    /// The folder of one run of `solve` or `simulate`.
-    Run(Box<StoredRun>),
-    /// Runs of arms that have the same number of links. A page shows the first run, and compares the others with it.
-    Arms(Vec<StoredArm>),
+    /// Folders of runs of `solve` or `simulate`. A page shows the first run. Runs of arms with as many links may stand
+    /// beside it, and are compared with it.
+    Runs(Vec<StoredRun>),
     /// The table of a sweep.
     Sweep(Box<StoredSweep>),
 }
 
-/// What one run has left. All histories have as many values as `times_s`, but those of the nodes.
+/// The content of a run's folder. All histories have as many values as `times_s`, except those of nodes.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
-    /// What the run was, and of what.
-    pub origin: Origin,
-    /// The link.
-    pub link: Link,
-    /// The mesh that the answer was computed on.
-    pub mesh: Mesh,
-    /// What is counted of the second order; of a simulation all, where it is of the elastica.
-    pub second_order: SecondOrder,
-    /// How many flexible modes the link was reduced to; none where all are kept.
-    pub kept_modes: Option<usize>,
-    /// Times of all histories in s, evenly spaced.
-    pub times_s: Vec<f64>,
-    /// Torque at the hub in N m.
-    pub torque_n_m: Vec<f64>,
-    /// Hub angle in rad.
-    pub hub_angle_rad: Vec<f64>,
-    /// Hub rate in rad/s.
-    pub hub_rate_rad_s: Vec<f64>,
-    /// Direction of the chord in rad where the tip's displacement is 0: hub angles are absolute with gravity.
-    pub origin_rad: f64,
-    /// Motion of the tip.
-    pub tip: TipMotionHistories,
-    /// What only the answer for a wanted motion has.
-    pub solved: Option<StoredSolution>,
-    /// The wanted tip of a simulation, if it had one.
-    pub target: Option<StoredTarget>,
-    /// Deflection w in m from the hub's tangent line, if all or some nodes were written.
-    pub deflections_m: Option<StoredNodes>,
-    /// Bending moment in N m, if it was written.
-    pub moments_n_m: Option<StoredNodes>,
-    /// Numbers of the summary by name, which ends in the unit: `peak_torque_n_m`.
-    pub readings: Vec<(String, f64)>,
-    /// Limits of the link file.
-    pub limits: Limits,
-    /// What verifying the answer gave; empty where it was not verified.
-    pub checks: Vec<Check>,
-    /// What the user must know.
-    pub warnings: Vec<Notice>,
-    /// What is possible but rare.
-    pub remarks: Vec<Notice>,
-}
-
-/// What one run of an arm has left. All histories have as many values as `times_s`, but those of the nodes.
-#[derive(Debug, Clone)]
-pub struct StoredArm {
     /// What the run was, and of what.
     pub origin: Origin,
     /// Name of its folder.
@@ -87,22 +41,24 @@ pub struct StoredArm {
     /// The joints, the inner one first.
     pub joints: Vec<StoredJoint>,
     /// The links, the inner one first.
-    pub links: Vec<StoredArmLink>,
-    /// Times of the nodes' places in s, some or all of those of the run.
+    pub links: Vec<StoredLink>,
+    /// The motion of a single link along its arc.
+    pub arc: Option<StoredArc>,
+    /// Times of the nodes' places in s, some or all of those of the run; empty for a single link.
     pub nodal_times_s: Vec<f64>,
-    /// x and y of the tip in m.
+    /// x and y of the tip in m; empty for a single link.
     pub tip_m: [Vec<f64>; 2],
     /// The wanted tip of a simulation, if it had one.
     pub target: Option<StoredTarget>,
-    /// What its path prescribes, if it had one.
+    /// What the path of an arm prescribes, if it had one.
     pub prescribed: Option<Prescribed>,
-    /// Times in s between which the path moves, if it had one.
+    /// Times in s between which the wanted motion moves; not set for a simulation.
     pub moving_s: Option<(f64, f64)>,
     /// Gravity along x and y in m/s²: 0 in a horizontal plane.
     pub gravity_m_s2: [f64; 2],
-    /// Numbers of the summary that belong to no joint, by name: `farthest_m`.
+    /// Numbers of the summary by name, which ends in the unit: `farthest_m`. Those of the joints of an arm are theirs.
     pub readings: Vec<(String, f64)>,
-    /// What verifying the answer gave; empty where it was not verified.
+    /// Results of verifying the answer; empty where it was not verified.
     pub checks: Vec<Check>,
     /// What the user must know.
     pub warnings: Vec<Notice>,
@@ -110,7 +66,24 @@ pub struct StoredArm {
     pub remarks: Vec<Notice>,
 }
 
-/// One joint of an arm: histories, and its numbers in the summary.
+/// The motion of a single link, whose places are distances along the arc of a straight link.
+#[derive(Debug, Clone)]
+pub struct StoredArc {
+    /// The mesh that the answer was computed on.
+    pub mesh: Mesh,
+    /// What is counted of the second order; of a simulation all, where it is of the elastica.
+    pub second_order: SecondOrder,
+    /// How many flexible modes the link was reduced to; not set where all are kept.
+    pub kept_modes: Option<usize>,
+    /// Direction of the chord in rad where the tip's displacement is 0: hub angles are absolute with gravity.
+    pub origin_rad: f64,
+    /// Motion of the tip.
+    pub tip: TipMotionHistories,
+    /// Deflection w in m from the hub's tangent line, if all or some nodes were written.
+    pub deflections_m: Option<StoredNodes>,
+}
+
+/// One joint: histories, and its numbers in the summary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredJoint {
     /// Torque in N m that turns its link, and the link before the other way.
@@ -119,9 +92,9 @@ pub struct StoredJoint {
     pub angle_rad: Vec<f64>,
     /// Rate of that angle in rad/s.
     pub rate_rad_s: Vec<f64>,
-    /// Torque in N m that the rigid arm would need, if it was written.
+    /// Torque in N m that the rigid link or arm would need; not set for a simulation.
     pub rigid_torque_n_m: Option<Vec<f64>>,
-    /// Angle in rad of the rigid arm's joint, if it was written.
+    /// Angle in rad of the rigid link's or arm's joint; not set for a simulation.
     pub rigid_angle_rad: Option<Vec<f64>>,
     /// Its motor, where it has a drive.
     pub motor: Option<StoredMotor>,
@@ -129,7 +102,7 @@ pub struct StoredJoint {
     pub readings: Vec<(String, f64)>,
     /// For each quantity, `torque`, what it may be off by, by kind: `mesh`.
     pub errors: Vec<(String, Vec<(String, f64)>)>,
-    /// Its limits in the arm file.
+    /// Its limits in the file.
     pub limits: Limits,
 }
 
@@ -140,16 +113,16 @@ impl StoredJoint {
     }
 }
 
-/// One link of an arm.
+/// One link.
 #[derive(Debug, Clone)]
-pub struct StoredArmLink {
+pub struct StoredLink {
     /// Its name; its number where it has none.
     pub name: String,
-    /// The link, with the next joint's body as its payload.
+    /// The link, of an arm with the next joint's body as its payload.
     pub link: Link,
     /// Distance of the nodes from its joint in m, the tip's last.
     pub nodes_m: Vec<f64>,
-    /// x and y of the nodes in m, at `nodal_times_s` of the arm.
+    /// x and y of the nodes in m, at `nodal_times_s` of the arm; empty for a single link.
     pub positions_m: Vec<[Vec<f64>; 2]>,
     /// Bending moment in N m, if it was written.
     pub moments_n_m: Option<StoredNodes>,
@@ -180,24 +153,6 @@ pub struct StoredInput {
     pub name: String,
     /// Its SHA-256 in hexadecimal digits.
     pub sha256: String,
-}
-
-/// What the answer for a wanted motion has beyond a motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StoredSolution {
-    /// Torque in N m that the same link would need, were it rigid.
-    pub rigid_torque_n_m: Vec<f64>,
-    /// Hub angle in rad of the rigid link.
-    pub rigid_hub_angle_rad: Vec<f64>,
-    /// The motor, where a drive sits between it and the hub.
-    pub motor: Option<StoredMotor>,
-    /// Times in s between which the tip moves.
-    pub moving_s: (f64, f64),
-    /// How long before the tip's motion the torque exceeds 2 % of its peak, in s; none of a
-    /// periodic motion.
-    pub lead_s: Option<f64>,
-    /// How long after it, in s.
-    pub lag_s: Option<f64>,
 }
 
 /// A motor, on its own side of the gear.

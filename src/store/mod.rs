@@ -1,6 +1,5 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
-mod arm_run;
 mod files;
 mod fit_record;
 mod folder;
@@ -8,9 +7,10 @@ mod frequency_tables;
 mod golden;
 mod json;
 mod lock;
-mod played_run;
-mod read_arm;
+mod names;
+mod outputs;
 mod read_result;
+mod read_run;
 mod read_tables;
 mod repetition;
 mod run_summary;
@@ -18,8 +18,8 @@ mod run_tables;
 mod summary;
 mod sweep;
 mod torque_file;
+mod write_run;
 
-pub use arm_run::ArmRun;
 pub use files::{NamedBy, NewFile, write_file, write_files};
 pub use fit_record::{FitInputs, fit_json, fit_record, foreign_fit_record};
 pub use folder::{Durability, FolderError, OutputFolder};
@@ -30,11 +30,12 @@ pub use frequency_tables::{
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::{Fingerprint, different_inputs, read_state, results_table, state_json};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
-pub use played_run::PlayedRun;
+pub use names::{REPORT, SUMMARY, is_result_file};
+pub use outputs::RunOutputs;
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use run_summary::{Findings, PlayFindings, write_solution};
-pub use run_tables::{REPORT, RunOutputs, SUMMARY, is_result_file};
+pub use run_summary::{Findings, PlayFindings, PlayedRun, write_solution};
+pub use run_tables::RunTables;
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};
 pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,

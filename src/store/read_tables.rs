@@ -1,15 +1,14 @@
-//! The folder of a run, and its tables read back: histories, quantities at nodes, and the mesh.
+//! The folder of a run, and its tables read back: histories, quantities at nodes, and the nodes.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::json::unreadable;
-use super::run_tables::{ERROR, NODES, NodalFile, TIP_ERROR, TORQUE};
+use super::names::{NodalFile, TIP_ERROR, node_columns};
 use super::summary::{A_RUN, Summary};
-use crate::beam::{Mesh, MeshPlan};
 use crate::csv::{
     InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing, time_format,
 };
-use crate::link::Link;
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::result::{StoredNodes, StoredTarget};
 use crate::text::is_hidden;
@@ -54,20 +53,22 @@ impl RunFolder<'_> {
         self.0.join(name).exists()
     }
 
-    /// Reads the wanted tip of a simulation, if its files `named` have one.
+    /// Reads the wanted tip of a simulation of so many links, if its files `named` have one.
     pub(super) fn target(
         &self,
         named: &[String],
-        wanted: &[&str],
+        links: usize,
     ) -> Result<Option<StoredTarget>, TableError> {
-        if !named.iter().any(|name| name == TIP_ERROR) {
+        let file = TIP_ERROR.name(links);
+        if !named.iter().any(|name| name == file) {
             return Ok(None);
         }
-        let mut table = Table::of(&self.file(TIP_ERROR)?, &[wanted, &[ERROR]].concat())?;
+        let columns = TIP_ERROR.columns(links, &[0]);
+        let mut table = Table::of(&self.file(file)?, &columns)?;
         table.check_even()?;
-        let wanted_m = wanted.iter().map(|name| table.take(name)).collect();
-        let error_m = table.take(ERROR);
-        Ok(Some(StoredTarget { times_s: table.take(TIME), wanted_m, error_m }))
+        let mut all: Vec<Vec<f64>> = columns.iter().map(|name| table.take(name)).collect();
+        let error_m = all.pop().unwrap_or_default();
+        Ok(Some(StoredTarget { times_s: table.take(TIME), wanted_m: all, error_m }))
     }
 
     fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {
@@ -108,27 +109,19 @@ pub(super) struct Table {
 
 impl Table {
     /// Reads a table that has just these columns beside the time.
-    pub(super) fn of(file: &InputFile, columns: &[&str]) -> Result<Self, TableError> {
+    pub(super) fn of(file: &InputFile, columns: &[String]) -> Result<Self, TableError> {
         Self::read(file, |fields, place| {
             for wanted in columns {
-                if !fields.contains(wanted) {
+                if !fields.contains(&wanted.as_str()) {
                     return Err(refuse_missing(fields, wanted, place));
                 }
             }
             let must = || format!("must be one of {TIME}, {}", columns.join(", "));
-            let unknown = |field: &&str| *field != TIME && !columns.contains(field);
+            let unknown = |field: &&str| *field != TIME && !columns.iter().any(|own| own == field);
             match fields.iter().position(unknown) {
                 Some(index) => Err(place.refuse_column(index, fields[index], must())),
                 None => Ok(()),
             }
-        })
-    }
-
-    /// Reads a table that has these columns, and may have others.
-    pub(super) fn holding(file: &InputFile, columns: &[String]) -> Result<Self, TableError> {
-        Self::read(file, |fields, place| {
-            let missing = columns.iter().find(|wanted| !fields.contains(&wanted.as_str()));
-            missing.map_or(Ok(()), |wanted| Err(refuse_missing(fields, wanted, place)))
         })
     }
 
@@ -266,41 +259,61 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
     }
 }
 
-impl NodalFile {
-    /// The node of a column, if it is headed so.
-    fn node(self, field: &str) -> Option<usize> {
-        let rest = field.strip_prefix(self.letter)?.strip_suffix(self.unit)?.strip_suffix('_')?;
-        rest.parse().ok().filter(|node| self.column(*node) == field)
-    }
-}
-
-/// Reads a table whose times are all or every k-th of `times_s`, those of torque.csv.
+/// Reads a table at nodes, of all links or of the single one with so many nodes, for each link and each letter of the
+/// file. Its times are all or every k-th of `times_s`, those of the file `of`. A link may have some nodes, an arm has all.
 pub(super) fn read_nodal(
     file: &InputFile,
-    nodal: NodalFile,
-    mesh: &Mesh,
-    times_s: &[f64],
-) -> Result<StoredNodes, TableError> {
-    let last = mesh.nodes_m().len() - 1;
-    let node_of = |field: &str| nodal.node(field).filter(|node| *node <= last);
+    nodal: &NodalFile,
+    nodes: &[usize],
+    (of, times_s): (&str, &[f64]),
+) -> Result<Vec<Vec<StoredNodes>>, TableError> {
+    let (links, letters) = (nodes.len(), nodal.letters(nodes.len()).len());
+    let column = |link, letter, node| nodal.column(links, link, letter, node);
+    let mut places = BTreeMap::new();
+    for (link, count) in nodes.iter().enumerate() {
+        for (node, letter) in (0..*count).flat_map(|node| (0..letters).map(move |own| (node, own)))
+        {
+            places.insert(column(link, letter, node), (link, letter, node));
+        }
+    }
     let check = |fields: &[&str], place: Place| {
-        let must = format!("must be of a node, {} to {}", nodal.column(0), nodal.column(last));
+        let last = column(links - 1, letters - 1, nodes[links - 1] - 1);
+        let must = format!("must be of a node, {} to {last}", column(0, 0, 0));
         if fields.len() < 2 {
             return Err(place.refuse("columns", "the time alone", must));
         }
-        let stray = (1..fields.len()).find(|index| node_of(fields[*index]).is_none());
-        stray.map_or(Ok(()), |index| Err(place.refuse_column(index, fields[index], must)))
+        let stray = (1..fields.len()).find(|index| !places.contains_key(fields[*index]));
+        if let Some(index) = stray {
+            return Err(place.refuse_column(index, fields[index], must));
+        }
+        let missing = places.keys().find(|name| !fields.contains(&name.as_str()));
+        match missing.filter(|_| links > 1) {
+            Some(name) => Err(refuse_missing(fields, name, place).with_hint(ALL_NODES.to_owned())),
+            None => Ok(()),
+        }
     };
     let mut table = Table::read(file, check)?;
-    table.check_times((TORQUE.0, times_s), stride(table.times_s(), times_s))?;
-    let columns = table.names.iter().zip(&mut table.columns);
-    let mut histories: Vec<(usize, Vec<f64>)> = columns
-        .filter_map(|(name, values)| Some((node_of(name)?, std::mem::take(values))))
+    table.check_times((of, times_s), stride(table.times_s(), times_s))?;
+    let times_s = table.take(TIME);
+    let mut columns: Vec<_> = table
+        .names
+        .iter()
+        .zip(table.columns)
+        .filter_map(|(name, values)| Some((*places.get(name)?, values)))
         .collect();
-    histories.sort_by_key(|(node, _)| *node);
-    let (nodes, histories) = histories.into_iter().unzip();
-    Ok(StoredNodes { nodes, times_s: table.take(TIME), histories })
+    columns.sort_by_key(|((_, _, node), _)| *node);
+    let empty = StoredNodes { nodes: vec![], times_s, histories: vec![] };
+    let mut found = vec![vec![empty; letters]; links];
+    for ((link, letter, node), values) in columns {
+        found[link][letter].nodes.push(node);
+        found[link][letter].histories.push(values);
+    }
+    Ok(found)
 }
+
+/// Hint for a table that does not have all nodes of an arm.
+const ALL_NODES: &str =
+    "the page draws all nodes of an arm: solve it without --nodes and --stations";
 
 /// Every how many of the times of a run a table has a row.
 pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
@@ -318,13 +331,13 @@ pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
 /// from which displacements count.
 pub(super) fn deflections(
     mut displacements: StoredNodes,
-    mesh: &Mesh,
+    nodes_m: &[f64],
     (hub_angle_rad, origin_rad): (&[f64], f64),
     times_s: &[f64],
 ) -> StoredNodes {
     let every = stride(&displacements.times_s, times_s);
     for (node, history) in displacements.nodes.iter().zip(&mut displacements.histories) {
-        let x_m = mesh.nodes_m()[*node];
+        let x_m = nodes_m[*node];
         for (value, angle) in history.iter_mut().zip(hub_angle_rad.iter().step_by(every)) {
             *value -= x_m * (angle - origin_rad);
         }
@@ -332,35 +345,37 @@ pub(super) fn deflections(
     displacements
 }
 
-/// The mesh of `link` whose nodes the file lists.
-pub(super) fn read_mesh(
-    file: &InputFile,
-    link: &Link,
-    stations_m: &[f64],
-) -> Result<Mesh, TableError> {
-    let whole = Place { file: &file.shown, line: None };
-    let at = |line| Place { line: Some(line), ..whole };
+/// Distances in m of the nodes of each of so many links from its joint, as the file lists them.
+pub(super) fn read_nodes(file: &InputFile, links: usize) -> Result<Vec<Vec<f64>>, TableError> {
+    let at = |line| Place { file: &file.shown, line: Some(line) };
+    let names = node_columns(links);
     let begin = |line, fields: &[&str]| {
-        if fields == NODES.1 {
-            return Ok(Vec::new());
+        if fields == names {
+            return Ok(Vec::<Vec<f64>>::new());
         }
-        let must = format!("must be {}", quoted(&NODES.1.join(",")));
+        let must = format!("must be {}", quoted(&names.join(",")));
         Err(at(line).refuse("columns", quoted(&fields.join(",")), must))
     };
-    let push = |nodes_m: &mut Vec<f64>, line, fields: &[&str]| {
-        at(line).check_width(fields.len(), NODES.1.len())?;
-        let (node, x_m) = (fields[0], fields[1]);
-        let number = nodes_m.len().to_string();
-        if node != number {
-            return Err(at(line).refuse("node", quoted(node), format!("must be {number}")));
+    let push = |nodes_m: &mut Vec<Vec<f64>>, line, fields: &[&str]| {
+        at(line).check_width(fields.len(), names.len())?;
+        // A link alone has no number.
+        let numbered = fields.len() - 2;
+        let (numbers, x_m) = (&fields[..numbered], fields[numbered]);
+        if nodes_m.is_empty() || (links > 1 && numbers[1] == "0") {
+            nodes_m.push(Vec::new());
         }
-        nodes_m.push(read_number(NODES.1[1], x_m, at(line))?);
+        let next = [nodes_m.len(), nodes_m.last().map_or(0, Vec::len)].map(|own| own.to_string());
+        let next = &next[usize::from(links == 1)..];
+        for ((name, found), must) in names.iter().zip(numbers).zip(next) {
+            if found != must {
+                return Err(at(line).refuse(*name, quoted(found), format!("must be {must}")));
+            }
+        }
+        let x_m = read_number("x_m", x_m, at(line))?;
+        nodes_m.last_mut().into_iter().for_each(|own| own.push(x_m));
         Ok(())
     };
-    let nodes_m = read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default();
-    let plan = MeshPlan::through(link, &nodes_m, stations_m);
-    let mesh = plan.and_then(|plan| Mesh::new(link, &plan));
-    mesh.map_err(|error| whole.refuse_whole(&error.to_string()))
+    Ok(read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default())
 }
 
 /// Refuses a torque over other times than those of the summary.

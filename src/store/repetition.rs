@@ -11,8 +11,8 @@ use tempfile::Builder;
 use super::folder::FolderError;
 use super::json::unreadable;
 use super::lock::Unfinished;
+use super::names::{REPORT, SUMMARY, result_files};
 use super::read_tables::{RunFolder, check_names};
-use super::run_tables::{REPORT, RESULT_FILES, SUMMARY};
 use super::summary::Summary;
 use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::result::{Origin, Repeated, RepeatedFile, line_difference};
@@ -113,7 +113,7 @@ impl RunRecord {
     /// # Errors
     /// [`InputError`] for a file that cannot be read.
     pub fn compare(&self, repetition: &Path) -> Result<Vec<RepeatedFile>, InputError> {
-        let known = RESULT_FILES.into_iter().filter(|name| *name != REPORT).chain([SUMMARY]);
+        let known = result_files().into_iter().filter(|name| *name != REPORT).chain([SUMMARY]);
         let is_there = |name: &&str| {
             let folders = [&*self.folder, repetition];
             folders.iter().any(|folder| folder.join(name).symlink_metadata().is_ok())

@@ -6,30 +6,35 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
-use super::run_tables::{DEFLECTIONS, RunOutputs};
-use super::summary::{RunInputs, Summary};
+use super::names::{PLACES, played_files};
+use super::outputs::RunOutputs;
+use super::run_tables::RunTables;
+use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
-use crate::inverse::{Solution, Unwatched};
-use crate::link::Link;
+use crate::inverse::{ArmSolution, Solution, Unwatched};
+use crate::link::{Arm, Link};
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::{Ends, TipMotion};
-use crate::response::{Input, ModalPlay, Play, PlayError, Played, Simulation};
+use crate::motion::{Ends, Prescribed, TipMotion};
+use crate::response::{
+    ArmPlay, ArmPlayWarning, Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedArm,
+    Simulation,
+};
 use crate::result::{
-    Comparison, Exceeded, FollowedTarget, Limits, Metrics, Notice, PlayedJoint, PlayedMetrics,
-    Remark, TipError,
+    Comparison, Exceeded, FollowedTarget, JointMetrics, Limits, Metrics, Notice, PlayedJoint,
+    PlayedMetrics, Remark, TipError,
 };
 use crate::verify::Verification;
 
 /// What is known of a solution beside its numbers.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Findings<'a> {
-    /// Limits of the link file.
-    pub limits: Limits,
+    /// Limits of each joint.
+    pub limits: &'a [Limits],
     /// Those that it exceeds.
     pub exceeded: &'a [Exceeded],
     /// Checks of the answer, if it was verified.
     pub verification: Option<&'a Verification>,
-    /// Remarks on link and motion.
+    /// Remarks on link or arm and motion.
     pub remarks: &'a [Remark],
 }
 
@@ -38,12 +43,33 @@ pub struct Findings<'a> {
 pub struct PlayFindings<'a> {
     /// Errors of its mesh and modes.
     pub error: Option<&'a PlayError>,
-    /// Limits of the link file.
-    pub limits: Limits,
+    /// Limits of each joint.
+    pub limits: &'a [Limits],
     /// The tip beside its target.
     pub target: Option<&'a FollowedTarget>,
     /// The simulation beside a recording.
     pub comparison: Option<&'a Comparison>,
+}
+
+/// A simulation of an arm, and what is known of it beside its numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct PlayedRun<'a> {
+    /// The arm.
+    pub arm: &'a Arm,
+    /// What was played.
+    pub play: &'a ArmPlay<'a>,
+    /// The motion.
+    pub played: &'a PlayedArm,
+    /// Its numbers.
+    pub metrics: &'a PlayedMetrics,
+    /// Limits of each joint.
+    pub limits: &'a [Limits],
+    /// The tip beside its target, if there is one.
+    pub target: Option<&'a FollowedTarget>,
+    /// What the user must know.
+    pub warnings: &'a [ArmPlayWarning],
+    /// Nodes of each link: distances in m from its joint.
+    pub nodes_m: &'a [Vec<f64>],
 }
 
 /// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
@@ -59,9 +85,9 @@ pub struct PlayFindings<'a> {
 /// # let folder = tempfile::tempdir()?;
 /// # let folder = folder.path().join("out");
 /// write_solution(&folder, &solution)?;
-/// let StoredResult::Run(run) = read_result(&folder)? else { unreachable!() };
-/// assert_eq!(run.torque_n_m.len(), solution.torque_n_m.len());
-/// assert!(run.origin.inputs.is_empty());
+/// let StoredResult::Runs(runs) = read_result(&folder)? else { unreachable!() };
+/// assert_eq!(runs[0].joints[0].torque_n_m.len(), solution.torque_n_m.len());
+/// assert!(runs[0].origin.inputs.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -73,9 +99,9 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
     let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
     let folder = OutputFolder::stage(folder, &|_| {})?;
     let deflections = outputs.deflections(solution);
-    let deflections = deflections.map_err(|error| folder.refused(DEFLECTIONS.file, error))?;
-    let nodal = (solution, deflections);
-    outputs.write(folder, nodal, (&summary, None), &Unwatched)
+    let deflections = deflections.map_err(|error| folder.refused(PLACES.name(1), error))?;
+    let tables = RunTables::of_solution(solution, deflections);
+    outputs.write(folder, tables, (&summary, None), &Unwatched)
 }
 
 impl Summary {
@@ -89,7 +115,6 @@ impl Summary {
     ) -> Self {
         let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
         let (link, law) = (solution.link(), solution.law());
-        let limits = findings.exceeded.iter().map(Notice::from);
         let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
         let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
         let mut values = json!({
@@ -113,20 +138,80 @@ impl Summary {
                 "left_out": found.left_out.flatten(),
             });
         }
-        if let Some(limits) = findings.limits.stored() {
-            values["limits"] = limits;
-        }
+        store_limits(&mut values, findings.limits);
         if link.has_weight() {
             values["frequencies_without_gravity"] = json!(true);
         }
+        let drive = Some(link.drive().copied());
+        let summary = Self { drive, values, ..Self::of("solve", inputs, link, law) };
+        let warnings = solution.warnings.iter().map(Notice::from).collect();
+        summary.solved(warnings, findings, outputs.files([link]))
+    }
+
+    /// The summary of an arm's solution of which `outputs` are written.
+    pub fn of_arm(
+        inputs: RunInputs,
+        solution: &ArmSolution,
+        metrics: &Metrics,
+        findings: &Findings,
+        outputs: &RunOutputs,
+    ) -> Self {
+        let ArmSolution { arm, grid, path, analysis, findings: found, links, .. } = solution;
+        let (first, last) = path.moving_samples();
+        let iteration = found.iteration;
+        let mut values = json!({
+            "arm": arm_record(arm, solution.elements()),
+            "motion": {
+                "given": match path.prescribed() {
+                    Prescribed::Tip => "tip",
+                    Prescribed::Angles => "angles",
+                },
+                "moves_from_s": path.grid().time_s(first),
+                "moves_until_s": path.grid().time_s(last),
+                "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
+                "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
+            },
+            "analysis": {
+                "tolerance": analysis.tolerance(),
+                "tip_tolerance": analysis.tip_tolerance(),
+                "step_s": grid.step_s,
+                "window_start_s": grid.time_s(0),
+                "window_end_s": grid.end_s(),
+                "period_s": solution.period_s,
+                "cutoff_hz": solution.cutoff_hz,
+                "first_zero_per_s": solution.first_zero_per_s,
+            },
+            "results": {
+                "farthest_m": solution.way_m,
+                "joints": metrics.joints.iter().map(joint_record).collect::<Vec<_>>(),
+            },
+            "errors": { "tip": solution.expected_tip_error(), "joints": solution.errors },
+            "second_order": {
+                "order": found.order,
+                "iterations": iteration.iterations,
+                "contraction": iteration.contraction,
+                "largest_slopes":
+                    links.iter().map(|link| link.largest_slope).collect::<Vec<f64>>(),
+                "torque_change": iteration.second_order_change,
+                "left_out": found.left_out.flatten(),
+                "fallback": found.fallback,
+            },
+        });
+        store_limits(&mut values, findings.limits);
+        let summary = Self { values, ..Self::titled("solve", inputs, arm.title()) };
+        let warnings = solution.warnings.iter().map(Notice::from).collect();
+        summary.solved(warnings, findings, outputs.files(arm.links().iter().map(|own| &own.link)))
+    }
+
+    /// The summary with what is known of its solution.
+    fn solved(self, warnings: Vec<Notice>, findings: &Findings, files: Vec<&str>) -> Self {
+        let exceeded = findings.exceeded.iter().map(Notice::from);
         Self {
-            drive: Some(link.drive().copied()),
-            values,
             verification: Some(findings.verification.map(|own| own.checks.clone())),
-            warnings: solution.warnings.iter().map(Notice::from).chain(limits).collect(),
+            warnings: warnings.into_iter().chain(exceeded).collect(),
             remarks: Some(findings.remarks.iter().map(Notice::from).collect()),
-            files: outputs.file_names(link).into_iter().map(str::to_owned).collect(),
-            ..Self::of("solve", inputs, link, law)
+            files: files.into_iter().map(str::to_owned).collect(),
+            ..self
         }
     }
 
@@ -142,12 +227,6 @@ impl Summary {
         let Simulation { law, mesh, .. } = simulation;
         let frequencies = &simulation.natural_frequencies_rad_s;
         let periods_s: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
-        let gains = play.feedback.map(|feedback| {
-            json!({
-                "stiffness_n_m_rad": feedback.stiffness_n_m_rad(),
-                "damping_n_m_s_rad": feedback.damping_n_m_s_rad(),
-            })
-        });
         // Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
         let mut errors = error.map_or(json!({}), |error| {
             let kind = if simulation.modes().is_some() { "mesh" } else { "refinement" };
@@ -159,10 +238,7 @@ impl Summary {
         }
         let coarse = error.and_then(|error| error.warning(simulation));
         let played = simulation.warnings.iter().copied().chain(coarse);
-        let played = played.map(Notice::from);
-        let late = tip_error.and_then(|error| error.late);
-        let late = late.map(Notice::from);
-        let exceeded = metrics.exceeded(&[limits]);
+        let warnings = played.map(Notice::from).collect();
         let input = match play.input {
             Input::Torque(_) => "torque",
             Input::HubAngle(_) => "hub_angle",
@@ -170,16 +246,14 @@ impl Summary {
         let mut values = json!({
             "mesh": mesh_values(mesh),
             input: input_values(play, simulation),
-            "feedback": gains,
+            "feedback": play.feedback.map(gains),
             "periods_s": periods_s,
             "viscous_damping_ratios": law.modal_ratios(frequencies),
             "results": played_results(metrics),
             "errors": errors,
             "tip_error": tip_error.map(tip_numbers),
         });
-        if let Some(limits) = limits.stored() {
-            values["limits"] = limits;
-        }
+        store_limits(&mut values, limits);
         match &simulation.played {
             Played::Modes(ModalPlay { selection, residual, .. }) => {
                 values["modes"] = json!({
@@ -203,17 +277,98 @@ impl Summary {
         if link.has_weight() {
             values["frequencies_without_gravity"] = json!(true);
         }
-        Self {
-            values,
-            measured: comparison.cloned(),
-            warnings: played.chain(late).chain(exceeded.into_iter().map(Notice::from)).collect(),
-            files: RunOutputs::simulation_file_names(target)
-                .into_iter()
-                .map(str::to_owned)
-                .collect(),
-            ..Self::of("simulate", inputs, link, law)
-        }
+        let measured = comparison.cloned();
+        let summary = Self { values, measured, ..Self::of("simulate", inputs, link, law) };
+        summary.played(warnings, (metrics, limits), target)
     }
+
+    /// The summary of an arm's simulation.
+    pub fn of_played_arm(inputs: RunInputs, run: &PlayedRun<'_>) -> Self {
+        let PlayedRun { arm, play, played, metrics, target, .. } = *run;
+        let tip_error = target.map(|target| &target.tip_error);
+        let [tip_m, joint_rad] = played.change;
+        let grid = &played.grid;
+        let mut values = json!({
+            "arm": arm_record(arm, run.nodes_m.iter().map(|nodes| nodes.len() - 1)),
+            "torque": {
+                "samples": grid.len,
+                "start_s": grid.time_s(0),
+                "end_s": grid.end_s(),
+                "step_s": grid.step_s,
+                "interpolation": play.interpolation,
+            },
+            "feedback": play.feedback.iter().map(gains).collect::<Vec<_>>(),
+            "elastica": { "angles": played.angles, "steps_per_sample": played.steps },
+            "results": played_results(metrics),
+            "errors": {
+                "refinement": { "tip_m": tip_m, "joints_rad": joint_rad },
+                "energy": played.imbalance(),
+            },
+            "tip_error": tip_error.map(tip_numbers),
+        });
+        store_limits(&mut values, run.limits);
+        let warnings = run.warnings.iter().map(Notice::from).collect();
+        let summary = Self { values, ..Self::titled("simulate", inputs, arm.title()) };
+        summary.played(warnings, (metrics, run.limits), target)
+    }
+
+    /// The summary with what is known of its simulation.
+    fn played(
+        self,
+        mut warnings: Vec<Notice>,
+        (metrics, limits): (&PlayedMetrics, &[Limits]),
+        target: Option<&FollowedTarget>,
+    ) -> Self {
+        warnings.extend(target.and_then(|target| target.tip_error.late).map(Notice::from));
+        warnings.extend(metrics.exceeded(limits).into_iter().map(Notice::from));
+        let files = played_files(metrics.joints.len(), target.is_some());
+        let files = files.into_iter().map(str::to_owned).collect();
+        Self { warnings, files, ..self }
+    }
+}
+
+/// Stores the limits of a single link, or those of each joint, where there are some.
+fn store_limits(values: &mut Value, limits: &[Limits]) {
+    let stored: Vec<Option<Value>> = limits.iter().map(Limits::stored).collect();
+    match &stored[..] {
+        [Some(own)] => values["limits"] = own.clone(),
+        several if several.iter().any(Option::is_some) => values["limits"] = json!(several),
+        _ => {}
+    }
+}
+
+fn gains(feedback: &Feedback) -> Value {
+    json!({
+        "stiffness_n_m_rad": feedback.stiffness_n_m_rad(),
+        "damping_n_m_s_rad": feedback.damping_n_m_s_rad(),
+    })
+}
+
+/// The arm and its links, in SI.
+fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
+    let links = arm.links().iter().zip(elements).map(|(own, elements)| {
+        json!({
+            "name": own.name,
+            "elements": elements,
+            "link": LinkRecord::of_parts(&own.link),
+            "drive": own.link.drive(),
+        })
+    });
+    json!({
+        "length_m": arm.length_m(),
+        "gravity_m_s2": arm.gravity_m_s2(),
+        "elbow": arm.elbow(),
+        "links": links.collect::<Vec<Value>>(),
+    })
+}
+
+/// The numbers of a joint, its angles at the ends among them.
+fn joint_record(joint: &JointMetrics) -> Map<String, Value> {
+    let mut record = joint.by_name();
+    let [start_rad, end_rad] = joint.end_angles_rad;
+    record.insert("start_angle_rad".to_owned(), start_rad.into());
+    record.insert("end_angle_rad".to_owned(), end_rad.into());
+    record
 }
 
 fn mesh_values(mesh: &Mesh) -> Value {
@@ -282,7 +437,7 @@ fn analysis_values(solution: &Solution) -> Value {
 }
 
 /// The results of a simulation: its numbers with those of the hub, or of an arm with those of its joints.
-pub(super) fn played_results(metrics: &PlayedMetrics) -> Value {
+fn played_results(metrics: &PlayedMetrics) -> Value {
     let whole = [
         ("farthest_m", metrics.farthest_m),
         ("travel_m", metrics.travel_m),

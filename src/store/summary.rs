@@ -176,6 +176,11 @@ impl Summary {
         Self { files: Vec::new(), ..self }
     }
 
+    /// Number of the files that the run writes, this one among them.
+    pub fn file_count(&self) -> usize {
+        self.files.len()
+    }
+
     /// The arguments of the torque table that the run writes; none without one.
     pub(super) fn table_arguments(&self) -> Vec<String> {
         let arguments = self.values["table"]["arguments"].as_array().into_iter().flatten();
@@ -241,6 +246,11 @@ impl Summary {
         self.link.clone().link(&self.title, self.drive.flatten())
     }
 
+    /// True if it is of a solution, false of a simulation.
+    pub(super) fn is_solved(&self) -> bool {
+        self.command == "solve"
+    }
+
     /// True if it is of an arm of several links.
     pub(super) fn is_of_arm(&self) -> bool {
         !self.values["arm"].is_null()
@@ -252,6 +262,13 @@ impl Summary {
         let solved = number("analysis", "window_start_s").zip(number("analysis", "window_end_s"));
         let played = |input| number(input, "start_s").zip(number(input, "simulated_until_s"));
         solved.or_else(|| played("torque")).or_else(|| played("hub_angle"))
+    }
+
+    /// A number of an object that every solution has.
+    pub(super) fn number(&self, of: &str, key: &str, place: Place) -> Result<f64, TableError> {
+        let object = &self.values[of];
+        let missing = if object.is_object() { format!("{of}.{key}") } else { of.to_owned() };
+        object[key].as_f64().ok_or_else(|| place.refuse(missing, "nothing", "must be there"))
     }
 
     /// Limits as they are stored; none where nothing is there.

@@ -7,9 +7,8 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::json;
 
-use super::arm_run::torque;
+use super::names::TORQUE;
 use super::run_summary::tip_numbers;
-use super::run_tables::TORQUE;
 use super::summary::Summary;
 use crate::csv::{Column, ColumnGroup, Digits, NumberFormat, sha256, time_format, write_csv};
 use crate::numeric::largest;
@@ -138,8 +137,7 @@ impl TorqueFile<'_> {
 
     fn write_csv(&self, out: &mut (dyn Write + Send)) -> io::Result<()> {
         let columns = self.table.torques_n_m();
-        let name =
-            |k: usize| if columns.len() == 1 { TORQUE.1[0].to_owned() } else { torque(k + 1) };
+        let name = |k: usize| TORQUE.column(columns.len(), k, 0);
         let columns =
             columns.iter().enumerate().map(|(k, values)| Column { name: name(k), values });
         let group = ColumnGroup { columns: columns.collect() };

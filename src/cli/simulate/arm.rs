@@ -4,11 +4,12 @@ use std::path::Path;
 
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::InputFile;
+use flexlink::inverse::Unwatched;
 use flexlink::link::ArmLink;
 use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
 use flexlink::result::{FollowedTarget, PlayedMetrics, TargetError};
 use flexlink::spec::ArmSpecification;
-use flexlink::store::{PlayedRun, RunInputs, SimulateFiles, Summary, state_json};
+use flexlink::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
 use flexlink::text::{plain, shown_path};
 
 use super::options::{Simulate, shown};
@@ -58,7 +59,7 @@ impl Simulate {
         console::warnings(late);
         let exceeded = run.metrics.exceeded(run.limits);
         console::warnings(&exceeded);
-        let written = format!("{} files in {}", run.file_names().len(), shown_path(&self.output));
+        let written = format!("{} files in {}", summary.file_count(), shown_path(&self.output));
         self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
         self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())
     }
@@ -126,7 +127,10 @@ impl Simulate {
         let record = RunInputs::of_simulate(&inputs.arm_file, &files, true, self.arguments());
         let summary = Summary::of_played_arm(record, run);
         let folder = self.sync.stage(Path::new(&self.output))?;
-        self.nodes.outputs(self.digits).write_played(folder, run, &summary)?;
+        let outputs = self.nodes.outputs(self.digits);
+        let tables =
+            RunTables::of_played_arm((run.arm, run.played), run.nodes_m, run.target, &outputs);
+        outputs.write(folder, tables, (&summary, None), &Unwatched)?;
         if let Some(path) = &self.play.save_state {
             let state = state_json(&run.played.state());
             console::deliver(Some(path), state.as_bytes())?;

@@ -4,13 +4,15 @@ pub(crate) mod arm;
 mod options;
 
 use std::path::Path;
+use std::slice::from_ref;
 
 use flexlink::csv::InputFile;
 use flexlink::elastica::SecondOrder;
+use flexlink::inverse::Unwatched;
 use flexlink::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
 use flexlink::result::{Comparison, FollowedTarget, Limits, PlayedMetrics, TargetError};
 use flexlink::spec::{Described, Specification};
-use flexlink::store::{PlayFindings, RunInputs, RunOutputs, SimulateFiles, Summary, state_json};
+use flexlink::store::{PlayFindings, RunInputs, RunTables, SimulateFiles, Summary, state_json};
 use flexlink::text::{plain, shown_path};
 
 use self::arm::ArmInputs;
@@ -194,11 +196,9 @@ impl Simulate {
         let findings = played.findings();
         let summary = Summary::of_simulation(record, (link, play), simulation, metrics, &findings);
         let folder = self.sync.stage(&self.output)?;
-        self.nodes.outputs(self.digits).write_simulation(
-            folder,
-            (link, simulation),
-            (findings.target, &summary),
-        )?;
+        let outputs = self.nodes.outputs(self.digits);
+        let tables = RunTables::of_simulation((link, simulation), findings.target, &outputs)?;
+        outputs.write(folder, tables, (&summary, None), &Unwatched)?;
         if let Some(path) = &self.play.save_state {
             console::deliver(Some(path), state_json(&simulation.state()).as_bytes())?;
         }
@@ -216,8 +216,7 @@ impl Simulate {
         let exceeded = metrics.exceeded(&[played.limits]);
         console::warnings(&exceeded);
         let text = || {
-            let files = RunOutputs::simulation_file_names(target.as_ref()).len();
-            let written = format!("{files} files in {}", shown_path(&self.output));
+            let written = format!("{} files in {}", summary.file_count(), shown_path(&self.output));
             let link = &inputs.specification.link;
             simulate_text(link, play, simulation, metrics, &played.findings(), written)
                 + &self.nodes.text(&[simulation.mesh.nodes_m()])
@@ -238,7 +237,7 @@ impl Played<'_> {
     fn findings(&self) -> PlayFindings<'_> {
         PlayFindings {
             error: self.error.as_ref(),
-            limits: self.limits,
+            limits: from_ref(&self.limits),
             target: self.target.as_ref(),
             comparison: self.comparison.as_ref(),
         }

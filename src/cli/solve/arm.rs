@@ -4,10 +4,11 @@ use std::path::Path;
 
 use flexlink::beam::MeshPlan;
 use flexlink::csv::InputFile;
+use flexlink::inverse::Unwatched;
 use flexlink::report::{self, Figures};
 use flexlink::result::StoredResult;
 use flexlink::spec::ArmSpecification;
-use flexlink::store::{Durability, OutputFolder, RunInputs, Summary};
+use flexlink::store::{Durability, OutputFolder, RunInputs, RunTables, Summary};
 use flexlink::verify::{AnySolution, Verification};
 
 use super::run::{Page, SolveOptions};
@@ -85,12 +86,16 @@ impl<'a> ArmProblem<'a> {
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| {
             stages.at("drawing");
-            let run = StoredResult::Arms(vec![outputs.stored_arm(&solved.solution, summary)]);
-            report::page(&run, &Figures::of(&run))
+            // A page draws all nodes.
+            let tables = RunTables::of_arm(&solved.solution, &outputs.of_page());
+            let run = StoredResult::Runs(vec![outputs.stored(&tables, summary)?]);
+            Ok::<String, Failure>(report::page(&run, &Figures::of(&run)))
         });
+        let drawn = drawn.transpose()?;
         let on_wait = |folder: &Path| stages.above(|| console::waiting(folder));
         let folder = OutputFolder::stage(folder, &on_wait)?.with(durability);
-        outputs.write_arm(folder, &solved.solution, (summary, drawn.as_deref()))?;
+        let tables = RunTables::of_arm(&solved.solution, &outputs);
+        outputs.write(folder, tables, (summary, drawn.as_deref()), &Unwatched)?;
         Ok(())
     }
 
@@ -100,10 +105,5 @@ impl<'a> ArmProblem<'a> {
         console::warnings(&solved.solution.warnings);
         let limits = solved.exceeded.iter().skip(usize::from(is_strict));
         console::warnings(limits);
-    }
-
-    /// Number of the files that are written.
-    pub(super) fn files(&self, solved: &SolvedArm) -> usize {
-        self.options.outputs().arm_files(&solved.solution)
     }
 }

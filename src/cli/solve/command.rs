@@ -180,10 +180,11 @@ impl Solve {
     }
 
     /// How many rows and files are written, and where; empty where no folder is.
-    fn written(&self, grid: &TimeGrid, files: usize) -> String {
+    fn written(&self, grid: &TimeGrid, summary: &Summary) -> String {
         let Some(output) = &self.output else { return String::new() };
         let rows = self.options.outputs().rows(grid);
-        format!("{}; {files} files in {}", rows_text(&rows), shown_path(output))
+        let (rows, files) = (rows_text(&rows), summary.file_count());
+        format!("{rows}; {files} files in {}", shown_path(output))
     }
 
     /// The line that says where the page is; empty without one.
@@ -220,7 +221,7 @@ impl Solve {
         let SolvedArm { solution, metrics, exceeded, .. } = solved;
         let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
-            let written = self.written(&solution.grid, problem.files(solved));
+            let written = self.written(&solution.grid, &summary);
             let nodes_m: Vec<&[f64]> = solution.links.iter().map(|own| &own.nodes_m[..]).collect();
             let stations = self.options.nodes.text(&nodes_m);
             arm_text(solution, metrics, written) + &stations + &checks + &self.page_line()
@@ -263,8 +264,7 @@ impl Solve {
         console::warnings(limits);
         let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
-            let files = self.options.outputs().file_names(solution.link()).len();
-            let written = self.written(&solution.grid, files);
+            let written = self.written(&solution.grid, summary);
             let stations = self.options.nodes.text(&[solution.mesh().nodes_m()]);
             solve_text(solution, metrics, written) + &stations + &checks + &self.page_line()
         };

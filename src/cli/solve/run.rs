@@ -11,9 +11,11 @@ use flexlink::inverse::{Analysis, InversionError, Resources, Solution, invert_wi
 use flexlink::link::Link;
 use flexlink::motion::TipMotion;
 use flexlink::report::{Figures, page};
-use flexlink::result::{Exceeded, Metrics, Remark};
+use flexlink::result::{Exceeded, Metrics, Remark, StoredResult};
 use flexlink::spec::{Described, Specification};
-use flexlink::store::{Durability, Findings, OutputFolder, RunInputs, RunOutputs, Summary};
+use flexlink::store::{
+    Durability, Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary,
+};
 use flexlink::text::gigabytes;
 use flexlink::verify::{AnySolution, Verification};
 
@@ -241,7 +243,7 @@ impl<'a> Problem<'a> {
         let Self { link_file, motion_file, .. } = self;
         let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
         let verification = solved.verification.as_ref();
-        let limits = self.specification.limits;
+        let limits = from_ref(&self.specification.limits);
         let findings = Findings { limits, exceeded, verification, remarks: &solved.remarks };
         Summary::of_solution(inputs, solution, metrics, &findings, &self.options.outputs())
     }
@@ -261,19 +263,20 @@ impl<'a> Problem<'a> {
         if deflections.bytes() >= LARGE {
             stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
+        let bytes = outputs.page_bytes(&deflections);
+        let tables = RunTables::of_solution(solution, deflections);
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {
             stages.at("drawing");
-            let bytes = outputs.page_bytes(&deflections);
             let hint = "leave --report out, or use --nodes or --every";
             memory::check("the page", bytes, *memory_bytes, hint)?;
-            let run = outputs.stored((solution, &deflections), summary)?;
+            let run = StoredResult::Runs(vec![outputs.stored(&tables, summary)?]);
             Ok(self::page(&run, &Figures::of(&run)))
         });
         let drawn = drawn.transpose()?;
         let on_wait = |folder: &Path| stages.above(|| console::waiting(folder));
         let folder = OutputFolder::stage(folder, &on_wait)?.with(durability);
-        outputs.write(folder, (solution, deflections), (summary, drawn.as_deref()), stages)?;
+        outputs.write(folder, tables, (summary, drawn.as_deref()), stages)?;
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! The work of one case of a sweep, and what comes of it.
 
 use std::path::Path;
+use std::slice::from_ref;
 
 use flexlink::csv::{InputFile, PathTable};
 use flexlink::elastica::SecondOrder;
@@ -8,7 +9,9 @@ use flexlink::inverse::{Resources, Unwatched, invert_with};
 use flexlink::response::{Play, PlayError, Torque, simulate};
 use flexlink::result::{FollowedTarget, Metrics, Notice, PlayedMetrics, Remark};
 use flexlink::spec::Specification;
-use flexlink::store::{Findings, OutputFolder, PlayFindings, RunInputs, SimulateFiles, Summary};
+use flexlink::store::{
+    Findings, OutputFolder, PlayFindings, RunInputs, RunTables, SimulateFiles, Summary,
+};
 use flexlink::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
@@ -85,7 +88,7 @@ impl Cases<'_> {
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
             let remarks = remarks(&specification.remarks, &solution);
             let findings = Findings {
-                limits: *limits,
+                limits: from_ref(limits),
                 exceeded: &exceeded,
                 verification: None,
                 remarks: &remarks,
@@ -95,7 +98,8 @@ impl Cases<'_> {
             let deflections = outputs.deflections(&solution)?;
             memory::check_nodes(deflections.bytes(), memory_bytes)?;
             let folder = self.stage(&folder)?;
-            outputs.write(folder, (&solution, deflections), (&summary, None), &Unwatched)?;
+            let tables = RunTables::of_solution(&solution, deflections);
+            outputs.write(folder, tables, (&summary, None), &Unwatched)?;
         }
         let own = solution.warnings.iter().map(Notice::from);
         let limits = exceeded.iter().map(of_limit);
@@ -129,7 +133,8 @@ impl Cases<'_> {
             checked.map_err(|refused| Failure { exit: Exit::InputRefused, ..refused })?;
             let outputs = self.shared.outputs.nodes.outputs(self.shared.outputs.digits);
             let summary = solved.summary(inputs, None, &outputs);
-            outputs.write_arm(self.stage(&folder)?, &solved.solution, (&summary, None))?;
+            let tables = RunTables::of_arm(&solved.solution, &outputs);
+            outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
         let SolvedArm { solution, metrics, exceeded, remarks, .. } = &solved;
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
@@ -182,12 +187,12 @@ impl Cases<'_> {
             let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
             let target = Some(&target);
-            let findings =
-                PlayFindings { error: error.as_ref(), limits: *limits, target, comparison: None };
+            let limits = from_ref(limits);
+            let findings = PlayFindings { error: error.as_ref(), limits, target, comparison: None };
             let played = (link, &play);
             let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, &findings);
-            let run = (link, &simulation);
-            outputs.write_simulation(self.stage(&folder)?, run, (target, &summary))?;
+            let tables = RunTables::of_simulation((link, &simulation), target, &outputs)?;
+            outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
         let coarse = error.and_then(|error| error.warning(&simulation));
         let own = simulation.warnings.iter().copied().chain(coarse);

@@ -8,7 +8,7 @@ use flexlink::motion::Prescribed;
 use flexlink::response::{ArmModes, PoseMode, SettledModes};
 use flexlink::result::{LinkZeros, Metrics, PlayedJoint};
 use flexlink::store::PlayedRun;
-use flexlink::text::{plain, significant, visible};
+use flexlink::text::{instant, plain, significant, visible};
 
 use super::layout::LABEL;
 use super::played::{between, times, tip_error_line, tip_line};
@@ -76,7 +76,8 @@ fn path_line(solution: &ArmSolution) -> String {
         Prescribed::Tip => "of the tip",
         Prescribed::Angles => "as angles of the links",
     };
-    let [from, to, step, way] = four([grid.time_s(0), grid.end_s(), grid.step_s, solution.way_m]);
+    let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
+    let [step, way] = four([grid.step_s, solution.way_m]);
     let cutoff = solution.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
         format!("up to {} Hz", significant(hertz, 4))
     });

@@ -7,7 +7,7 @@ use flexlink::response::{
 };
 use flexlink::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipError};
 use flexlink::store::PlayFindings;
-use flexlink::text::{plain, significant};
+use flexlink::text::{instant, plain, significant};
 
 use super::layout::LABEL;
 use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, turned};
@@ -133,7 +133,7 @@ pub(super) fn between(interpolation: Interpolation) -> &'static str {
 
 /// Times of the samples that are played.
 pub(super) fn times(grid: &TimeGrid) -> String {
-    let [start, end] = four([grid.time_s(0), grid.end_s()]);
+    let [start, end] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
     format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
 }
 
@@ -256,6 +256,6 @@ fn model_line(simulation: &Simulation) -> String {
 
 pub(super) fn tip_error_line(error: &TipError) -> String {
     let worst = significant(error.worst_m, 4);
-    let [time, share] = [error.time_s, error.share].map(|number| significant(number, 3));
+    let (time, share) = (instant(error.time_s, 3), significant(error.share, 3));
     format!("tip strays by up to {worst} m at {time} s, {share} of its travel")
 }

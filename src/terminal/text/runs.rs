@@ -11,7 +11,7 @@ use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use flexlink::motion::Ends;
 use flexlink::numeric::ThinnedGrid;
 use flexlink::result::{JointMetrics, Metrics, MotorMetrics, Peak};
-use flexlink::text::{gigabytes, plain, significant, visible};
+use flexlink::text::{gigabytes, instant, plain, significant, visible};
 
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
 
@@ -231,16 +231,16 @@ fn with_peaks(motion: &str, solution: &Solution, metrics: &Metrics) -> String {
 /// The torque of hub or motor.
 fn acting(peak_n_m: Peak, rms_n_m: f64) -> String {
     let peak = significant(peak_n_m.value, 4);
-    let [time, rms] = [peak_n_m.time_s, rms_n_m].map(|number| significant(number, 3));
+    let (time, rms) = (instant(peak_n_m.time_s, 3), significant(rms_n_m, 3));
     format!("peak {peak} N m at {time} s, rms {rms} N m")
 }
 
 /// The hub's torque beside that of a rigid link.
 fn torque_line(metrics: &JointMetrics) -> String {
     let [peak, rigid] = four([metrics.peak_torque_n_m.value, metrics.peak_rigid_torque_n_m.value]);
-    let [time, rms, ratio] =
-        [metrics.peak_torque_n_m.time_s, metrics.rms_torque_n_m, metrics.torque_ratio]
-            .map(|number| significant(number, 3));
+    let time = instant(metrics.peak_torque_n_m.time_s, 3);
+    let [rms, ratio] =
+        [metrics.rms_torque_n_m, metrics.torque_ratio].map(|number| significant(number, 3));
     let parts = [
         format!("peak {peak} N m at {time} s"),
         format!("rms {rms}"),
@@ -355,7 +355,7 @@ pub(super) fn errors_text(
 
 /// Rows that are written, and the times of the first and the last.
 pub(crate) fn rows_text(rows: &ThinnedGrid) -> String {
-    let [start, end] = four([0, rows.len().saturating_sub(1)].map(|row| rows.time_s(row)));
+    let [start, end] = [0, rows.len().saturating_sub(1)].map(|row| instant(rows.time_s(row), 4));
     format!("{} rows, {start} … {end} s", rows.len())
 }
 

@@ -43,7 +43,7 @@ impl Bench {
     #[track_caller]
     fn run_of(&self, folder: &str) -> StoredRun {
         match read_result(&self.path(folder)) {
-            Ok(StoredResult::Run(run)) => *run,
+            Ok(StoredResult::Runs(mut runs)) => runs.remove(0),
             other => panic!("{other:?}"),
         }
     }

@@ -43,22 +43,35 @@ fn assert_same_link(found: &Link, expected: &Link) {
 fn assert_histories(bench: &Bench, folder: &str, run: &StoredRun) {
     let column = |file: &str, name: &str| bench.column(&format!("{folder}/{file}"), name);
     assert!(run.times_s == column("torque.csv", "time_s") && run.times_s.len() > 100);
-    assert!(run.torque_n_m == column("torque.csv", "torque_n_m"));
-    assert!(run.hub_angle_rad == column("hub_angle.csv", "hub_angle_rad"));
-    assert!(run.tip.displacement_m == column("tip.csv", "tip_displacement_m"));
-    assert!(run.tip.velocity_m_s == column("tip.csv", "tip_velocity_m_s"));
-    assert!(run.tip.acceleration_m_s2 == column("tip.csv", "tip_acceleration_m_s2"));
+    assert!(run.joints[0].torque_n_m == column("torque.csv", "torque_n_m"));
+    assert!(run.joints[0].angle_rad == column("hub_angle.csv", "hub_angle_rad"));
+    let arc = run.arc.as_ref().unwrap();
+    assert!(arc.tip.displacement_m == column("tip.csv", "tip_displacement_m"));
+    assert!(arc.tip.velocity_m_s == column("tip.csv", "tip_velocity_m_s"));
+    assert!(arc.tip.acceleration_m_s2 == column("tip.csv", "tip_acceleration_m_s2"));
     let nodes = bench.read(&format!("{folder}/nodes.csv"));
     let places = nodes.lines().skip(1).map(|row| row.split(',').nth(1).unwrap());
     let places: Vec<f64> = places.map(|place| place.parse().unwrap()).collect();
-    assert_eq!(places.len(), run.mesh.nodes_m().len());
-    for (place, own) in places.iter().zip(run.mesh.nodes_m()) {
+    assert_eq!(places.len(), arc.mesh.nodes_m().len());
+    for (place, own) in places.iter().zip(arc.mesh.nodes_m()) {
         assert!((place - own).abs() < 1e-9);
     }
-    if let Some(solved) = &run.solved {
-        assert!(solved.rigid_torque_n_m == column("rigid_torque.csv", "rigid_torque_n_m"));
-        assert!(solved.rigid_hub_angle_rad == column("hub_angle.csv", "rigid_hub_angle_rad"));
+    if let Some(rigid) = &run.joints[0].rigid_torque_n_m {
+        assert!(*rigid == column("rigid_torque.csv", "rigid_torque_n_m"));
+        let angle = column("hub_angle.csv", "rigid_hub_angle_rad");
+        assert!(run.joints[0].rigid_angle_rad == Some(angle));
     }
+    assert_eq!(run.joints[0].rigid_torque_n_m.is_some(), run.origin.command == "solve");
+}
+
+/// The deflections of a run of one link.
+fn deflections(run: &StoredRun) -> StoredNodes {
+    run.arc.as_ref().unwrap().deflections_m.clone().unwrap()
+}
+
+/// The bending moments of a run of one link.
+fn moments(run: &StoredRun) -> StoredNodes {
+    run.links[0].moments_n_m.clone().unwrap()
 }
 
 /// That a quantity at nodes is the table's.
@@ -111,9 +124,10 @@ fn every_rig_comes_back_as_it_was_solved() {
         bench.solve(&[&[file, MOTION], &set[..]].concat());
         let run = bench.run_of("out");
         let expected = link_of(file, changes);
-        assert_same_link(&run.link, &expected);
-        assert_eq!(run.link.damping().name(), law);
-        match (run.link.damping(), expected.damping()) {
+        assert_same_link(&run.links[0].link, &expected);
+        let link = &run.links[0].link;
+        assert_eq!(link.damping().name(), law);
+        match (link.damping(), expected.damping()) {
             // Told by α and β, which are what the law has come to on the mesh.
             (Damping::Rayleigh { alpha_per_s, beta_s }, _) => {
                 assert!(*alpha_per_s > 0.0 && *beta_s > 0.0);
@@ -121,10 +135,10 @@ fn every_rig_comes_back_as_it_was_solved() {
             (found, expected) => assert_eq!(found, expected),
         }
         assert_histories(&bench, "out", &run);
-        let derived = run.deflections_m.unwrap();
+        let derived = deflections(&run);
         bench.solve(&[&[file, MOTION], &set[..], &["--deflections", "--moments"]].concat());
         let run = bench.run_of("out");
-        let (deflections, moments) = (run.deflections_m.unwrap(), run.moments_n_m.unwrap());
+        let (deflections, moments) = (deflections(&run), moments(&run));
         assert_nodes(&bench, "out/nodal_deflections.csv", ("w", "m"), &deflections);
         assert_nodes(&bench, "out/bending_moments.csv", ("m", "n_m"), &moments);
         assert_near(&derived, &deflections);
@@ -137,15 +151,15 @@ fn nodal_tables_may_be_thinned_in_any_order() {
     for every in ["1", "7", "300", "100000"] {
         let thin = ["--nodes", "10,0,5", "--every", every, "--moments"];
         bench.solve(&[&[LINK, MOTION], &thin[..]].concat());
-        let derived = bench.run_of("out").deflections_m.unwrap();
+        let derived = deflections(&bench.run_of("out"));
         assert_eq!(derived.nodes, [0, 5, 10]);
         bench.solve(&[&[LINK, MOTION, "--deflections"], &thin[..]].concat());
         let run = bench.run_of("out");
         let every: usize = every.parse().unwrap();
         let thinned: Vec<f64> = run.times_s.iter().step_by(every).copied().collect();
         assert_eq!(derived.times_s, thinned);
-        assert_near(&derived, &run.deflections_m.unwrap());
-        assert_nodes(&bench, "out/bending_moments.csv", ("m", "n_m"), &run.moments_n_m.unwrap());
+        assert_near(&derived, &deflections(&run));
+        assert_nodes(&bench, "out/bending_moments.csv", ("m", "n_m"), &moments(&run));
     }
 }
 
@@ -159,11 +173,11 @@ fn all_digits_and_an_automatic_mesh_with_few_kept_modes_come_back() {
     let digits = ["--digits", "full", "--set", "analysis.modes=4"];
     bench.solve(&[&[link, MOTION], &set[..], &digits].concat());
     let run = bench.run_of("out");
-    assert_eq!(run.kept_modes, Some(4));
-    assert!(run.mesh.nodes_m().len() > 9);
+    assert_eq!(run.arc.as_ref().unwrap().kept_modes, Some(4));
+    assert!(run.arc.as_ref().unwrap().mesh.nodes_m().len() > 9);
     assert_histories(&bench, "out", &run);
     bench.solve(&[LINK, MOTION]);
-    assert_eq!(bench.run_of("out").kept_modes, None);
+    assert_eq!(bench.run_of("out").arc.unwrap().kept_modes, None);
 }
 
 #[test]
@@ -186,14 +200,14 @@ fn a_simulation_comes_back_with_and_without_feedback_and_target() {
     ] {
         bench.run(&[&play[..], options].concat(), "played");
         let run = bench.run_of("played");
-        assert_same_link(&run.link, &link_of(LINK, &["payload.mass=0.05"]));
+        assert_same_link(&run.links[0].link, &link_of(LINK, &["payload.mass=0.05"]));
         assert_histories(&bench, "played", &run);
         assert_eq!(run.origin.inputs.iter().map(|i| i.role.as_str()).collect::<Vec<_>>(), roles);
-        assert_eq!((run.solved, run.moments_n_m, run.kept_modes), (None, None, None));
+        let arc = run.arc.as_ref().unwrap();
+        assert_eq!((run.moving_s, &run.links[0].moments_n_m, arc.kept_modes), (None, &None, None));
         assert_eq!(run.origin.arguments[..2], ["--set", "payload.mass=0.05"]);
         // v = xθ + w, the other way round.
-        let found = run.deflections_m.unwrap();
-        assert_deflected(&bench, &run.mesh, &run.hub_angle_rad, &found);
+        assert_deflected(&bench, &arc.mesh, &run.joints[0].angle_rad, &deflections(&run));
     }
 }
 

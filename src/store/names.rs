@@ -1,0 +1,213 @@
+//! Names of a run's files and columns, for writing and reading: of a single link, and of an arm of several links.
+
+use std::ffi::OsStr;
+
+/// Written last: where it exists, the run is whole.
+pub const SUMMARY: &str = "summary.json";
+
+/// The page that `flexlink report` makes of a run; a later run removes it with the other files.
+pub const REPORT: &str = "report.html";
+
+/// Names for a single link and for an arm; empty where one of them has no such file or column.
+type Name = [&'static str; 2];
+
+/// A table over time with columns for each joint.
+#[derive(Debug)]
+pub(super) struct JointFile {
+    file: Name,
+    /// Columns of a joint, `#` its number from 1. Columns without `#` are those of the whole arm.
+    columns: &'static [Name],
+    /// Whether the columns of all joints have the decimals of their common peak.
+    pub(super) shares_decimals: bool,
+}
+
+impl JointFile {
+    const fn new(file: Name, columns: &'static [Name]) -> Self {
+        Self { file, columns, shares_decimals: false }
+    }
+
+    /// The file of a run with so many joints.
+    pub(super) const fn name(&self, joints: usize) -> &'static str {
+        pick(self.file, joints)
+    }
+
+    /// Name of a joint's column; empty if there is no such column.
+    pub(super) fn column(&self, joints: usize, joint: usize, column: usize) -> String {
+        pick(self.columns[column], joints).replace('#', &(joint + 1).to_string())
+    }
+
+    /// Names of all columns of these joints.
+    pub(super) fn columns(&self, joints: usize, of: &[usize]) -> Vec<String> {
+        let is_of_arm = !self.columns[0][1].contains('#');
+        let of = of.iter().filter(|joint| **joint == 0 || !is_of_arm);
+        let columns = of.flat_map(|joint| {
+            (0..self.columns.len()).map(move |column| self.column(joints, *joint, column))
+        });
+        columns.filter(|name| !name.is_empty()).collect()
+    }
+}
+
+const fn pick(name: Name, joints: usize) -> &'static str {
+    name[(joints > 1) as usize]
+}
+
+pub(super) static TORQUE: JointFile = JointFile {
+    file: ["torque.csv", "torques.csv"],
+    columns: &[["torque_n_m", "torque#_n_m"]],
+    shares_decimals: true,
+};
+pub(super) static RIGID_TORQUE: JointFile = JointFile {
+    file: ["rigid_torque.csv", "rigid_torques.csv"],
+    columns: &[["rigid_torque_n_m", "rigid_torque#_n_m"]],
+    shares_decimals: true,
+};
+/// Angles of the hub or of the joints. A simulation does not have the last column.
+pub(super) static ANGLE: JointFile = JointFile::new(
+    ["hub_angle.csv", "joint_angles.csv"],
+    &[
+        ["hub_angle_rad", "joint#_rad"],
+        ["hub_rate_rad_s", "joint#_rate_rad_s"],
+        ["hub_acceleration_rad_s2", "joint#_acceleration_rad_s2"],
+        ["rigid_hub_angle_rad", "rigid_joint#_rad"],
+    ],
+);
+/// Motors of joints with a drive.
+pub(super) static MOTOR: JointFile = JointFile::new(
+    ["motor.csv"; 2],
+    &[
+        ["motor_torque_n_m", "motor#_torque_n_m"],
+        ["motor_angle_rad", "motor#_angle_rad"],
+        ["motor_rate_rad_s", "motor#_rate_rad_s"],
+        ["motor_power_w", "motor#_power_w"],
+    ],
+);
+/// Chords of an arm's links. A simulation has only their angles.
+pub(super) static CHORD: JointFile = JointFile::new(
+    ["", "chord_angles.csv"],
+    &[["", "angle#_rad"], ["", "rate#_rad_s"], ["", "acceleration#_rad_s2"], ["", "length#_m"]],
+);
+/// Forces on the inner ends of an arm's links.
+pub(super) static FORCE: JointFile =
+    JointFile::new(["", "reactions.csv"], &[["", "force#_x_n"], ["", "force#_y_n"]]);
+/// Motion of the tip: along the arc of a link, or in the plane.
+pub(super) static TIP: JointFile = JointFile::new(
+    ["tip.csv"; 2],
+    &[
+        ["tip_displacement_m", "x_m"],
+        ["tip_velocity_m_s", "y_m"],
+        ["tip_acceleration_m_s2", "velocity_x_m_s"],
+        ["", "velocity_y_m_s"],
+        ["", "acceleration_x_m_s2"],
+        ["", "acceleration_y_m_s2"],
+    ],
+);
+/// The wanted tip of a simulation and the distance from it, at the target's times.
+pub(super) static TIP_ERROR: JointFile = JointFile::new(
+    ["tip_error.csv"; 2],
+    &[["wanted_displacement_m", "wanted_x_m"], ["tip_error_m", "wanted_y_m"], ["", "tip_error_m"]],
+);
+
+/// A table over time with columns for each node: `v7_m` of a link, `x2_7_m` of the second link of an arm.
+#[derive(Debug)]
+pub(super) struct NodalFile {
+    file: Name,
+    /// First letters of a node's columns, for a link and for an arm.
+    pub(super) letters: [&'static [&'static str]; 2],
+    pub(super) unit: &'static str,
+}
+
+impl NodalFile {
+    /// The file of a run with so many links.
+    pub(super) const fn name(&self, links: usize) -> &'static str {
+        pick(self.file, links)
+    }
+
+    /// Letters of a node's columns.
+    pub(super) const fn letters(&self, links: usize) -> &'static [&'static str] {
+        self.letters[(links > 1) as usize]
+    }
+
+    /// Name of a column of a node.
+    pub(super) fn column(&self, links: usize, link: usize, letter: usize, node: usize) -> String {
+        let (letter, unit) = (self.letters(links)[letter], self.unit);
+        let link = if links > 1 { format!("{}_", link + 1) } else { String::new() };
+        format!("{letter}{link}{node}_{unit}")
+    }
+}
+
+/// Displacements of a link's nodes, places of an arm's.
+pub(super) static PLACES: NodalFile = NodalFile {
+    file: ["nodal_displacements.csv", "nodal_positions.csv"],
+    letters: [&["v"], &["x", "y"]],
+    unit: "m",
+};
+/// Deflections from the hub's tangent line, of an arm's links from their chords.
+pub(super) static DEFLECTIONS: NodalFile =
+    NodalFile { file: ["nodal_deflections.csv"; 2], letters: [&["w"]; 2], unit: "m" };
+pub(super) static MOMENTS: NodalFile =
+    NodalFile { file: ["bending_moments.csv"; 2], letters: [&["m"]; 2], unit: "n_m" };
+
+/// Distances of the nodes along the link, or along each link.
+pub(super) const NODES: &str = "nodes.csv";
+const NODE_COLUMNS: [&[&str]; 2] = [&["node", "x_m", "segment"], &["link", "node", "x_m", "name"]];
+
+/// Columns of [`NODES`].
+pub(super) const fn node_columns(links: usize) -> &'static [&'static str] {
+    NODE_COLUMNS[(links > 1) as usize]
+}
+
+/// Files of a solution in the order of its summary.
+const SOLVED: [Name; 11] = [
+    TORQUE.file,
+    RIGID_TORQUE.file,
+    ANGLE.file,
+    CHORD.file,
+    TIP.file,
+    MOTOR.file,
+    FORCE.file,
+    [NODES; 2],
+    PLACES.file,
+    DEFLECTIONS.file,
+    MOMENTS.file,
+];
+
+/// Files of a simulation in the order of its summary.
+const PLAYED: [Name; 7] =
+    [TORQUE.file, TIP.file, ANGLE.file, CHORD.file, PLACES.file, [NODES; 2], TIP_ERROR.file];
+
+/// Names of a list for a run with so many links.
+fn all(list: &'static [Name], links: usize) -> impl Iterator<Item = &'static str> {
+    list.iter().map(move |name| pick(*name, links)).filter(|name| !name.is_empty())
+}
+
+/// Files of a solution with so many links.
+pub(super) fn solved_files(links: usize) -> impl Iterator<Item = &'static str> {
+    all(&SOLVED, links)
+}
+
+/// Files of a simulation with so many links, with a target or without, summary.json last.
+pub(super) fn played_files(links: usize, has_target: bool) -> Vec<&'static str> {
+    let target = TIP_ERROR.name(links);
+    let files = all(&PLAYED, links).filter(|name| has_target || *name != target);
+    files.chain([SUMMARY]).collect()
+}
+
+/// Files that a run may leave in its folder besides summary.json. A run removes those of an earlier run
+/// that it does not write itself, so that a folder holds one run.
+pub(super) fn result_files() -> Vec<&'static str> {
+    let mut names = vec![REPORT];
+    for list in [&SOLVED[..], &PLAYED] {
+        let both = [1, 2].into_iter().flat_map(|links| all(list, links));
+        both.for_each(|name| {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        });
+    }
+    names
+}
+
+/// True if a run may write, or remove, a file of this name in its folder.
+pub fn is_result_file(name: &OsStr) -> bool {
+    result_files().iter().chain([&SUMMARY]).any(|file| name == *file)
+}

@@ -1,0 +1,136 @@
+//! Which tables of a run are written, at which nodes and rows, with which digits.
+
+use std::num::NonZeroUsize;
+
+use super::names::{
+    CHORD, DEFLECTIONS, FORCE, MOMENTS, MOTOR, RIGID_TORQUE, SUMMARY, solved_files,
+};
+use crate::beam::{nearest_node, node_at};
+use crate::csv::Digits;
+use crate::inverse::{NodalTable, Solution};
+use crate::link::{Link, ParameterError};
+use crate::numeric::{ThinnedGrid, TimeGrid};
+use crate::response::Simulation;
+
+/// Which results of a solution or a simulation to write, and with which digits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunOutputs {
+    /// Nodes of the nodal tables; `None`: all.
+    pub nodes: Option<Vec<usize>>,
+    /// Distances from the axis in m of nodes of the nodal tables, besides `nodes`; those beyond a link are left out.
+    pub stations_m: Vec<f64>,
+    /// The nodal tables have a row for every so many samples.
+    pub every: NonZeroUsize,
+    /// Whether a solution has `nodal_deflections.csv`: deflection w from the hub's tangent line.
+    pub deflections: bool,
+    /// Whether a solution has `bending_moments.csv`.
+    pub moments: bool,
+    /// Whether to write a small folder to compare with later: torque, hub or joint angles, tip and displacements alone,
+    /// of three nodes, and every fifth row of all tables, counted from the motion's first sample.
+    pub golden: bool,
+    /// Digits of all numbers.
+    pub digits: Digits,
+}
+
+/// Rows of a golden folder.
+const GOLDEN_EVERY: NonZeroUsize = NonZeroUsize::new(5).unwrap();
+
+impl Default for RunOutputs {
+    /// Every node, every sample, no table on demand.
+    fn default() -> Self {
+        Self {
+            nodes: None,
+            stations_m: Vec::new(),
+            every: NonZeroUsize::MIN,
+            deflections: false,
+            moments: false,
+            golden: false,
+            digits: Digits::default(),
+        }
+    }
+}
+
+impl RunOutputs {
+    /// Names of the files of a solution, summary.json last.
+    pub(super) fn files<'a>(&self, links: impl IntoIterator<Item = &'a Link>) -> Vec<&'static str> {
+        let drives: Vec<bool> = links.into_iter().map(|link| link.drive().is_some()).collect();
+        let links = drives.len();
+        let is_written = |name: &&str| match *name {
+            name if name == MOTOR.name(links) => drives.contains(&true),
+            name if name == DEFLECTIONS.name(links) => self.deflections,
+            name if name == MOMENTS.name(links) => self.moments,
+            _ => true,
+        };
+        let files = solved_files(links).filter(is_written);
+        files.filter(|name| self.has(name, links)).chain([SUMMARY]).collect()
+    }
+
+    /// All nodes at all rows, as the page of an arm draws them.
+    #[must_use]
+    pub fn of_page(&self) -> Self {
+        Self { nodes: None, stations_m: vec![], golden: false, ..self.clone() }
+    }
+
+    /// True unless the folder is a golden one, which does not have this file.
+    pub(super) fn has(&self, name: &str, links: usize) -> bool {
+        !self.golden
+            || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(links) != name)
+    }
+
+    /// The rows of tables over time.
+    pub fn rows(&self, grid: &TimeGrid) -> ThinnedGrid {
+        if self.golden { grid.multiples(GOLDEN_EVERY) } else { grid.thinned(NonZeroUsize::MIN) }
+    }
+
+    /// The rows of tables at nodes.
+    pub(super) fn nodal_rows(&self, grid: &TimeGrid) -> ThinnedGrid {
+        if self.golden { self.rows(grid) } else { grid.thinned(self.every) }
+    }
+
+    /// The deflections of a link's nodal tables, computed on request.
+    ///
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn deflections<'a>(
+        &self,
+        solution: &'a Solution,
+    ) -> Result<NodalTable<'a>, ParameterError> {
+        let nodes = self.nodes_of(solution.mesh().nodes_m());
+        solution.deflections_at(&nodes, self.nodal_rows(&solution.grid))
+    }
+
+    /// The nodes to write of those at these distances: the list and the stations, three of a golden folder, or all.
+    pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
+        if self.golden {
+            return nodes_at_thirds(nodes_m);
+        }
+        let mut nodes = match &self.nodes {
+            Some(list) => list.clone(),
+            None if self.stations_m.is_empty() => return (0..nodes_m.len()).collect(),
+            None => Vec::new(),
+        };
+        for node in self.stations_m.iter().filter_map(|at_m| node_at(nodes_m, *at_m)) {
+            if !nodes.contains(&node) {
+                nodes.push(node);
+            }
+        }
+        nodes
+    }
+
+    /// Memory in bytes of the nodal table of a simulation.
+    pub fn simulation_bytes(&self, simulation: &Simulation) -> usize {
+        size_of::<f64>()
+            * self.nodes_of(simulation.mesh.nodes_m()).len()
+            * simulation.grid.len.div_ceil(self.every.get())
+    }
+}
+
+/// The nodes nearest to a third and two thirds of the length from the root, and the tip.
+fn nodes_at_thirds(nodes_m: &[f64]) -> Vec<usize> {
+    let last = nodes_m.len() - 1;
+    let at_m = |thirds: f64| nodes_m[0] + thirds / 3.0 * (nodes_m[last] - nodes_m[0]);
+    let inner = |thirds: f64| nearest_node(&nodes_m[..last], at_m(thirds));
+    let mut nodes = vec![inner(1.0), inner(2.0), last];
+    nodes.dedup();
+    nodes
+}
