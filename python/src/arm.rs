@@ -8,14 +8,15 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::csv::{InputFile, PathTable};
-use flexlink::inverse::{ArmJoint, Unwatched};
+use flexlink::inverse::{ArmJoint, ArmSolution as LibrarySolution, Unwatched};
 use flexlink::motion::{PathColumn, PathColumns, Recording};
 use flexlink::result::Notice;
 use flexlink::spec::{ArmSpecification, Described};
-use flexlink::store::{OutputFolder, RunInputs, RunTables};
+use flexlink::store::{OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
+use flexlink::verify::AnySolution;
 
 use crate::arrays::{column, dictionary, frame, places, rows};
-use crate::cli::arm::{ArmAndPath, SolvedArm};
+use crate::cli::arm::{ArmAndPath, Solved};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
 use crate::link::{PickledSource, Source, python_text};
@@ -24,6 +25,7 @@ use crate::motion::{
     MOTION, Motion, Pickled, PickledFile, path_of, pickled_file, refuse_reading, taken_time,
     unpickled_file,
 };
+use crate::options::common::refuse_for_arms;
 use crate::pool;
 use crate::terminal::{Exit, Failure, memory};
 
@@ -182,7 +184,7 @@ pub(crate) struct ArmSolution {
     source: Source,
     given: Arc<GivenPath>,
     keywords: Vec<String>,
-    solved: SolvedArm,
+    solved: Solved<LibrarySolution>,
     pub(crate) warnings: Vec<Notice>,
 }
 
@@ -193,7 +195,8 @@ pub(crate) fn solved_arm(
     keywords: Vec<String>,
 ) -> Result<ArmSolution, Failure> {
     let options = solve_options(&keywords)?;
-    options.refuse_for_arms()?;
+    let (resample, scale) = (&options.resample, &options.scale);
+    refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
     let mut specification = arm.specification.clone();
     options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
     let problem = (&arm.source.file, specification);
@@ -206,7 +209,7 @@ impl ArmSolution {
         source: Source,
         given: Arc<GivenPath>,
         keywords: Vec<String>,
-        solved: SolvedArm,
+        solved: Solved<LibrarySolution>,
     ) -> Self {
         let limits = solved.exceeded.iter().map(Notice::from);
         let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
@@ -239,11 +242,18 @@ impl ArmSolution {
         }
     }
 
+    /// The content of summary.json.
+    fn record(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
+        let Solved { solution, metrics, .. } = &self.solved;
+        let findings = self.solved.findings(None);
+        Summary::of_arm(self.inputs(options), solution, metrics, &findings, outputs)
+    }
+
     pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
         let options = self.options(more)?;
         let (solution, outputs) = (&self.solved.solution, options.outputs());
-        options.nodes.check_arm(solution)?;
-        let summary = self.solved.summary(self.inputs(&options), None, &outputs);
+        options.nodes.check(&AnySolution::Arm(solution).nodes_m())?;
+        let summary = self.record(&options, &outputs);
         let folder = OutputFolder::stage(folder, &|_| {})?;
         let tables = RunTables::of_arm(solution, &outputs);
         Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
@@ -320,7 +330,7 @@ impl ArmSolution {
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let options = self.options(Vec::new())?;
-        let summary = self.solved.summary(self.inputs(&options), None, &options.outputs());
+        let summary = self.record(&options, &options.outputs());
         py.import("json")?.call_method1("loads", (summary.to_json(),))
     }
 

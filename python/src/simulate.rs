@@ -161,7 +161,7 @@ impl PlayedLink {
     fn write_into(&self, folder: &Path, keywords: &[String]) -> Result<(), Failure> {
         let options = solve_options(keywords)?;
         let (simulation, outputs) = (&self.simulation, options.outputs());
-        options.nodes.check(&simulation.mesh)?;
+        options.nodes.check(&[simulation.mesh.nodes_m()])?;
         memory::check_nodes(outputs.simulation_bytes(simulation), memory::available())?;
         let summary = self.summary(options.arguments());
         let folder = OutputFolder::stage(folder, &|_| {})?;

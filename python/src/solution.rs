@@ -123,7 +123,7 @@ impl Solution {
     pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
         let options = self.options(more)?;
         let outputs = options.outputs();
-        options.nodes.check(self.solution.mesh())?;
+        options.nodes.check(&[self.solution.mesh().nodes_m()])?;
         let deflections = outputs.deflections(&self.solution)?;
         memory::check_nodes(deflections.bytes(), memory::available())?;
         let summary = self.summary(&options, &outputs);

@@ -21,6 +21,7 @@ use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source};
 use crate::messages::usage;
 use crate::motion::{Given, Motion};
+use crate::options::common::refuse_for_arms;
 use crate::options::inputs::scale_arguments;
 use crate::solution::Solution;
 use crate::terminal::{Exit, Failure};
@@ -160,7 +161,8 @@ impl Shared {
         given: GivenPath,
         (outputs, cases): (Outputs, &[Case]),
     ) -> Result<Self, Failure> {
-        outputs.options.refuse_for_arms()?;
+        let SolveOptions { resample, scale, .. } = &outputs.options;
+        refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
         let is_scaled = |case: &Case| case.scale.distance.total_cmp(&1.0).is_ne();
         if let Some(number) = cases.iter().position(is_scaled) {
             let message =

@@ -6,7 +6,7 @@ use flexlink::inverse::{ArmError, ArmSolution, InversionError, Resources, invert
 use flexlink::motion::ArmPath;
 use flexlink::result::{Exceeded, Limits, Metrics, Remark};
 use flexlink::spec::ArmSpecification;
-use flexlink::store::{Findings, RunInputs, RunOutputs, Summary};
+use flexlink::store::Findings;
 use flexlink::verify::Verification;
 
 use crate::options::inputs::{ResampleArgs, ScaleArgs};
@@ -22,16 +22,24 @@ pub(crate) struct ArmAndPath {
     path: ArmPath,
 }
 
-/// The solution, and what follows from it.
-pub(crate) struct SolvedArm {
-    pub(crate) solution: ArmSolution,
+/// A solution, and what follows from it.
+pub(crate) struct Solved<S> {
+    pub(crate) solution: S,
     pub(crate) metrics: Metrics,
     /// The limits of each joint.
     pub(crate) limits: Vec<Limits>,
     /// Those that are exceeded.
     pub(crate) exceeded: Vec<Exceeded>,
-    /// Remarks on the arm and its path.
+    /// Remarks on link or arm and motion.
     pub(crate) remarks: Vec<Remark>,
+}
+
+impl<S> Solved<S> {
+    /// What is known of the solution beside its numbers.
+    pub(crate) fn findings<'a>(&'a self, verification: Option<&'a Verification>) -> Findings<'a> {
+        let Self { limits, exceeded, remarks, .. } = self;
+        Findings { limits, exceeded, verification, remarks }
+    }
 }
 
 impl ArmAndPath {
@@ -66,7 +74,10 @@ impl ArmAndPath {
     }
 
     /// Computes the solution, for which so many bytes of memory are free.
-    pub(crate) fn solve(&self, memory_bytes: Option<usize>) -> Result<SolvedArm, Failure> {
+    pub(crate) fn solve(
+        &self,
+        memory_bytes: Option<usize>,
+    ) -> Result<Solved<ArmSolution>, Failure> {
         let ArmSpecification { arm, meshes, analysis, limits, .. } = &*self.specification;
         let resources = Resources { memory_bytes, ..Resources::default() };
         let solution = invert_arm(arm, meshes, &self.path, analysis, &resources);
@@ -84,7 +95,7 @@ impl ArmAndPath {
         let of_path = dropped.into_iter().chain(of_path);
         let of_path = of_path.chain(Remark::on_timing(&solution));
         let remarks = self.specification.remarks.iter().cloned().chain(of_path).collect();
-        Ok(SolvedArm { solution, metrics, limits: limits.clone(), exceeded, remarks })
+        Ok(Solved { solution, metrics, limits: limits.clone(), exceeded, remarks })
     }
 
     /// Why there is no solution: with its row of the path, or the link of the arm, where one is to blame.
@@ -104,19 +115,5 @@ impl ArmAndPath {
             None => error.to_string(),
         };
         Failure::new(Exit::NotSolvable, &message, hint)
-    }
-}
-
-impl SolvedArm {
-    /// The record of the run.
-    pub(crate) fn summary(
-        &self,
-        inputs: RunInputs,
-        verification: Option<&Verification>,
-        outputs: &RunOutputs,
-    ) -> Summary {
-        let Self { solution, metrics, limits, exceeded, remarks } = self;
-        let findings = Findings { limits, exceeded, verification, remarks };
-        Summary::of_arm(inputs, solution, metrics, &findings, outputs)
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod fit;
 pub(crate) mod frf;
 mod help;
 pub(crate) mod modes;
+pub(crate) mod problem;
 mod report;
 mod setup;
 pub(crate) mod simulate;

@@ -1,27 +1,20 @@
 //! `verify`: the answer of `solve` measured by other means.
 
 use std::path::PathBuf;
-use std::slice::from_ref;
 
 use clap::Args;
 
-use flexlink::beam::MeshPlan;
 use flexlink::csv::{Digits, InputFile};
-use flexlink::inverse::{Resources, Solution, invert_with};
-use flexlink::result::Limits;
-use flexlink::spec::{ArmSpecification, Described, Specification};
+use flexlink::inverse::Analysis;
 use flexlink::store::verification_json;
-use flexlink::verify::{Answer, AnySolution, Verification, VerificationError, verify};
+use flexlink::verify::Verification;
 
-use super::arm::{ArmAndPath, SolvedArm};
-use crate::options::common::refuse_for_arms;
-use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, described, remarks};
-use crate::options::reading::{ReadArgs, tell};
+use super::problem::Problem;
+use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, described};
+use crate::options::reading::ReadArgs;
 use crate::terminal::files::read_once;
 use crate::terminal::text::verify_text;
-use crate::terminal::{
-    Exit, Failure, PrintArgs, StageBar, ThreadArgs, WarningArgs, console, memory,
-};
+use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -75,75 +68,19 @@ impl Verify {
         self.threads.start()?;
         read_once(&[&self.link.link, &self.motion])?;
         let file = InputFile::read_toml(&self.link.link)?;
-        let (verification, warnings) = match described(&file, &self.link.changes.overrides()?)? {
-            Described::Link(specification) => self.of_link(&specification)?,
-            Described::Arm(arm) => self.of_arm(&file, arm)?,
-        };
+        let described = described(&file, &self.link.changes.overrides()?)?;
+        let motion = InputFile::read(&self.motion)?;
+        let how = (&self.read, &self.resample, &self.scale);
+        let problem = Problem::read((&file, described), &motion, how)?;
+        let stages = self.print.stages();
+        let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
+        let verification = solved.verified(problem.plans(), self.digits, &stages)?;
+        drop(stages);
+        let warnings = solved.tell();
         self.print.print(|| verification_json(&verification), || verify_text(&verification))?;
         refuse_failed(&verification)?;
         self.warnings.refuse(warnings)
     }
-
-    /// The checks of a link, and the number of its warnings.
-    fn of_link(&self, specification: &Specification) -> Result<(Verification, usize), Failure> {
-        let Specification { link, mesh, analysis, limits, .. } = specification;
-        let file = InputFile::read(&self.motion)?;
-        let (motion, reading) = self.resample.motion_of(&file, link, &self.read)?;
-        tell(&file.shown, &reading);
-        let motion = self.scale.scaled(motion)?;
-        let stages = self.print.stages();
-        let memory_bytes = memory::available();
-        let resources = Resources { memory_bytes, watch: &stages, ..Resources::default() };
-        let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
-        let plans = (from_ref(mesh), from_ref(limits));
-        let verification = verified(AnySolution::Link(&solution), plans, self.digits, &stages)?;
-        drop(stages);
-        console::remarks(remarks(&specification.remarks, &solution));
-        warn(&solution);
-        Ok((verification, solution.warnings.len()))
-    }
-
-    /// The checks of an arm, and the number of its warnings.
-    fn of_arm(
-        &self,
-        file: &InputFile,
-        arm: Box<ArmSpecification>,
-    ) -> Result<(Verification, usize), Failure> {
-        refuse_for_arms([self.resample.of_one_link(), self.scale.of_one_link()].concat())?;
-        let path = InputFile::read(&self.motion)?;
-        let how = (&self.read, &self.resample, &self.scale);
-        let arm = ArmAndPath::read((file, arm), &path, how)?;
-        let stages = self.print.stages();
-        stages.at("solving");
-        let SolvedArm { solution, limits, remarks, .. } = arm.solve(memory::available())?;
-        let plans = (arm.plans(), &limits[..]);
-        let verification = verified(AnySolution::Arm(&solution), plans, self.digits, &stages)?;
-        drop(stages);
-        console::remarks(&remarks);
-        console::warnings(&solution.warnings);
-        Ok((verification, solution.warnings.len()))
-    }
-}
-
-/// Prints the warnings of a solution.
-pub(crate) fn warn(solution: &Solution) {
-    console::warnings(&solution.warnings);
-}
-
-/// Checks a solution whose torques are written with this many digits.
-pub(crate) fn verified(
-    solution: AnySolution<'_>,
-    (plans, limits): (&[MeshPlan], &[Limits]),
-    digits: Digits,
-    stages: &StageBar,
-) -> Result<Verification, VerificationError> {
-    stages.at("verifying");
-    let torques = solution.torques();
-    let written = torques.whole_n_m().iter().map(|torque_n_m| digits.as_written(torque_n_m));
-    // Less memory is free than before the inversion: the solution stays.
-    let memory_bytes = memory::available();
-    let written_torques_n_m = &written.collect::<Vec<_>>();
-    verify(&Answer { solution, plans, limits, memory_bytes, written_torques_n_m })
 }
 
 /// Returns an error if a check is out of its bound.

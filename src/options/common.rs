@@ -7,9 +7,8 @@ use std::path::Path;
 
 use clap::Args;
 
-use flexlink::beam::{Mesh, MeshPlan, node_at};
+use flexlink::beam::{MeshPlan, node_at};
 use flexlink::csv::Digits;
-use flexlink::inverse::ArmSolution;
 use flexlink::link::{Arm, Link};
 use flexlink::numeric::{Dimension, parse_quantity};
 use flexlink::spec::Described;
@@ -100,18 +99,11 @@ impl NodeArgs {
     }
 
     /// Returns an error if a node is not one of the mesh, or named twice.
-    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Failure> {
-        let nodes_m = mesh.nodes_m();
-        self.check_stations(&[nodes_m])?;
-        self.check_up_to(nodes_m.len() - 1, "nodes of the mesh")
-    }
-
-    /// Returns an error if no link of an arm has a node, or one is named twice.
-    pub(crate) fn check_arm(&self, solution: &ArmSolution) -> Result<(), Failure> {
-        let links_m: Vec<&[f64]> = solution.links.iter().map(|link| &link.nodes_m[..]).collect();
-        self.check_stations(&links_m)?;
-        let most = links_m.iter().map(|nodes_m| nodes_m.len()).max();
-        self.check_up_to(most.unwrap_or(1) - 1, "nodes of a link")
+    pub(crate) fn check(&self, links_nodes_m: &[&[f64]]) -> Result<(), Failure> {
+        self.check_stations(links_nodes_m)?;
+        let most = links_nodes_m.iter().map(|nodes_m| nodes_m.len()).max().unwrap_or(1);
+        let is_arm = links_nodes_m.len() > 1;
+        self.check_up_to(most - 1, if is_arm { "nodes of a link" } else { "nodes of the mesh" })
     }
 
     fn check_stations(&self, links_nodes_m: &[&[f64]]) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ use crate::inverse::{
 use crate::motion::{Ends, MotionError};
 use crate::numeric::TimeGrid;
 use crate::response::{HistoryError, SimulationError};
-use crate::result::{Limits, Reached, TorqueTable, reached};
+use crate::result::{Limits, Notice, Reached, TorqueTable, reached};
 
 /// The solution of a link or of an arm.
 #[derive(Clone, Copy)]
@@ -52,6 +52,22 @@ impl<'a> AnySolution<'a> {
         }
     }
 
+    /// What the user must know.
+    pub fn warnings(self) -> Vec<Notice> {
+        match self {
+            Self::Link(solution) => solution.warnings.iter().map(Notice::from).collect(),
+            Self::Arm(solution) => solution.warnings.iter().map(Notice::from).collect(),
+        }
+    }
+
+    /// Distances of the nodes of each link from its joint in m.
+    pub fn nodes_m(self) -> Vec<&'a [f64]> {
+        match self {
+            Self::Link(solution) => vec![solution.mesh().nodes_m()],
+            Self::Arm(solution) => solution.links.iter().map(|link| &link.nodes_m[..]).collect(),
+        }
+    }
+
     /// The torques as a table.
     pub fn torques(self) -> TorqueTable {
         match self {
@@ -61,7 +77,7 @@ impl<'a> AnySolution<'a> {
     }
 
     /// Times of all histories.
-    pub(super) fn grid(self) -> TimeGrid {
+    pub fn grid(self) -> TimeGrid {
         match self {
             Self::Link(solution) => solution.grid,
             Self::Arm(solution) => solution.grid,

@@ -95,7 +95,7 @@ impl Simulate {
         let play = inputs.playing.play(self.play.until, is_large);
         let refused = |error| self.refused(&error, inputs);
         let simulation = simulate(link, mesh, &play).map_err(refused)?;
-        self.nodes.check(&simulation.mesh)?;
+        self.nodes.check(&[simulation.mesh.nodes_m()])?;
         let target = self.followed(&simulation, inputs)?;
         let compared = inputs.playing.measured.as_ref().map(|(file, measured)| {
             Comparison::of(&simulation, measured).map_err(|error| {

@@ -4,19 +4,15 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use flexlink::csv::InputFile;
-use flexlink::motion::Ends;
 use flexlink::numeric::TimeGrid;
-use flexlink::result::Remark;
-use flexlink::spec::Described;
 use flexlink::store::{REPORT, Summary};
 use flexlink::text::shown_path;
-use flexlink::verify::AnySolution;
 
-use super::arm::{ArmProblem, SolvedRun};
-use super::run::{Page, Problem, SolveOptions, Solved};
+use super::run::{Page, Run, SolveOptions, SolvedRun};
 use super::table::{WriteArgs, WrittenTable};
-use crate::cli::arm::SolvedArm;
-use crate::cli::verify::{refuse_failed, warn};
+use crate::cli::arm::Solved;
+use crate::cli::problem::LinkOrArm;
+use crate::cli::verify::refuse_failed;
 use crate::options::common::SyncArgs;
 use crate::options::inputs::{LINK, MOTION};
 use crate::terminal::files::{keep, read_once};
@@ -102,27 +98,30 @@ impl Solve {
         }
         self.check()?;
         let output = self.output.as_deref();
-        let problem = self.load()?;
-        let problem = match problem {
-            OneOrSeveral::One(problem) => problem,
-            OneOrSeveral::Several(problem) => return self.run_arm(&problem),
-        };
-        let motion = problem.motion();
-        self.table.check_motion(motion.ends(), motion.grid().step_s)?;
+        let run = self.load()?;
+        let is_arm = run.problem.plans().len() > 1;
+        if let Some(option) = self.options.nodes.chosen().filter(|_| self.report && is_arm) {
+            let message =
+                format!("--report draws an arm with all its nodes, but {option} leaves some out");
+            return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
+        }
+        let (ends, step_s) = run.problem.ends_and_step_s();
+        self.table.check_motion(ends, step_s)?;
         let stages = self.print.stages();
-        let solved = problem.solve(&stages)?;
-        let solution = AnySolution::Link(&solved.solution);
-        let table = self.table.table(solution, problem.plans(), &stages)?;
-        let mut summary = self.table.recorded_in(problem.summary(&solved), table.as_ref());
+        let solved = run.solve(&stages)?;
+        let solution = solved.solved.solution.any();
+        let table = self.table.table(solution, run.problem.plans(), &stages)?;
+        let mut summary = self.table.recorded_in(run.summary(&solved), table.as_ref());
         match output {
             Some(output) => {
                 let folder = (output, self.sync.durability());
-                problem.write((&solved, &summary), folder, self.page(), &stages)?;
+                run.write((&solved, &summary), folder, self.page(), &stages)?;
             }
             None => summary = summary.without_files(),
         }
         drop(stages);
         let warned = self.deliver(table.as_ref(), &summary)?;
+        let warned = warned + solved.solved.tell();
         self.tell(&solved, &summary, table.as_ref())?;
         self.judge(&solved, warned)
     }
@@ -194,49 +193,8 @@ impl Solve {
         output.map(line).unwrap_or_default()
     }
 
-    /// Solves an arm of several links, writes and tells.
-    fn run_arm(&self, problem: &ArmProblem<'_>) -> Result<Ending, Failure> {
-        if let Some(option) = self.options.nodes.chosen().filter(|_| self.report) {
-            let message =
-                format!("--report draws an arm with all its nodes, but {option} leaves some out");
-            return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
-        }
-        self.table.check_motion(Ends::AtRest, problem.step_s())?;
-        let stages = self.print.stages();
-        let solved = problem.solve(&stages)?;
-        let solution = AnySolution::Arm(&solved.solved.solution);
-        let table = self.table.table(solution, problem.plans(), &stages)?;
-        let mut summary = self.table.recorded_in(problem.summary(&solved), table.as_ref());
-        match &self.output {
-            Some(output) => {
-                let folder = (output.as_path(), self.sync.durability());
-                problem.write((&solved, &summary), folder, self.page(), &stages)?;
-            }
-            None => summary = summary.without_files(),
-        }
-        drop(stages);
-        let warned = self.deliver(table.as_ref(), &summary)?;
-        let SolvedRun { solved, verification } = &solved;
-        ArmProblem::warn(solved, self.strict);
-        let SolvedArm { solution, metrics, exceeded, .. } = solved;
-        let checks = verification.as_ref().map(verify_text).unwrap_or_default();
-        let text = || {
-            let written = self.written(&solution.grid, &summary);
-            let nodes_m: Vec<&[f64]> = solution.links.iter().map(|own| &own.nodes_m[..]).collect();
-            let stations = self.options.nodes.text(&nodes_m);
-            arm_text(solution, metrics, written) + &stations + &checks + &self.page_line()
-        };
-        self.print(&summary, text, table.as_ref().map(|table| (table, &*checks)))?;
-        verification.as_ref().map_or(Ok(()), refuse_failed)?;
-        if let Some(limit) = exceeded.first().filter(|_| self.strict) {
-            return Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint())));
-        }
-        self.warnings.refuse(solution.warnings.len() + exceeded.len() + warned)?;
-        Ok(Ending::Done)
-    }
-
-    /// Reads the problem.
-    fn load(&self) -> Result<OneOrSeveral<'_>, Failure> {
+    /// Reads what is to be solved.
+    fn load(&self) -> Result<Run<'_>, Failure> {
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             // The parser requires them.
             return Err(Failure::new(Exit::Usage, &"nothing to solve", None));
@@ -245,66 +203,42 @@ impl Solve {
         output.map_or_else(|| read_once(&inputs), |output| keep(output, &inputs))?;
         self.table.check(&inputs, output)?;
         let motion_file = || Ok(InputFile::read(motion)?);
-        OneOrSeveral::read(&self.options, InputFile::read_toml(link)?, motion_file)
+        Run::read(&self.options, InputFile::read_toml(link)?, motion_file)
     }
 
-    /// Prints remarks, warnings and the summary.
+    /// Prints the limits and the summary.
     fn tell(
         &self,
-        solved: &Solved,
+        SolvedRun { solved, verification, .. }: &SolvedRun,
         summary: &Summary,
         table: Option<&WrittenTable>,
     ) -> Result<(), Failure> {
-        let Solved { solution, metrics, exceeded, verification, remarks, .. } = solved;
-        // That on the duration is told before the work.
-        console::remarks(remarks.iter().filter(|own| !matches!(own, Remark::Duration { .. })));
-        warn(solution);
+        let Solved { solution, metrics, exceeded, .. } = solved;
         // With --strict the first is an error, printed at the end.
         let limits = exceeded.iter().skip(usize::from(self.strict));
         console::warnings(limits);
         let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
-            let written = self.written(&solution.grid, summary);
-            let stations = self.options.nodes.text(&[solution.mesh().nodes_m()]);
-            solve_text(solution, metrics, written) + &stations + &checks + &self.page_line()
+            let any = solution.any();
+            let written = self.written(&any.grid(), summary);
+            let text = match solution {
+                LinkOrArm::Link(solution) => solve_text(solution, metrics, written),
+                LinkOrArm::Arm(solution) => arm_text(solution, metrics, written),
+            };
+            text + &self.options.nodes.text(&any.nodes_m()) + &checks + &self.page_line()
         };
         self.print(summary, text, table.map(|table| (table, &*checks)))
     }
 
-    /// Returns an error if a check is out of its bound, or for limits and warnings where the options say
+    /// Returns an error if a check is out of its bound, or for limits and so many warnings where the options say
     /// so.
-    fn judge(&self, solved: &Solved, warned: usize) -> Result<Ending, Failure> {
-        solved.verification.as_ref().map_or(Ok(()), refuse_failed)?;
-        if let Some(limit) = solved.exceeded.first().filter(|_| self.strict) {
+    fn judge(&self, run: &SolvedRun, warned: usize) -> Result<Ending, Failure> {
+        run.verification.as_ref().map_or(Ok(()), refuse_failed)?;
+        let exceeded = &run.solved.exceeded;
+        if let Some(limit) = exceeded.first().filter(|_| self.strict) {
             return Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint())));
         }
-        self.warnings.refuse(solved.solution.warnings.len() + solved.exceeded.len() + warned)?;
+        self.warnings.refuse(exceeded.len() + warned)?;
         Ok(Ending::Done)
-    }
-}
-
-/// A problem of one link, or of an arm.
-pub(super) enum OneOrSeveral<'a> {
-    One(Box<Problem<'a>>),
-    Several(Box<ArmProblem<'a>>),
-}
-
-impl<'a> OneOrSeveral<'a> {
-    /// Reads the link or the arm from its file, and then the motion.
-    pub(super) fn read(
-        options: &'a SolveOptions,
-        link_file: InputFile,
-        motion_file: impl FnOnce() -> Result<InputFile, Failure>,
-    ) -> Result<Self, Failure> {
-        match options.described(&link_file)? {
-            Described::Link(link) => {
-                let problem = Problem::read(options, link_file, *link, motion_file()?)?;
-                Ok(Self::One(Box::new(problem)))
-            }
-            Described::Arm(arm) => {
-                let problem = ArmProblem::read(options, link_file, arm, motion_file()?)?;
-                Ok(Self::Several(Box::new(problem)))
-            }
-        }
     }
 }

@@ -1,6 +1,5 @@
 //! `solve`: link and motion in, torque out; with `--repeat`, a run done again.
 
-mod arm;
 mod command;
 mod repeat;
 pub(crate) mod run;

@@ -6,10 +6,9 @@ use flexlink::csv::InputFile;
 use flexlink::result::{Repeated, RepeatedFile};
 use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 use flexlink::text::{excerpt, path_in_shell};
-use flexlink::verify::AnySolution;
 
-use super::command::{OneOrSeveral, Solve};
-use super::run::{Page, SolveOptions};
+use super::command::Solve;
+use super::run::{Page, Run, SolveOptions};
 use super::table::WriteArgs;
 use crate::terminal::files::{keep, read_once};
 use crate::terminal::text::repetition_text;
@@ -22,9 +21,9 @@ impl Solve {
     pub(super) fn repeat(&self, run: &Path) -> Result<Ending, Failure> {
         let (record, options, [link, motion]) = self.recorded(run)?;
         let warnings = warn_of_version(&record);
-        let problem = OneOrSeveral::read(&options, link, || Ok(motion));
-        let problem = problem.map_err(|failure| of_record(failure, &record))?;
-        let files = self.repeated(&record, &problem)?;
+        let again = Run::read(&options, link, || Ok(motion));
+        let again = again.map_err(|failure| of_record(failure, &record))?;
+        let files = self.repeated(&record, &again)?;
         let ending = self.tell_repeated(run, &files)?;
         self.warnings.refuse(warnings)?;
         Ok(ending)
@@ -45,32 +44,18 @@ impl Solve {
     }
 
     /// Solves the problem again, and compares its files with those of the run.
-    fn repeated(
-        &self,
-        record: &RunRecord,
-        problem: &OneOrSeveral,
-    ) -> Result<Vec<RepeatedFile>, Failure> {
+    fn repeated(&self, record: &RunRecord, run: &Run<'_>) -> Result<Vec<RepeatedFile>, Failure> {
         // The numbers of the run's torque table are part of its summary.
         let table = WriteArgs::recorded(&record.table_arguments);
         let table = table.map_err(|error| not_read("table.arguments", &error, record))?;
         let compared = |folder: &Path, durability| {
             let stages = self.print.stages();
-            let solved = match problem {
-                OneOrSeveral::One(problem) => problem.solve(&stages).and_then(|solved| {
-                    let solution = AnySolution::Link(&solved.solution);
-                    let found = table.table(solution, problem.plans(), &stages)?;
-                    let summary = table.recorded_in(problem.summary(&solved), found.as_ref());
-                    let run = (&solved, &summary);
-                    problem.write(run, (folder, durability), Page::Left, &stages)
-                }),
-                OneOrSeveral::Several(problem) => problem.solve(&stages).and_then(|solved| {
-                    let solution = AnySolution::Arm(&solved.solved.solution);
-                    let found = table.table(solution, problem.plans(), &stages)?;
-                    let summary = table.recorded_in(problem.summary(&solved), found.as_ref());
-                    let run = (&solved, &summary);
-                    problem.write(run, (folder, durability), Page::Left, &stages)
-                }),
-            };
+            let solved = run.solve(&stages).and_then(|solved| {
+                let solution = solved.solved.solution.any();
+                let found = table.table(solution, run.problem.plans(), &stages)?;
+                let summary = table.recorded_in(run.summary(&solved), found.as_ref());
+                run.write((&solved, &summary), (folder, durability), Page::Left, &stages)
+            });
             drop(stages);
             solved.map_err(|failure| of_record(failure, record))?;
             let files = record.compare(folder);

@@ -1,34 +1,23 @@
 //! One run of `solve`: options, load, compute, write.
 
 use std::path::Path;
-use std::slice::from_ref;
 
 use clap::{Args, Parser};
 
-use flexlink::beam::MeshPlan;
 use flexlink::csv::{Digits, InputFile};
-use flexlink::inverse::{Analysis, InversionError, Resources, Solution, invert_with};
-use flexlink::link::Link;
-use flexlink::motion::TipMotion;
+use flexlink::inverse::Analysis;
 use flexlink::report::{Figures, page};
-use flexlink::result::{Exceeded, Metrics, Remark, StoredResult};
-use flexlink::spec::{Described, Specification};
-use flexlink::store::{
-    Durability, Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary,
-};
-use flexlink::text::gigabytes;
-use flexlink::verify::{AnySolution, Verification};
+use flexlink::result::StoredResult;
+use flexlink::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
+use flexlink::verify::Verification;
 
-use crate::cli::verify::verified;
-use crate::options::common::refuse_for_arms;
+use crate::cli::arm::Solved;
+use crate::cli::problem::{LinkOrArm, Problem};
 use crate::options::common::{NodeArgs, digits_arguments};
-use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described, remarks};
-use crate::options::reading::{ReadArgs, tell};
+use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described};
+use crate::options::reading::ReadArgs;
 use crate::terminal::text::memory_text;
-use crate::terminal::{Exit, Failure, StageBar, console, memory};
-
-/// Most memory in bytes of an inversion whose times are probably in another unit.
-const DOUBTED_BYTES: usize = 3_000_000_000;
+use crate::terminal::{Failure, StageBar, console, memory};
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
@@ -80,23 +69,6 @@ pub(super) struct Recorded {
 }
 
 impl SolveOptions {
-    /// Refuses what is known for one link alone.
-    pub(crate) fn refuse_for_arms(&self) -> Result<(), Failure> {
-        refuse_for_arms([self.resample.of_one_link(), self.scale.of_one_link()].concat())
-    }
-
-    /// What a link file, or that of an arm, describes, with the changes.
-    pub(super) fn described(&self, file: &InputFile) -> Result<Described, Failure> {
-        self.nodes.meshed(described(file, &self.changes.overrides()?)?)
-    }
-
-    /// The motion of a link's tip in a file, scaled. Tells what was guessed of the file.
-    pub(crate) fn motion_of(&self, file: &InputFile, link: &Link) -> Result<TipMotion, Failure> {
-        let (motion, reading) = self.resample.motion_of(file, link, &self.read)?;
-        tell(&file.shown, &reading);
-        self.scale.scaled(motion)
-    }
-
     /// The analysis of a link file, for all tables.
     pub(crate) fn analysis(&self, analysis: &Analysis) -> Analysis {
         if self.moments { analysis.with_moments() } else { *analysis }
@@ -147,22 +119,18 @@ impl SolveOptions {
 /// From so many bytes of memory on, a run says how much it takes.
 const LARGE: usize = 1 << 29;
 
-/// The inputs of a run.
-pub(super) struct Problem<'a> {
+/// A run: what is solved, from which files, and how.
+pub(super) struct Run<'a> {
     options: &'a SolveOptions,
     link_file: InputFile,
     motion_file: InputFile,
-    specification: Specification,
-    motion: TipMotion,
+    pub(super) problem: Problem,
 }
 
-/// The solution, and what follows from it.
-pub(super) struct Solved {
-    pub(super) solution: Solution,
-    pub(super) metrics: Metrics,
-    pub(super) exceeded: Vec<Exceeded>,
+/// The solution of a run, and its checks where they were asked for.
+pub(super) struct SolvedRun {
+    pub(super) solved: Solved<LinkOrArm>,
     pub(super) verification: Option<Verification>,
-    pub(super) remarks: Vec<Remark>,
     /// Memory in bytes that was free before.
     memory_bytes: Option<usize>,
 }
@@ -174,102 +142,70 @@ pub(super) enum Page {
     Left,
 }
 
-impl<'a> Problem<'a> {
-    /// Reads the motion of a link.
+impl<'a> Run<'a> {
+    /// Reads the link or the arm from its file, and then the motion.
     pub(super) fn read(
         options: &'a SolveOptions,
         link_file: InputFile,
-        specification: Specification,
-        motion_file: InputFile,
+        motion_file: impl FnOnce() -> Result<InputFile, Failure>,
     ) -> Result<Self, Failure> {
-        let motion = options.motion_of(&motion_file, &specification.link)?;
-        Ok(Self { options, link_file, motion_file, specification, motion })
-    }
-
-    /// The motion of the tip.
-    pub(super) fn motion(&self) -> &TipMotion {
-        &self.motion
-    }
-
-    /// The plan of the link's mesh.
-    pub(super) fn plans(&self) -> &[MeshPlan] {
-        from_ref(&self.specification.mesh)
+        let described =
+            options.nodes.meshed(described(&link_file, &options.changes.overrides()?)?)?;
+        let motion_file = motion_file()?;
+        let how = (&options.read, &options.resample, &options.scale);
+        let problem = Problem::read((&link_file, described), &motion_file, how)?;
+        Ok(Self { options, link_file, motion_file, problem })
     }
 
     /// Computes the solution, and verifies it if the options ask for that.
-    pub(super) fn solve(&self, stages: &StageBar) -> Result<Solved, Failure> {
-        let Specification { link, mesh, analysis, limits, .. } = &self.specification;
+    pub(super) fn solve(&self, stages: &StageBar) -> Result<SolvedRun, Failure> {
         let memory_bytes = memory::available();
-        let analysis = self.options.analysis(analysis);
-        // Times in another unit make the work large or impossible: they are told before it.
-        let duration = Remark::on_duration(&self.motion);
-        stages.above(|| console::remarks(&duration));
-        let most = memory_bytes.unwrap_or(usize::MAX);
-        let allowed = duration.as_ref().map_or(most, |_| most.min(DOUBTED_BYTES));
-        let allowed = (allowed < usize::MAX).then_some(allowed);
-        let resources = Resources { memory_bytes: allowed, watch: stages, ..Resources::default() };
-        let solution =
-            invert_with(link, mesh, &self.motion, &analysis, &resources).map_err(|error| {
-                let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
-                if let InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } = error {
-                    return Failure::new(Exit::InputRefused, &self.doubted(bytes), hint.as_deref());
-                }
-                let failure = Failure::from(error);
-                Failure { hint: hint.or(failure.hint), ..failure }
-            })?;
-        self.options.nodes.check(solution.mesh())?;
-        let verify = || {
-            let plans = (self.plans(), from_ref(limits));
-            verified(AnySolution::Link(&solution), plans, self.options.digits, stages)
-        };
+        let analysis = |analysis: &Analysis| self.options.analysis(analysis);
+        let solved = self.problem.solve(analysis, memory_bytes, stages)?;
+        self.options.nodes.check(&solved.solution.any().nodes_m())?;
+        let verify = || solved.verified(self.problem.plans(), self.options.digits, stages);
         let verification = self.options.verify.then(verify).transpose()?;
-        let metrics = Metrics::of(&solution);
-        let exceeded = metrics.exceeded(&[*limits]);
-        let remarks = remarks(&self.specification.remarks, &solution);
-        Ok(Solved { solution, metrics, exceeded, verification, remarks, memory_bytes })
-    }
-
-    /// A refusal of times that are probably in another unit, where the inversion would need so much memory.
-    fn doubted(&self, bytes: usize) -> String {
-        let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
-        let found =
-            format!("{}: time = such that {needed} of memory is needed", self.motion_file.shown);
-        format!("{found}, but must need at most {most} where its unit is doubtful")
+        Ok(SolvedRun { solved, verification, memory_bytes })
     }
 
     /// The record of the run.
-    pub(super) fn summary(&self, solved: &Solved) -> Summary {
-        let Solved { solution, metrics, exceeded, .. } = solved;
+    pub(super) fn summary(&self, SolvedRun { solved, verification, .. }: &SolvedRun) -> Summary {
         let Self { link_file, motion_file, .. } = self;
         let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
-        let verification = solved.verification.as_ref();
-        let limits = from_ref(&self.specification.limits);
-        let findings = Findings { limits, exceeded, verification, remarks: &solved.remarks };
-        Summary::of_solution(inputs, solution, metrics, &findings, &self.options.outputs())
+        let (metrics, findings) = (&solved.metrics, solved.findings(verification.as_ref()));
+        let outputs = self.options.outputs();
+        match &solved.solution {
+            LinkOrArm::Link(own) => Summary::of_solution(inputs, own, metrics, &findings, &outputs),
+            LinkOrArm::Arm(own) => Summary::of_arm(inputs, own, metrics, &findings, &outputs),
+        }
     }
 
     /// Writes the results into a folder.
     pub(super) fn write(
         &self,
-        (solved, summary): (&Solved, &Summary),
+        (run, summary): (&SolvedRun, &Summary),
         (folder, durability): (&Path, Durability),
         page: Page,
         stages: &StageBar,
     ) -> Result<(), Failure> {
-        let Solved { solution, memory_bytes, .. } = solved;
         let outputs = self.options.outputs();
-        let deflections = outputs.deflections(solution)?;
-        memory::check_nodes(deflections.bytes(), *memory_bytes)?;
-        if deflections.bytes() >= LARGE {
-            stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
-        }
-        let bytes = outputs.page_bytes(&deflections);
-        let tables = RunTables::of_solution(solution, deflections);
+        let (tables, page_bytes) = match &run.solved.solution {
+            LinkOrArm::Arm(solution) => (RunTables::of_arm(solution, &outputs), 0),
+            LinkOrArm::Link(solution) => {
+                let deflections = outputs.deflections(solution)?;
+                memory::check_nodes(deflections.bytes(), run.memory_bytes)?;
+                if deflections.bytes() >= LARGE {
+                    stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
+                }
+                let bytes = outputs.page_bytes(&deflections);
+                (RunTables::of_solution(solution, deflections), bytes)
+            }
+        };
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {
             stages.at("drawing");
             let hint = "leave --report out, or use --nodes or --every";
-            memory::check("the page", bytes, *memory_bytes, hint)?;
+            memory::check("the page", page_bytes, run.memory_bytes, hint)?;
             let run = StoredResult::Runs(vec![outputs.stored(&tables, summary)?]);
             Ok(self::page(&run, &Figures::of(&run)))
         });

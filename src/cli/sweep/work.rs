@@ -13,11 +13,12 @@ use flexlink::store::{
     Findings, OutputFolder, PlayFindings, RunInputs, RunTables, SimulateFiles, Summary,
 };
 use flexlink::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
+use flexlink::verify::AnySolution;
 
 use super::cases::Cases;
 use super::first::{First, FirstLink};
 use super::tally::of_limit;
-use crate::cli::arm::{ArmAndPath, SolvedArm};
+use crate::cli::arm::{ArmAndPath, Solved};
 use crate::options::inputs::remarks;
 use crate::terminal::{Exit, Failure, memory};
 
@@ -129,14 +130,16 @@ impl Cases<'_> {
             let arguments = self.arguments(&values);
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
             // Meshes differ from case to case: one without such a node is no reason to end all others.
-            let checked = self.shared.outputs.nodes.check_arm(&solved.solution);
+            let nodes_m = AnySolution::Arm(&solved.solution).nodes_m();
+            let checked = self.shared.outputs.nodes.check(&nodes_m);
             checked.map_err(|refused| Failure { exit: Exit::InputRefused, ..refused })?;
             let outputs = self.shared.outputs.nodes.outputs(self.shared.outputs.digits);
-            let summary = solved.summary(inputs, None, &outputs);
+            let (findings, metrics) = (solved.findings(None), &solved.metrics);
+            let summary = Summary::of_arm(inputs, &solved.solution, metrics, &findings, &outputs);
             let tables = RunTables::of_arm(&solved.solution, &outputs);
             outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
-        let SolvedArm { solution, metrics, exceeded, remarks, .. } = &solved;
+        let Solved { solution, metrics, exceeded, remarks, .. } = &solved;
         let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
         let own = solution.warnings.iter().map(Notice::from);
         let limits = exceeded.iter().map(of_limit);

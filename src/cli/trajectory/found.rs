@@ -2,7 +2,6 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::cli::verify::warn;
 use crate::options::inputs::ChangeArgs;
 use crate::terminal::text::{binding_text, found_text};
 use crate::terminal::{Exit, Failure, StageBar, console, memory};
@@ -85,7 +84,7 @@ impl Search<'_> {
             let cycle_s = plain(self.time_s(solution.grid.len));
             console::note(&cycle_text(&cycle_s, &metrics));
         }
-        warn(&solution);
+        console::warnings(&solution.warnings);
         console::remarks(Remark::on_jumps(&solution).as_slice());
         let exceeded = specification.map(|own| metrics.exceeded(&[own.limits])).unwrap_or_default();
         console::warnings(&exceeded);

@@ -1,0 +1,172 @@
+//! A link or an arm and its wanted motion, as `solve` and `verify` read and solve them.
+
+use std::slice::from_ref;
+
+use flexlink::beam::MeshPlan;
+use flexlink::csv::{Digits, InputFile};
+use flexlink::inverse::{Analysis, ArmSolution, InversionError, Resources, Solution, invert_with};
+use flexlink::motion::{Ends, TipMotion};
+use flexlink::result::{Metrics, Remark};
+use flexlink::spec::{Described, Specification};
+use flexlink::text::gigabytes;
+use flexlink::verify::{Answer, AnySolution, Verification, VerificationError, verify};
+
+use super::arm::{ArmAndPath, Solved};
+use crate::options::common::refuse_for_arms;
+use crate::options::inputs::{ResampleArgs, ScaleArgs, remarks};
+use crate::options::reading::{ReadArgs, tell};
+use crate::terminal::{Exit, Failure, StageBar, console, memory};
+
+/// Most memory in bytes of an inversion whose times are probably in another unit.
+const DOUBTED_BYTES: usize = 3_000_000_000;
+
+/// A link or an arm and its wanted motion.
+pub(crate) enum Problem {
+    Link(Box<LinkAndMotion>),
+    Arm(Box<ArmAndPath>),
+}
+
+/// A link and the wanted motion of its tip.
+pub(crate) struct LinkAndMotion {
+    specification: Specification,
+    motion: TipMotion,
+    /// The motion's file as messages call it.
+    motion_file: String,
+}
+
+/// The solution of a link or of an arm.
+pub(crate) enum LinkOrArm {
+    Link(Box<Solution>),
+    Arm(Box<ArmSolution>),
+}
+
+impl LinkOrArm {
+    pub(crate) fn any(&self) -> AnySolution<'_> {
+        match self {
+            Self::Link(solution) => AnySolution::Link(solution),
+            Self::Arm(solution) => AnySolution::Arm(solution),
+        }
+    }
+}
+
+impl Problem {
+    /// Reads the motion of a link or an arm. Tells what was guessed of the file.
+    pub(crate) fn read(
+        (file, described): (&InputFile, Described),
+        motion_file: &InputFile,
+        (read, resample, scale): (&ReadArgs, &ResampleArgs, &ScaleArgs),
+    ) -> Result<Self, Failure> {
+        match described {
+            Described::Link(specification) => {
+                let found = resample.motion_of(motion_file, &specification.link, read)?;
+                let (motion, reading) = found;
+                tell(&motion_file.shown, &reading);
+                let (motion, motion_file) = (scale.scaled(motion)?, motion_file.shown.clone());
+                let specification = *specification;
+                Ok(Self::Link(Box::new(LinkAndMotion { specification, motion, motion_file })))
+            }
+            Described::Arm(specification) => {
+                refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
+                let arm = (file, specification);
+                let arm = ArmAndPath::read(arm, motion_file, (read, resample, scale))?;
+                Ok(Self::Arm(Box::new(arm)))
+            }
+        }
+    }
+
+    /// Ends of the motion, and its step in s.
+    pub(crate) fn ends_and_step_s(&self) -> (Ends, f64) {
+        match self {
+            Self::Link(link) => (link.motion.ends(), link.motion.grid().step_s),
+            Self::Arm(arm) => (Ends::AtRest, arm.step_s()),
+        }
+    }
+
+    /// The plans of the links' meshes.
+    pub(crate) fn plans(&self) -> &[MeshPlan] {
+        match self {
+            Self::Link(link) => from_ref(&link.specification.mesh),
+            Self::Arm(arm) => arm.plans(),
+        }
+    }
+
+    /// Computes the solution, of a link by the file's analysis or by what is made of it, with so much free memory in bytes.
+    pub(crate) fn solve(
+        &self,
+        analysis: impl FnOnce(&Analysis) -> Analysis,
+        memory_bytes: Option<usize>,
+        stages: &StageBar,
+    ) -> Result<Solved<LinkOrArm>, Failure> {
+        let of_link = match self {
+            Self::Link(of_link) => &**of_link,
+            Self::Arm(arm) => {
+                stages.at("solving");
+                let solved = arm.solve(memory_bytes)?;
+                let Solved { solution, metrics, limits, exceeded, remarks } = solved;
+                let solution = LinkOrArm::Arm(Box::new(solution));
+                return Ok(Solved { solution, metrics, limits, exceeded, remarks });
+            }
+        };
+        let LinkAndMotion { specification, motion, motion_file } = of_link;
+        let Specification { link, mesh, limits, .. } = specification;
+        // Times in another unit make the work large or impossible: they are told before it.
+        let duration = Remark::on_duration(motion);
+        stages.above(|| console::remarks(&duration));
+        let most = memory_bytes.unwrap_or(usize::MAX);
+        let allowed = duration.as_ref().map_or(most, |_| most.min(DOUBTED_BYTES));
+        let allowed = (allowed < usize::MAX).then_some(allowed);
+        let resources = Resources { memory_bytes: allowed, watch: stages, ..Resources::default() };
+        let analysis = analysis(&specification.analysis);
+        let solution = invert_with(link, mesh, motion, &analysis, &resources);
+        let solution = solution.map_err(|error| {
+            let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
+            if let InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } = error {
+                let refused = doubted(motion_file, bytes);
+                return Failure::new(Exit::InputRefused, &refused, hint.as_deref());
+            }
+            let failure = Failure::from(error);
+            Failure { hint: hint.or(failure.hint), ..failure }
+        })?;
+        let metrics = Metrics::of(&solution);
+        let (limits, remarks) = (vec![*limits], remarks(&specification.remarks, &solution));
+        let exceeded = metrics.exceeded(&limits);
+        let solution = LinkOrArm::Link(Box::new(solution));
+        Ok(Solved { solution, metrics, limits, exceeded, remarks })
+    }
+}
+
+/// A refusal of times that are probably in another unit, where the inversion would need so many bytes of memory.
+fn doubted(motion_file: &str, bytes: usize) -> String {
+    let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
+    let found = format!("{motion_file}: time = such that {needed} of memory is needed");
+    format!("{found}, but must need at most {most} where its unit is doubtful")
+}
+
+impl Solved<LinkOrArm> {
+    /// Checks the solution, whose torques are written with this many digits.
+    pub(crate) fn verified(
+        &self,
+        plans: &[MeshPlan],
+        digits: Digits,
+        stages: &StageBar,
+    ) -> Result<Verification, VerificationError> {
+        stages.at("verifying");
+        let solution = self.solution.any();
+        let torques = solution.torques();
+        let written = torques.whole_n_m().iter().map(|torque_n_m| digits.as_written(torque_n_m));
+        let written_torques_n_m = &written.collect::<Vec<_>>();
+        // Less memory is free than before the inversion: the solution stays.
+        let memory_bytes = memory::available();
+        let limits = &self.limits;
+        verify(&Answer { solution, plans, limits, memory_bytes, written_torques_n_m })
+    }
+
+    /// Prints the remarks, except what was told before the work, and the warnings. Returns the number of warnings.
+    pub(crate) fn tell(&self) -> usize {
+        console::remarks(self.remarks.iter().filter(|own| !matches!(own, Remark::Duration { .. })));
+        let warnings = self.solution.any().warnings();
+        let count = warnings.len();
+        console::warnings(warnings);
+        count
+    }
+}
