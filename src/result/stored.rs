@@ -1,4 +1,4 @@
-//! What a result folder holds, read back, and how a repetition of the run differs from it.
+//! The content of a result folder, read back, and the differences of a repetition from its run.
 
 use std::fmt::Display;
 use std::io::{self, BufRead, Read as _};
@@ -32,7 +32,7 @@ pub enum StoredResult {
 /// The content of a run's folder. All histories have as many values as `times_s`, except those of nodes.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
-    /// What the run was, and of what.
+    /// Command, version, files and arguments of the run.
     pub origin: Origin,
     /// Name of its folder.
     pub name: String,
@@ -50,7 +50,7 @@ pub struct StoredRun {
     pub tip_m: [Vec<f64>; 2],
     /// The wanted tip of a simulation, if it had one.
     pub target: Option<StoredTarget>,
-    /// What the path of an arm prescribes, if it had one.
+    /// Quantity that the path of an arm prescribes; not set for a simulation or a single link.
     pub prescribed: Option<Prescribed>,
     /// Times in s between which the wanted motion moves; not set for a simulation.
     pub moving_s: Option<(f64, f64)>,
@@ -60,9 +60,9 @@ pub struct StoredRun {
     pub readings: Vec<(String, f64)>,
     /// Results of verifying the answer; empty where it was not verified.
     pub checks: Vec<Check>,
-    /// What the user must know.
+    /// Warnings.
     pub warnings: Vec<Notice>,
-    /// What is possible but rare.
+    /// Remarks on what is possible but rare.
     pub remarks: Vec<Notice>,
 }
 
@@ -71,7 +71,7 @@ pub struct StoredRun {
 pub struct StoredArc {
     /// The mesh that the answer was computed on.
     pub mesh: Mesh,
-    /// What is counted of the second order; of a simulation all, where it is of the elastica.
+    /// Second-order terms that the solver counted; all of them in a simulation of the elastica.
     pub second_order: SecondOrder,
     /// How many flexible modes the link was reduced to; not set where all are kept.
     pub kept_modes: Option<usize>,
@@ -195,7 +195,7 @@ pub struct Notice {
     pub kind: String,
     /// Its text.
     pub message: String,
-    /// What the user can do about it.
+    /// Remedy.
     pub hint: String,
 }
 
@@ -233,9 +233,9 @@ notices!(SimulationWarning, ThickLink, Warning);
 pub struct StoredSweep {
     /// Name of the file.
     pub name: String,
-    /// What the sweep was made of; none without a record of the table.
+    /// Command, version, files and arguments of the sweep; not set where the table has no record.
     pub origin: Option<Origin>,
-    /// The link of the first case, or those of its arm; none without a record.
+    /// The link of the first case, or the links of its arm; empty where the table has no record.
     pub links: Vec<Link>,
     /// SI units of the values varied, which the first columns of the table hold; empty where a key has none.
     pub units: Vec<String>,
@@ -273,9 +273,9 @@ pub enum Repeated {
 pub struct LineDifference {
     /// Number of the first line that differs, from 1.
     pub line: u64,
-    /// That line of the run with its line end; none if its text has ended.
+    /// The run's line with its line end; not set if the run's text has ended.
     pub run: Option<Vec<u8>>,
-    /// That line of the repetition.
+    /// The repetition's line; not set if its text has ended.
     pub repetition: Option<Vec<u8>>,
     /// Number of lines that differ from the line of the same number.
     pub differing: u64,
@@ -283,7 +283,7 @@ pub struct LineDifference {
     pub lines: u64,
 }
 
-/// Compares the text of a run with that of its repetition, line by line; none if all bytes are the
+/// Compares the texts of a run and of its repetition line by line. Returns nothing if all bytes are the
 /// same.
 ///
 /// ```

@@ -169,7 +169,7 @@ impl Table {
         &self.columns[0]
     }
 
-    /// Takes the column of this name; empty if there is none.
+    /// Takes the column of this name, which is empty if the table does not have it.
     pub(super) fn take(&mut self, name: &str) -> Vec<f64> {
         let place = self.names.iter().position(|own| own == name);
         place.map(|place| std::mem::take(&mut self.columns[place])).unwrap_or_default()

@@ -176,6 +176,11 @@ impl Summary {
         Self { files: Vec::new(), ..self }
     }
 
+    /// What the user must know of the run.
+    pub fn warnings(&self) -> &[Notice] {
+        &self.warnings
+    }
+
     /// Number of the files that the run writes, this one among them.
     pub fn file_count(&self) -> usize {
         self.files.len()

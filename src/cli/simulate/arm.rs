@@ -7,10 +7,9 @@ use flexlink::csv::InputFile;
 use flexlink::inverse::Unwatched;
 use flexlink::link::ArmLink;
 use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
-use flexlink::result::{FollowedTarget, PlayedMetrics, TargetError};
+use flexlink::result::{FollowedTarget, PlayedMetrics};
 use flexlink::spec::ArmSpecification;
 use flexlink::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
-use flexlink::text::{plain, shown_path};
 
 use super::options::{Simulate, shown};
 use crate::options::common::refuse_for_arms;
@@ -50,18 +49,10 @@ impl Simulate {
     /// Plays the torques, writes and tells.
     pub(super) fn run_arm(&self, inputs: &ArmInputs) -> Result<(), Failure> {
         let played = self.compute_arm(inputs)?;
-        let Played { target, warnings, .. } = &played;
         let run = played.run(inputs);
         let summary = self.write_arm(inputs, &run)?;
         console::remarks(&inputs.specification.remarks);
-        console::warnings(warnings);
-        let late = target.as_ref().and_then(|target| target.tip_error.late);
-        console::warnings(late);
-        let exceeded = run.metrics.exceeded(run.limits);
-        console::warnings(&exceeded);
-        let written = format!("{} files in {}", summary.file_count(), shown_path(&self.output));
-        self.print.print(|| summary.to_json(), || played_arm_text(&run, &written))?;
-        self.warnings.refuse(warnings.len() + usize::from(late.is_some()) + exceeded.len())
+        self.tell(&summary, |written| played_arm_text(&run, &written))
     }
 
     fn compute_arm<'a>(&self, inputs: &'a ArmInputs) -> Result<Played<'a>, Failure> {
@@ -75,15 +66,8 @@ impl Simulate {
         let (motion, warnings) = simulated.map_err(|error| self.arm_refused(&error, inputs))?;
         let target = target_file.as_ref().zip(played.target.as_ref());
         let target = target.map(|(file, target)| {
-            FollowedTarget::of_arm(&motion, target).map_err(|error| {
-                let (exit, place) = match (error, self.play.until) {
-                    (TargetError::EndsLate { .. }, Some(until)) => {
-                        (Exit::Usage, format!("--until {}: ", plain(until)))
-                    }
-                    _ => (Exit::InputRefused, shown(file)),
-                };
-                Failure::new(exit, &format!("{place}{error}"), error.hint())
-            })
+            let followed = FollowedTarget::of_arm(&motion, target);
+            followed.map_err(|error| self.target_refused(error, shown(file)))
         });
         let target = target.transpose()?;
         let nodes_m = nodes_m(&inputs.specification)?;

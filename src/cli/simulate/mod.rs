@@ -61,8 +61,12 @@ impl Simulate {
         stages.at("writing");
         let summary = self.write(&inputs, &played)?;
         drop(stages);
-        let warnings = self.tell(&inputs, &played, &summary)?;
-        self.warnings.refuse(warnings)
+        self.tell(&summary, |written| {
+            let Played { play, simulation, metrics, .. } = &played;
+            let link = &inputs.specification.link;
+            simulate_text(link, play, simulation, metrics, &played.findings(), written)
+                + &self.nodes.text(&[simulation.mesh.nodes_m()])
+        })
     }
 
     /// Reads all files; every error names its file.
@@ -96,7 +100,11 @@ impl Simulate {
         let refused = |error| self.refused(&error, inputs);
         let simulation = simulate(link, mesh, &play).map_err(refused)?;
         self.nodes.check(&[simulation.mesh.nodes_m()])?;
-        let target = self.followed(&simulation, inputs)?;
+        let target = inputs.playing.target.as_ref().map(|(_, target)| {
+            let followed = FollowedTarget::of(&simulation, target);
+            followed.map_err(|error| self.target_refused(error, inputs.target_shown()))
+        });
+        let target = target.transpose()?;
         let compared = inputs.playing.measured.as_ref().map(|(file, measured)| {
             Comparison::of(&simulation, measured).map_err(|error| {
                 let message = format!("{}{error}", shown(file));
@@ -157,22 +165,15 @@ impl Simulate {
         Failure::new(exit, &format!("{place}{error}"), error.hint())
     }
 
-    /// The tip beside the target, if there is one.
-    fn followed(
-        &self,
-        simulation: &Simulation,
-        inputs: &Inputs,
-    ) -> Result<Option<FollowedTarget>, Failure> {
-        let Some((_, target)) = &inputs.playing.target else { return Ok(None) };
-        FollowedTarget::of(simulation, target).map(Some).map_err(|error| {
-            let (exit, place) = match (error, self.play.until) {
-                (TargetError::EndsLate { .. }, Some(until)) => {
-                    (Exit::Usage, format!("--until {}: ", plain(until)))
-                }
-                _ => (Exit::InputRefused, inputs.target_shown()),
-            };
-            Failure::new(exit, &format!("{place}{error}"), error.hint())
-        })
+    /// The failure of a target in this file that the simulation does not reach.
+    fn target_refused(&self, error: TargetError, shown: String) -> Failure {
+        let (exit, place) = match (error, self.play.until) {
+            (TargetError::EndsLate { .. }, Some(until)) => {
+                (Exit::Usage, format!("--until {}: ", plain(until)))
+            }
+            _ => (Exit::InputRefused, shown),
+        };
+        Failure::new(exit, &format!("{place}{error}"), error.hint())
     }
 
     /// Writes all tables and summary.json.
@@ -205,24 +206,13 @@ impl Simulate {
         Ok(summary)
     }
 
-    /// Prints warnings and the summary; returns the number of warnings.
-    fn tell(&self, inputs: &Inputs, played: &Played, summary: &Summary) -> Result<usize, Failure> {
-        let Played { play, simulation, metrics, error, target, .. } = played;
-        let coarse = error.as_ref().and_then(|error| error.warning(simulation));
-        let warnings: Vec<_> = simulation.warnings.iter().copied().chain(coarse).collect();
-        console::warnings(&warnings);
-        let late = target.as_ref().and_then(|target| target.tip_error.late);
-        console::warnings(late);
-        let exceeded = metrics.exceeded(&[played.limits]);
-        console::warnings(&exceeded);
-        let text = || {
-            let written = format!("{} files in {}", summary.file_count(), shown_path(&self.output));
-            let link = &inputs.specification.link;
-            simulate_text(link, play, simulation, metrics, &played.findings(), written)
-                + &self.nodes.text(&[simulation.mesh.nodes_m()])
-        };
-        self.print.print(|| summary.to_json(), text)?;
-        Ok(warnings.len() + usize::from(late.is_some()) + exceeded.len())
+    /// Prints warnings and the summary, whose text says what was `written`.
+    fn tell(&self, summary: &Summary, text: impl FnOnce(String) -> String) -> Result<(), Failure> {
+        let warnings = summary.warnings();
+        console::warnings(warnings.iter().cloned());
+        let written = || format!("{} files in {}", summary.file_count(), shown_path(&self.output));
+        self.print.print(|| summary.to_json(), || text(written()))?;
+        self.warnings.refuse(warnings.len())
     }
 }
 
