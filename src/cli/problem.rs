@@ -120,8 +120,18 @@ impl Problem {
         let solution = invert_with(link, mesh, motion, &analysis, &resources);
         let solution = solution.map_err(|error| {
             let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
-            if let InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } = error {
-                let refused = doubted(motion_file, bytes);
+            let refused = match error {
+                InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } => {
+                    let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
+                    Some(doubted(motion_file, &format!("{needed} of memory"), &most))
+                }
+                InversionError::TooLong { samples, limit } if duration.is_some() => {
+                    let needed = format!("a period of {samples} samples");
+                    Some(doubted(motion_file, &needed, &limit.to_string()))
+                }
+                _ => None,
+            };
+            if let Some(refused) = refused {
                 return Failure::new(Exit::InputRefused, &refused, hint.as_deref());
             }
             let failure = Failure::from(error);
@@ -135,11 +145,11 @@ impl Problem {
     }
 }
 
-/// A refusal of times that are probably in another unit, where the inversion would need so many bytes of memory.
-fn doubted(motion_file: &str, bytes: usize) -> String {
-    let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
-    let found = format!("{motion_file}: time = such that {needed} of memory is needed");
-    format!("{found}, but must need at most {most} where its unit is doubtful")
+/// A refusal of times that are probably in another unit, where the inversion would need so much.
+fn doubted(motion_file: &str, needed: &str, most: &str) -> String {
+    format!(
+        "{motion_file}: time = such that {needed} is needed, but must need at most {most} where its unit is doubtful"
+    )
 }
 
 impl Solved<LinkOrArm> {

@@ -131,7 +131,12 @@ fn times_in_days_are_told_before_the_work_and_the_refusal_names_the_unit() {
     let hint = "hint: name the unit in the column's heading, as in \"time [ms]\"\n";
     assert!(found.starts_with("remark: the tip moves for "), "{found}");
     assert!(found.contains("probably time in another unit"), "{found}");
-    assert!(found.ends_with(hint) && found.contains("error: "), "{found}");
+    assert!(found.ends_with(hint), "{found}");
+    assert!(found.contains("error: days.csv: time = such that a period of 2160"), "{found}");
+    assert_eq!(output.status.code(), Some(3));
+    // `verify` refuses it in the same words.
+    let output = bench.run(&["verify", &repository(LINK), "days.csv"]);
+    assert_eq!((stderr(&output), output.status.code()), (found, Some(3)));
     bench.write("named.csv", &format!("time [d],displacement\n{rows}"));
     let output = bench.run(&["solve", &repository(LINK), "named.csv"]);
     assert!(output.status.success(), "{}", stderr(&output));
