@@ -50,14 +50,14 @@ pub struct ArmParts {
     pub elbow: Option<Elbow>,
 }
 
-/// A valid arm of two links to nine, of which each turns against the tip of the one before.
+/// A valid arm of up to nine links, of which each turns against the tip of the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     parts: ArmParts,
 }
 
 impl Arm {
-    /// Checks every range.
+    /// Checks every range; an arm of one link is made [from it](Arm::from).
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.
@@ -138,6 +138,20 @@ impl Arm {
     /// Length of the stretched arm in m.
     pub fn length_m(&self) -> f64 {
         self.parts.links.iter().map(|own| own.link.length_m()).sum()
+    }
+}
+
+/// A link is an arm of one link.
+impl From<Link> for Arm {
+    fn from(link: Link) -> Self {
+        Self {
+            parts: ArmParts {
+                title: link.title().to_owned(),
+                gravity_m_s2: link.gravity().map_or([0.0; 2], |own| own.acceleration_m_s2),
+                links: vec![ArmLink { name: None, link }],
+                elbow: None,
+            },
+        }
     }
 }
 

@@ -22,8 +22,8 @@ const MOST_SHIFTS: usize = 40;
 /// Angles of joints below this share of a mode's largest coordinate are none.
 const NO_TURN: f64 = 1e-9;
 
-/// One way in which an arm moves by itself about a pose.
-#[derive(Debug, Clone, PartialEq)]
+/// One way in which a link or an arm moves by itself.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct PoseMode {
     /// ω² in 1/s²; below 0 where the arm leaves the pose as e^{√(−ω²) t}.
     pub square_per_s2: f64,
@@ -32,8 +32,8 @@ pub struct PoseMode {
     pub damping_ratio: Option<f64>,
     /// How far each joint turns, the largest 1; all 0 where none does.
     pub joints: Vec<f64>,
-    /// The coordinates of the pose, xᵀ M x = 1.
-    pub(super) shape: Vec<f64>,
+    /// Mass-normalised: the coordinates of the pose, or of one straight link the displacements of its nodes in 1/√kg.
+    pub shape: Vec<f64>,
 }
 
 /// Modes, those with the lowest ω² first.
@@ -43,6 +43,13 @@ pub struct SettledModes {
     pub modes: Vec<PoseMode>,
     /// Relative change of each ω by the last refinement; NaN where it is not known.
     pub errors: Vec<f64>,
+}
+
+impl SettledModes {
+    /// True if one of the modes leaves the pose.
+    pub fn falls(&self) -> bool {
+        self.modes.iter().any(|mode| mode.square_per_s2 < 0.0)
+    }
 }
 
 /// Nodes of an arm at rest, and how modes move them: of each link, of each of its nodes.
