@@ -9,8 +9,8 @@ use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::Digits;
 use flexlink::link::{Arm, Link};
 use flexlink::modal::{
-    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, held_frequencies, mode,
-    natural_frequencies, pose_modes, real_frequency_zeros, torque_zeros,
+    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, mode, natural_frequencies, pose_modes,
+    real_frequency_zeros, torque_zeros,
 };
 use flexlink::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
 use flexlink::result::{LinkZeros, ModesResult, Remark, Setting, mesh_errors};
@@ -238,7 +238,7 @@ fn straight(
         };
         Ok::<_, Failure>(SettledModes { modes: modes.into_iter().map(mode).collect(), errors })
     };
-    let spring_n_m_rad = held_by(link);
+    let spring_n_m_rad = link.joint_stiffness_n_m_rad();
     let mut free = settled(PoseHub::Free, count + 1)?;
     if is_across {
         // Nothing drives the swing; dense algebra leaves round-off.
@@ -275,7 +275,7 @@ fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, 
     check_shapes(omega_rad_s.len() * mesh.nodes_m().len())?;
     let finer = mesh.refined();
     let highest_rad_s = omega_rad_s.last().copied().unwrap_or_default();
-    let settled = |hub, omega_rad_s: &[f64], on_halves: &[f64], shape: &dyn Fn(f64) -> Vec<f64>| {
+    let settled = |hub: PoseHub, omega_rad_s: &[f64], shape: &dyn Fn(f64) -> Vec<f64>| {
         let ratios = damping_ratios((link, &mesh, &law), hub, omega_rad_s);
         let modes = omega_rad_s.iter().zip(ratios).map(|(omega, ratio)| PoseMode {
             square_per_s2: omega * omega,
@@ -283,18 +283,16 @@ fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, 
             joints: Vec::new(),
             shape: shape(*omega),
         });
-        SettledModes { modes: modes.collect(), errors: mesh_errors(&mesh, omega_rad_s, on_halves) }
+        let errors = mesh_errors(&mesh, omega_rad_s, &hub.frequencies(&finer, count));
+        SettledModes { modes: modes.collect(), errors }
     };
-    let spring_n_m_rad = held_by(link);
-    let held = |mesh: &Mesh| held_frequencies(mesh, spring_n_m_rad, count);
+    let spring_n_m_rad = link.joint_stiffness_n_m_rad();
+    let held = PoseHub::Spring(spring_n_m_rad);
     let shape = |omega: f64| mode(&mesh, omega).shape.displacements(&mesh);
-    let on_halves = natural_frequencies(&finer, count);
     Ok(ModesResult {
         setting: Setting::Level,
-        free: settled(PoseHub::Free, &omega_rad_s, &on_halves, &shape),
-        held: settled(PoseHub::Spring(spring_n_m_rad), &held(&mesh), &held(&finer), &|_| {
-            Vec::new()
-        }),
+        free: settled(PoseHub::Free, &omega_rad_s, &shape),
+        held: settled(held, &held.frequencies(&mesh, count), &|_| Vec::new()),
         joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],
         zeros: vec![zeros_on(&mesh, count, highest_rad_s)],
         meshes: vec![mesh],
@@ -321,11 +319,6 @@ fn warn_of_fall(arm: &Arm, [free, held]: [bool; 2]) -> usize {
         warn("free", "the table tells how fast; a controller that holds the pose changes that");
     }
     usize::from(free || held)
-}
-
-/// Stiffness in N m/rad of what is between the hub and what holds it.
-fn held_by(link: &Link) -> f64 {
-    link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad)
 }
 
 /// Refuses mode shapes of so many displacements that they do not fit into the memory.

@@ -126,8 +126,7 @@ impl Arm {
 
     /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
     pub fn joint_stiffnesses_n_m_rad(&self) -> Vec<f64> {
-        let drives = self.links().iter().map(|own| own.link.drive());
-        drives.map(|own| own.map_or(f64::INFINITY, |own| own.joint_stiffness_n_m_rad)).collect()
+        self.links().iter().map(|own| own.link.joint_stiffness_n_m_rad()).collect()
     }
 
     /// Length of each link in m.

@@ -10,6 +10,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
+use super::frequencies::{held_frequencies, natural_frequencies};
 use crate::beam::{Element, Inertia, Mesh};
 use crate::numeric::SymmetricEigen;
 
@@ -31,6 +32,17 @@ pub enum PoseHub {
     Free,
     /// A spring of this stiffness in N m/rad; infinite where the hub is clamped.
     Spring(f64),
+}
+
+impl PoseHub {
+    /// The first `count` natural frequencies in rad/s without gravity, the rigid rotation left out; fewer where the mesh has
+    /// fewer.
+    pub fn frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
+        match self {
+            Self::Free => natural_frequencies(mesh, count),
+            Self::Spring(stiffness_n_m_rad) => held_frequencies(mesh, stiffness_n_m_rad, count),
+        }
+    }
 }
 
 /// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it, ascending, and
@@ -150,7 +162,6 @@ fn pull(element: &Element, outward_m_s2: f64, outboard_kg: f64) -> Matrix4<f64> 
 mod tests {
     use super::*;
     use crate::link::{Hub, Link, LinkParts, Payload, Segment, uniform};
-    use crate::modal::natural_frequencies;
 
     const CLAMPED: PoseHub = PoseHub::Spring(f64::INFINITY);
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::damped_modes::{SmallMotions, damping_ratio};
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
-use crate::numeric::{Size, SymmetricEigen, dot, magnitude};
+use crate::numeric::{Size, SymmetricEigen, dot, magnitude, relative_change};
 
 /// What each refinement adds to every order, and most of them.
 pub(crate) const MORE_ORDERS: usize = 4;
@@ -368,30 +368,17 @@ pub fn arm_responses(
 /// The larger change of the tip's displacement and of the joints' angles, each over its size, to the torque that it is
 /// largest of.
 fn change(before: &ArmResponse, found: &ArmResponse) -> f64 {
-    type Part = fn(&TorqueResponse) -> &[num_complex::Complex64];
+    type Part = fn(&TorqueResponse) -> &[Complex64];
     let parts: [Part; 2] = [|own| &own.tip_m, |own| &own.joints_rad];
-    let size = |values: &[num_complex::Complex64]| {
-        let sum: f64 = values.iter().map(|x| magnitude(*x) * magnitude(*x)).sum();
-        sum.sqrt()
+    let size = |values: &mut dyn Iterator<Item = Complex64>| {
+        values.map(|x| magnitude(x) * magnitude(x)).sum::<f64>().sqrt()
     };
     let pairs = before.torques.iter().zip(&found.torques);
     let of = |(a, b): (&TorqueResponse, &TorqueResponse)| {
         let each = parts.map(|part| {
             let (a, b) = (part(a), part(b));
-            let off: Vec<_> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-            let share = size(&off) / size(a).max(size(b));
-            // What is infinite, or 0, both times does not change.
-            match (size(a).is_finite(), size(b).is_finite()) {
-                (true, true) => {
-                    if share.is_nan() {
-                        0.0
-                    } else {
-                        share
-                    }
-                }
-                (false, false) => 0.0,
-                _ => 1.0,
-            }
+            let off = size(&mut a.iter().zip(b).map(|(a, b)| a - b));
+            relative_change(off, [a, b].map(|own| size(&mut own.iter().copied())))
         });
         each[0].max(each[1])
     };
