@@ -107,7 +107,7 @@ class _FrfOptions(TypedDict, total=False):
     stop: float
     points: int
     linear: bool
-    at: Sequence[float]
+    at: float | Sequence[float]
 
 class _TrajectoryOptions(TypedDict, total=False):
     distance: float | str

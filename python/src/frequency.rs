@@ -7,20 +7,18 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::result::{BandMeshError, CoarseMesh, ModesResult, Notice};
-use flexlink::store::{ResponseColumns, arm_response, link_response};
+use flexlink::response::{PoseMode, SettledModes};
+use flexlink::result::{ModesResult, Notice, Setting};
+use flexlink::spec::ArmSpecification;
 
 use crate::arm::Arm;
 use crate::arrays::{dictionary, rows};
-use crate::cli::arm_pose::ArmInPose;
 use crate::cli::frf::Frf;
-use crate::cli::modes::{computed, in_pose};
+use crate::cli::modes::{Wanted, computed};
 use crate::interrupt::until_pressed;
 use crate::keywords;
 use crate::link::{Link, described_by};
 use crate::messages::{usage, warn};
-use crate::options::common::directions;
-use crate::terminal::Failure;
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
 ///
@@ -47,37 +45,28 @@ pub(crate) fn modes<'py>(
         return Err(usage(&format!("count = {count}, but must be 1 to 1000"), None).into());
     }
     let at = at.map(Directions::list);
-    if let Ok(arm) = link.cast::<Arm>() {
-        let pose = ArmInPose::of(arm.get().specification.clone(), at.as_deref())?;
-        let found = until_pressed(py, || pose.modes(count))?;
-        let lists = [("mode, joints free,", &found.free), ("mode, rotors held,", &found.held)];
-        let coarse = lists.map(|(what, own)| CoarseMesh::of(what, &own.errors));
-        warn_of(py, coarse.into_iter().flatten())?;
-        let squares = |modes: &[flexlink::response::PoseMode]| -> Vec<f64> {
-            modes.iter().map(|mode| mode.square_per_s2).collect()
-        };
-        let (free, held) = (squares(&found.free.modes), squares(&found.held.modes));
-        let table = in_directions(py, &free, &held)?;
-        table.set_item("holding_torque", PyArray1::from_slice(py, &found.holding_torques_n_m))?;
-        table.set_item("tip", PyArray1::from_slice(py, &found.tip_m))?;
-        return Ok(table);
+    let specification = specification_of(link)?;
+    let found = || computed(&specification, at.as_deref(), count, Wanted::Modes);
+    let found = until_pressed(py, found)?;
+    warn(py, &found.warnings(&specification.arm))?;
+    match &found.setting {
+        Setting::Level => level(py, &found),
+        Setting::Straight { .. } => in_pose(py, &found),
+        Setting::AtRest { tip_m, holding_torques_n_m, .. } => {
+            let table = in_pose(py, &found)?;
+            table.set_item("holding_torque", PyArray1::from_slice(py, holding_torques_n_m))?;
+            table.set_item("tip", PyArray1::from_slice(py, tip_m))?;
+            Ok(table)
+        }
     }
-    let specification = &described_by::<Link>(link)?.get().specification;
-    if let Some(at) = at.map(|at| directions(Some(&at), 1)).transpose()? {
-        let (_, found) = until_pressed(py, || in_pose(specification, at[0], count))?;
-        let lists = [("mode", &found.free), ("mode with the hub held", &found.held)];
-        let coarse = lists.map(|(what, own)| CoarseMesh::of(what, &own.mesh_errors));
-        warn_of(py, coarse.into_iter().flatten())?;
-        return in_directions(py, &found.free.squares_per_s2, &found.held.squares_per_s2);
-    }
-    let (_, found) = until_pressed(py, || computed(specification, count))?;
-    warn_of(py, found.warnings())?;
-    of_link(py, found)
 }
 
-/// Gives warnings of a coarse mesh to Python's filters.
-fn warn_of(py: Python<'_>, coarse: impl IntoIterator<Item = CoarseMesh>) -> PyResult<()> {
-    warn(py, &coarse.into_iter().map(Notice::from).collect::<Vec<_>>())
+/// A link or an arm; a link is an arm of one link.
+fn specification_of(link: &Bound<'_, PyAny>) -> PyResult<ArmSpecification> {
+    Ok(match link.cast::<Arm>() {
+        Ok(arm) => (*arm.get().specification).clone(),
+        Err(_) => described_by::<Link>(link)?.get().specification.clone().into(),
+    })
 }
 
 /// One direction, or one for each link.
@@ -96,34 +85,40 @@ impl Directions {
     }
 }
 
-fn of_link(py: Python<'_>, found: ModesResult) -> PyResult<Bound<'_, PyDict>> {
-    let hertz = found.omega_rad_s.iter().map(|omega| omega / TAU).collect();
-    let nodes = found.nodes_m.len();
+/// Numbers of all modes.
+fn each(own: &SettledModes, of: impl Fn(&PoseMode) -> f64) -> Vec<f64> {
+    own.modes.iter().map(of).collect()
+}
+
+/// Frequencies in Hz; that of a mode that leaves the pose is imaginary, and a negative number here.
+fn hertz(mode: &PoseMode) -> f64 {
+    mode.square_per_s2.abs().sqrt().copysign(mode.square_per_s2) / TAU
+}
+
+fn level<'py>(py: Python<'py>, found: &ModesResult) -> PyResult<Bound<'py, PyDict>> {
+    let ratio = |mode: &PoseMode| mode.damping_ratio.unwrap_or(f64::NAN);
+    let (free, held) = (&found.free, &found.held);
+    let (zeros, nodes_m) = (&found.zeros[0], found.meshes[0].nodes_m());
     let columns = [
-        ("frequency_hz", hertz),
-        ("damping_ratio", found.damping_ratios),
-        ("mesh_error", found.mesh_errors),
-        ("zero_per_s", found.zeros.zeros_per_s),
-        ("zero_mesh_error", found.zeros.mesh_errors),
-        ("blocked_hz", found.zeros.blocked_hz),
-        ("nodes", found.nodes_m),
+        ("frequency_hz", each(free, hertz)),
+        ("damping_ratio", each(free, ratio)),
+        ("mesh_error", free.errors.clone()),
+        ("zero_per_s", zeros.zeros_per_s.clone()),
+        ("zero_mesh_error", zeros.mesh_errors.clone()),
+        ("blocked_hz", zeros.blocked_hz.clone()),
+        ("nodes", nodes_m.to_vec()),
+        ("held_hz", each(held, hertz)),
+        ("held_damping_ratio", each(held, ratio)),
     ];
     let table = dictionary(py, columns)?;
-    let held_hz = found.held.omega_rad_s.iter().map(|omega| omega / TAU).collect();
-    table.set_item("held_hz", PyArray1::from_vec(py, held_hz))?;
-    table.set_item("held_damping_ratio", PyArray1::from_vec(py, found.held.damping_ratios))?;
+    let shapes: Vec<_> = free.modes.iter().map(|mode| &mode.shape).collect();
     // A row for each mode.
-    table.set_item("shapes", rows(py, &found.shapes, nodes)?.call_method0("transpose")?)?;
+    table.set_item("shapes", rows(py, &shapes, nodes_m.len())?.call_method0("transpose")?)?;
     Ok(table)
 }
 
-fn in_directions<'py>(py: Python<'py>, free: &[f64], held: &[f64]) -> PyResult<Bound<'py, PyDict>> {
-    let table = PyDict::new(py);
-    for (name, squares) in [("free_hz", free), ("held_hz", held)] {
-        let hertz = squares.iter().map(|own| own.abs().sqrt().copysign(*own) / TAU).collect();
-        table.set_item(name, PyArray1::from_vec(py, hertz))?;
-    }
-    Ok(table)
+fn in_pose<'py>(py: Python<'py>, found: &ModesResult) -> PyResult<Bound<'py, PyDict>> {
+    dictionary(py, [("free_hz", each(&found.free, hertz)), ("held_hz", each(&found.held, hertz))])
 }
 
 /// `from` is a word of Python.
@@ -140,8 +135,8 @@ struct Keywords {
 /// Frequency response, as a dictionary of the columns that ``flexlink frf`` writes: of a link torque per tip acceleration,
 /// hub angle per tip displacement, tip displacement per torque.
 ///
-/// Keywords are the options ``start``, ``stop`` (``--from`` and ``--to``, in Hz), ``points``, ``linear``, and of an arm
-/// ``at``, the directions of its links in rad.
+/// Keywords are the options ``start``, ``stop`` (``--from`` and ``--to``, in Hz), ``points``, ``linear`` and ``at``, the
+/// directions of the links in rad, which an arm needs: the response is then about the shape at rest there.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(segments=[{"length": 1.0, "EI": 10.0, "mass_per_length": 0.5}])
@@ -163,27 +158,9 @@ pub(crate) fn frf<'py>(
     arguments.push("link".to_owned());
     let read = Keywords::try_parse_from(arguments)
         .map_err(|error| keywords::refused::<Frf>(&error, &[], &RENAMED))?;
-    let columns = if let Ok(arm) = link.cast::<Arm>() {
-        let at = read.frf.at.as_deref();
-        let pose = ArmInPose::of(arm.get().specification.clone(), at)?;
-        let (_, found) = until_pressed(py, || read.frf.compute_arm(&pose))?;
-        arm_response(&found)
-    } else {
-        let own = described_by::<Link>(link)?.get();
-        if read.frf.at.is_some() {
-            let message = "at is for an arm of several links, and this is one";
-            return Err(usage(&message, None).into());
-        }
-        let compute = || -> Result<(ResponseColumns, Option<CoarseMesh>), Failure> {
-            let (rows, errors) = read.frf.compute(&own.specification)?;
-            let known =
-                rows.iter().map(|row| row.frequency_hz).zip(errors.iter().flatten().copied());
-            let coarse = BandMeshError::of_errors(known).and_then(|error| error.warning);
-            Ok((link_response(&rows, errors.as_deref()), coarse))
-        };
-        let (columns, coarse) = until_pressed(py, compute)?;
-        warn_of(py, coarse)?;
-        columns
-    };
-    dictionary(py, columns)
+    let specification = specification_of(link)?;
+    let found = until_pressed(py, || read.frf.compute(&specification))?;
+    let coarse = found.error.and_then(|error| error.warning);
+    warn(py, &coarse.map(Notice::from).into_iter().collect::<Vec<_>>())?;
+    dictionary(py, found.columns)
 }

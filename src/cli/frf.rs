@@ -1,4 +1,4 @@
-//! `frf`: the frequency response of a link.
+//! `frf`: the frequency response of a link or an arm.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -6,20 +6,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::beam::Mesh;
+use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
-use flexlink::response::{ArmModes, ArmResponses};
-use flexlink::result::BandMeshError;
-use flexlink::spec::{Described, Specification};
+use flexlink::response::{arm_modes, arm_responses};
+use flexlink::result::{BandMeshError, Refined};
+use flexlink::spec::ArmSpecification;
 use flexlink::store::{
     ResponseColumns, arm_response, frequency_response_json, link_response, write_frequency_response,
 };
 use flexlink::text::{given, significant};
 
-use super::arm_pose::ArmInPose;
-use crate::options::common::angle_rad;
+use super::modes::falling;
+use crate::options::common::{angle_rad, directions};
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::keep_files;
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -27,6 +27,7 @@ use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 const EXAMPLE: &str = "\
 Example:
   flexlink frf link.toml --from 0.1 --to 50 -o frf.csv
+  flexlink frf hanging.toml --at '-90 deg' -o frf.csv
   flexlink frf arm.toml --at '30 deg,75 deg' -o frf.csv";
 
 /// Bytes that a row takes besides itself while its fourteen columns are written, as measured.
@@ -49,20 +50,21 @@ const OWN_BYTES: usize = 16 << 20;
 /// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows
 /// the highest frequency to mesh.tolerance.
 ///
-/// For an arm of several links, about its shape at rest where the links point in the directions of --at: displacement of
-/// the tip along x and y, in 1/N, and angle of each joint, in rad/(N m), per torque of each joint. The mesh error
-/// is then by how much polynomials of higher order change the displacement and the angles, over their size.
+/// With --at, the response is about the shape at rest where the links point in these directions, bent by the weight:
+/// displacement of the tip along x and y, in 1/N, and angle of each joint, in rad/(N m), per torque of each joint. The mesh
+/// error is then by how much polynomials of higher order change the displacement and the angles, over their size. An
+/// arm of several links needs --at.
 #[derive(Debug, Args)]
-#[command(about = "Frequency response of a link", after_help = EXAMPLE)]
+#[command(about = "Frequency response of a link or an arm", after_help = EXAMPLE)]
 pub(crate) struct Frf {
     #[command(flatten)]
     link: LinkArgs,
 
-    /// Of an arm: the directions of all its links, from joint to joint, the inner one first, in rad or with
-    /// their unit, as in '30 deg,75 deg'.
+    /// The directions of all links, from joint to joint, the inner one first, in rad or with their unit, as in
+    /// '-90 deg' for one link or '30 deg,75 deg' for an arm of two.
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',')]
-    pub(crate) at: Option<Vec<f64>>,
+    at: Option<Vec<f64>>,
 
     /// Lowest frequency [default: a tenth of the first natural frequency].
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
@@ -100,115 +102,110 @@ pub(crate) struct Frf {
 /// Frequencies whose fourth powers are numbers.
 const FREQUENCIES_HZ: RangeInclusive<f64> = 1e-70..=1e70;
 
+/// A frequency response, as it is written.
+pub(crate) struct Responses {
+    pub(crate) columns: ResponseColumns,
+    /// Unknown where damping allows no halved elements.
+    pub(crate) error: Option<BandMeshError>,
+    /// True where the links leave the pose if their joints are free.
+    falls: bool,
+}
+
 impl Frf {
     pub(crate) fn run(self) -> Result<(), Failure> {
         if let Some(output) = &self.output {
             keep_files(output, &[&self.link.link])?;
         }
-        let specification = match self.link.described()? {
-            Described::Link(own) => own,
-            Described::Arm(arm) => {
-                let pose = ArmInPose::of(arm, self.at.as_deref())?;
-                return self.warnings.refuse(self.tell_arm(&pose)?);
-            }
-        };
-        if self.at.is_some() {
-            let message = "--at is for an arm of several links, and the file has one";
-            return Err(Failure::new(Exit::Usage, &message, None));
-        }
+        let specification = ArmSpecification::from(self.link.described()?);
         let bar = StageBar::new();
         bar.at("computing responses");
-        let (rows, errors) = self.compute(&specification)?;
+        let Responses { columns, error, falls } = self.compute(&specification)?;
         drop(bar);
-        self.deliver(link_response(&rows, errors.as_deref()))?;
-        let warnings = tell(&rows, errors.as_deref()) + warn_of_gravity(&specification.link);
-        self.warnings.refuse(warnings)
-    }
-
-    fn deliver(&self, columns: ResponseColumns) -> Result<(), Failure> {
         let output = self.output.as_deref();
         if self.json {
-            let text = frequency_response_json(columns);
-            return console::deliver(output, text.as_bytes());
+            console::deliver(output, frequency_response_json(columns).as_bytes())?;
+        } else {
+            let digits = self.digits;
+            console::deliver_by(output, |out| write_frequency_response(out, &columns, digits))?;
         }
-        let digits = self.digits;
-        console::deliver_by(output, |out| write_frequency_response(out, &columns, digits))
+        self.warnings.refuse(self.tell(&specification, error, falls))
     }
 
-    /// Writes the response of an arm; returns the number of warnings.
-    fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
-        let bar = StageBar::new();
-        bar.at("computing responses");
-        let (modes, found) = self.compute_arm(pose)?;
-        drop(bar);
-        self.deliver(arm_response(&found))?;
-        Ok(pose.tell_responses(&modes, &found))
+    /// The response of a link without gravity, or of a link or an arm in a pose.
+    pub(crate) fn compute(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
+        if self.at.is_none() && specification.arm.links().len() == 1 {
+            self.compute_level(specification)
+        } else {
+            self.compute_in_pose(specification)
+        }
     }
 
-    /// The modes of an arm, and its response.
-    pub(crate) fn compute_arm(
-        &self,
-        pose: &ArmInPose,
-    ) -> Result<(ArmModes, ArmResponses), Failure> {
-        let modes = pose.modes(DEFAULT_MODES)?;
-        let squares = modes.free.modes.iter().map(|mode| mode.square_per_s2);
-        let rising: Vec<f64> = squares.filter(|own| *own > 0.0).map(f64::sqrt).collect();
-        let (from_hz, to_hz) = self.range_hz(&rising)?;
-        let joints = modes.directions_rad.len();
-        let bytes = RESPONSE_BYTES * joints * (joints + 2);
-        let bytes = self.points.saturating_mul(bytes).saturating_add(OWN_BYTES);
-        memory::check("the frequency response", bytes, None, "use fewer --points")?;
-        let found = pose.responses(&self.frequencies_hz(from_hz, to_hz))?;
-        Ok((modes, found))
+    fn compute_in_pose(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
+        let ArmSpecification { arm, meshes, .. } = specification;
+        let joints = arm.links().len();
+        let directions_rad = directions(self.at.as_deref(), joints)?;
+        let tolerance = MeshPlan::smallest_tolerance(meshes);
+        let free = arm_modes(arm, &directions_rad, DEFAULT_MODES, tolerance)?.free;
+        let squares = free.modes.iter().map(|mode| mode.square_per_s2);
+        let rising: Vec<f64> = squares.filter(|square| *square > 0.0).map(f64::sqrt).collect();
+        let row_bytes = RESPONSE_BYTES * joints * (joints + 2);
+        let (frequencies_hz, _) = self.frequencies_hz(&rising, row_bytes)?;
+        let found = arm_responses(arm, &directions_rad, &frequencies_hz, tolerance)?;
+        let errors = frequencies_hz.iter().copied().zip(found.errors.iter().copied());
+        Ok(Responses {
+            columns: arm_response(&found),
+            error: BandMeshError::of_errors(errors, Refined::Orders),
+            falls: free.falls(),
+        })
     }
 
-    /// The response at each frequency, and its mesh error by halved elements; `None` where damping
-    /// allows no halved elements.
-    pub(crate) fn compute(
-        &self,
-        specification: &Specification,
-    ) -> Result<(Vec<FrequencyResponse>, Option<Vec<f64>>), Failure> {
-        let (link, plan) = (&specification.link, &specification.mesh);
+    fn compute_level(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
+        let (link, plan) = (&specification.arm.links()[0].link, &specification.meshes[0]);
         let mut mesh = Mesh::new(link, plan)?;
-        let (from_hz, to_hz) = self.range_hz(&natural_frequencies(&mesh, DEFAULT_MODES))?;
+        let natural_rad_s = natural_frequencies(&mesh, DEFAULT_MODES);
+        let row_bytes = size_of::<FrequencyResponse>() + ROW_BYTES;
+        let (frequencies_hz, to_hz) = self.frequencies_hz(&natural_rad_s, row_bytes)?;
         if plan.is_automatic() {
             mesh = mesh.resolving(to_hz * TAU, plan.tolerance());
         }
-        let bytes = self.points.saturating_mul(size_of::<FrequencyResponse>() + ROW_BYTES);
-        let bytes = bytes.saturating_add(OWN_BYTES);
-        memory::check("the frequency response", bytes, None, "use fewer --points")?;
         let model = model_of(link, mesh, specification.analysis.kept_modes())?;
-        let frequencies_hz = self.frequencies_hz(from_hz, to_hz);
         let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
-        match changes_on_halves(&*model, &rows) {
+        let errors = match changes_on_halves(&*model, &rows) {
             Ok(changes) => {
                 let per_change = model.mesh().error_per_change();
-                let errors = changes.iter().map(|change| per_change * change).collect();
-                Ok((rows, Some(errors)))
+                Some(changes.iter().map(|change| per_change * change).collect::<Vec<f64>>())
             }
-            Err(ModelError::TooManyElements { .. }) => Ok((rows, None)),
-            Err(error) => Err(error.into()),
-        }
+            Err(ModelError::TooManyElements { .. }) => None,
+            Err(error) => return Err(error.into()),
+        };
+        let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
+        Ok(Responses {
+            error: BandMeshError::of_errors(known, Refined::Elements),
+            columns: link_response(&rows, errors.as_deref()),
+            falls: false,
+        })
     }
 
-    /// The lowest and the highest frequency: by default those that suit natural frequencies in rad/s.
-    fn range_hz(&self, modes: &[f64]) -> Result<(f64, f64), Failure> {
+    /// All frequencies in Hz, both ends exactly, and the upper end of the range: by default a range that suits natural
+    /// frequencies in rad/s. Refuses rows of so many bytes if they do not fit into the memory.
+    fn frequencies_hz(
+        &self,
+        natural_rad_s: &[f64],
+        row_bytes: usize,
+    ) -> Result<(Vec<f64>, f64), Failure> {
         let hertz = |mode: Option<&f64>| mode.map_or(1.0, |omega| omega / TAU);
-        let from_hz = self.from.unwrap_or(0.1 * hertz(modes.first()));
-        let to_hz = self.to.unwrap_or(2.0 * hertz(modes.last()));
+        let from_hz = self.from.unwrap_or(0.1 * hertz(natural_rad_s.first()));
+        let to_hz = self.to.unwrap_or(2.0 * hertz(natural_rad_s.last()));
         let are_possible = [from_hz, to_hz].iter().all(|hertz| FREQUENCIES_HZ.contains(hertz));
-        if are_possible && (from_hz < to_hz || self.points == 1) {
-            return Ok((from_hz, to_hz));
+        if !are_possible || (from_hz >= to_hz && self.points != 1) {
+            let [from, to] = [from_hz, to_hz].map(given);
+            let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
+            let must = format!("but must rise within {least:e} … {most:e} Hz");
+            let message = format!("--from {from} --to {to} = no range, {must}");
+            return Err(Failure::new(Exit::Usage, &message, None));
         }
-        let [from, to] = [from_hz, to_hz].map(given);
-        let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
-        let must = format!("but must rise within {least:e} … {most:e} Hz");
-        let message = format!("--from {from} --to {to} = no range, {must}");
-        Err(Failure::new(Exit::Usage, &message, None))
-    }
-
-    /// All frequencies, both ends exactly.
-    fn frequencies_hz(&self, from_hz: f64, to_hz: f64) -> Vec<f64> {
+        let bytes = self.points.saturating_mul(row_bytes).saturating_add(OWN_BYTES);
+        memory::check("the frequency response", bytes, None, "use fewer --points")?;
         let last = self.points.max(2) - 1;
         let frequency_hz = |k| {
             let share = k as f64 / last as f64;
@@ -219,24 +216,39 @@ impl Frf {
                 _ => from_hz * libm::pow(to_hz / from_hz, share),
             }
         };
-        (0..self.points).map(frequency_hz).collect()
+        Ok(((0..self.points).map(frequency_hz).collect(), to_hz))
     }
-}
 
-/// Prints the largest mesh error; returns the number of warnings.
-fn tell(rows: &[FrequencyResponse], errors: Option<&[f64]>) -> usize {
-    let Some(errors) = errors else {
-        console::note("the mesh error is not known: modal damping allows no halved elements here");
-        return 0;
-    };
-    let pairs = rows.iter().map(|row| row.frequency_hz).zip(errors.iter().copied());
-    let Some(error) = BandMeshError::of_errors(pairs) else { return 0 };
-    if let Some(warning) = error.warning {
-        console::warning(warning, warning.hint());
-        return 1;
+    /// Prints the mesh error, and whether the links fall; returns the number of warnings.
+    fn tell(
+        &self,
+        ArmSpecification { arm, remarks, .. }: &ArmSpecification,
+        error: Option<BandMeshError>,
+        falls: bool,
+    ) -> usize {
+        let mut warnings = 0;
+        if self.at.is_some() {
+            console::remarks(remarks);
+        }
+        match error {
+            None => console::note(
+                "the mesh error is not known: modal damping allows no halved elements here",
+            ),
+            Some(BandMeshError { warning: Some(warning), .. }) => {
+                console::warning(warning, warning.hint());
+                warnings += 1;
+            }
+            Some(BandMeshError { worst, at_hz, by, .. }) => {
+                let (at_hz, how) = (significant(at_hz, 4), by.how());
+                let at = format!("{worst:.1e} of the magnitude at the worst, at {at_hz} Hz");
+                console::note(&format!("the mesh error is {at} ({how})"));
+            }
+        }
+        if falls {
+            let words = format!("{}: only under control does it respond so", falling(arm, "free"));
+            console::warning(words, "modes --at tells how fast it falls");
+        }
+        let level = self.at.is_none().then(|| warn_of_gravity(&arm.links()[0].link));
+        warnings + usize::from(falls) + level.unwrap_or_default()
     }
-    let (worst, at_hz) = (error.worst, significant(error.at_hz, 4));
-    let at = format!("{worst:.1e} of the magnitude at the worst, at {at_hz} Hz");
-    console::note(&format!("the mesh error is {at} (elements halved)"));
-    0
 }

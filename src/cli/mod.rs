@@ -2,7 +2,6 @@
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
 pub(crate) mod arm;
-pub(crate) mod arm_pose;
 mod compare;
 pub(crate) mod fit;
 pub(crate) mod frf;

@@ -7,29 +7,26 @@ use clap::Args;
 
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::Digits;
-use flexlink::link::Link;
+use flexlink::link::{Arm, Link};
 use flexlink::modal::{
-    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, held_frequencies, mode,
-    natural_frequencies, pose_squares, real_frequency_zeros, torque_zeros,
+    DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, mode, natural_frequencies, pose_modes,
+    real_frequency_zeros, torque_zeros,
 };
-use flexlink::response::damping_ratios;
-use flexlink::result::{
-    CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares, Remark, mesh_errors,
-};
-use flexlink::spec::{ArmSpecification, Described, Specification};
-use flexlink::store::{arm_modes_json, modes_json, pose_modes_json, write_arm_modes};
+use flexlink::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
+use flexlink::result::{LinkZeros, ModesResult, Remark, Setting, mesh_errors};
+use flexlink::spec::ArmSpecification;
+use flexlink::store::modes_json;
 
-use super::arm_pose::{ArmInPose, COARSE, is_unstable, warn_of_fall};
-use crate::options::common::{SyncArgs, angle_rad};
+use crate::options::common::{SyncArgs, angle_rad, directions};
 use crate::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::terminal::files::check_folder;
-use crate::terminal::text::{arm_modes_text, modes_text, pose_text};
+use crate::terminal::text::modes_text;
 use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
   flexlink modes link.toml --count 5 -o out
-  flexlink modes hanging.toml --at '-90 deg'
+  flexlink modes hanging.toml --at '-90 deg' -o out
   flexlink modes arm.toml --at '30 deg,75 deg' -o out";
 
 /// Error of an automatic mesh in the modes of a pose. They are computed by dense algebra, whose round-off grows with the
@@ -42,7 +39,7 @@ const ACROSS: f64 = 1e-12;
 /// Memory in bytes that a node takes in a shape: as computed, and as it is written.
 const BYTES_PER_DISPLACEMENT: usize = 16;
 
-/// Natural frequencies, mode shapes and zeros of a link.
+/// Natural frequencies, mode shapes and zeros of a link or an arm.
 ///
 /// Prints tables; with -o, writes modes.csv, mode_shapes.csv, zeros.csv and held_modes.csv into a folder. Modes are
 /// those of a hub that is free to turn, and, without shapes, of a hub that is held; shapes are mass-normalised and
@@ -60,9 +57,11 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 ///
 /// For an arm of several links --at is needed, with a direction for each: the frequencies are those of small motions about
 /// the arm's shape at rest there, bent by its weight, all joints free and all rotors held; the zeros are those of each
-/// link. The bending of the links is refined until the frequencies are exact to mesh.tolerance. With -o, held_modes.csv
-/// has the rotors held, and mode_shapes.csv x and y of each node, at rest and moved by the modes with free joints,
-/// mass-normalised and with the joint that turns most turning counterclockwise.
+/// link. The bending of the links is refined until the frequencies are exact to mesh.tolerance.
+///
+/// With --at and -o, mode_shapes.csv has x and y of each node, at rest and moved by the modes with free joints,
+/// mass-normalised and with the joint that turns most turning counterclockwise; modes that leave the pose have a growth
+/// rate.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Modes {
@@ -103,206 +102,223 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
-        let specification = match self.link.described()? {
-            Described::Link(own) => own,
-            Described::Arm(arm) => {
-                let pose = ArmInPose::of(arm, self.at.as_deref())?;
-                return self.warnings.refuse(self.tell_arm(&pose)?);
-            }
-        };
-        match self.at.as_deref() {
-            None => {}
-            Some(_) if self.output.is_some() => {
-                let message = "--output with --at is for an arm of several links";
-                return Err(Failure::new(Exit::Usage, &message, Some("--json has all numbers")));
-            }
-            Some([angle_rad]) => return self.tell_pose(&specification, *angle_rad),
-            Some(more) => {
-                let message = format!("--at = {} angles, but must be one for one link", more.len());
-                return Err(Failure::new(Exit::Usage, &message, None));
-            }
-        }
+        let specification = ArmSpecification::from(self.link.described()?);
+        let arm = &specification.arm;
         let bar = StageBar::new();
         bar.at("finding modes and zeros");
-        let (mesh, result) = computed(&specification, usize::from(self.count))?;
+        let wanted = match (&self.output, arm.links().len()) {
+            (Some(_), _) => Wanted::Tables,
+            (None, 1) => Wanted::Modes,
+            (None, _) => Wanted::Zeros,
+        };
+        let found = computed(&specification, self.at.as_deref(), usize::from(self.count), wanted)?;
         drop(bar);
         if let Some(folder) = &self.output {
-            result.write(self.sync.stage(folder)?, self.digits)?;
+            found.write(self.sync.stage(folder)?, self.digits)?;
         }
-        let warnings = tell(&specification, &mesh, &result);
-        let text = if self.json {
-            modes_json(&result)
-        } else {
-            modes_text(&specification.link, &mesh, &result)
-        };
-        console::print(&text)?;
-        self.warnings.refuse(warnings)
-    }
-
-    /// Prints modes of an arm and zeros of its links; returns the number of warnings.
-    fn tell_arm(&self, pose: &ArmInPose) -> Result<usize, Failure> {
-        let ArmSpecification { arm, meshes, remarks, .. } = &*pose.specification;
-        let count = usize::from(self.count);
-        let bar = StageBar::new();
-        bar.at("finding the modes");
-        let modes = pose.modes(count)?;
-        bar.at("finding the zeros");
-        let zeros = arm.links().iter().zip(meshes).map(|(own, plan)| {
-            let (mesh, omega_rad_s) = resolved(&own.link, plan, count)?;
-            let zeros = zeros_on(&mesh, count, omega_rad_s.last().copied().unwrap_or_default());
-            Ok((zeros, mesh.nodes_m().to_vec()))
-        });
-        let zeros = zeros.collect::<Result<Vec<(LinkZeros, Vec<f64>)>, Failure>>()?;
-        drop(bar);
-        let (zeros, nodes_m): (Vec<_>, Vec<_>) = zeros.into_iter().unzip();
-        if let Some(folder) = &self.output {
-            let nodes: usize = nodes_m.iter().map(Vec::len).sum();
-            check_shapes(2 * modes.free.modes.len() * nodes)?;
-            let shapes = modes.shapes(nodes_m);
-            write_arm_modes(self.sync.stage(folder)?, (&modes, &shapes, &zeros), self.digits)?;
-        }
-        console::remarks(remarks);
-        let falls = [&modes.free, &modes.held]
-            .map(|own| is_unstable(own.modes.iter().map(|mode| mode.square_per_s2)));
-        let mut warnings = warn_of_fall(falls, ["arm", "joints"]);
-        for (what, found) in [("joints free", &modes.free), ("rotors held", &modes.held)] {
-            if let Some(first) =
-                found.errors.iter().position(|error| error.is_nan() || *error > COARSE)
-            {
-                let words = format!(
-                    "{what}: from mode {} on frequencies are wrong by more than 1 %",
-                    first + 1
-                );
-                console::warning(words, "ask for fewer modes: --count");
-                warnings += 1;
-            }
-        }
-        for (link, own) in zeros.iter().enumerate() {
-            for warning in own.warnings() {
-                console::warning(format!("{}: {warning}", arm.name_of(link)), warning.hint());
-                warnings += 1;
-            }
-        }
-        let text = if self.json {
-            arm_modes_json(&modes, &zeros)
-        } else {
-            arm_modes_text(arm, &modes, &zeros)
-        };
-        console::print(&text)?;
-        Ok(warnings)
-    }
-
-    /// Prints the modes in a pose.
-    fn tell_pose(&self, specification: &Specification, angle_rad: f64) -> Result<(), Failure> {
-        let (mesh, pose) = in_pose(specification, angle_rad, usize::from(self.count))?;
-        console::remarks(&specification.remarks);
-        let lists = [("mode", &pose.free), ("mode with the hub held", &pose.held)];
-        let coarse = lists.map(|(what, found)| CoarseMesh::of(what, &found.mesh_errors));
-        let coarse: Vec<_> = coarse.into_iter().flatten().collect();
-        console::warnings(&coarse);
-        let falls = lists.map(|(_, found)| is_unstable(found.squares_per_s2.iter().copied()));
-        let warnings = coarse.len() + warn_of_fall(falls, ["link", "hub"]);
-        let text = if self.json {
-            pose_modes_json(&pose)
-        } else {
-            pose_text(&specification.link, &mesh, &pose)
-        };
-        console::print(&text)?;
+        let warnings = tell(&specification, &found);
+        console::print(&if self.json { modes_json(&found) } else { modes_text(arm, &found) })?;
         self.warnings.refuse(warnings)
     }
 }
 
-/// The mesh, and the modes on it where the link points in a direction.
-pub(crate) fn in_pose(
-    specification: &Specification,
+/// How much is computed in a pose.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub(crate) enum Wanted {
+    /// Modes alone.
+    Modes,
+    /// Zeros of the links, too.
+    Zeros,
+    /// All that is written to tables: modes, zeros and shapes.
+    Tables,
+}
+
+/// The first `count` modes of a link, or of a link or an arm in the directions of `--at`, in rad.
+pub(crate) fn computed(
+    specification: &ArmSpecification,
+    at: Option<&[f64]>,
+    count: usize,
+    wanted: Wanted,
+) -> Result<ModesResult, Failure> {
+    let links = specification.arm.links();
+    match (links, at) {
+        ([one], None) => level((&one.link, &specification.meshes[0]), count),
+        ([one], Some(at)) => {
+            let angle_rad = directions(Some(at), 1)?[0];
+            straight((&one.link, &specification.meshes[0]), angle_rad, count, wanted)
+        }
+        (_, at) => at_rest(specification, &directions(at, links.len())?, count, wanted),
+    }
+}
+
+/// Modes of an arm about its shape at rest.
+fn at_rest(
+    ArmSpecification { arm, meshes, .. }: &ArmSpecification,
+    directions_rad: &[f64],
+    count: usize,
+    wanted: Wanted,
+) -> Result<ModesResult, Failure> {
+    let modes = arm_modes(arm, directions_rad, count, MeshPlan::smallest_tolerance(meshes))?;
+    let (mut zeros, mut links) = (Vec::new(), Vec::new());
+    if wanted >= Wanted::Zeros {
+        for (own, plan) in arm.links().iter().zip(meshes) {
+            let (mesh, omega_rad_s) = resolved(&own.link, plan, count)?;
+            zeros.push(zeros_on(&mesh, count, omega_rad_s.last().copied().unwrap_or_default()));
+            links.push(mesh);
+        }
+    }
+    let shapes = if wanted == Wanted::Tables {
+        let nodes_m: Vec<_> = links.iter().map(|mesh| mesh.nodes_m().to_vec()).collect();
+        let nodes: usize = nodes_m.iter().map(Vec::len).sum();
+        check_shapes(2 * modes.free.modes.len() * nodes)?;
+        Some(modes.shapes(nodes_m))
+    } else {
+        None
+    };
+    let ArmModes { free, held, joint_stiffnesses_n_m_rad, .. } = modes;
+    let setting = Setting::AtRest {
+        directions_rad: modes.directions_rad,
+        tip_m: modes.tip_m,
+        holding_torques_n_m: modes.holding_torques_n_m,
+    };
+    Ok(ModesResult { setting, free, held, joint_stiffnesses_n_m_rad, zeros, meshes: links, shapes })
+}
+
+/// Modes of a straight link that points in a direction.
+fn straight(
+    (link, plan): (&Link, &MeshPlan),
     angle_rad: f64,
     count: usize,
-) -> Result<(Mesh, PoseModes), Failure> {
-    let link = &specification.link;
+    wanted: Wanted,
+) -> Result<ModesResult, Failure> {
     let Some(gravity) = link.gravity() else {
         let message = "--at = an angle, but the link file has no gravity";
-        return Err(Failure::new(
-            Exit::Usage,
-            &message,
-            Some("give it as --set 'gravity=[0, -9.81]'"),
-        ));
+        let hint = "give it as --set 'gravity=[0, -9.81]'";
+        return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     };
-    let mut mesh = Mesh::new(link, &specification.mesh)?;
-    if specification.mesh.is_automatic() {
-        let (_, omega_rad_s) = resolved(link, &specification.mesh, count)?;
-        mesh = mesh.resolving(omega_rad_s.last().copied().unwrap_or_default(), POSE_TOLERANCE);
+    let (exact, omega_rad_s) = resolved(link, plan, count)?;
+    let highest_rad_s = omega_rad_s.last().copied().unwrap_or_default();
+    let mut mesh = Mesh::new(link, plan)?;
+    if plan.is_automatic() {
+        mesh = mesh.resolving(highest_rad_s, POSE_TOLERANCE);
     }
     let most = MOST_ELEMENTS_OF_A_POSE / 2;
     let elements = mesh.elements().len();
     if elements > most {
         let message =
             format!("the mesh has {elements} elements, but must have at most {most} for --at");
-        return Err(Failure::new(
-            Exit::NotSolvable,
-            &message,
-            Some("ask for fewer modes: --count"),
-        ));
+        let hint = "ask for fewer modes: --count";
+        return Err(Failure::new(Exit::NotSolvable, &message, Some(hint)));
     }
     let [along_x, along_y] = gravity.acceleration_m_s2;
-    let outward_m_s2 = along_x * libm::cos(angle_rad) + along_y * libm::sin(angle_rad);
+    let (cos, sin) = (libm::cos(angle_rad), libm::sin(angle_rad));
+    let outward_m_s2 = along_x * cos + along_y * sin;
     let is_across = outward_m_s2.abs() <= ACROSS * (along_x.abs() + along_y.abs());
     let outward_m_s2 = if is_across { 0.0 } else { outward_m_s2 };
     let finer = mesh.refined();
-    let found = |hub, count| {
+    let settled = |hub: PoseHub, count| {
         let on = |mesh: &Mesh| {
-            pose_squares(mesh, outward_m_s2, hub, count).ok_or_else(|| {
+            pose_modes(mesh, outward_m_s2, hub, count).ok_or_else(|| {
                 let message = "a motion of the link moves no mass, but must move some for --at";
-                Failure::new(
-                    Exit::NotSolvable,
-                    &message,
-                    Some("give the segments and the hub mass"),
-                )
+                let hint = "give the segments and the hub mass";
+                Failure::new(Exit::NotSolvable, &message, Some(hint))
             })
         };
-        Ok::<_, Failure>(PoseSquares::of(&mesh, on(&mesh)?, &on(&finer)?))
+        let (modes, on_halves) = (on(&mesh)?, on(&finer)?);
+        let rates = |modes: &[(f64, Vec<f64>)]| -> Vec<f64> {
+            modes.iter().map(|(square, _)| square.abs().sqrt()).collect()
+        };
+        let errors = mesh_errors(&mesh, &rates(&modes), &rates(&on_halves));
+        let turn = if hub == PoseHub::Spring(f64::INFINITY) { 0.0 } else { 1.0 };
+        let mode = |(square_per_s2, shape)| PoseMode {
+            square_per_s2,
+            damping_ratio: None,
+            joints: vec![turn],
+            shape,
+        };
+        Ok::<_, Failure>(SettledModes { modes: modes.into_iter().map(mode).collect(), errors })
     };
-    let (free, held) =
-        (found(PoseHub::Free, count + 1)?, found(PoseHub::Spring(held_by(link)), count)?);
-    let free = if is_across { free.with_neutral_swing() } else { free };
-    Ok((mesh, PoseModes { angle_rad, outward_m_s2, free, held }))
+    let spring_n_m_rad = link.joint_stiffness_n_m_rad();
+    let mut free = settled(PoseHub::Free, count + 1)?;
+    if is_across {
+        // Nothing drives the swing; dense algebra leaves round-off.
+        free.modes.iter_mut().take(1).for_each(|swing| swing.square_per_s2 = 0.0);
+        free.errors.iter_mut().take(1).for_each(|error| *error = 0.0);
+    }
+    let (mut zeros, mut shapes) = (Vec::new(), None);
+    if wanted == Wanted::Tables {
+        check_shapes(2 * free.modes.len() * mesh.nodes_m().len())?;
+        zeros.push(zeros_on(&exact, count, highest_rad_s));
+        let nodes_m = mesh.nodes_m().to_vec();
+        let across = |shape: &Vec<f64>| vec![shape.iter().map(|v| [-sin * v, cos * v]).collect()];
+        shapes = Some(ArmShapes {
+            rest_m: vec![nodes_m.iter().map(|x| [cos * x, sin * x]).collect()],
+            free: free.modes.iter().map(|mode| across(&mode.shape)).collect(),
+            nodes_m: vec![nodes_m],
+        });
+    }
+    Ok(ModesResult {
+        setting: Setting::Straight { angle_rad, outward_m_s2 },
+        held: settled(PoseHub::Spring(spring_n_m_rad), count)?,
+        free,
+        joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],
+        zeros,
+        meshes: vec![mesh],
+        shapes,
+    })
 }
 
-/// The mesh, and its modes and zeros with their mesh errors.
-pub(crate) fn computed(
-    specification: &Specification,
-    count: usize,
-) -> Result<(Mesh, ModesResult), Failure> {
-    let link = &specification.link;
-    let (mesh, omega_rad_s) = resolved(link, &specification.mesh, count)?;
+/// Modes and zeros of a link without gravity.
+fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, Failure> {
+    let (mesh, omega_rad_s) = resolved(link, plan, count)?;
     let law = DampingLaw::of(link, &mesh)?;
     check_shapes(omega_rad_s.len() * mesh.nodes_m().len())?;
     let finer = mesh.refined();
-    let highest = omega_rad_s.last().copied().unwrap_or_default();
-    let joint_stiffness_n_m_rad = held_by(link);
-    let (held_rad_s, held_errors) =
-        with_errors(&mesh, &|mesh| held_frequencies(mesh, joint_stiffness_n_m_rad, count));
-    let ratios = |hub, omegas: &[f64]| damping_ratios((link, &mesh, &law), hub, omegas);
-    let held = HeldModes {
-        joint_stiffness_n_m_rad,
-        damping_ratios: ratios(PoseHub::Spring(joint_stiffness_n_m_rad), &held_rad_s),
-        omega_rad_s: held_rad_s,
-        mesh_errors: held_errors,
+    let highest_rad_s = omega_rad_s.last().copied().unwrap_or_default();
+    let settled = |hub: PoseHub, omega_rad_s: &[f64], shape: &dyn Fn(f64) -> Vec<f64>| {
+        let ratios = damping_ratios((link, &mesh, &law), hub, omega_rad_s);
+        let modes = omega_rad_s.iter().zip(ratios).map(|(omega, ratio)| PoseMode {
+            square_per_s2: omega * omega,
+            damping_ratio: Some(ratio).filter(|ratio| !ratio.is_nan()),
+            joints: Vec::new(),
+            shape: shape(*omega),
+        });
+        let errors = mesh_errors(&mesh, omega_rad_s, &hub.frequencies(&finer, count));
+        SettledModes { modes: modes.collect(), errors }
     };
-    let result = ModesResult {
-        damping_ratios: ratios(PoseHub::Free, &omega_rad_s),
-        mesh_errors: mesh_errors(&mesh, &omega_rad_s, &natural_frequencies(&finer, count)),
-        zeros: zeros_on(&mesh, count, highest),
-        nodes_m: mesh.nodes_m().to_vec(),
-        shapes: omega_rad_s.iter().map(|omega| shape(&mesh, *omega)).collect(),
-        omega_rad_s,
-        held,
-    };
-    Ok((mesh, result))
+    let spring_n_m_rad = link.joint_stiffness_n_m_rad();
+    let held = PoseHub::Spring(spring_n_m_rad);
+    let shape = |omega: f64| mode(&mesh, omega).shape.displacements(&mesh);
+    Ok(ModesResult {
+        setting: Setting::Level,
+        free: settled(PoseHub::Free, &omega_rad_s, &shape),
+        held: settled(held, &held.frequencies(&mesh, count), &|_| Vec::new()),
+        joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],
+        zeros: vec![zeros_on(&mesh, count, highest_rad_s)],
+        meshes: vec![mesh],
+        shapes: None,
+    })
 }
 
-/// Stiffness in N m/rad of what is between the hub and what holds it.
-fn held_by(link: &Link) -> f64 {
-    link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad)
+/// Says that a link or an arm falls from a pose with its hub, or joints, in a state.
+pub(crate) fn falling(arm: &Arm, state: &str) -> String {
+    let (what, joints) =
+        if arm.links().len() == 1 { ("link", "hub is") } else { ("arm", "joints are") };
+    format!("the {what} falls from this pose if its {joints} {state}")
+}
+
+/// Warns of a pose that a link or an arm leaves with free joints, or even with held ones; returns the number of warnings.
+fn warn_of_fall(arm: &Arm, [free, held]: [bool; 2]) -> usize {
+    let warn = |state: &str, hint: &str| {
+        let words = falling(arm, state) + ": it leaves it, and does not vibrate about it";
+        console::warning(words, hint);
+    };
+    if held {
+        warn("held", "a stiffer link, or less mass at its tip: the weight buckles it");
+    } else if free {
+        warn("free", "the table tells how fast; a controller that holds the pose changes that");
+    }
+    usize::from(free || held)
 }
 
 /// Refuses mode shapes of so many displacements that they do not fit into the memory.
@@ -328,22 +344,24 @@ fn zeros_on(mesh: &Mesh, count: usize, highest_rad_s: f64) -> LinkZeros {
 }
 
 /// Prints remarks and warnings; returns the number of warnings.
-fn tell(specification: &Specification, mesh: &Mesh, result: &ModesResult) -> usize {
-    let link = &specification.link;
-    console::remarks(&specification.remarks);
-    console::remarks(Remark::on_modes(link, mesh, &result.omega_rad_s));
-    let thick = Thickness::known(link).noticeable(mesh, &result.omega_rad_s);
-    if let Some(thick) = &thick {
-        console::warning(thick, thick.hint());
+fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesResult) -> usize {
+    console::remarks(remarks);
+    let mut warnings = 0;
+    if let ([one], [mesh], Setting::Level) = (arm.links(), &found.meshes[..], &found.setting) {
+        let modes = found.free.modes.iter();
+        let omega_rad_s: Vec<f64> = modes.map(|mode| mode.square_per_s2.sqrt()).collect();
+        console::remarks(Remark::on_modes(&one.link, mesh, &omega_rad_s));
+        if let Some(thick) = Thickness::known(&one.link).noticeable(mesh, &omega_rad_s) {
+            console::warning(thick, thick.hint());
+            warnings += 1;
+        }
     }
-    let coarse = result.warnings();
-    console::warnings(&coarse);
-    usize::from(thick.is_some()) + coarse.len() + warn_of_gravity(link)
-}
-
-/// Displacements of all nodes in a mode.
-fn shape(mesh: &Mesh, omega_rad_s: f64) -> Vec<f64> {
-    mode(mesh, omega_rad_s).shape.displacements(mesh)
+    let coarse = found.warnings(arm);
+    warnings += coarse.len();
+    console::warnings(coarse);
+    let falls = [&found.free, &found.held].map(SettledModes::falls);
+    let level = (found.setting == Setting::Level).then(|| warn_of_gravity(&arm.links()[0].link));
+    warnings + warn_of_fall(arm, falls) + level.unwrap_or_default()
 }
 
 /// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:

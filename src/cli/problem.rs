@@ -90,7 +90,7 @@ impl Problem {
         }
     }
 
-    /// Computes the solution, of a link by the file's analysis or by what is made of it, with so much free memory in bytes.
+    /// Computes the solution. `analysis` may change the analysis of a link's file; `memory_bytes` is the free memory.
     pub(crate) fn solve(
         &self,
         analysis: impl FnOnce(&Analysis) -> Analysis,
@@ -123,19 +123,16 @@ impl Problem {
             let refused = match error {
                 InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } => {
                     let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
-                    Some(doubted(motion_file, &format!("{needed} of memory"), &most))
+                    format!("{needed} of memory is needed, but must need at most {most} where its unit is doubtful")
                 }
-                InversionError::TooLong { samples, limit } if duration.is_some() => {
-                    let needed = format!("a period of {samples} samples");
-                    Some(doubted(motion_file, &needed, &limit.to_string()))
+                InversionError::TooLong { .. } if duration.is_some() => error.to_string(),
+                _ => {
+                    let failure = Failure::from(error);
+                    return Failure { hint: hint.or(failure.hint), ..failure };
                 }
-                _ => None,
             };
-            if let Some(refused) = refused {
-                return Failure::new(Exit::InputRefused, &refused, hint.as_deref());
-            }
-            let failure = Failure::from(error);
-            Failure { hint: hint.or(failure.hint), ..failure }
+            let refused = format!("{motion_file}: time = such that {refused}");
+            Failure::new(Exit::InputRefused, &refused, hint.as_deref())
         })?;
         let metrics = Metrics::of(&solution);
         let (limits, remarks) = (vec![*limits], remarks(&specification.remarks, &solution));
@@ -143,13 +140,6 @@ impl Problem {
         let solution = LinkOrArm::Link(Box::new(solution));
         Ok(Solved { solution, metrics, limits, exceeded, remarks })
     }
-}
-
-/// A refusal of times that are probably in another unit, where the inversion would need so much.
-fn doubted(motion_file: &str, needed: &str, most: &str) -> String {
-    format!(
-        "{motion_file}: time = such that {needed} is needed, but must need at most {most} where its unit is doubtful"
-    )
 }
 
 impl Solved<LinkOrArm> {
@@ -171,7 +161,8 @@ impl Solved<LinkOrArm> {
         verify(&Answer { solution, plans, limits, memory_bytes, written_torques_n_m })
     }
 
-    /// Prints the remarks, except what was told before the work, and the warnings. Returns the number of warnings.
+    /// Prints the remarks and the warnings; the remark on the duration was printed before the work. Returns the number of
+    /// warnings.
     pub(crate) fn tell(&self) -> usize {
         console::remarks(self.remarks.iter().filter(|own| !matches!(own, Remark::Duration { .. })));
         let warnings = self.solution.any().warnings();

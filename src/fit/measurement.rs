@@ -1,7 +1,7 @@
 use super::response::MOST_UNCERTAIN;
 use crate::beam::Mesh;
 use crate::link::{Link, ParameterError};
-use crate::modal::{PoseHub, held_frequencies, natural_frequencies};
+use crate::modal::PoseHub;
 use crate::response::PoseError;
 use crate::text::significant;
 use serde::Serialize;
@@ -164,20 +164,16 @@ impl End {
 
     /// What holds the hub of a link.
     pub(super) fn hub(self, link: &Link) -> PoseHub {
-        let joint = || link.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad);
         match self {
             Self::Free => PoseHub::Free,
-            Self::Held => PoseHub::Spring(joint()),
+            Self::Held => PoseHub::Spring(link.joint_stiffness_n_m_rad()),
             Self::Clamped => PoseHub::Spring(f64::INFINITY),
         }
     }
 
     /// The first `count` natural frequencies in rad/s; fewer where the mesh has fewer.
     pub(super) fn frequencies(self, link: &Link, mesh: &Mesh, count: usize) -> Vec<f64> {
-        match self.hub(link) {
-            PoseHub::Free => natural_frequencies(mesh, count),
-            PoseHub::Spring(stiffness) => held_frequencies(mesh, stiffness, count),
-        }
+        self.hub(link).frequencies(mesh, count)
     }
 }
 

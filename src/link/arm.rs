@@ -50,14 +50,14 @@ pub struct ArmParts {
     pub elbow: Option<Elbow>,
 }
 
-/// A valid arm of two links to nine, of which each turns against the tip of the one before.
+/// A valid arm of up to nine links, of which each turns against the tip of the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     parts: ArmParts,
 }
 
 impl Arm {
-    /// Checks every range.
+    /// Checks every range; an arm of one link is made [from it](Arm::from).
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.
@@ -126,8 +126,7 @@ impl Arm {
 
     /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
     pub fn joint_stiffnesses_n_m_rad(&self) -> Vec<f64> {
-        let drives = self.links().iter().map(|own| own.link.drive());
-        drives.map(|own| own.map_or(f64::INFINITY, |own| own.joint_stiffness_n_m_rad)).collect()
+        self.links().iter().map(|own| own.link.joint_stiffness_n_m_rad()).collect()
     }
 
     /// Length of each link in m.
@@ -138,6 +137,20 @@ impl Arm {
     /// Length of the stretched arm in m.
     pub fn length_m(&self) -> f64 {
         self.parts.links.iter().map(|own| own.link.length_m()).sum()
+    }
+}
+
+/// A link is an arm of one link.
+impl From<Link> for Arm {
+    fn from(link: Link) -> Self {
+        Self {
+            parts: ArmParts {
+                title: link.title().to_owned(),
+                gravity_m_s2: link.gravity().map_or([0.0; 2], |own| own.acceleration_m_s2),
+                links: vec![ArmLink { name: None, link }],
+                elbow: None,
+            },
+        }
     }
 }
 

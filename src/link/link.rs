@@ -160,6 +160,11 @@ impl Link {
         self.parts.drive.as_ref()
     }
 
+    /// Stiffness in N m/rad between rotor and hub; infinite where the joint is stiff or has no drive.
+    pub fn joint_stiffness_n_m_rad(&self) -> f64 {
+        self.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad)
+    }
+
     /// Gravity in the plane of motion, if it was given.
     pub fn gravity(&self) -> Option<&Gravity> {
         self.parts.gravity.as_ref()

@@ -15,7 +15,7 @@ pub(crate) use frequencies::{OF_DEFLECTION, OF_TORQUE, second_order_share};
 pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
 pub(crate) use inertia::{flexible_modes, hub_moves_mass};
 pub use law::{CaugheySeries, DampingError, DampingLaw};
-pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, pose_squares};
+pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, pose_modes};
 pub use shape::{Mode, Shape, mode};
 pub use thickness::{LoweredMode, NOTICEABLE, ThickLink, Thickness};
 pub use zeros::{REPORTED_ZEROS, real_frequency_zeros, torque_zeros};

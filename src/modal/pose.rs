@@ -8,8 +8,9 @@
 //!
 //! `g_e` being gravity outward along the link. It is the whole of a pendulum's stiffness, too.
 
-use nalgebra::{DMatrix, Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
+use super::frequencies::{held_frequencies, natural_frequencies};
 use crate::beam::{Element, Inertia, Mesh};
 use crate::numeric::SymmetricEigen;
 
@@ -33,16 +34,29 @@ pub enum PoseHub {
     Spring(f64),
 }
 
-/// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it,
-/// ascending; that of a free hub's swing is the first. One below 0 is that of a link that leaves its pose as e^{√(−ω²) t}.
+impl PoseHub {
+    /// The first `count` natural frequencies in rad/s without gravity, the rigid rotation left out; fewer where the mesh has
+    /// fewer.
+    pub fn frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
+        match self {
+            Self::Free => natural_frequencies(mesh, count),
+            Self::Spring(stiffness_n_m_rad) => held_frequencies(mesh, stiffness_n_m_rad, count),
+        }
+    }
+}
+
+/// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it, ascending, and
+/// the displacements of the nodes in each mode, in 1/√kg. The swing of a free hub is the first. A square below 0 is that of
+/// a link that leaves its pose as e^{√(−ω²) t}. The hub turns counterclockwise in each mode; that of a clamped one moves
+/// the tip so.
 ///
 /// None where there are more than [`MOST_ELEMENTS_OF_A_POSE`] elements, or a motion moves no mass.
-pub fn pose_squares(
+pub fn pose_modes(
     mesh: &Mesh,
     outward_m_s2: f64,
     hub: PoseHub,
     count: usize,
-) -> Option<Vec<f64>> {
+) -> Option<Vec<(f64, Vec<f64>)>> {
     let nodes = mesh.nodes_m().len();
     if nodes > MOST_ELEMENTS_OF_A_POSE + 1 {
         return None;
@@ -51,6 +65,7 @@ pub fn pose_squares(
     let [mut mass, mut stiffness] =
         assembled(mesh, outward_m_s2).map(|full| with_root_on_hub(full, root_m));
     mass[(0, 0)] += mesh.hub_inertia_kg_m2();
+    let is_clamped = hub == PoseHub::Spring(f64::INFINITY);
     match hub {
         PoseHub::Spring(spring_n_m_rad) if spring_n_m_rad.is_finite() => {
             stiffness[(0, 0)] += spring_n_m_rad;
@@ -66,7 +81,17 @@ pub fn pose_squares(
     let whole = lower.solve_lower_triangular(&half.transpose())?;
     let size = whole.nrows();
     let eigen = SymmetricEigen::new(size, whole.as_slice().to_vec())?;
-    Some(eigen.values.into_iter().take(count).collect())
+    let upper = lower.transpose();
+    let mode = |k: usize| {
+        let x = upper.solve_upper_triangular(&DVector::from_column_slice(eigen.vector(k)))?;
+        let (hub_rad, outer) = if is_clamped { (0.0, 0) } else { (x[0], 1) };
+        let across = x.iter().skip(outer).step_by(2).copied();
+        let across: Vec<f64> = std::iter::once(root_m * hub_rad).chain(across).collect();
+        let leading = if is_clamped { across.last().copied().unwrap_or_default() } else { hub_rad };
+        let sign = 1.0_f64.copysign(leading);
+        Some((eigen.values[k], across.into_iter().map(|own| sign * own).collect()))
+    };
+    (0..size.min(count)).map(mode).collect()
 }
 
 /// A symmetric matrix on the hub angle θ in place of the root's (v, φ) = (root, 1) θ. Not by products of matrices,
@@ -137,7 +162,6 @@ fn pull(element: &Element, outward_m_s2: f64, outboard_kg: f64) -> Matrix4<f64> 
 mod tests {
     use super::*;
     use crate::link::{Hub, Link, LinkParts, Payload, Segment, uniform};
-    use crate::modal::natural_frequencies;
 
     const CLAMPED: PoseHub = PoseHub::Spring(f64::INFINITY);
 
@@ -153,7 +177,7 @@ mod tests {
     }
 
     fn first(mesh: &Mesh, outward_m_s2: f64, hub: PoseHub) -> f64 {
-        pose_squares(mesh, outward_m_s2, hub, 1).unwrap()[0]
+        pose_modes(mesh, outward_m_s2, hub, 1).unwrap()[0].0
     }
 
     /// A. G. Greenhill, Proc. Cambridge Phil. Soc. 4, 1881: m̄ g L³/EI = 7.83735.
@@ -173,8 +197,8 @@ mod tests {
     /// Zeros of J₀ at 2 ω √(L/g): 2.404826, 5.520078, 8.653728.
     #[test]
     fn a_link_that_hardly_resists_bending_swings_as_a_hanging_chain() {
-        let squares = pose_squares(&beam(1e-6, 200), 9.81, PoseHub::Free, 3).unwrap();
-        for (square, zero) in squares.iter().zip([2.404_826, 5.520_078, 8.653_728]) {
+        let modes = pose_modes(&beam(1e-6, 200), 9.81, PoseHub::Free, 3).unwrap();
+        for ((square, _), zero) in modes.iter().zip([2.404_826, 5.520_078, 8.653_728]) {
             let exact = 0.25 * zero * zero * 9.81 / 2.0;
             assert!((square / exact - 1.0).abs() < 1e-3, "{square} of {exact}");
         }
@@ -197,14 +221,22 @@ mod tests {
             (down / exact - 1.0).abs() < 1e-4 && (up / exact + 1.0).abs() < 1e-4,
             "{down} {up}"
         );
-        let found = pose_squares(&mesh, 0.0, PoseHub::Free, 4).unwrap();
-        assert!(found[0].abs() < 1e-4 * found[1]);
-        for (square, omega) in found[1..].iter().zip(natural_frequencies(&mesh, 3)) {
+        let found = pose_modes(&mesh, 0.0, PoseHub::Free, 4).unwrap();
+        assert!(found[0].0.abs() < 1e-4 * found[1].0);
+        for ((square, _), omega) in found[1..].iter().zip(natural_frequencies(&mesh, 3)) {
             assert!((square.sqrt() / omega - 1.0).abs() < 1e-9, "{square} {omega}");
         }
+        // Mass-normalised, the pendulum turns by 1/√I; a clamped hub does not.
+        let rigid = link.rigid_inertia_kg_m2().sqrt();
+        let shape = &pose_modes(&mesh, 9.81, PoseHub::Free, 1).unwrap()[0].1;
+        for (across, at_m) in shape.iter().zip(mesh.nodes_m()) {
+            assert!((across * rigid / at_m - 1.0).abs() < 1e-4, "{across} at {at_m} m");
+        }
+        let shape = &pose_modes(&mesh, 9.81, CLAMPED, 1).unwrap()[0].1;
+        assert!(shape[0] == 0.0 && shape.windows(2).all(|pair| pair[0] < pair[1]), "{shape:?}");
         // On a spring at the hub the rigid link swings as k/I.
         let spring = first(&mesh, 0.0, PoseHub::Spring(2.0));
         assert!((spring * link.rigid_inertia_kg_m2() / 2.0 - 1.0).abs() < 1e-4, "{spring}");
-        assert_eq!(pose_squares(&Mesh::on(&link, 251), 0.0, PoseHub::Free, 1), None);
+        assert_eq!(pose_modes(&Mesh::on(&link, 251), 0.0, PoseHub::Free, 1), None);
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::link_on_mesh::{Model, ModelError};
 use crate::beam::TipTransfer;
-use crate::numeric::magnitude;
+use crate::numeric::{magnitude, relative_change};
 use crate::system::end_if_stopped;
 
 /// Frequencies at which the finer mesh is solved at a time, so that many take little memory.
@@ -90,15 +90,7 @@ pub fn changes_on_halves(
 fn change(found: &FrequencyResponse, half: &FrequencyResponse) -> f64 {
     let relative = |of: fn(&FrequencyResponse) -> Complex64| {
         let (found, half) = (of(found), of(half));
-        let change = magnitude(found - half) / magnitude(found).max(magnitude(half));
-        // A transfer that is infinite on one mesh alone changes by all of it; one that is infinite, or
-        // 0, on both does not change.
-        match (found.is_finite(), half.is_finite()) {
-            (true, true) if change.is_nan() => 0.0,
-            (true, true) => change,
-            (false, false) => 0.0,
-            _ => 1.0,
-        }
+        relative_change(magnitude(found - half), [found, half].map(magnitude))
     };
     relative(|row| row.torque_per_tip_acceleration_kg_m)
         .max(relative(|row| row.hub_angle_per_tip_displacement_rad_m))

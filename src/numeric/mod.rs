@@ -20,7 +20,7 @@ pub(crate) use fft::{angular_frequency, fast_length};
 pub use grid::{NotUniform, ThinnedGrid, TimeGrid};
 pub(crate) use legendre::{GaussRule, piece_shapes};
 pub(crate) use quintic::QuinticSpline;
-pub(crate) use reductions::{dot, extremes, rounded};
+pub(crate) use reductions::{dot, extremes, relative_change, rounded};
 pub use reductions::{largest, largest_difference, magnitude};
 pub use roots::root;
 pub(crate) use roots::{SECTIONS, geometric_scan, next_places};

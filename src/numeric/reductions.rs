@@ -74,6 +74,17 @@ pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest, (a, b)| largest.max((a - b).abs()))
 }
 
+/// A change over the larger of the two sizes that it lies between. What is 0, or infinite, both times does not change; what
+/// is infinite once changes by all of it.
+pub(crate) fn relative_change(change: f64, [before, after]: [f64; 2]) -> f64 {
+    let share = change / before.max(after);
+    match (before.is_finite(), after.is_finite()) {
+        (true, true) if !share.is_nan() => share,
+        (true, true) | (false, false) => 0.0,
+        _ => 1.0,
+    }
+}
+
 /// Absolute value |z|, with the same bits on every processor.
 pub fn magnitude(z: Complex64) -> f64 {
     libm::hypot(z.re, z.im)

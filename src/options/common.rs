@@ -224,8 +224,12 @@ pub(crate) fn directions(at: Option<&[f64]>, links: usize) -> Result<Vec<f64>, F
         Some(directions) => format!("{} directions", directions.len()),
         None => "nothing".to_owned(),
     };
-    let must = format!("but must be {links} directions, one for each link of the arm");
-    let hint = "as in --at '30 deg,75 deg': from joint to joint, the inner link first";
+    let (must, hint) = if links == 1 {
+        ("but must be one direction".to_owned(), "as in --at '-90 deg'")
+    } else {
+        let must = format!("but must be {links} directions, one for each link of the arm");
+        (must, "as in --at '30 deg,75 deg': from joint to joint, the inner link first")
+    };
     Err(Failure::new(Exit::Usage, &format!("--at = {found}, {must}"), Some(hint)))
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::damped_modes::{SmallMotions, damping_ratio};
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
-use crate::numeric::{Size, SymmetricEigen, dot, magnitude};
+use crate::numeric::{Size, SymmetricEigen, dot, magnitude, relative_change};
 
 /// What each refinement adds to every order, and most of them.
 pub(crate) const MORE_ORDERS: usize = 4;
@@ -22,8 +22,8 @@ const MOST_SHIFTS: usize = 40;
 /// Angles of joints below this share of a mode's largest coordinate are none.
 const NO_TURN: f64 = 1e-9;
 
-/// One way in which an arm moves by itself about a pose.
-#[derive(Debug, Clone, PartialEq)]
+/// One way in which a link or an arm moves by itself.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct PoseMode {
     /// ω² in 1/s²; below 0 where the arm leaves the pose as e^{√(−ω²) t}.
     pub square_per_s2: f64,
@@ -32,8 +32,8 @@ pub struct PoseMode {
     pub damping_ratio: Option<f64>,
     /// How far each joint turns, the largest 1; all 0 where none does.
     pub joints: Vec<f64>,
-    /// The coordinates of the pose, xᵀ M x = 1.
-    pub(super) shape: Vec<f64>,
+    /// Mass-normalised: the coordinates of the pose, or of one straight link the displacements of its nodes in 1/√kg.
+    pub shape: Vec<f64>,
 }
 
 /// Modes, those with the lowest ω² first.
@@ -43,6 +43,13 @@ pub struct SettledModes {
     pub modes: Vec<PoseMode>,
     /// Relative change of each ω by the last refinement; NaN where it is not known.
     pub errors: Vec<f64>,
+}
+
+impl SettledModes {
+    /// True if one of the modes leaves the pose.
+    pub fn falls(&self) -> bool {
+        self.modes.iter().any(|mode| mode.square_per_s2 < 0.0)
+    }
 }
 
 /// Nodes of an arm at rest, and how modes move them: of each link, of each of its nodes.
@@ -361,30 +368,17 @@ pub fn arm_responses(
 /// The larger change of the tip's displacement and of the joints' angles, each over its size, to the torque that it is
 /// largest of.
 fn change(before: &ArmResponse, found: &ArmResponse) -> f64 {
-    type Part = fn(&TorqueResponse) -> &[num_complex::Complex64];
+    type Part = fn(&TorqueResponse) -> &[Complex64];
     let parts: [Part; 2] = [|own| &own.tip_m, |own| &own.joints_rad];
-    let size = |values: &[num_complex::Complex64]| {
-        let sum: f64 = values.iter().map(|x| magnitude(*x) * magnitude(*x)).sum();
-        sum.sqrt()
+    let size = |values: &mut dyn Iterator<Item = Complex64>| {
+        values.map(|x| magnitude(x) * magnitude(x)).sum::<f64>().sqrt()
     };
     let pairs = before.torques.iter().zip(&found.torques);
     let of = |(a, b): (&TorqueResponse, &TorqueResponse)| {
         let each = parts.map(|part| {
             let (a, b) = (part(a), part(b));
-            let off: Vec<_> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-            let share = size(&off) / size(a).max(size(b));
-            // What is infinite, or 0, both times does not change.
-            match (size(a).is_finite(), size(b).is_finite()) {
-                (true, true) => {
-                    if share.is_nan() {
-                        0.0
-                    } else {
-                        share
-                    }
-                }
-                (false, false) => 0.0,
-                _ => 1.0,
-            }
+            let off = size(&mut a.iter().zip(b).map(|(a, b)| a - b));
+            relative_change(off, [a, b].map(|own| size(&mut own.iter().copied())))
         });
         each[0].max(each[1])
     };

@@ -7,6 +7,7 @@ mod errors;
 mod fit;
 mod limits;
 mod metrics;
+mod modes;
 mod noticed;
 mod peak;
 mod quantities;
@@ -18,15 +19,13 @@ mod torque_table;
 
 pub use answer::Answer;
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
-pub use errors::{
-    BandMeshError, CoarseMesh, HeldModes, LinkZeros, ModesResult, PoseModes, PoseSquares,
-    mesh_errors,
-};
+pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
 pub use fit::{
     ArmFitProblem, Fit, FitError, FitProblem, OpenMotion, shortest_arm_fit, shortest_fit,
 };
 pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
 pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
+pub use modes::{LinkZeros, ModesResult, Setting};
 pub use peak::Peak;
 pub use quantities::{JointQuantity, QUANTITIES};
 pub use recording::{ChannelRecording, SimulatedChannel};

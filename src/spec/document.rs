@@ -56,6 +56,23 @@ impl Described {
     }
 }
 
+/// A link is an arm of one link.
+impl From<Specification> for ArmSpecification {
+    fn from(Specification { link, mesh, analysis, limits, remarks }: Specification) -> Self {
+        let (meshes, limits, lines) = (vec![mesh], vec![limits], vec![None]);
+        Self { arm: Arm::from(link), meshes, analysis, limits, remarks, lines }
+    }
+}
+
+impl From<Described> for ArmSpecification {
+    fn from(described: Described) -> Self {
+        match described {
+            Described::Link(link) => Self::from(*link),
+            Described::Arm(arm) => *arm,
+        }
+    }
+}
+
 /// The keys of an arm file beside those of its links.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]

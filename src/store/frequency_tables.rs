@@ -11,8 +11,8 @@ use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
-use crate::response::{ArmModes, ArmResponses, ArmShapes, SettledModes};
-use crate::result::{LinkZeros, ModesResult, PoseModes, PoseSquares};
+use crate::response::{ArmResponses, ArmShapes, PoseMode, SettledModes};
+use crate::result::{LinkZeros, ModesResult, Setting};
 
 /// Names of all files that `modes` may write.
 const OWNED: [&str; 4] = [MODES, SHAPES, HELD, ZEROS];
@@ -21,26 +21,99 @@ const SHAPES: &str = "mode_shapes.csv";
 const HELD: &str = "held_modes.csv";
 const ZEROS: &str = "zeros.csv";
 
+/// A number of a mode, of its mesh error too.
+type ModeNumber = fn(&PoseMode, f64) -> f64;
+
+/// What is written of modes, NaN where there is none: a mode that leaves the pose has a growth rate in place of a frequency.
+const NUMBERS: [(&str, ModeNumber); 6] = [
+    ("omega_rad_s", |mode, _| mode.square_per_s2.sqrt()),
+    ("frequency_hz", |mode, _| mode.square_per_s2.sqrt() / TAU),
+    ("period_s", |mode, _| (mode.square_per_s2.sqrt() / TAU).recip()),
+    (
+        GROWTH,
+        |mode, _| {
+            if mode.square_per_s2 < 0.0 { (-mode.square_per_s2).sqrt() } else { f64::NAN }
+        },
+    ),
+    (DAMPING, |mode, _| mode.damping_ratio.unwrap_or(f64::NAN)),
+    ("mesh_error", |_, error| error),
+];
+const GROWTH: &str = "growth_per_s";
+const DAMPING: &str = "damping_ratio";
+
+/// The columns of modes: without gravity nothing grows, and of a straight link in a pose no damping is computed.
+fn columns_of(setting: &Setting, own: &SettledModes) -> Vec<(String, Vec<f64>)> {
+    let numbers = NUMBERS.iter().filter(|(name, _)| match setting {
+        Setting::Level => *name != GROWTH,
+        Setting::Straight { .. } => *name != DAMPING,
+        Setting::AtRest { .. } => true,
+    });
+    let column = |of: &ModeNumber| {
+        own.modes.iter().zip(&own.errors).map(|(mode, error)| of(mode, *error)).collect()
+    };
+    numbers.map(|(name, of)| ((*name).to_owned(), column(of))).collect()
+}
+
 impl ModesResult {
     /// Writes modes.csv, `mode_shapes.csv`, `held_modes.csv` and zeros.csv: all or none.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
     pub fn write(&self, folder: OutputFolder, digits: Digits) -> Result<(), FolderError> {
-        let own = [("damping_ratio", &self.damping_ratios[..]), ("mesh_error", &self.mesh_errors)];
-        folder.file(MODES, |out| write_modes(out, &self.omega_rad_s, &own, digits))?;
-        let names: Vec<String> = (1..=self.shapes.len()).map(|k| format!("mode_{k}")).collect();
-        let shapes = names.iter().zip(&self.shapes).map(|(name, shape)| (&name[..], &shape[..]));
-        let shapes: Vec<_> = [("x_m", &self.nodes_m[..])].into_iter().chain(shapes).collect();
-        folder.file(SHAPES, |out| write_columns(out, None, &shapes, digits))?;
-        let held = &self.held;
-        let own = [("damping_ratio", &held.damping_ratios[..]), ("mesh_error", &held.mesh_errors)];
-        folder.file(HELD, |out| write_modes(out, &self.held.omega_rad_s, &own, digits))?;
-        let zeros = zero_columns(&self.zeros);
-        let zeros: Vec<_> = zeros.iter().map(|(name, values)| (*name, &values[..])).collect();
-        folder.file(ZEROS, |out| write_columns(out, None, &zeros, digits))?;
+        folder.file(MODES, |out| self.write_list(out, &self.free, digits))?;
+        folder.file(HELD, |out| self.write_list(out, &self.held, digits))?;
+        folder.file(SHAPES, |out| match &self.shapes {
+            Some(shapes) => write_shapes(out, shapes, digits),
+            None => self.write_level_shapes(out, digits),
+        })?;
+        folder.file(ZEROS, |out| self.write_zeros(out, digits))?;
         folder.commit(ZEROS, &OWNED)
     }
+
+    /// Writes a row for each mode, in a pose with how far each joint turns.
+    fn write_list(
+        &self,
+        out: &mut (dyn Write + Send),
+        own: &SettledModes,
+        digits: Digits,
+    ) -> io::Result<()> {
+        let numbers: Vec<f64> = (1..=own.modes.len()).map(|mode| mode as f64).collect();
+        let mut columns = columns_of(&self.setting, own);
+        for joint in 0..own.modes.first().map_or(0, |mode| mode.joints.len()) {
+            let turns = own.modes.iter().map(|mode| mode.joints[joint]).collect();
+            columns.push((format!("joint{}", joint + 1), turns));
+        }
+        write_columns(out, Some(("mode", &numbers)), &borrowed(&columns), digits)
+    }
+
+    /// Writes a row for each node of a link without gravity: its displacement across the link in each mode.
+    fn write_level_shapes(&self, out: &mut (dyn Write + Send), digits: Digits) -> io::Result<()> {
+        let names: Vec<String> = (1..=self.free.modes.len()).map(|k| format!("mode_{k}")).collect();
+        let nodes = self.meshes.iter().map(|mesh| ("x_m", mesh.nodes_m()));
+        let shapes = self.free.modes.iter().map(|mode| &mode.shape[..]);
+        let shapes = names.iter().map(String::as_str).zip(shapes);
+        write_columns(out, None, &nodes.chain(shapes).collect::<Vec<_>>(), digits)
+    }
+
+    /// Writes the zeros of one link after those of the other, in a pose with the number of the link.
+    fn write_zeros(&self, out: &mut (dyn Write + Send), digits: Digits) -> io::Result<()> {
+        let most = |own: &LinkZeros| own.zeros_per_s.len().max(own.blocked_hz.len());
+        let links = of_links(self.zeros.iter().map(most));
+        let mut columns = zero_columns(&LinkZeros::default());
+        for own in &self.zeros {
+            for (whole, (_, mut values)) in columns.iter_mut().zip(zero_columns(own)) {
+                values.resize(most(own), f64::NAN);
+                whole.1.append(&mut values);
+            }
+        }
+        let links = (self.setting != Setting::Level).then_some(("link", &links[..]));
+        write_columns(out, links, &borrowed(&columns), digits)
+    }
+}
+
+/// Columns as they are written.
+fn borrowed<S: AsRef<str>>(columns: &[(S, Vec<f64>)]) -> Vec<(&str, &[f64])> {
+    columns.iter().map(|(name, values)| (name.as_ref(), &values[..])).collect()
 }
 
 /// The columns of a link's zeros.
@@ -52,44 +125,6 @@ fn zero_columns(zeros: &LinkZeros) -> [(&'static str, Vec<f64>); 5] {
         ("mesh_error", zeros.mesh_errors.clone()),
         ("blocked_mesh_error", zeros.blocked_mesh_errors.clone()),
     ]
-}
-
-/// Writes modes.csv, `held_modes.csv` and `mode_shapes.csv` of an arm in a pose, and zeros.csv of its links: all or none.
-///
-/// # Errors
-/// [`FolderError`] names the file that cannot be written.
-pub fn write_arm_modes(
-    folder: OutputFolder,
-    (modes, shapes, zeros): (&ArmModes, &ArmShapes, &[LinkZeros]),
-    digits: Digits,
-) -> Result<(), FolderError> {
-    folder.file(MODES, |out| write_settled(out, &modes.free, digits))?;
-    folder.file(HELD, |out| write_settled(out, &modes.held, digits))?;
-    folder.file(SHAPES, |out| write_shapes(out, shapes, digits))?;
-    folder.file(ZEROS, |out| write_zeros(out, zeros, digits))?;
-    folder.commit(ZEROS, &OWNED)
-}
-
-/// Writes modes of an arm. What leaves the pose has a growth rate alone, what stays where it is turned no period.
-fn write_settled(
-    out: &mut (dyn Write + Send),
-    found: &SettledModes,
-    digits: Digits,
-) -> io::Result<()> {
-    let column = |of: &dyn Fn(usize) -> f64| (0..found.modes.len()).map(of).collect::<Vec<f64>>();
-    let square = |k: usize| found.modes[k].square_per_s2;
-    let omega_rad_s = column(&|k| square(k).sqrt());
-    let growth = column(&|k| if square(k) < 0.0 { (-square(k)).sqrt() } else { f64::NAN });
-    let ratios = column(&|k| found.modes[k].damping_ratio.unwrap_or(f64::NAN));
-    let joints = found.modes.first().map_or(0, |mode| mode.joints.len());
-    let joints: Vec<_> = (0..joints)
-        .map(|joint| (format!("joint{}", joint + 1), column(&|k| found.modes[k].joints[joint])))
-        .collect();
-    let turns = joints.iter().map(|(name, values)| (&name[..], &values[..]));
-    let own =
-        [("growth_per_s", &growth[..]), ("damping_ratio", &ratios), ("mesh_error", &found.errors)];
-    let own: Vec<_> = own.into_iter().chain(turns).collect();
-    write_modes(out, &omega_rad_s, &own, digits)
 }
 
 /// Writes a row for each node of each link: where it is at rest, and how the modes with free joints move it.
@@ -111,47 +146,12 @@ fn write_shapes(
     for (mode, moved) in (1..).zip(&shapes.free) {
         both(&|axis| format!("mode_{mode}_{axis}"), moved);
     }
-    let columns: Vec<_> = columns.iter().map(|(name, values)| (&name[..], &values[..])).collect();
-    write_columns(out, Some(("link", &links)), &columns, digits)
-}
-
-/// Writes the zeros of one link after those of the other.
-fn write_zeros(
-    out: &mut (dyn Write + Send),
-    zeros: &[LinkZeros],
-    digits: Digits,
-) -> io::Result<()> {
-    let most = |own: &LinkZeros| own.zeros_per_s.len().max(own.blocked_hz.len());
-    let links = of_links(zeros.iter().map(most));
-    let mut columns = zero_columns(&LinkZeros::default());
-    for own in zeros {
-        for (whole, (_, mut values)) in columns.iter_mut().zip(zero_columns(own)) {
-            values.resize(most(own), f64::NAN);
-            whole.1.append(&mut values);
-        }
-    }
-    let columns: Vec<_> = columns.iter().map(|(name, values)| (*name, &values[..])).collect();
-    write_columns(out, Some(("link", &links)), &columns, digits)
+    write_columns(out, Some(("link", &links)), &borrowed(&columns), digits)
 }
 
 /// The number of the link, from 1, of each row, from the number of rows of each link.
 fn of_links(rows: impl Iterator<Item = usize>) -> Vec<f64> {
     (1_u8..).zip(rows).flat_map(|(link, rows)| vec![f64::from(link); rows]).collect()
-}
-
-/// Writes number, angular frequency, frequency and period of each mode, then the columns `own`.
-fn write_modes(
-    out: &mut (dyn Write + Send),
-    omega_rad_s: &[f64],
-    own: &[(&str, &[f64])],
-    digits: Digits,
-) -> io::Result<()> {
-    let numbers: Vec<f64> = (1..=omega_rad_s.len()).map(|mode| mode as f64).collect();
-    let hertz: Vec<f64> = omega_rad_s.iter().map(|omega| omega / TAU).collect();
-    let periods: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
-    let common =
-        [("omega_rad_s", omega_rad_s), ("frequency_hz", &hertz[..]), ("period_s", &periods[..])];
-    write_columns(out, Some(("mode", &numbers)), &[&common[..], own].concat(), digits)
 }
 
 /// One of the transfers of a row.
@@ -225,8 +225,7 @@ pub fn write_frequency_response(
     columns: &ResponseColumns,
     digits: Digits,
 ) -> io::Result<()> {
-    let columns: Vec<_> = columns.iter().map(|(name, values)| (&name[..], &values[..])).collect();
-    write_columns(out, None, &columns, digits)
+    write_columns(out, None, &borrowed(columns), digits)
 }
 
 /// A frequency response as JSON: a list for each column of the CSV, all digits; what is not known is null.
@@ -234,83 +233,55 @@ pub fn frequency_response_json(columns: ResponseColumns) -> String {
     as_text(&columns.into_iter().map(|(name, list)| (name, json!(list))).collect::<Map<_, _>>())
 }
 
-/// Frequencies in Hz of squares ω² in 1/s², and growth rates in 1/s of those below 0; null where there is none.
-fn rates(squares_per_s2: impl Iterator<Item = f64> + Clone) -> [Value; 2] {
-    let hertz = squares_per_s2.clone().map(|square| (square >= 0.0).then(|| square.sqrt() / TAU));
-    let growth = squares_per_s2.map(|square| (square < 0.0).then(|| (-square).sqrt()));
-    [json!(hertz.collect::<Vec<_>>()), json!(growth.collect::<Vec<_>>())]
-}
-
-/// Modes of an arm in a pose and zeros of its links as JSON; what is not known is null, as is the stiffness of a stiff joint.
-pub fn arm_modes_json(found: &ArmModes, zeros: &[LinkZeros]) -> String {
-    let list = |own: &SettledModes| {
-        let [hertz, growth] = rates(own.modes.iter().map(|mode| mode.square_per_s2));
-        let ratios: Vec<_> = own.modes.iter().map(|mode| mode.damping_ratio).collect();
+/// Modes and zeros as JSON; what is not known is null, as is the stiffness of a stiff joint.
+pub fn modes_json(found: &ModesResult) -> String {
+    let list = |own: &SettledModes| -> Map<String, Value> {
+        let mut columns = columns_of(&found.setting, own);
+        columns.retain(|(name, _)| !["omega_rad_s", "period_s"].contains(&&**name));
+        columns.into_iter().map(|(name, values)| (name, json!(values))).collect()
+    };
+    let with_joints = |own: &SettledModes| {
         let joints: Vec<_> = own.modes.iter().map(|mode| &mode.joints).collect();
-        json!({
-            "frequency_hz": hertz,
-            "growth_per_s": growth,
-            "damping_ratio": ratios,
-            "mesh_error": own.errors,
-            "joints": joints,
-        })
+        let mut list = list(own);
+        list.insert("joints".to_owned(), json!(joints));
+        list
     };
     let of_link = |own: &LinkZeros| {
-        json!({
-            "zero_per_s": own.zeros_per_s,
-            "zero_mesh_error": own.mesh_errors,
-            "blocked_hz": own.blocked_hz,
-            "blocked_mesh_error": own.blocked_mesh_errors,
-        })
+        let values = [
+            ("zero_per_s", &own.zeros_per_s),
+            ("zero_mesh_error", &own.mesh_errors),
+            ("blocked_hz", &own.blocked_hz),
+            ("blocked_mesh_error", &own.blocked_mesh_errors),
+        ];
+        values.map(|(name, list)| (name.to_owned(), json!(list)))
     };
-    as_text(&json!({
-        "angle_rad": found.directions_rad,
-        "tip_m": found.tip_m,
-        "holding_torque_n_m": found.holding_torques_n_m,
-        "joint_stiffness_n_m_rad": found.joint_stiffnesses_n_m_rad,
-        "free": list(&found.free),
-        "held": list(&found.held),
-        "links": zeros.iter().map(of_link).collect::<Vec<_>>(),
-    }))
-}
-
-/// Modes of a link in a pose as JSON. What leaves the pose has a growth rate, and null as its frequency.
-pub fn pose_modes_json(pose: &PoseModes) -> String {
-    let list = |found: &PoseSquares| {
-        let [hertz, growth] = rates(found.squares_per_s2.iter().copied());
-        json!({
-            "frequency_hz": hertz,
-            "growth_per_s": growth,
-            "mesh_error": found.mesh_errors,
-        })
-    };
-    as_text(&json!({
-        "angle_rad": pose.angle_rad,
-        "outward_m_s2": pose.outward_m_s2,
-        "free": list(&pose.free),
-        "held": list(&pose.held),
-    }))
-}
-
-/// Modes and zeros as JSON; what is not known is null, as is the stiffness of a stiff joint.
-pub fn modes_json(result: &ModesResult) -> String {
-    let hertz = |omegas: &[f64]| omegas.iter().map(|omega| omega / TAU).collect::<Vec<f64>>();
-    let held = json!({
-        "joint_stiffness_n_m_rad": result.held.joint_stiffness_n_m_rad,
-        "frequency_hz": hertz(&result.held.omega_rad_s),
-        "damping_ratio": result.held.damping_ratios,
-        "mesh_error": result.held.mesh_errors,
-    });
-    as_text(&json!({
-        "frequency_hz": hertz(&result.omega_rad_s),
-        "damping_ratio": result.damping_ratios,
-        "mesh_error": result.mesh_errors,
-        "zero_per_s": result.zeros.zeros_per_s,
-        "zero_mesh_error": result.zeros.mesh_errors,
-        "blocked_hz": result.zeros.blocked_hz,
-        "blocked_mesh_error": result.zeros.blocked_mesh_errors,
-        "x_m": result.nodes_m,
-        "shapes": result.shapes,
-        "held": held,
-    }))
+    let (free, held) = (&found.free, &found.held);
+    as_text(&match &found.setting {
+        Setting::Level => {
+            let mut all = list(free);
+            all.extend(found.zeros.iter().flat_map(of_link));
+            all.extend(found.meshes.iter().map(|mesh| ("x_m".into(), json!(mesh.nodes_m()))));
+            let shapes: Vec<_> = free.modes.iter().map(|mode| &mode.shape).collect();
+            all.insert("shapes".into(), json!(shapes));
+            let stiffness =
+                ("joint_stiffness_n_m_rad".into(), json!(found.joint_stiffnesses_n_m_rad[0]));
+            all.insert("held".into(), std::iter::once(stiffness).chain(list(held)).collect());
+            Value::Object(all)
+        }
+        Setting::Straight { angle_rad, outward_m_s2 } => json!({
+            "angle_rad": angle_rad,
+            "outward_m_s2": outward_m_s2,
+            "free": list(free),
+            "held": list(held),
+        }),
+        Setting::AtRest { directions_rad, tip_m, holding_torques_n_m } => json!({
+            "angle_rad": directions_rad,
+            "tip_m": tip_m,
+            "holding_torque_n_m": holding_torques_n_m,
+            "joint_stiffness_n_m_rad": found.joint_stiffnesses_n_m_rad,
+            "free": with_joints(free),
+            "held": with_joints(held),
+            "links": found.zeros.iter().map(|own| Map::from_iter(of_link(own))).collect::<Vec<_>>(),
+        }),
+    })
 }

@@ -24,8 +24,8 @@ pub use files::{NamedBy, NewFile, write_file, write_files};
 pub use fit_record::{FitInputs, fit_json, fit_record, foreign_fit_record};
 pub use folder::{Durability, FolderError, OutputFolder};
 pub use frequency_tables::{
-    ResponseColumns, arm_modes_json, arm_response, frequency_response_json, link_response,
-    modes_json, pose_modes_json, write_arm_modes, write_frequency_response,
+    ResponseColumns, arm_response, frequency_response_json, link_response, modes_json,
+    write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
 pub use json::{Fingerprint, different_inputs, read_state, results_table, state_json};

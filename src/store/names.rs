@@ -26,7 +26,7 @@ impl JointFile {
         Self { file, columns, shares_decimals: false }
     }
 
-    /// The file of a run with so many joints.
+    /// Name of the file for this number of joints.
     pub(super) const fn name(&self, joints: usize) -> &'static str {
         pick(self.file, joints)
     }
@@ -38,8 +38,8 @@ impl JointFile {
 
     /// Names of all columns of these joints.
     pub(super) fn columns(&self, joints: usize, of: &[usize]) -> Vec<String> {
-        let is_of_arm = !self.columns[0][1].contains('#');
-        let of = of.iter().filter(|joint| **joint == 0 || !is_of_arm);
+        let is_of_whole = !self.columns[0][1].contains('#');
+        let of = of.iter().filter(|joint| **joint == 0 || !is_of_whole);
         let columns = of.flat_map(|joint| {
             (0..self.columns.len()).map(move |column| self.column(joints, *joint, column))
         });
@@ -61,7 +61,7 @@ pub(super) static RIGID_TORQUE: JointFile = JointFile {
     columns: &[["rigid_torque_n_m", "rigid_torque#_n_m"]],
     shares_decimals: true,
 };
-/// Angles of the hub or of the joints. A simulation does not have the last column.
+/// Angles of the hub or of the joints. A simulation writes the first three columns.
 pub(super) static ANGLE: JointFile = JointFile::new(
     ["hub_angle.csv", "joint_angles.csv"],
     &[
@@ -81,7 +81,7 @@ pub(super) static MOTOR: JointFile = JointFile::new(
         ["motor_power_w", "motor#_power_w"],
     ],
 );
-/// Chords of an arm's links. A simulation has only their angles.
+/// Chords of an arm's links. A simulation writes the first column.
 pub(super) static CHORD: JointFile = JointFile::new(
     ["", "chord_angles.csv"],
     &[["", "angle#_rad"], ["", "rate#_rad_s"], ["", "acceleration#_rad_s2"], ["", "length#_m"]],
@@ -112,12 +112,12 @@ pub(super) static TIP_ERROR: JointFile = JointFile::new(
 pub(super) struct NodalFile {
     file: Name,
     /// First letters of a node's columns, for a link and for an arm.
-    pub(super) letters: [&'static [&'static str]; 2],
+    letters: [&'static [&'static str]; 2],
     pub(super) unit: &'static str,
 }
 
 impl NodalFile {
-    /// The file of a run with so many links.
+    /// Name of the file for this number of links.
     pub(super) const fn name(&self, links: usize) -> &'static str {
         pick(self.file, links)
     }
@@ -175,20 +175,20 @@ const SOLVED: [Name; 11] = [
 const PLAYED: [Name; 7] =
     [TORQUE.file, TIP.file, ANGLE.file, CHORD.file, PLACES.file, [NODES; 2], TIP_ERROR.file];
 
-/// Names of a list for a run with so many links.
-fn all(list: &'static [Name], links: usize) -> impl Iterator<Item = &'static str> {
+/// Names in a list for this number of links.
+fn names_in(list: &'static [Name], links: usize) -> impl Iterator<Item = &'static str> {
     list.iter().map(move |name| pick(*name, links)).filter(|name| !name.is_empty())
 }
 
-/// Files of a solution with so many links.
+/// Files of a solution for this number of links.
 pub(super) fn solved_files(links: usize) -> impl Iterator<Item = &'static str> {
-    all(&SOLVED, links)
+    names_in(&SOLVED, links)
 }
 
-/// Files of a simulation with so many links, with a target or without, summary.json last.
+/// Files of a simulation for this number of links, with a target or without, summary.json last.
 pub(super) fn played_files(links: usize, has_target: bool) -> Vec<&'static str> {
     let target = TIP_ERROR.name(links);
-    let files = all(&PLAYED, links).filter(|name| has_target || *name != target);
+    let files = names_in(&PLAYED, links).filter(|name| has_target || *name != target);
     files.chain([SUMMARY]).collect()
 }
 
@@ -197,7 +197,7 @@ pub(super) fn played_files(links: usize, has_target: bool) -> Vec<&'static str> 
 pub(super) fn result_files() -> Vec<&'static str> {
     let mut names = vec![REPORT];
     for list in [&SOLVED[..], &PLAYED] {
-        let both = [1, 2].into_iter().flat_map(|links| all(list, links));
+        let both = [1, 2].into_iter().flat_map(|links| names_in(list, links));
         both.for_each(|name| {
             if !names.contains(&name) {
                 names.push(name);

@@ -25,7 +25,7 @@ pub struct RunOutputs {
     pub deflections: bool,
     /// Whether a solution has `bending_moments.csv`.
     pub moments: bool,
-    /// Whether to write a small folder to compare with later: torque, hub or joint angles, tip and displacements alone,
+    /// Whether a solution has a small folder to compare with later: torque, hub or joint angles, tip and displacements alone,
     /// of three nodes, and every fifth row of all tables, counted from the motion's first sample.
     pub golden: bool,
     /// Digits of all numbers.
@@ -65,13 +65,7 @@ impl RunOutputs {
         files.filter(|name| self.has(name, links)).chain([SUMMARY]).collect()
     }
 
-    /// All nodes at all rows, as the page of an arm draws them.
-    #[must_use]
-    pub fn of_page(&self) -> Self {
-        Self { nodes: None, stations_m: vec![], golden: false, ..self.clone() }
-    }
-
-    /// True unless the folder is a golden one, which does not have this file.
+    /// False for a file that a golden folder leaves out.
     pub(super) fn has(&self, name: &str, links: usize) -> bool {
         !self.golden
             || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(links) != name)

@@ -15,7 +15,7 @@ use super::read_tables::{
     RunFolder, TIME, Table, check_window, deflections, read_nodal, read_nodes, times_s,
 };
 use super::run_tables::RunTables;
-use super::summary::{LinkRecord, Summary, numbers_in};
+use super::summary::{LinkRecord, STATIONS, Summary, numbers_in};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::csv::{Place, TableError};
 use crate::inverse::NodalTable;
@@ -94,7 +94,7 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
         (&ANGLE, &all, true),
         (&TIP, &all, true),
         (&RIGID_TORQUE, &all, is_solved),
-        (&MOTOR, &driven, folder.has(MOTOR.name(count))),
+        (&MOTOR, &driven, is_solved && !driven.is_empty() && folder.has(MOTOR.name(count))),
     ] {
         if is_there {
             let mut columns = file.columns(count, joints);
@@ -110,13 +110,15 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     });
     let histories = histories.collect();
     let nodes: Vec<usize> = nodes_m.iter().map(Vec::len).collect();
+    let arguments = &summary.origin().arguments;
+    let is_chosen = arguments.iter().any(|own| own == "--nodes" || own == STATIONS);
     let mut nodal = Nodal::new();
     for file in [&DEFLECTIONS, &PLACES, &MOMENTS] {
         let name = file.name(count);
         // Places of an arm take the part of its deflections.
         let is_read = !(count > 1 && name == DEFLECTIONS.name(count));
         if is_read && (folder.has(name) || (count > 1 && name == PLACES.name(count))) {
-            nodal.insert(name, read_nodal(&folder.file(name)?, file, &nodes, of)?);
+            nodal.insert(name, read_nodal(&folder.file(name)?, file, (&nodes, is_chosen), of)?);
         }
     }
     let target = folder.target(&summary.files, count)?;
@@ -194,10 +196,15 @@ impl Parts {
             let of = format!("joints.{k}.");
             (of, [&results["joints"][k], &errors["joints"][k], &limits[k]])
         };
-        for key in ["lead_s", "lag_s"] {
-            if summary.is_solved() && results.get(key).is_none() {
-                return Err(place.refuse(format!("results.{of}{key}"), "nothing", "must be there"));
-            }
+        for key in ["lead_s", "lag_s"].into_iter().filter(|_| summary.is_solved()) {
+            let missing = match results {
+                Value::Object(numbers) => match numbers.get(key) {
+                    Some(value) if value.is_null() || value.is_number() => continue,
+                    _ => format!("results.{of}{key}"),
+                },
+                _ => "results".to_owned(),
+            };
+            return Err(place.refuse(missing, "nothing", "must be there"));
         }
         let motor = self.take(&MOTOR, k, 0).zip(self.take(&MOTOR, k, 2));
         Ok(StoredJoint {
@@ -337,7 +344,11 @@ impl RunOutputs {
         let count = tables.links.len();
         let mut histories = Histories::new();
         for table in &tables.histories {
-            for (joint, columns) in table.joints.iter().enumerate() {
+            // A page does not show the others.
+            let is_shown = [&TORQUE, &RIGID_TORQUE, &ANGLE, &TIP, &MOTOR]
+                .iter()
+                .any(|file| file.name(count) == table.file.name(count));
+            for (joint, columns) in table.joints.iter().enumerate().filter(|_| is_shown) {
                 for (column, values) in columns.iter().enumerate() {
                     let name = table.file.column(count, joint, column);
                     histories.insert((table.file.name(count), name), values.to_vec());
@@ -345,7 +356,8 @@ impl RunOutputs {
             }
         }
         let mut nodal = Nodal::new();
-        for table in &tables.nodal {
+        let is_shown = |name: &str| name != DEFLECTIONS.name(count);
+        for table in tables.nodal.iter().filter(|table| is_shown(table.file.name(count))) {
             let times_s = times_s(&table.times);
             let empty = StoredNodes { nodes: vec![], times_s, histories: vec![] };
             let mut found = vec![vec![empty; table.file.letters(count).len()]; count];

@@ -259,12 +259,13 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
     }
 }
 
-/// Reads a table at nodes, of all links or of the single one with so many nodes, for each link and each letter of the
-/// file. Its times are all or every k-th of `times_s`, those of the file `of`. A link may have some nodes, an arm has all.
+/// Reads a table at nodes: one entry for each link and each letter of the file. `nodes` counts the nodes of each link, and
+/// the run may have written some `chosen` ones alone. Rows may be thinned: every k-th of `times_s`, the times of the file
+/// `of`. The table of a single link may lack nodes, that of an arm must not.
 pub(super) fn read_nodal(
     file: &InputFile,
     nodal: &NodalFile,
-    nodes: &[usize],
+    (nodes, is_chosen): (&[usize], bool),
     (of, times_s): (&str, &[f64]),
 ) -> Result<Vec<Vec<StoredNodes>>, TableError> {
     let (links, letters) = (nodes.len(), nodal.letters(nodes.len()).len());
@@ -286,11 +287,12 @@ pub(super) fn read_nodal(
         if let Some(index) = stray {
             return Err(place.refuse_column(index, fields[index], must));
         }
-        let missing = places.keys().find(|name| !fields.contains(&name.as_str()));
-        match missing.filter(|_| links > 1) {
-            Some(name) => Err(refuse_missing(fields, name, place).with_hint(ALL_NODES.to_owned())),
-            None => Ok(()),
-        }
+        let mut all: Vec<_> = places.iter().collect();
+        all.sort_by_key(|(_, place)| **place);
+        let missing = all.into_iter().find(|(name, _)| !fields.contains(&name.as_str()));
+        let Some((name, _)) = missing.filter(|_| links > 1) else { return Ok(()) };
+        let error = refuse_missing(fields, name, place);
+        Err(if is_chosen { error.with_hint(ALL_NODES.to_owned()) } else { error })
     };
     let mut table = Table::read(file, check)?;
     table.check_times((of, times_s), stride(table.times_s(), times_s))?;
@@ -345,7 +347,7 @@ pub(super) fn deflections(
     displacements
 }
 
-/// Distances in m of the nodes of each of so many links from its joint, as the file lists them.
+/// Reads nodes.csv: for each link the distances of its nodes from its joint in m.
 pub(super) fn read_nodes(file: &InputFile, links: usize) -> Result<Vec<Vec<f64>>, TableError> {
     let at = |line| Place { file: &file.shown, line: Some(line) };
     let names = node_columns(links);

@@ -145,7 +145,7 @@ impl Summary {
         let drive = Some(link.drive().copied());
         let summary = Self { drive, values, ..Self::of("solve", inputs, link, law) };
         let warnings = solution.warnings.iter().map(Notice::from).collect();
-        summary.solved(warnings, findings, outputs.files([link]))
+        summary.with_findings(warnings, findings, outputs.files([link]))
     }
 
     /// The summary of an arm's solution of which `outputs` are written.
@@ -200,11 +200,15 @@ impl Summary {
         store_limits(&mut values, findings.limits);
         let summary = Self { values, ..Self::titled("solve", inputs, arm.title()) };
         let warnings = solution.warnings.iter().map(Notice::from).collect();
-        summary.solved(warnings, findings, outputs.files(arm.links().iter().map(|own| &own.link)))
+        summary.with_findings(
+            warnings,
+            findings,
+            outputs.files(arm.links().iter().map(|own| &own.link)),
+        )
     }
 
     /// The summary with what is known of its solution.
-    fn solved(self, warnings: Vec<Notice>, findings: &Findings, files: Vec<&str>) -> Self {
+    fn with_findings(self, warnings: Vec<Notice>, findings: &Findings, files: Vec<&str>) -> Self {
         let exceeded = findings.exceeded.iter().map(Notice::from);
         Self {
             verification: Some(findings.verification.map(|own| own.checks.clone())),
@@ -279,7 +283,7 @@ impl Summary {
         }
         let measured = comparison.cloned();
         let summary = Self { values, measured, ..Self::of("simulate", inputs, link, law) };
-        summary.played(warnings, (metrics, limits), target)
+        summary.with_play_findings(warnings, (metrics, limits), target)
     }
 
     /// The summary of an arm's simulation.
@@ -309,11 +313,11 @@ impl Summary {
         store_limits(&mut values, run.limits);
         let warnings = run.warnings.iter().map(Notice::from).collect();
         let summary = Self { values, ..Self::titled("simulate", inputs, arm.title()) };
-        summary.played(warnings, (metrics, run.limits), target)
+        summary.with_play_findings(warnings, (metrics, run.limits), target)
     }
 
     /// The summary with what is known of its simulation.
-    fn played(
+    fn with_play_findings(
         self,
         mut warnings: Vec<Notice>,
         (metrics, limits): (&PlayedMetrics, &[Limits]),

@@ -8,7 +8,7 @@ use super::names::{
 };
 use super::outputs::RunOutputs;
 use crate::beam::{Mesh, NodalHistories};
-use crate::inverse::{ArmSolution, MotorHistories, NodalTable, Solution};
+use crate::inverse::{ArmLinkShape, ArmSolution, MotorHistories, NodalTable, Solution};
 use crate::link::{Arm, Link, ParameterError};
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::{PlayedArm, Simulation};
@@ -26,7 +26,8 @@ pub struct RunTables<'a> {
     pub(super) mesh: Option<&'a Mesh>,
 }
 
-/// A table over time: for each joint its columns, from the first column of the file on.
+/// A table over time: each joint's columns in the file's order. Trailing ones may be missing, and all of a joint without
+/// a drive.
 pub(super) struct Histories<'a> {
     pub(super) file: &'static JointFile,
     pub(super) grid: &'a TimeGrid,
@@ -41,6 +42,9 @@ pub(super) struct NodalColumns<'a> {
     pub(super) times: ThinnedGrid,
     pub(super) columns: Vec<NodalColumn<'a>>,
 }
+
+/// Histories of a quantity at a node of a link of an arm.
+type OfNode = for<'a> fn(&'a ArmLinkShape, usize) -> Vec<&'a Vec<f64>>;
 
 /// A quantity of a node at the times of its table.
 pub(super) struct NodalColumn<'a> {
@@ -159,26 +163,25 @@ impl<'a> RunTables<'a> {
         let files = [&TORQUE, &RIGID_TORQUE, &ANGLE, &MOTOR, &FORCE].into_iter().zip(files);
         let files = files.chain([(&CHORD, chords), (&TIP, vec![of_plane(tip)])]);
         let times = outputs.nodal_rows(grid);
-        let nodal =
-            [(&PLACES, true), (&DEFLECTIONS, outputs.deflections), (&MOMENTS, outputs.moments)];
-        let nodal = nodal.into_iter().filter(|(_, is_written)| *is_written).map(|(file, _)| {
+        let nodal: [(_, _, OfNode); 3] = [
+            (&PLACES, true, |own, node| own.positions_m[node].iter().collect()),
+            (&DEFLECTIONS, outputs.deflections, |own, node| vec![&own.deflections_m[node]]),
+            (&MOMENTS, outputs.moments, |own, node| vec![&own.moments_n_m[node]]),
+        ];
+        let nodal = nodal.into_iter().filter(|(_, is_written, _)| *is_written);
+        let nodal = nodal.map(|(file, _, of)| {
             let mut all = Vec::new();
             for (link, own) in links.iter().enumerate() {
                 // A link that has fewer nodes than another does not have all of a list.
                 let is_there = |node: &usize| *node < own.nodes_m.len();
                 for node in outputs.nodes_of(&own.nodes_m).into_iter().filter(is_there) {
-                    let values = match file.letters(2)[0] {
-                        "w" => vec![&own.deflections_m[node]],
-                        "m" => vec![&own.moments_n_m[node]],
-                        _ => own.positions_m[node].iter().collect(),
-                    };
                     let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
                         link,
                         letter,
                         node,
                         values: times.taken(values),
                     };
-                    all.extend(values.into_iter().enumerate().map(column));
+                    all.extend(of(own, node).into_iter().enumerate().map(column));
                 }
             }
             NodalColumns { file, times, columns: all }

@@ -176,7 +176,7 @@ impl Summary {
         Self { files: Vec::new(), ..self }
     }
 
-    /// What the user must know of the run.
+    /// Warnings of the run.
     pub fn warnings(&self) -> &[Notice] {
         &self.warnings
     }
@@ -269,7 +269,7 @@ impl Summary {
         solved.or_else(|| played("torque")).or_else(|| played("hub_angle"))
     }
 
-    /// A number of an object that every solution has.
+    /// The number `key` of the object `of`; a summary without it is refused at `place`.
     pub(super) fn number(&self, of: &str, key: &str, place: Place) -> Result<f64, TableError> {
         let object = &self.values[of];
         let missing = if object.is_object() { format!("{of}.{key}") } else { of.to_owned() };

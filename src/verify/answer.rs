@@ -52,7 +52,7 @@ impl<'a> AnySolution<'a> {
         }
     }
 
-    /// What the user must know.
+    /// Warnings of the solution.
     pub fn warnings(self) -> Vec<Notice> {
         match self {
             Self::Link(solution) => solution.warnings.iter().map(Notice::from).collect(),

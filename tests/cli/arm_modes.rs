@@ -120,9 +120,12 @@ fn poses_that_are_none_are_refused() {
         refused(&[&at[..], &heavy].concat(), 4, "the arm has no shape at rest in this pose");
     }
     let bayo = repository("specs/bayo1987_example1.toml");
-    refused(&["frf", &bayo, "--at", "1"], 2, "--at is for an arm of several links");
-    refused(&["modes", &bayo, "--at", "1,2"], 2, "--at = 2 angles, but must be one for one link");
-    refused(&["modes", &bayo, "--at", "1", "-o", "m"], 2, "--output with --at is for an arm");
+    for command in ["modes", "frf"] {
+        let must = "--at = 2 directions, but must be one direction";
+        refused(&[command, &bayo, "--at", "1,2"], 2, must);
+    }
+    let modal = "damping={ model = \"modal\", ratios = [0.01] }";
+    refused(&["frf", &bayo, "--at", "1", "--set", modal], 4, "the damping of link 1 = modal");
 }
 
 /// Rows of a table, its names first.
@@ -218,5 +221,5 @@ fn many_modes_tell_how_far_they_are() {
     // Without `script` there is no terminal to print to.
     let Ok(output) = output else { return };
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(told.contains("finding the "), "{told}");
+    assert!(told.contains("finding modes and zeros"), "{told}");
 }

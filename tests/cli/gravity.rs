@@ -228,11 +228,141 @@ fn modes_of_a_direction_are_told_with_the_swing_first() {
     assert!(json["free"]["frequency_hz"][0].is_null());
     assert!((json["free"]["growth_per_s"][0].as_f64().unwrap() - swing).abs() < 0.2);
     assert!(json["held"]["growth_per_s"][0].is_null());
-    let flat = bench.run(&["modes", "strip.toml", "--at", "0", "--output", "m"]);
-    assert_eq!(flat.status.code(), Some(2));
     let without = STRIP.replace("gravity = [0, '-981 cm/s^2']\nstart_angle = '-90 deg'\n", "");
     bench.write("flat.toml", &without);
     assert_eq!(bench.run(&["modes", "flat.toml", "--at", "0"]).status.code(), Some(2));
+}
+
+/// Numbers of a table by name; NaN in an empty field.
+fn table(bench: &Bench, name: &str) -> impl Fn(&str) -> Vec<f64> + use<> {
+    let text = bench.read(name);
+    move |column| {
+        let at = text.lines().next().unwrap().split(',').position(|own| own == column);
+        let at = at.unwrap_or_else(|| panic!("{column} of {text}"));
+        let fields = text.lines().skip(1).map(|row| row.split(',').nth(at).unwrap());
+        fields.map(|field| field.parse().unwrap_or(f64::NAN)).collect()
+    }
+}
+
+/// A strip that hardly bends is a pendulum: in its swing it turns by 1/√I, mass-normalised.
+#[test]
+fn modes_of_a_direction_are_tabled_as_those_of_an_arm() {
+    let bench = bench();
+    let stiff = ["modes", "strip.toml", "--count", "2", "--set", "segments.*.EI*=1e4"];
+    let inertia = 2e-3 + 0.15 * 0.064 / 3.0 + 0.05 * 0.16;
+    let swing = f64::sqrt(9.81 * (0.15 * 0.08 + 0.05 * 0.4) / inertia);
+    let level = bench.run(&[&stiff[..], &["--set", "gravity=[0, 0]", "-o", "level"]].concat());
+    assert!(level.status.success(), "{}", stderr(&level));
+    for (angle, [x, y]) in
+        [("-90 deg", [0.0_f64, -1.0]), ("90 deg", [0.0, 1.0]), ("0.7", [0.764_842, 0.644_218])]
+    {
+        let output = bench.run(&[&stiff[..], &["--at", angle, "-o", "pose", "--json"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        for (file, list) in [("pose/modes.csv", "free"), ("pose/held_modes.csv", "held")] {
+            let names = "mode,omega_rad_s,frequency_hz,period_s,growth_per_s,mesh_error,joint1\n";
+            assert!(bench.read(file).starts_with(names), "{}", bench.read(file));
+            for column in ["frequency_hz", "growth_per_s", "mesh_error"] {
+                let exact = json[list][column].as_array().unwrap();
+                let found = table(&bench, file)(column);
+                assert_eq!(found.len(), exact.len(), "{file} {column}");
+                for (found, exact) in found.into_iter().zip(exact) {
+                    let off = found - exact.as_f64().unwrap_or(f64::NAN);
+                    let is_right = off.abs() <= 1e-9 * found.abs();
+                    let is_right = is_right || (found.is_nan() && exact.is_null());
+                    assert!(is_right, "{file} {column}: {found} {exact}");
+                }
+            }
+        }
+        // Gravity outward along the link drives the pendulum.
+        let square = -swing * swing * y;
+        let modes = table(&bench, "pose/modes.csv");
+        let rate = if square > 0.0 { modes("omega_rad_s")[0] } else { modes("growth_per_s")[0] };
+        assert!((rate * rate / square.abs() - 1.0).abs() < 1e-4, "{angle}: {rate}");
+        assert_eq!(
+            (&modes("joint1")[..], &modes("mode")[..]),
+            (&[1.0; 3][..], &[1.0, 2.0, 3.0][..])
+        );
+        let shapes = table(&bench, "pose/mode_shapes.csv");
+        for (k, at_m) in shapes("x_m").into_iter().enumerate() {
+            let turned = at_m / inertia.sqrt();
+            for (name, exact) in [
+                ("rest_x_m", at_m * x),
+                ("rest_y_m", at_m * y),
+                ("mode_1_x", -turned * y),
+                ("mode_1_y", turned * x),
+            ] {
+                let found = shapes(name)[k];
+                assert!((found - exact).abs() < 1e-4, "{angle} {name}: {found} {exact}");
+            }
+        }
+        // Zeros are those without gravity.
+        let [pose, level] =
+            ["pose", "level"].map(|folder| table(&bench, &format!("{folder}/zeros.csv")));
+        assert_eq!(pose("link"), [1.0; 2]);
+        assert_eq!(pose("zero_per_s"), level("zero_per_s"));
+    }
+    assert_eq!(bench.names("pose"), bench.names("level"));
+}
+
+/// Without weight a link answers in any direction as it does without one; hanging, it has its poles at its frequencies.
+#[test]
+fn the_response_in_a_direction_is_that_without_gravity_and_has_the_poles_of_its_modes() {
+    let bench = bench();
+    let band = ["--from", "0.5", "--to", "80", "--points", "30"];
+    let run = |arguments: &[&str], file: &str| {
+        let output = bench.run(&[&["frf", "strip.toml"], arguments, &["-o", file]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        table(&bench, file)
+    };
+    let weightless =
+        [&band[..], &["--set", "gravity=[0, 0]", "--set", "mesh.elements='auto'"]].concat();
+    let weightless = [&weightless[..], &["--set", "hub.viscous_friction=0.01"]].concat();
+    let level = run(&weightless, "level.csv");
+    let pose = run(&[&weightless[..], &["--at", "30 deg"]].concat(), "pose.csv");
+    assert_eq!(pose("frequency_hz"), level("frequency_hz"));
+    let complex = |table: &dyn Fn(&str) -> Vec<f64>, name: &str| -> Vec<[f64; 2]> {
+        let [re, im] = ["real", "imag"].map(|part| table(&format!("{name}_{part}")));
+        re.into_iter().zip(im).map(|(re, im)| [re, im]).collect()
+    };
+    let tip = complex(&level, "tip_displacement_per_torque_1_n");
+    let hub = complex(&level, "hub_angle_per_tip_displacement_rad_m");
+    let [x, y] = ["x", "y"].map(|axis| complex(&pose, &format!("tip_{axis}_per_torque1_1_n")));
+    let joint = complex(&pose, "joint1_per_torque1_rad_n_m");
+    let (sin, cos) = (0.5, f64::sqrt(0.75));
+    for k in 0..30 {
+        let across = [0, 1].map(|part| cos * y[k][part] - sin * x[k][part]);
+        let along = [0, 1].map(|part| cos * x[k][part] + sin * y[k][part]);
+        let turned = [
+            tip[k][0] * hub[k][0] - tip[k][1] * hub[k][1],
+            tip[k][0] * hub[k][1] + tip[k][1] * hub[k][0],
+        ];
+        let size = |[re, im]: [f64; 2]| (re * re + im * im).sqrt();
+        let off = |a: [f64; 2], b: [f64; 2]| size([a[0] - b[0], a[1] - b[1]]) / size(b);
+        assert!(off(across, tip[k]) < 1e-4, "{k}: {across:?} {:?}", tip[k]);
+        assert!(off(joint[k], turned) < 1e-4, "{k}: {:?} {turned:?}", joint[k]);
+        assert!(size(along) < 1e-9 * size(across), "{k}: {along:?}");
+    }
+
+    let undamped =
+        ["--set", "damping={ model = 'none' }", "--set", "mesh.elements='auto'", "--at", "-90 deg"];
+    let modes =
+        bench.run(&[&["modes", "strip.toml", "--json", "--count", "2"], &undamped[..]].concat());
+    let json: serde_json::Value = serde_json::from_str(&stdout(&modes)).unwrap();
+    for hertz in json["free"]["frequency_hz"].as_array().unwrap() {
+        let hertz = hertz.as_f64().unwrap();
+        let [from, to] = [0.9999, 1.0001].map(|factor| (factor * hertz).to_string());
+        let around = ["--points", "2", "--from", &from, "--to", &to];
+        let found = run(&[&undamped[..], &around].concat(), "pole.csv");
+        let turned = found("joint1_per_torque1_rad_n_m_real");
+        // The stiffness of the mode changes its sign there.
+        assert!(turned[0] > 0.0 && turned[1] < 0.0, "{hertz} Hz: {turned:?}");
+    }
+    let up =
+        bench.run(&["frf", "strip.toml", "--at", "90 deg", "--points", "2", "--deny-warnings"]);
+    assert_eq!(up.status.code(), Some(4));
+    let words = "warning: the link falls from this pose if its hub is free: only under control";
+    assert!(stderr(&up).contains(words), "{}", stderr(&up));
 }
 
 #[test]

@@ -127,7 +127,7 @@ pub(super) struct Run<'a> {
     pub(super) problem: Problem,
 }
 
-/// The solution of a run, and its checks where they were asked for.
+/// A solution, with its checks if `--verify` asks for them.
 pub(super) struct SolvedRun {
     pub(super) solved: Solved<LinkOrArm>,
     pub(super) verification: Option<Verification>,

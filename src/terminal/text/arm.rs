@@ -1,19 +1,15 @@
-//! The summaries that `solve` and `simulate` print of an arm, and its modes.
-
-use std::f64::consts::TAU;
+//! The summaries that `solve` and `simulate` print of an arm.
 
 use flexlink::inverse::ArmSolution;
 use flexlink::link::{Arm, Damping};
 use flexlink::motion::Prescribed;
-use flexlink::response::{ArmModes, PoseMode, SettledModes};
-use flexlink::result::{LinkZeros, Metrics, PlayedJoint};
+use flexlink::result::{Metrics, PlayedJoint};
 use flexlink::store::PlayedRun;
 use flexlink::text::{instant, plain, significant, visible};
 
 use super::layout::LABEL;
 use super::played::{between, times, tip_error_line, tip_line};
-use super::runs::{errors_text, four, hub_line, joint_lines, labelled, order_text, title, turned};
-use super::tables::{MESH_ERROR, share, unsteady, zero_rows};
+use super::runs::{errors_text, four, hub_line, joint_lines, labelled, order_text, turned};
 
 /// The summary of an arm's solution; `written` says where its files are.
 pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: String) -> String {
@@ -57,12 +53,12 @@ fn arm_link_line(solution: &ArmSolution, number: usize, elements: usize) -> Stri
     format!("{name}{length} m, {mass} kg, {elements} elements, {damping} damping")
 }
 
-fn size_line(arm: &Arm) -> String {
+pub(super) fn size_line(arm: &Arm) -> String {
     format!("{} links, {} m", arm.links().len(), significant(arm.length_m(), 4))
 }
 
 /// Gravity in the plane of an arm.
-fn gravity_line(arm: &Arm) -> String {
+pub(super) fn gravity_line(arm: &Arm) -> String {
     if !arm.has_weight() {
         return String::new();
     }
@@ -90,67 +86,6 @@ fn order_line(solution: &ArmSolution) -> String {
     let iterated = (iteration.second_order_change, iteration.iterations, iteration.contraction);
     let fallback = findings.fallback.map_or("", |_| "; all terms do not converge");
     order_text(findings.order, &slopes, iterated) + fallback
-}
-
-/// Modes of an arm in a pose, joints free and held, and zeros of its links.
-pub(crate) fn arm_modes_text(arm: &Arm, found: &ArmModes, zeros: &[LinkZeros]) -> String {
-    let list = |values: &[f64]| {
-        values.iter().map(|own| significant(*own, 4)).collect::<Vec<_>>().join(", ")
-    };
-    let directions = list(&found.directions_rad);
-    let mut lines = vec![
-        format!("arm of {}; the links point to {directions} rad", size_line(arm)),
-        format!("the tip rests at {} m", list(&found.tip_m)),
-    ];
-    if arm.has_weight() {
-        let torques = list(&found.holding_torques_n_m);
-        lines.push(format!("gravity {}; {torques} N m hold the joints at rest", gravity_line(arm)));
-    }
-    let swings = arm.links().len();
-    lines.push(format!("joints free; the first {swings} are swings of the whole arm"));
-    lines.extend(arm_mode_rows(&found.free));
-    lines.push(rotors_held(&found.joint_stiffnesses_n_m_rad));
-    lines.extend(arm_mode_rows(&found.held));
-    for (number, own) in zeros.iter().enumerate() {
-        lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
-        lines.extend(zero_rows(own));
-    }
-    title(arm.title()) + &lines.join("\n") + "\n"
-}
-
-fn rotors_held(joint_stiffnesses_n_m_rad: &[f64]) -> String {
-    if joint_stiffnesses_n_m_rad.iter().all(|own| own.is_infinite()) {
-        return "rotors held, stiff joints".into();
-    }
-    let springs = joint_stiffnesses_n_m_rad
-        .iter()
-        .map(|own| if own.is_finite() { significant(*own, 4) } else { "stiff".into() });
-    format!("rotors held, joint springs {} N m/rad", springs.collect::<Vec<_>>().join(", "))
-}
-
-/// A heading, then a row a mode with how far each joint turns, where any does.
-fn arm_mode_rows(found: &SettledModes) -> Vec<String> {
-    let turns = |mode: &PoseMode| mode.joints.iter().any(|own| *own != 0.0);
-    let any_turns = found.modes.iter().any(turns);
-    let joints = |mode: &PoseMode| {
-        let parts = mode.joints.iter().map(|own| format!(" {own:>6.3}"));
-        if any_turns { parts.collect() } else { String::new() }
-    };
-    let row = |[number, omega, hertz, damping, error]: [&str; 5]| {
-        format!("{number:<6} {omega:>13} {hertz:>15} {damping:>10} {error:>11}")
-    };
-    let heading = row(["mode", "omega [rad/s]", "frequency [Hz]", "damping", MESH_ERROR]);
-    let heading = heading + if any_turns { "  joints" } else { "" };
-    let modes = found.modes.iter().zip(&found.errors).enumerate().map(|(k, (mode, error))| {
-        let (number, square) = ((k + 1).to_string(), mode.square_per_s2);
-        unsteady(&number, square, "arm").unwrap_or_else(|| {
-            let omega = square.sqrt();
-            let [omega, hertz] = [omega, omega / TAU].map(|x| significant(x, 8));
-            let damping = mode.damping_ratio.map_or(String::new(), |own| significant(own, 4));
-            row([&number, &omega, &hertz, &damping, &share(*error)]) + &joints(mode)
-        })
-    });
-    std::iter::once(heading).chain(modes).collect()
 }
 
 /// The summary of an arm's simulation; `written` says where its files are.

@@ -2,31 +2,70 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::beam::Mesh;
-use flexlink::link::Link;
-use flexlink::result::{
-    Check, Fit, LimitedValue, LinkZeros, ModesResult, PoseModes, PoseSquares, Reached,
-};
+use flexlink::link::Arm;
+use flexlink::response::SettledModes;
+use flexlink::result::{Check, Fit, LimitedValue, LinkZeros, ModesResult, Reached, Setting};
 use flexlink::text::{digits_beyond, given, significant};
 use flexlink::verify::Verification;
 
-use super::runs::{link_line, title};
+use super::arm::{gravity_line, size_line};
+use super::runs::{four, link_line, title};
 
-/// Modes, zeros and the modes with the hub or the rotor held.
-pub(crate) fn modes_text(link: &Link, mesh: &Mesh, result: &ModesResult) -> String {
-    let mut lines = vec![link_line(link, mesh)];
-    let without = if link.drive().is_some() { ", without the rotor" } else { "" };
-    lines.push(format!("hub free{without}"));
-    lines.extend(mode_rows(&result.omega_rad_s, &result.damping_ratios, &result.mesh_errors));
-    lines.extend(zero_rows(&result.zeros));
-    lines.push(hub_held(link));
-    let held = &result.held;
-    lines.extend(mode_rows(&held.omega_rad_s, &held.damping_ratios, &held.mesh_errors));
-    title(link.title()) + &lines.join("\n") + "\n"
+/// Modes of a link or an arm with joints free and held, and zeros of its links.
+pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
+    let link = &arm.links()[0].link;
+    let list = |values: &[f64]| {
+        values.iter().map(|own| significant(*own, 4)).collect::<Vec<_>>().join(", ")
+    };
+    let mut lines: Vec<String> = if arm.links().len() == 1 {
+        found.meshes.iter().map(|mesh| link_line(link, mesh)).collect()
+    } else {
+        Vec::new()
+    };
+    match &found.setting {
+        Setting::Level => {
+            let without = if link.drive().is_some() { ", without the rotor" } else { "" };
+            lines.push(format!("hub free{without}"));
+        }
+        Setting::Straight { angle_rad, outward_m_s2 } => {
+            let [angle, pull] = four([*angle_rad, outward_m_s2.abs()]);
+            let towards = if *outward_m_s2 < 0.0 { "inward" } else { "outward" };
+            lines.push(format!(
+                "at {angle} rad gravity pulls by {pull} m/s² {towards} along the link"
+            ));
+            lines.push("hub free; mode 0 is the swing of the whole link".to_owned());
+        }
+        Setting::AtRest { directions_rad, tip_m, holding_torques_n_m } => {
+            let (size, directions) = (size_line(arm), list(directions_rad));
+            lines.push(format!("arm of {size}; the links point to {directions} rad"));
+            lines.push(format!("the tip rests at {} m", list(tip_m)));
+            if arm.has_weight() {
+                let (gravity, torques) = (gravity_line(arm), list(holding_torques_n_m));
+                lines.push(format!("gravity {gravity}; {torques} N m hold the joints at rest"));
+            }
+            let swings = arm.links().len();
+            lines.push(format!("joints free; the first {swings} are swings of the whole arm"));
+        }
+    }
+    // The swing of one link is mode 0.
+    let first = usize::from(!matches!(found.setting, Setting::Straight { .. }));
+    lines.extend(mode_rows(found, &found.free, first));
+    if found.setting == Setting::Level {
+        lines.extend(found.zeros.iter().flat_map(zero_rows));
+    }
+    lines.push(joints_held(arm));
+    lines.extend(mode_rows(found, &found.held, 1));
+    if matches!(found.setting, Setting::AtRest { .. }) {
+        for (number, zeros) in found.zeros.iter().enumerate() {
+            lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
+            lines.extend(zero_rows(zeros));
+        }
+    }
+    title(arm.title()) + &lines.join("\n") + "\n"
 }
 
 /// A heading, then a row a zero, and a line for each frequency at which no torque moves the tip.
-pub(super) fn zero_rows(found: &LinkZeros) -> Vec<String> {
+fn zero_rows(found: &LinkZeros) -> Vec<String> {
     let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
     let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
     for (number, ((zero, lead), error)) in (1..).zip(zeros) {
@@ -42,47 +81,25 @@ pub(super) fn zero_rows(found: &LinkZeros) -> Vec<String> {
     lines
 }
 
-/// Modes in a pose, hub free and held.
-pub(crate) fn pose_text(link: &Link, mesh: &Mesh, pose: &PoseModes) -> String {
-    let [angle, pull] = [pose.angle_rad, pose.outward_m_s2.abs()].map(|x| significant(x, 4));
-    let towards = if pose.outward_m_s2 < 0.0 { "inward" } else { "outward" };
-    let mut lines = vec![
-        link_line(link, mesh),
-        format!("at {angle} rad gravity pulls by {pull} m/s² {towards} along the link"),
-        "hub free; mode 0 is the swing of the whole link".to_owned(),
-    ];
-    lines.extend(pose_rows(0, &pose.free));
-    lines.push(hub_held(link));
-    lines.extend(pose_rows(1, &pose.held));
-    title(link.title()) + &lines.join("\n") + "\n"
-}
-
-/// What holds the hub.
-fn hub_held(link: &Link) -> String {
-    match link.drive().map(|drive| drive.joint_stiffness_n_m_rad) {
-        None => "hub held".into(),
-        Some(stiffness) if stiffness.is_finite() => {
-            format!("rotor held, joint spring {} N m/rad", significant(stiffness, 4))
-        }
-        Some(_) => "rotor held, stiff joint".into(),
+/// What holds the hub of a link, or the rotors of an arm.
+fn joints_held(arm: &Arm) -> String {
+    let springs = arm.joint_stiffnesses_n_m_rad();
+    let (is_one, are_stiff) = (springs.len() == 1, springs.iter().all(|own| own.is_infinite()));
+    let each = springs
+        .iter()
+        .map(|own| if own.is_finite() { significant(*own, 4) } else { "stiff".into() });
+    let each = each.collect::<Vec<_>>().join(", ");
+    match (is_one, are_stiff) {
+        (true, true) if arm.links()[0].link.drive().is_none() => "hub held".into(),
+        (true, true) => "rotor held, stiff joint".into(),
+        (true, false) => format!("rotor held, joint spring {each} N m/rad"),
+        (false, true) => "rotors held, stiff joints".into(),
+        (false, false) => format!("rotors held, joint springs {each} N m/rad"),
     }
 }
 
-fn pose_rows(first: usize, found: &PoseSquares) -> Vec<String> {
-    let heading = row(["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", "", MESH_ERROR]);
-    let modes = found.squares_per_s2.iter().zip(&found.mesh_errors).enumerate();
-    let modes = modes.map(|(k, (square, error))| {
-        let (number, size) = ((first + k).to_string(), square.abs().sqrt());
-        unsteady(&number, *square, "link").unwrap_or_else(|| {
-            let [omega, hertz, period] = [size, size / TAU, TAU / size].map(|x| significant(x, 8));
-            row([&number, &omega, &hertz, &period, "", &share(*error)])
-        })
-    });
-    std::iter::once(heading).chain(modes).collect()
-}
-
 /// A mode that does not vibrate, in words; `what` is a link or an arm.
-pub(super) fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<String> {
+fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<String> {
     if square_per_s2 == 0.0 {
         return Some(format!("{number:<6} neutral: the {what} stays where it is turned"));
     }
@@ -91,22 +108,42 @@ pub(super) fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<S
     (square_per_s2 < 0.0).then_some(falls)
 }
 
-pub(super) const MESH_ERROR: &str = "mesh error";
+const MESH_ERROR: &str = "mesh error";
 
-/// A heading, then a row a mode, with its damping ratio where it vibrates.
-fn mode_rows(omega_rad_s: &[f64], damping_ratios: &[f64], mesh_errors: &[f64]) -> Vec<String> {
-    let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", "damping", MESH_ERROR];
-    let modes = omega_rad_s.iter().zip(mesh_errors).enumerate().map(|(mode, (omega, error))| {
-        let [omega, hertz, period] = [*omega, omega / TAU, TAU / omega].map(|x| significant(x, 8));
-        let ratio = damping_ratios[mode];
-        let ratio = if ratio.is_nan() { "none".to_owned() } else { significant(ratio, 4) };
-        row([&format!("{}", mode + 1), &omega, &hertz, &period, &ratio, &share(*error)])
+/// A heading, then a row a mode: of a link with its period, of an arm with how far each joint turns, where any does.
+fn mode_rows(found: &ModesResult, own: &SettledModes, first: usize) -> Vec<String> {
+    let is_link = found.joint_stiffnesses_n_m_rad.len() == 1;
+    let is_straight = matches!(found.setting, Setting::Straight { .. });
+    let any_turns = own.modes.iter().flat_map(|mode| &mode.joints).any(|turn| *turn != 0.0);
+    let row = |[number, omega, hertz, period, damping, error]: [&str; 6], joints: &str| {
+        let period = if is_link { format!(" {period:>13}") } else { String::new() };
+        let joints = if is_link || !any_turns { "" } else { joints };
+        let row = format!("{number:<6} {omega:>13} {hertz:>15}{period} {damping:>10} {error:>11}");
+        (row + joints).trim_end().to_owned()
+    };
+    let damping = if is_straight { "" } else { "damping" };
+    let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", damping, MESH_ERROR];
+    let modes = own.modes.iter().zip(&own.errors).enumerate().map(|(k, (mode, error))| {
+        let (number, square) = ((first + k).to_string(), mode.square_per_s2);
+        unsteady(&number, square, if is_link { "link" } else { "arm" }).unwrap_or_else(|| {
+            let omega = square.sqrt();
+            let [omega, hertz, period] =
+                [omega, omega / TAU, TAU / omega].map(|x| significant(x, 8));
+            let damping = match mode.damping_ratio {
+                Some(ratio) => significant(ratio, 4),
+                None if is_straight => String::new(),
+                None => "none".to_owned(),
+            };
+            let turns = mode.joints.iter().map(|own| format!(" {own:>6.3}"));
+            let turns = turns.collect::<Vec<_>>().concat();
+            row([&number, &omega, &hertz, &period, &damping, &share(*error)], &turns)
+        })
     });
-    std::iter::once(row(heading)).chain(modes).collect()
+    std::iter::once(row(heading, "  joints")).chain(modes).collect()
 }
 
 /// A relative error; below what the iterations leave open, a bound. Empty where it is not known.
-pub(super) fn share(error: f64) -> String {
+fn share(error: f64) -> String {
     const KNOWN_TO: f64 = 1e-12;
     match error {
         _ if error.is_nan() => String::new(),

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod arms;
 #[path = "../../cli/bench.rs"]
 mod bench;
 mod read_back;

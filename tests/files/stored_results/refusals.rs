@@ -137,6 +137,10 @@ fn a_foreign_or_damaged_summary_is_refused() {
         "out/summary.json: results.lead_s = nothing, but must be there"
     );
     assert_eq!(
+        change("\"lead_s\": ", "\"lead_s\": \"soon\", \"lead\": "),
+        "out/summary.json: results.lead_s = nothing, but must be there"
+    );
+    assert_eq!(
         change("\"motion\": {\n    \"given\"", "\"mution\": {\n    \"given\""),
         "out/summary.json: motion = nothing, but must be there"
     );

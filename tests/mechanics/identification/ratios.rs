@@ -2,7 +2,7 @@
 
 use flexlink::beam::Mesh;
 use flexlink::fit::{HubEnd, Measured, Measurements, Observable};
-use flexlink::modal::{DampingLaw, PoseHub, held_frequencies, natural_frequencies};
+use flexlink::modal::{DampingLaw, PoseHub};
 use flexlink::response::{arm_modes, damping_ratios};
 use flexlink::spec::{Described, LinkDocument};
 use nalgebra::{DMatrix, Matrix4};
@@ -126,11 +126,7 @@ fn found(text: &str, hub: PoseHub) -> Vec<f64> {
     };
     let mesh = Mesh::new(&own.link, &own.mesh).unwrap();
     let law = DampingLaw::of(&own.link, &mesh).unwrap();
-    let omegas = match hub {
-        PoseHub::Free => natural_frequencies(&mesh, 4),
-        PoseHub::Spring(stiffness) => held_frequencies(&mesh, stiffness, 4),
-    };
-    damping_ratios((&own.link, &mesh, &law), hub, &omegas)
+    damping_ratios((&own.link, &mesh, &law), hub, &hub.frequencies(&mesh, 4))
 }
 
 fn with(mut matrix: DMatrix<f64>, at_hub: f64) -> DMatrix<f64> {

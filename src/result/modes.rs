@@ -1,0 +1,95 @@
+//! Modes of a link or an arm, and zeros of its links.
+
+use super::errors::{CoarseMesh, Refined};
+use super::stored::Notice;
+use crate::beam::Mesh;
+use crate::link::Arm;
+use crate::response::{ArmShapes, SettledModes};
+
+/// Modes of a link or an arm, and zeros of its links.
+#[derive(Debug, Clone)]
+pub struct ModesResult {
+    /// Where the links point, and which gravity counts.
+    pub setting: Setting,
+    /// With all joints free. In poses the first ones, as many as joints, are swings.
+    pub free: SettledModes,
+    /// With the hub of a link held, or the rotor of each joint that has a drive.
+    pub held: SettledModes,
+    /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff or has no drive.
+    pub joint_stiffnesses_n_m_rad: Vec<f64>,
+    /// Zeros of each link without gravity; empty where they are not asked for.
+    pub zeros: Vec<LinkZeros>,
+    /// Mesh of each link; empty where an arm is asked for its modes alone.
+    pub meshes: Vec<Mesh>,
+    /// Shapes in the plane, where they are asked for in a pose.
+    pub shapes: Option<ArmShapes>,
+}
+
+/// Where links point while they vibrate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Setting {
+    /// One link without gravity, in any direction.
+    Level,
+    /// One straight link, with the weight that pulls along it.
+    Straight {
+        /// Direction of the link in rad, counterclockwise from x.
+        angle_rad: f64,
+        /// Gravity outward along the link in m/s².
+        outward_m_s2: f64,
+    },
+    /// Links at rest, bent by their weight.
+    AtRest {
+        /// Direction of each link's chord in rad, counterclockwise from x.
+        directions_rad: Vec<f64>,
+        /// x and y of the tip in m.
+        tip_m: [f64; 2],
+        /// Torque in N m that holds each joint.
+        holding_torques_n_m: Vec<f64>,
+    },
+}
+
+/// Zeros of one link's torque → tip.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LinkZeros {
+    /// Zeros ±z in 1/s.
+    pub zeros_per_s: Vec<f64>,
+    /// Relative errors that the mesh causes in them; NaN where unknown.
+    pub mesh_errors: Vec<f64>,
+    /// Zeros at real frequencies in Hz: no torque moves the tip there.
+    pub blocked_hz: Vec<f64>,
+    /// Relative errors that the mesh causes in them.
+    pub blocked_mesh_errors: Vec<f64>,
+}
+
+impl LinkZeros {
+    /// Time in s before the motion at which the torque is 1 % of that at its start, with this zero alone:
+    /// ln(100)/z.
+    pub fn leads_s(&self) -> Vec<f64> {
+        self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
+    }
+
+    /// Warnings of errors that the mesh causes.
+    fn warnings(&self) -> impl Iterator<Item = CoarseMesh> {
+        let lists = [("zero", &self.mesh_errors), ("blocked frequency", &self.blocked_mesh_errors)];
+        lists.into_iter().filter_map(|(what, own)| CoarseMesh::of(what, own, Refined::Elements))
+    }
+}
+
+impl ModesResult {
+    /// Warnings of errors that the mesh, or the order of the polynomials, causes. Those of zeros name the link of an arm.
+    pub fn warnings(&self, arm: &Arm) -> Vec<Notice> {
+        let (held, by) = match self.setting {
+            Setting::Level => ("held mode", Refined::Elements),
+            Setting::Straight { .. } => ("mode with the hub held", Refined::Elements),
+            Setting::AtRest { .. } => ("mode with the rotors held", Refined::Orders),
+        };
+        let zeros = self.zeros.iter().enumerate().flat_map(|(link, own)| {
+            own.warnings().map(Notice::from).map(move |own| match &self.zeros[..] {
+                [_] => own,
+                _ => Notice { message: format!("{}: {}", arm.name_of(link), own.message), ..own },
+            })
+        });
+        let of = |what, own: &SettledModes| CoarseMesh::of(what, &own.errors, by).map(Notice::from);
+        of("mode", &self.free).into_iter().chain(zeros).chain(of(held, &self.held)).collect()
+    }
+}
