@@ -16,7 +16,7 @@ use flexlink::store::{OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 use flexlink::verify::AnySolution;
 
 use crate::arrays::{column, dictionary, frame, places, rows};
-use crate::cli::arm::{ArmAndPath, Solved};
+use crate::cli::problem::{ArmAndPath, Solved};
 use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
 use crate::link::{PickledSource, Source, python_text};

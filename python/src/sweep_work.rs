@@ -14,7 +14,7 @@ use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
 use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind};
 
 use crate::arm::{Arm, ArmSolution, GivenPath};
-use crate::cli::arm::ArmAndPath;
+use crate::cli::problem::ArmAndPath;
 use crate::cli::solve::run::SolveOptions;
 use crate::cli::sweep::tally::of_limit;
 use crate::keywords::{self, solve_options};

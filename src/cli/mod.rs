@@ -1,7 +1,6 @@
 //! The command line: arguments in, exit code out. `run` of each command reads as load, compute, write, tell.
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
-pub(crate) mod arm;
 mod compare;
 pub(crate) mod fit;
 pub(crate) mod frf;

@@ -10,8 +10,7 @@ use flexlink::text::shown_path;
 
 use super::run::{Page, Run, SolveOptions, SolvedRun};
 use super::table::{WriteArgs, WrittenTable};
-use crate::cli::arm::Solved;
-use crate::cli::problem::LinkOrArm;
+use crate::cli::problem::{LinkOrArm, Solved};
 use crate::cli::verify::refuse_failed;
 use crate::options::common::SyncArgs;
 use crate::options::inputs::{LINK, MOTION};

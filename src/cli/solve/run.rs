@@ -11,8 +11,7 @@ use flexlink::result::StoredResult;
 use flexlink::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 use flexlink::verify::Verification;
 
-use crate::cli::arm::Solved;
-use crate::cli::problem::{LinkOrArm, Problem};
+use crate::cli::problem::{LinkOrArm, Problem, Solved};
 use crate::options::common::{NodeArgs, digits_arguments};
 use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described};
 use crate::options::reading::ReadArgs;

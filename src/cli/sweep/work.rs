@@ -18,7 +18,7 @@ use flexlink::verify::AnySolution;
 use super::cases::Cases;
 use super::first::{First, FirstLink};
 use super::tally::of_limit;
-use crate::cli::arm::{ArmAndPath, Solved};
+use crate::cli::problem::{ArmAndPath, Solved};
 use crate::options::inputs::remarks;
 use crate::terminal::{Exit, Failure, memory};
 
