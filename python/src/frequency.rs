@@ -136,7 +136,8 @@ struct Keywords {
 /// hub angle per tip displacement, tip displacement per torque.
 ///
 /// Keywords are the options ``start``, ``stop`` (``--from`` and ``--to``, in Hz), ``points``, ``linear`` and ``at``, the
-/// directions of the links in rad, which an arm needs: the response is then about the shape at rest there.
+/// directions of the links in rad, which an arm needs. With ``at`` the columns are tip displacement and joint angles per
+/// torque, about the shape at rest there.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(segments=[{"length": 1.0, "EI": 10.0, "mass_per_length": 0.5}])

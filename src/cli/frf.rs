@@ -9,7 +9,7 @@ use clap::Args;
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::csv::Digits;
 use flexlink::modal::natural_frequencies;
-use flexlink::model::{FrequencyResponse, ModelError, changes_on_halves, model_of};
+use flexlink::model::{FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of};
 use flexlink::response::{arm_modes, arm_responses};
 use flexlink::result::{BandMeshError, Refined};
 use flexlink::spec::ArmSpecification;
@@ -50,10 +50,11 @@ const OWN_BYTES: usize = 16 << 20;
 /// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows
 /// the highest frequency to mesh.tolerance.
 ///
-/// With --at, the response is about the shape at rest where the links point in these directions, bent by the weight:
+/// With --at, the response is about the shape at rest where the links point in these directions, bent by the weight
+/// (modes --at of one link leaves this sag out):
 /// displacement of the tip along x and y, in 1/N, and angle of each joint, in rad/(N m), per torque of each joint. The mesh
-/// error is then by how much polynomials of higher order change the displacement and the angles, over their size. An
-/// arm of several links needs --at.
+/// error is then by how much polynomials of higher order change the displacement and the angles, over their size. All modes
+/// count: analysis.modes is refused, and so are shear, alpha and modal damping. An arm of several links needs --at.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link or an arm", after_help = EXAMPLE)]
 pub(crate) struct Frf {
@@ -105,7 +106,7 @@ const FREQUENCIES_HZ: RangeInclusive<f64> = 1e-70..=1e70;
 /// A frequency response, as it is written.
 pub(crate) struct Responses {
     pub(crate) columns: ResponseColumns,
-    /// Unknown where damping allows no halved elements.
+    /// Not known where modal damping allows no halved elements; always known in a pose.
     pub(crate) error: Option<BandMeshError>,
     /// True where the links leave the pose if their joints are free.
     falls: bool,
@@ -143,6 +144,10 @@ impl Frf {
     fn compute_in_pose(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
         let ArmSpecification { arm, meshes, .. } = specification;
         let joints = arm.links().len();
+        if specification.analysis.kept_modes() != KeptModes::All {
+            let message = "analysis.modes is set, but the response in a pose has all modes";
+            return Err(Failure::new(Exit::InputRefused, &message, Some("leave it out")));
+        }
         let directions_rad = directions(self.at.as_deref(), joints)?;
         let tolerance = MeshPlan::smallest_tolerance(meshes);
         let free = arm_modes(arm, &directions_rad, DEFAULT_MODES, tolerance)?.free;
@@ -186,8 +191,8 @@ impl Frf {
         })
     }
 
-    /// All frequencies in Hz, both ends exactly, and the upper end of the range: by default a range that suits natural
-    /// frequencies in rad/s. Refuses rows of so many bytes if they do not fit into the memory.
+    /// Frequencies in Hz with both ends exact, and the upper end. The default range follows from the natural frequencies.
+    /// Refuses rows of this size if they do not fit into the memory.
     fn frequencies_hz(
         &self,
         natural_rad_s: &[f64],
@@ -227,6 +232,7 @@ impl Frf {
         falls: bool,
     ) -> usize {
         let mut warnings = 0;
+        // Without --at the remarks of a link file are those of `modes` and `solve`.
         if self.at.is_some() {
             console::remarks(remarks);
         }
@@ -246,7 +252,13 @@ impl Frf {
         }
         if falls {
             let words = format!("{}: only under control does it respond so", falling(arm, "free"));
-            console::warning(words, "modes --at tells how fast it falls");
+            let hint = match arm.links() {
+                [_] => {
+                    "modes --at tells how fast the straight link falls; here its sag counts, too"
+                }
+                _ => "modes --at tells how fast it falls",
+            };
+            console::warning(words, hint);
         }
         let level = self.at.is_none().then(|| warn_of_gravity(&arm.links()[0].link));
         warnings + usize::from(falls) + level.unwrap_or_default()

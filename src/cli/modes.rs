@@ -53,7 +53,7 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// stiff, clamped.
 ///
 /// Gravity changes frequencies with the direction of the link: --at gives those of one direction, hub free and
-/// held, by the weight that pulls along the straight link.
+/// held, by the weight that pulls along the straight link: its sag is left out, and its zeros are without gravity.
 ///
 /// For an arm of several links --at is needed, with a direction for each: the frequencies are those of small motions about
 /// the arm's shape at rest there, bent by its weight, all joints free and all rotors held; the zeros are those of each

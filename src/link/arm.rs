@@ -57,7 +57,7 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// Checks every range; an arm of one link is made [from it](Arm::from).
+    /// Checks every range of an arm of two links or more. [`Arm::from`] makes an arm of one link.
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.

@@ -47,8 +47,8 @@ impl PoseHub {
 
 /// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it, ascending, and
 /// the displacements of the nodes in each mode, in 1/√kg. The swing of a free hub is the first. A square below 0 is that of
-/// a link that leaves its pose as e^{√(−ω²) t}. The hub turns counterclockwise in each mode; that of a clamped one moves
-/// the tip so.
+/// a link that leaves its pose as e^{√(−ω²) t}. A free hub turns counterclockwise in each mode; with a clamped hub
+/// the tip moves counterclockwise.
 ///
 /// None where there are more than [`MOST_ELEMENTS_OF_A_POSE`] elements, or a motion moves no mass.
 pub fn pose_modes(

@@ -74,8 +74,8 @@ pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest, (a, b)| largest.max((a - b).abs()))
 }
 
-/// A change over the larger of the two sizes that it lies between. What is 0, or infinite, both times does not change; what
-/// is infinite once changes by all of it.
+/// Relative change: `change` over the larger of the sizes before and after. It is 0 if both sizes are 0 or infinite, 1 if
+/// only one is infinite.
 pub(crate) fn relative_change(change: f64, [before, after]: [f64; 2]) -> f64 {
     let share = change / before.max(after);
     match (before.is_finite(), after.is_finite()) {

@@ -82,8 +82,13 @@ pub enum CoarseMesh {
 impl CoarseMesh {
     /// A warning, if one of the `errors` of a numbered list is large.
     pub fn of(what: &'static str, errors: &[f64], by: Refined) -> Option<Self> {
-        let first = 1 + errors.iter().position(|error| *error > COARSE)?;
-        let worst = errors.iter().copied().fold(0.0, f64::max);
+        // A mode that the lower orders do not have counts as wrong by all of it.
+        let known = |error: &f64| match by {
+            Refined::Orders if error.is_nan() => 1.0,
+            _ => *error,
+        };
+        let first = 1 + errors.iter().map(known).position(|error| error > COARSE)?;
+        let worst = errors.iter().map(known).fold(0.0, f64::max);
         Some(Self::Numbered { what, first, worst, by })
     }
 
@@ -94,10 +99,10 @@ impl CoarseMesh {
 
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
-        let (Self::Numbered { by, .. } | Self::Band { by, .. }) = self;
-        match by {
-            Refined::Elements => "more elements, or mesh.elements = \"auto\"",
-            Refined::Orders => "fewer modes, or lower frequencies",
+        match self {
+            Self::Numbered { by: Refined::Orders, .. } => "ask for fewer modes: --count",
+            Self::Band { by: Refined::Orders, .. } => "a lower --to",
+            _ => "more elements, or mesh.elements = \"auto\"",
         }
     }
 }
@@ -144,6 +149,12 @@ mod tests {
             CoarseMesh::of("mode", &[1e-3, 0.02, f64::NAN, 0.05, 0.04], Refined::Elements).unwrap();
         let expected = "from mode 2 on the mesh is wrong by more than 1 %, at the worst by 5.0e-2 (elements halved)";
         assert_eq!(found.to_string(), expected);
+        let found = CoarseMesh::of("mode", &[1e-3, f64::NAN], Refined::Orders).unwrap();
+        let expected = "from mode 2 on the mesh is wrong by more than 1 %, at the worst by 1.0e0 (orders raised)";
+        assert_eq!(
+            (&found.to_string()[..], found.hint()),
+            (expected, "ask for fewer modes: --count")
+        );
     }
 
     #[test]

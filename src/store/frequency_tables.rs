@@ -24,7 +24,7 @@ const ZEROS: &str = "zeros.csv";
 /// A number of a mode, of its mesh error too.
 type ModeNumber = fn(&PoseMode, f64) -> f64;
 
-/// What is written of modes, NaN where there is none: a mode that leaves the pose has a growth rate in place of a frequency.
+/// Columns of a mode. A mode that leaves the pose has a growth rate and no frequency (NaN).
 const NUMBERS: [(&str, ModeNumber); 6] = [
     ("omega_rad_s", |mode, _| mode.square_per_s2.sqrt()),
     ("frequency_hz", |mode, _| mode.square_per_s2.sqrt() / TAU),

@@ -363,6 +363,11 @@ fn the_response_in_a_direction_is_that_without_gravity_and_has_the_poles_of_its_
     assert_eq!(up.status.code(), Some(4));
     let words = "warning: the link falls from this pose if its hub is free: only under control";
     assert!(stderr(&up).contains(words), "{}", stderr(&up));
+    let few = ["frf", "strip.toml", "--at", "-90 deg", "--points", "2", "--set"];
+    let few = bench.run(&[&few[..], &["analysis.modes=2"]].concat());
+    assert_eq!(few.status.code(), Some(3));
+    let words = "error: analysis.modes is set, but the response in a pose has all modes";
+    assert!(stderr(&few).contains(words), "{}", stderr(&few));
 }
 
 #[test]
