@@ -15,7 +15,7 @@ So is the GNU C library (LGPL-2.1 or later); the sources of flexlink with their 
 it takes to link with another version of it.
 """
 # Inside the program for `flexlink report --png`.
-FONT_LICENCE = "src/report/font/LICENSE"
+FONT_LICENCE = "src/page/font/LICENSE"
 
 
 def linked(root, target):

@@ -15,38 +15,43 @@
 //! arm.toml ─spec─► Arm;  path.csv ─csv─► ArmPath;  both ─► inverse ─► ArmSolution ─► result, store
 //! torque.csv ─csv─► Torque ─► response ─► Simulation ─► result, store
 //!                                   Solution, Simulation ─► verify
-//! result folder ─store─► StoredResult ─► report
+//! result folder ─store─► StoredResult ─► page
 //! link.toml, measured.toml ─spec─► Measurements ─► fit ─► factors ─spec─► fitted.toml
-//!                                                FitOutcome ─► report, store
+//!                                                FitOutcome ─► page, store
 //! ```
 //!
-//! | module | holds |
-//! |---|---|
-//! | [`text`] | numbers and pieces of an input as messages show them |
-//! | [`system`] | memory that the system leaves to this process |
-//! | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
-//! | [`link`] | the physical link, and arms of several, checked at construction |
-//! | [`motion`] | the motion of a tip, and the path of an arm, checked at construction, its spectrum, analytic profiles and curves |
-//! | [`recording`] | what the digits, times and rests of a recorded motion are worth |
-//! | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
-//! | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
-//! | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
-//! | [`elastica`] | links under gravity and at large angles, and arms of them: second-order terms as loads, iterated |
-//! | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT; joints of an arm moved, its small motions about a pose |
-//! | [`inverse`] | period and padding, the inversion of links and of arms, what it costs, warnings, motions of the nodes |
-//! | [`compare`] | tables against tables, column by column; tolerances |
-//! | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
-//! | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
-//! | [`verify`] | every approximation of a solution measured by other means |
-//! | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |
-//! | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
-//! | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
-//! | [`measured`] | a file of measured values with the responses and records that it names |
-//! | [`report`] | a result or a fit as figures, and as a page to look at |
-//! | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
+//! The sources have five floors. A floor imports from those above it in this table, a room from those above it in the
+//! list (`tests/layers` holds them to that).
 //!
-//! A module imports only from those above it (`tests/layers` holds it to that); the program in
-//! `main.rs`, `cli/`, `options/` and `terminal/` stands on top of all.
+//! | floor | room | holds |
+//! |---|---|---|
+//! | `mechanics` | [`text`] | numbers and pieces of an input as messages show them |
+//! | | [`system`] | memory that the system leaves to this process |
+//! | | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
+//! | | [`link`] | the physical link, and arms of several, checked at construction |
+//! | | [`motion`] | the motion of a tip, and the path of an arm, checked at construction, its spectrum, analytic profiles and curves |
+//! | | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
+//! | | [`recording`] | what the digits, times and rests of a recorded motion are worth |
+//! | | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
+//! | | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
+//! | | [`elastica`] | links under gravity and at large angles, and arms of them: second-order terms as loads, iterated |
+//! | | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT; joints of an arm moved, its small motions about a pose |
+//! | | [`inverse`] | period and padding, the inversion of links and of arms, what it costs, warnings, motions of the nodes |
+//! | `study` | [`compare`] | tables against tables, column by column; tolerances |
+//! | | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
+//! | | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
+//! | | [`verify`] | every approximation of a solution measured by other means |
+//! | | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |
+//! | `files` | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
+//! | | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
+//! | | [`measured`] | a file of measured values with the responses and records that it names |
+//! | | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
+//! | `page` | [`page`] | a result or a fit as figures, and as a page to look at |
+//! | `cli` | `terminal` | printed text, exit codes, progress, memory, threads, signals |
+//! | | `options` | options that several commands share, and the inputs that they name |
+//! | | `cli` | the commands, each: load, compute, write, tell |
+//!
+//! The rooms of the first three floors stand at the root of the library.
 //!
 //! ```
 //! use flexlink::beam::MeshPlan;
@@ -103,7 +108,7 @@
 //! # Invariants
 //!
 //! * [`numeric`] knows no beam, [`link`] knows no file.
-//! * Only [`spec`], [`csv`] and [`store`] read files, only [`csv`] and [`store`] write, only the program
+//! * Only [`spec`], [`csv`] and [`store`] read files, only [`csv`] and [`store`] write, only `cli`
 //!   prints.
 //! * A [`link::Link`] or [`motion::TipMotion`] that exists is valid; nothing repairs its input.
 //! * Warnings are returned values.
@@ -124,28 +129,17 @@
 //! * C. F. Van Loan, IEEE Trans. Automatic Control 23(3), 1978: integrals with the exponential.
 //! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 
-#![forbid(unsafe_code)]
-
-pub mod beam;
-pub mod compare;
-pub mod csv;
-pub mod elastica;
-pub mod fit;
-pub mod inverse;
-pub mod link;
-pub mod measured;
-pub mod modal;
-pub mod model;
-pub mod motion;
-pub mod numeric;
-pub mod recording;
+#[cfg(feature = "cli")]
+#[doc(hidden)] // the program, for `main.rs` and for Python
+pub mod cli;
+mod files;
+mod mechanics;
 #[cfg(feature = "report")]
-pub mod report;
-pub mod response;
-pub mod result;
-pub mod spec;
-pub mod store;
-pub mod sweep;
-pub mod system;
-pub mod text;
-pub mod verify;
+pub mod page;
+mod study;
+
+pub use files::{csv, measured, spec, store};
+pub use mechanics::{
+    beam, elastica, inverse, link, modal, model, motion, numeric, recording, response, system, text,
+};
+pub use study::{compare, fit, result, sweep, verify};

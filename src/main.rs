@@ -1,11 +1,13 @@
 //! The program `flexlink`.
 
-mod cli;
-mod options;
-mod terminal;
-
 use std::env;
 use std::process::ExitCode;
+
+use flexlink::cli;
+use flexlink::cli::terminal::allocator::SystemOrEnd;
+
+#[global_allocator]
+static ALLOCATOR: SystemOrEnd = SystemOrEnd;
 
 fn main() -> ExitCode {
     ExitCode::from(cli::run(env::args_os()))

@@ -16,18 +16,18 @@ use flexlink::store::{OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 use flexlink::verify::AnySolution;
 
 use crate::arrays::{column, dictionary, frame, places, rows};
-use crate::cli::problem::{ArmAndPath, Solved};
-use crate::cli::solve::run::SolveOptions;
 use crate::keywords::{self, solve_options};
 use crate::link::{PickledSource, Source, python_text};
-use crate::messages::{objects, usage};
+use crate::messages::{Raised, objects, usage};
 use crate::motion::{
     MOTION, Motion, Pickled, PickledFile, path_of, pickled_file, refuse_reading, taken_time,
     unpickled_file,
 };
-use crate::options::common::refuse_for_arms;
 use crate::pool;
-use crate::terminal::{Exit, Failure, memory};
+use flexlink::cli::options::common::refuse_for_arms;
+use flexlink::cli::problem::{ArmAndPath, Solved};
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::{Exit, Failure, memory};
 
 /// Keywords of `write`.
 const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
@@ -57,7 +57,7 @@ impl Arm {
 impl Arm {
     #[new]
     #[pyo3(signature = (**keys))]
-    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> Result<Self, Raised> {
         let keys = keys.unwrap_or_else(|| PyDict::new(py));
         Ok(Self::of(Source::of_keywords(&keys)?)?)
     }
@@ -65,12 +65,12 @@ impl Arm {
     /// Reads an arm file, with changes as those of ``--set``: ``{"links.fore.payload.mass": 0.2}``.
     #[staticmethod]
     #[pyo3(signature = (path, changes=None))]
-    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> Result<Self, Raised> {
         Ok(Self::of(Source::read(&path, keywords::changes(changes)?)?)?)
     }
 
     /// The same arm with further changes.
-    fn changed(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn changed(&self, changes: &Bound<'_, PyDict>) -> Result<Self, Raised> {
         Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
     }
 
@@ -98,7 +98,7 @@ impl Arm {
 
     #[staticmethod]
     #[pyo3(signature = (*source))]
-    fn _unpickled(source: &Bound<'_, PyTuple>) -> PyResult<Self> {
+    fn _unpickled(source: &Bound<'_, PyTuple>) -> Result<Self, Raised> {
         Ok(Self::of(Source::unpickled(source.extract()?))?)
     }
 }
@@ -115,13 +115,13 @@ impl GivenPath {
         time: &Bound<'_, PyAny>,
         keywords: &Bound<'_, PyDict>,
         links: usize,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         keywords::refuse_commands(keywords)?;
         if time.is_instance_of::<Motion>() {
             let message = "a Motion is of one link, and the arm has several";
             return Err(usage(&message, Some("give time, x and y")).into());
         }
-        let take = |name: &str| -> PyResult<Option<PathColumn>> {
+        let take = |name: &str| -> Result<Option<PathColumn>, Raised> {
             let Some(given) = keywords.get_item(name)? else { return Ok(None) };
             keywords.del_item(name)?;
             let values = places(name, &given)?;
@@ -129,7 +129,7 @@ impl GivenPath {
         };
         let (x, y) = (take("x")?, take("y")?);
         let angles = (1..=links).map(|link| take(&format!("angle{link}")));
-        let angles = angles.collect::<PyResult<Vec<_>>>()?;
+        let angles = angles.collect::<Result<Vec<_>, Raised>>()?;
         if let Some(path) = path_of(time)? {
             if x.is_some() || y.is_some() || angles.iter().any(Option::is_some) {
                 let hint = Some("leave one of them out");
@@ -169,7 +169,7 @@ impl GivenPath {
         Ok((None, dictionary(py, columns.chain([("time", time_s.clone())]))?))
     }
 
-    fn unpickled((file, columns): Pickled<'_>, links: usize) -> PyResult<Self> {
+    fn unpickled((file, columns): Pickled<'_>, links: usize) -> Result<Self, Raised> {
         match file {
             Some(file) => Ok(Self::File(unpickled_file(file))),
             None => Self::take(&taken_time(&columns)?, &columns, links),
@@ -310,7 +310,11 @@ impl ArmSolution {
     }
 
     /// x and y in m of the nodes of a link, numbered from 0: an array over time, node and axis.
-    fn positions<'py>(&self, py: Python<'py>, link: usize) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        link: usize,
+    ) -> Result<Bound<'py, PyArray3<f64>>, Raised> {
         let solution = &self.solved.solution;
         let Some(shape) = solution.links.get(link) else {
             let links = solution.links.len();
@@ -319,19 +323,16 @@ impl ArmSolution {
         };
         let histories: Vec<&[f64]> =
             shape.positions_m.iter().flatten().map(Vec::as_slice).collect();
-        rows(py, &histories, solution.grid.len)?.reshape([
-            solution.grid.len,
-            shape.positions_m.len(),
-            2,
-        ])
+        let shape = [solution.grid.len, shape.positions_m.len(), 2];
+        Ok(rows(py, &histories, solution.grid.len)?.reshape(shape)?)
     }
 
     /// What summary.json of a run holds.
     #[getter]
-    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         let options = self.options(Vec::new())?;
         let summary = self.record(&options, &options.outputs());
-        py.import("json")?.call_method1("loads", (summary.to_json(),))
+        Ok(py.import("json")?.call_method1("loads", (summary.to_json(),))?)
     }
 
     /// How exact the answer is, as in summary.json.
@@ -361,7 +362,7 @@ impl ArmSolution {
         py: Python<'_>,
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
-    ) -> PyResult<()> {
+    ) -> Result<(), Raised> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::apart(|| self.write_into(&folder, more)))?)
     }
@@ -388,7 +389,7 @@ impl ArmSolution {
         file: Option<PickledFile>,
         columns: Bound<'_, PyDict>,
         arguments: Vec<String>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let arm = Arm::of(Source::unpickled(arm))?;
         let links = arm.specification.arm.links().len();
         let given = GivenPath::unpickled((file, columns), links)?;

@@ -15,8 +15,8 @@ use pyo3::types::PyDict;
 
 use flexlink::text::excerpt;
 
-use crate::messages::usage;
-use crate::terminal::memory;
+use crate::messages::{Raised, usage};
+use flexlink::cli::terminal::memory;
 
 /// The numbers of a column: an array of one dimension, or what NumPy makes one of. Whole numbers and those of other
 /// widths are converted, complex ones, texts and objects are refused.
@@ -63,14 +63,15 @@ fn numbers<'py>(
     name: &str,
     given: &Bound<'py, PyAny>,
     (must, has_shape): (&str, impl FnOnce(&[usize]) -> bool),
-) -> PyResult<Bound<'py, PyUntypedArray>> {
+) -> Result<Bound<'py, PyUntypedArray>, Raised> {
     let array = given.py().import("numpy")?.call_method1("asarray", (given,))?;
-    let array = array.cast_into::<PyUntypedArray>()?;
+    let array = array.cast_into::<PyUntypedArray>().map_err(PyErr::from)?;
     let kind = array.dtype().kind();
     if !matches!(kind, b'f' | b'i' | b'u') {
         let found = array.dtype();
         let must = "must be real numbers";
-        return Err(PyTypeError::new_err(format!("{name}: dtype = {found}, but {must}")));
+        let message = format!("{name}: dtype = {found}, but {must}");
+        return Err(PyTypeError::new_err(message).into());
     }
     if !has_shape(array.shape()) {
         let found = array.getattr("shape")?;
@@ -138,12 +139,12 @@ impl<'py> FromPyObject<'_, 'py> for Every {
 /// The refusal of an argument that is not as it must be.
 pub(crate) fn unlike(name: &str, found: &Bound<'_, PyAny>, must: &str) -> PyErr {
     let shown = found.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
-    usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None).into()
+    Raised::from(usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None)).into()
 }
 
 /// Refuses an array of so many rows and columns that does not fit into the memory. It is computed column by column, and put
 /// into rows.
-pub(crate) fn check_rows(samples: usize, columns: usize) -> PyResult<()> {
+pub(crate) fn check_rows(samples: usize, columns: usize) -> Result<(), Raised> {
     let bytes = samples.saturating_mul(columns).saturating_mul(3 * size_of::<f64>());
     Ok(memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?)
 }

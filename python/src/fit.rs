@@ -9,12 +9,12 @@ use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
 use crate::arm::Arm;
-use crate::cli::fit::{Problem, Unfitted, check_output};
 use crate::interrupt::until_pressed;
 use crate::link::{Link, Source, described_by};
-use crate::messages::{objects, usage, warn};
-use crate::options::common::option;
-use crate::terminal::{Failure, console};
+use crate::messages::{Raised, objects, usage, warn};
+use flexlink::cli::fit::{Problem, Unfitted, check_output};
+use flexlink::cli::options::common::option;
+use flexlink::cli::terminal::{Failure, console};
 
 /// A link or an arm fitted to measurements.
 #[pyclass(frozen, module = "flexlink")]
@@ -91,7 +91,7 @@ impl Fit {
     }
 
     /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused where the fit is not to be believed.
-    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn write(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
         Ok(py.detach(|| self.write_to(&path))?)
     }
 

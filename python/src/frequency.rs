@@ -13,12 +13,12 @@ use flexlink::spec::ArmSpecification;
 
 use crate::arm::Arm;
 use crate::arrays::{dictionary, rows};
-use crate::cli::frf::Frf;
-use crate::cli::modes::{Wanted, computed};
 use crate::interrupt::until_pressed;
 use crate::keywords;
 use crate::link::{Link, described_by};
-use crate::messages::{usage, warn};
+use crate::messages::{Raised, usage, warn};
+use flexlink::cli::frf::Frf;
+use flexlink::cli::modes::{Wanted, computed};
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
 ///
@@ -40,7 +40,7 @@ pub(crate) fn modes<'py>(
     link: &Bound<'py, PyAny>,
     count: usize,
     at: Option<Directions>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> Result<Bound<'py, PyDict>, Raised> {
     if !(1..=1000).contains(&count) {
         return Err(usage(&format!("count = {count}, but must be 1 to 1000"), None).into());
     }
@@ -50,8 +50,8 @@ pub(crate) fn modes<'py>(
     let found = until_pressed(py, found)?;
     warn(py, &found.warnings(&specification.arm))?;
     match &found.setting {
-        Setting::Level => level(py, &found),
-        Setting::Straight { .. } => in_pose(py, &found),
+        Setting::Level => Ok(level(py, &found)?),
+        Setting::Straight { .. } => Ok(in_pose(py, &found)?),
         Setting::AtRest { tip_m, holding_torques_n_m, .. } => {
             let table = in_pose(py, &found)?;
             table.set_item("holding_torque", PyArray1::from_slice(py, holding_torques_n_m))?;
@@ -151,7 +151,7 @@ pub(crate) fn frf<'py>(
     py: Python<'py>,
     link: &Bound<'py, PyAny>,
     keywords: Option<Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> Result<Bound<'py, PyDict>, Raised> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     keywords::rename(&keywords, &RENAMED)?;
     let mut arguments = keywords::arguments(&keywords)?;
@@ -163,5 +163,5 @@ pub(crate) fn frf<'py>(
     let found = until_pressed(py, || read.frf.compute(&specification))?;
     let coarse = found.error.and_then(|error| error.warning);
     warn(py, &coarse.map(Notice::from).into_iter().collect::<Vec<_>>())?;
-    dictionary(py, found.columns)
+    Ok(dictionary(py, found.columns)?)
 }

@@ -7,11 +7,12 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
+use crate::messages::Raised;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::pool;
-use crate::terminal::Failure;
+use flexlink::cli::terminal::Failure;
 
 /// Between two looks whether Ctrl-C was pressed.
 const LOOK: Duration = Duration::from_millis(50);
@@ -19,15 +20,20 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Does work in a thread while this one asks Python whether Ctrl-C was pressed; `stop` is then true, and the work ends.
 pub(crate) fn interruptible<T: Send>(
     work: impl FnOnce(&Arc<AtomicBool>) -> Result<T, Failure> + Send,
-) -> PyResult<T> {
+) -> Result<T, Raised> {
     let stop = &Arc::new(AtomicBool::new(false));
     let (done, is_done) = channel();
     thread::scope(|scope| {
         let worker = scope.spawn(move || done.send(work(stop)));
-        let mut pressed = None;
+        let mut pressed: Option<PyErr> = None;
         loop {
             match is_done.recv_timeout(LOOK) {
-                Ok(found) => return pressed.map_or_else(|| Ok(found?), Err),
+                Ok(found) => {
+                    return match pressed {
+                        None => Ok(found?),
+                        Some(error) => Err(error.into()),
+                    };
+                }
                 Err(RecvTimeoutError::Timeout) => {
                     if let Err(error) = Python::attach(check_signals) {
                         stop.store(true, Ordering::Relaxed);
@@ -36,7 +42,7 @@ pub(crate) fn interruptible<T: Send>(
                 }
                 Err(RecvTimeoutError::Disconnected) => match worker.join() {
                     Err(panic) => resume_unwind(panic),
-                    Ok(_) => return Err(PyRuntimeError::new_err("the work has no result")),
+                    Ok(_) => return Err(PyRuntimeError::new_err("the work has no result").into()),
                 },
             }
         }
@@ -47,7 +53,7 @@ pub(crate) fn interruptible<T: Send>(
 pub(crate) fn until_pressed<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> PyResult<T> {
+) -> Result<T, Raised> {
     py.detach(|| interruptible(|stop| pool::stoppable(stop, work)))
 }
 

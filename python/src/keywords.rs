@@ -11,11 +11,11 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
 use flexlink::text::did_you_mean;
 
-use crate::cli::solve::run::SolveOptions;
-use crate::messages::usage;
+use crate::messages::{Raised, usage};
 use crate::motion::COLUMNS;
-use crate::options::common::option;
-use crate::terminal::Failure;
+use flexlink::cli::options::common::option;
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::Failure;
 
 /// Gives keywords the names of their options.
 pub(crate) fn rename(keywords: &Bound<'_, PyDict>, renamed: &[(&str, &str)]) -> PyResult<()> {
@@ -29,7 +29,7 @@ pub(crate) fn rename(keywords: &Bound<'_, PyDict>, renamed: &[(&str, &str)]) -> 
 }
 
 /// Refuses options of the command that a call has other means for.
-pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> PyResult<()> {
+pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised> {
     let others = [
         ("set", r#"link.changed({"payload.mass": 0.2}) is the link with a change"#),
         ("verify", "write the solution's link and motion as files for `flexlink verify`"),
@@ -69,7 +69,7 @@ pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
 pub(crate) fn of_writing(
     keywords: Option<&Bound<'_, PyDict>>,
     known: &[&str],
-) -> PyResult<Vec<String>> {
+) -> Result<Vec<String>, Raised> {
     let Some(keywords) = keywords else { return Ok(Vec::new()) };
     for key in keywords.keys() {
         let key: String = key.extract()?;
@@ -77,7 +77,7 @@ pub(crate) fn of_writing(
             return Err(unknown(&key, known.iter().copied()).into());
         }
     }
-    arguments(keywords)
+    Ok(arguments(keywords)?)
 }
 
 /// The refusal of a keyword that is none of the `known`.
@@ -97,7 +97,7 @@ fn words(value: &Bound<'_, PyAny>) -> PyResult<String> {
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let items = value.try_iter()?.map(|item| Ok(item?.str()?.to_string()));
-        return Ok(items.collect::<PyResult<Vec<String>>>()?.join(","));
+        return Ok(items.collect::<Result<Vec<String>, Raised>>()?.join(","));
     }
     Ok(value.str()?.to_string())
 }
@@ -196,12 +196,12 @@ pub(crate) fn document(keys: &Bound<'_, PyDict>) -> PyResult<String> {
 const DEEPEST: usize = 32;
 
 /// A value in TOML, on one line.
-fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+fn toml(key: &str, value: &Bound<'_, PyAny>) -> Result<String, Raised> {
     toml_within(key, value, DEEPEST)
 }
 
 /// The same of a value with so many lists and dictionaries in each other at most.
-fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
+fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<String, Raised> {
     let Some(inner) = depth.checked_sub(1) else {
         let key = key.split('.').next().unwrap_or_default();
         let must = format!("must be at most {DEEPEST} deep");
@@ -230,12 +230,12 @@ fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<St
             ))
         };
         let given = table.iter().filter(|(_, own)| !own.is_none());
-        let pairs = given.map(pair).collect::<PyResult<Vec<String>>>()?;
+        let pairs = given.map(pair).collect::<Result<Vec<String>, Raised>>()?;
         return Ok(format!("{{{}}}", pairs.join(", ")));
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let items = value.try_iter()?.map(|item| toml_within(key, &item?, inner));
-        return Ok(format!("[{}]", items.collect::<PyResult<Vec<String>>>()?.join(", ")));
+        return Ok(format!("[{}]", items.collect::<Result<Vec<String>, Raised>>()?.join(", ")));
     }
     // NumPy's numbers and arrays have Python's behind this.
     match value.call_method0("tolist") {
@@ -243,7 +243,7 @@ fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<St
         _ => {
             let found = value.get_type();
             let must = "must be a number, a text, a list or a dictionary";
-            Err(PyTypeError::new_err(format!("{key} = {found}, but {must}")))
+            Err(PyTypeError::new_err(format!("{key} = {found}, but {must}")).into())
         }
     }
 }

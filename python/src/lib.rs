@@ -14,7 +14,7 @@
 //! | `sweep`, `sweep_work`, `fit` | what the commands of these names do |
 //! | `stored` | results read back |
 //!
-//! The sources of the command are those of the program: what it prints and writes is the same to the byte.
+//! The command is that of the program, out of the library with its feature `cli`.
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands over what it has converted")]
 #![expect(clippy::doc_link_with_quotes, clippy::doc_markdown, reason = "docs are those of Python")]
 
@@ -38,15 +38,11 @@ mod sweep;
 mod sweep_work;
 mod trajectory;
 
-// Modules of the program, whose library has no command line.
-#[path = "../../src/cli/mod.rs"]
-mod cli;
-#[path = "../../src/options/mod.rs"]
-mod options;
-#[path = "../../src/terminal/mod.rs"]
-mod terminal;
-
+use flexlink::cli::terminal::allocator::SystemOrEnd;
 use pyo3::prelude::*;
+
+#[global_allocator]
+static ALLOCATOR: SystemOrEnd = SystemOrEnd;
 
 /// Torques that make the tip of a flexible link follow a motion exactly.
 #[pymodule]
@@ -55,11 +51,12 @@ mod _flexlink {
     use std::ffi::OsString;
     use std::io::{self, Write as _};
 
+    use flexlink::cli;
+    use flexlink::cli::terminal::allocator::keep_freed_memory;
     use pyo3::prelude::*;
 
     #[pymodule_export]
     use super::arm::{Arm, ArmSolution};
-    use super::cli;
     #[pymodule_export]
     use super::fit::{Fit, fit};
     #[pymodule_export]
@@ -80,7 +77,6 @@ mod _flexlink {
     use super::stored::{ArmRun, Run, read};
     #[pymodule_export]
     use super::sweep::sweep;
-    use super::terminal::allocator::keep_freed_memory;
     #[pymodule_export]
     use super::trajectory::trajectory;
 

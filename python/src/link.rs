@@ -10,9 +10,9 @@ use flexlink::csv::InputFile;
 use flexlink::spec::{Described, LinkDocument, Override, Specification};
 
 use crate::keywords;
-use crate::messages::usage;
-use crate::options::inputs::described;
-use crate::terminal::{Exit, Failure};
+use crate::messages::{Raised, usage};
+use flexlink::cli::options::inputs::described;
+use flexlink::cli::terminal::{Exit, Failure};
 
 /// What errors call keywords.
 const KEYWORDS: &str = "keywords";
@@ -125,7 +125,7 @@ impl Link {
 impl Link {
     #[new]
     #[pyo3(signature = (**keys))]
-    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> Result<Self, Raised> {
         let keys = keys.unwrap_or_else(|| PyDict::new(py));
         Ok(Self::of(Source::of_keywords(&keys)?)?)
     }
@@ -134,12 +134,12 @@ impl Link {
     /// ends in ``*`` multiplies the value of the file.
     #[staticmethod]
     #[pyo3(signature = (path, changes=None))]
-    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> Result<Self, Raised> {
         Ok(Self::of(Source::read(&path, keywords::changes(changes)?)?)?)
     }
 
     /// The same link with further changes.
-    fn changed(&self, changes: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn changed(&self, changes: &Bound<'_, PyDict>) -> Result<Self, Raised> {
         Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
     }
 
@@ -173,7 +173,7 @@ impl Link {
 
     #[staticmethod]
     #[pyo3(signature = (*source))]
-    fn _unpickled(source: &Bound<'_, PyTuple>) -> PyResult<Self> {
+    fn _unpickled(source: &Bound<'_, PyTuple>) -> Result<Self, Raised> {
         Ok(Self::of(Source::unpickled(source.extract()?))?)
     }
 }

@@ -1,16 +1,30 @@
 //! Errors and warnings with the command's text and hint, as Python's.
 
-use pyo3::prelude::*;
-
+use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::Reading;
 use flexlink::result::Notice;
-
-use crate::terminal::{Exit, Failure};
+use pyo3::prelude::*;
 
 /// The module that defines the classes.
 const CLASSES: &str = "flexlink._messages";
 
-impl From<Failure> for PyErr {
+/// An exception of Python, made of one or of a failure of the command.
+#[derive(Debug)]
+pub(crate) struct Raised(PyErr);
+
+impl From<Raised> for PyErr {
+    fn from(Raised(error): Raised) -> Self {
+        error
+    }
+}
+
+impl From<PyErr> for Raised {
+    fn from(error: PyErr) -> Self {
+        Self(error)
+    }
+}
+
+impl From<Failure> for Raised {
     fn from(failure: Failure) -> Self {
         let class = match failure.exit {
             _ if failure.is_of_memory => "OutOfMemoryError",
@@ -23,7 +37,7 @@ impl From<Failure> for PyErr {
             let hint = failure.hint.as_deref().map(in_python);
             Ok(PyErr::from_value(class.call1((in_python(&failure.message), hint))?))
         };
-        Python::attach(|py| made(py).unwrap_or_else(|error| error))
+        Self(Python::attach(|py| made(py).unwrap_or_else(|error| error)))
     }
 }
 

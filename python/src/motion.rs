@@ -13,12 +13,12 @@ use flexlink::motion::{MotionColumns, Periods, TipMotion, TipTarget};
 use flexlink::result::Notice;
 
 use crate::arrays::{column, dictionary, places};
-use crate::cli::solve::run::SolveOptions;
 use crate::keywords;
 use crate::link::{Link, PickledSource, Source, described_by};
-use crate::messages::{of_reading, usage};
+use crate::messages::{Raised, of_reading, usage};
 use crate::pool;
-use crate::terminal::{Exit, Failure};
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::{Exit, Failure};
 
 /// What messages call samples that are from no file.
 pub(crate) const MOTION: &str = "motion";
@@ -35,7 +35,7 @@ pub(crate) enum Given {
 
 impl Given {
     /// Takes the samples out of the keywords; `time` may be the path of a file instead.
-    fn take(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn take(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> Result<Self, Raised> {
         let mut samples = COLUMNS.map(|_| None);
         for (name, own) in COLUMNS.into_iter().zip(&mut samples) {
             if let Some(given) = keywords.get_item(name)? {
@@ -128,7 +128,7 @@ impl Given {
         Ok((None, dictionary(py, given)?))
     }
 
-    pub(crate) fn unpickled((file, columns): Pickled<'_>) -> PyResult<Self> {
+    pub(crate) fn unpickled((file, columns): Pickled<'_>) -> Result<Self, Raised> {
         match file {
             Some(file) => Ok(Self::File(unpickled_file(file))),
             None => Self::take(&taken_time(&columns)?, &columns),
@@ -191,7 +191,10 @@ pub(crate) struct Call<'a> {
 
 impl<'a> Call<'a> {
     /// Takes the motion out of the keywords; `time` may be a [`Motion`], or the path of a file.
-    pub(crate) fn take(time: &'a Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> PyResult<Self> {
+    pub(crate) fn take(
+        time: &'a Bound<'_, PyAny>,
+        keywords: &Bound<'_, PyDict>,
+    ) -> Result<Self, Raised> {
         keywords::refuse_commands(keywords)?;
         let Ok(motion) = time.cast::<Motion>() else {
             let given = Arc::new(Given::take(time, keywords)?);
@@ -310,7 +313,7 @@ impl Motion {
         time: &Bound<'_, PyAny>,
         link: Option<&Bound<'_, PyAny>>,
         keywords: Option<Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
         let link = link.map(described_by::<Link>).transpose()?.map(Bound::get);
         keywords::refuse_commands(&keywords)?;
@@ -328,7 +331,7 @@ impl Motion {
 
     /// Displacement of the tip in m along its arc, computed by each call.
     #[getter]
-    fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn displacement<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
         let grid = self.tip.grid();
         let find = || Ok(self.target(grid.time_s(0), grid.end_s()).displacement_m().to_vec());
         Ok(PyArray1::from_vec(py, py.detach(|| pool::install(find))?))
@@ -351,7 +354,7 @@ impl Motion {
         columns: Bound<'_, PyDict>,
         arguments: Vec<String>,
         link: Option<PickledSource>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let given = Given::unpickled((file, columns))?;
         let link = link.map(|own| Link::of(Source::unpickled(own))).transpose()?;
         Ok(py.detach(|| pool::install(|| Self::read(given, arguments, link.as_ref())))?)

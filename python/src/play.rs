@@ -12,10 +12,10 @@ use flexlink::response::{
 use crate::arrays::column;
 use crate::keywords;
 use crate::link::described_by;
-use crate::messages::usage;
+use crate::messages::{Raised, usage};
 use crate::motion::Motion;
-use crate::options::play::initial_tip_m;
-use crate::terminal::{Exit, Failure, memory};
+use flexlink::cli::options::play::initial_tip_m;
+use flexlink::cli::terminal::{Exit, Failure, memory};
 
 /// Keywords of `simulate` for a link, and for an arm, with blanks between.
 pub(crate) const OF_LINK: &str = "torque hub_angle hub_rate hold until feedback reference reference_rate initial_tip periodic target state";
@@ -42,7 +42,7 @@ impl<'py> Keywords<'_, 'py> {
     }
 
     /// The torque between its samples, if it is said.
-    pub(crate) fn hold(&self) -> PyResult<Option<Interpolation>> {
+    pub(crate) fn hold(&self) -> Result<Option<Interpolation>, Raised> {
         let Some(given) = self.take("hold")? else { return Ok(None) };
         let hold: String = given.extract()?;
         Ok(Some(match &*hold {
@@ -57,7 +57,7 @@ impl<'py> Keywords<'_, 'py> {
     }
 
     /// Refuses what is left: it is none of the `known`, or one of the `others` that belong to links or arms alone.
-    pub(crate) fn refuse_rest(&self, known: &str, others: &str, why: &str) -> PyResult<()> {
+    pub(crate) fn refuse_rest(&self, known: &str, others: &str, why: &str) -> Result<(), Raised> {
         let Some(key) = self.0.keys().iter().next() else { return Ok(()) };
         let key = key.extract::<String>()?;
         if others.split(' ').any(|own| own == key) {
@@ -108,7 +108,7 @@ impl Playing {
         time: &Bound<'_, PyAny>,
         keywords: &Keywords<'_, '_>,
         (state, is_large): (Option<State>, bool),
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let time_s = column("time", time)?;
         let hub = |angle: Vec<f64>, rate: Option<Vec<f64>>| {
             HubReference::new(&time_s, angle, rate).map_err(|error| history(&error))
@@ -173,7 +173,7 @@ impl Playing {
         link: &LibraryLink,
         target: Option<&Bound<'_, PyAny>>,
         given_m: Option<f64>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let target = target.map(described_by::<Motion>).transpose()?.map(Bound::get);
         target.map_or(Ok(()), |target| target.refuse_other(link))?;
         let grid = self.input().grid();

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use flexlink::system::{Stopped, stop_by};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-use crate::terminal::{Exit, Failure};
+use flexlink::cli::terminal::{Exit, Failure};
 
 /// The threads, and the process that started them. A child of `fork` has the memory of its parent, but not its threads:
 /// it would wait for them forever, as in a `multiprocessing.Pool`.

@@ -24,12 +24,12 @@ use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
-use crate::messages::{objects, warn};
+use crate::messages::{Raised, objects, warn};
 use crate::motion::path_of;
 use crate::play::{Keywords, Playing};
 use crate::pool;
 use crate::simulate_arm::ArmSimulation;
-use crate::terminal::{Failure, console, memory};
+use flexlink::cli::terminal::{Failure, console, memory};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
@@ -95,14 +95,14 @@ pub(crate) fn state<S>(
     given: &Bound<'_, PyAny>,
     of_run: impl FnOnce(&Bound<'_, PyAny>) -> Option<S>,
     read: impl FnOnce(&InputFile) -> Result<S, TableError>,
-) -> PyResult<S> {
+) -> Result<S, Raised> {
     if let Some(state) = of_run(given) {
         return Ok(state);
     }
     let Some(path) = path_of(given)? else {
         let found = given.get_type();
         let must = "must be an earlier simulation of the same kind, or the path of its state";
-        return Err(PyTypeError::new_err(format!("state = {found}, but {must}")));
+        return Err(PyTypeError::new_err(format!("state = {found}, but {must}")).into());
     };
     let file = InputFile::read(&path).map_err(Failure::from)?;
     Ok(read(&file).map_err(Failure::from)?)
@@ -269,9 +269,9 @@ impl PlayedLink {
 
     /// What summary.json of a run holds.
     #[getter(summary)]
-    fn summary_of<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         let text = py.detach(|| pool::install(|| Ok(self.summary(Vec::new()).to_json())));
-        py.import("json")?.call_method1("loads", (text?,))
+        Ok(py.import("json")?.call_method1("loads", (text?,))?)
     }
 
     /// What the user must know: warnings that were given to Python's filters, too.
@@ -288,13 +288,13 @@ impl PlayedLink {
         py: Python<'_>,
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
-    ) -> PyResult<()> {
+    ) -> Result<(), Raised> {
         let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::apart(|| self.write_into(&folder, &keywords)))?)
     }
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
-    fn save_state(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn save_state(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
         let text = state_json(&self.simulation.state());
         Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
     }

@@ -21,15 +21,15 @@ use flexlink::store::{
 
 use crate::arm::Arm;
 use crate::arrays::{Every, column, columns, frame, rows, view};
-use crate::cli::simulate::arm::{nodes_m, refusal};
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
-use crate::messages::{objects, usage};
-use crate::options::play_arm::{ArmTorques, Start, feedback};
+use crate::messages::{Raised, objects, usage};
 use crate::play::{HALF_A_FEEDBACK, Keywords, OF_ARM, OF_LINK, history, refuse_both};
 use crate::pool;
 use crate::simulate::state;
-use crate::terminal::{Exit, Failure, console};
+use flexlink::cli::options::play_arm::{ArmTorques, Start, feedback};
+use flexlink::cli::simulate::arm::{nodes_m, refusal};
+use flexlink::cli::terminal::{Exit, Failure, console};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 type Columns<'py> = Bound<'py, PyArray2<f64>>;
@@ -56,7 +56,11 @@ struct Given {
 
 impl Given {
     /// Takes the arrays of the call out of its keywords, all that there are.
-    fn take(arm: &Arm, time: &Bound<'_, PyAny>, keywords: &Keywords<'_, '_>) -> PyResult<Self> {
+    fn take(
+        arm: &Arm,
+        time: &Bound<'_, PyAny>,
+        keywords: &Keywords<'_, '_>,
+    ) -> Result<Self, Raised> {
         let arm = &arm.specification.arm;
         let links = arm.links().len();
         let time_s = column("time", time)?;
@@ -114,7 +118,7 @@ fn joint_references(
 }
 
 /// Wanted places of the tip at the times of the torques.
-fn places(given: &Bound<'_, PyAny>, grid: TimeGrid) -> PyResult<TipPlaces> {
+fn places(given: &Bound<'_, PyAny>, grid: TimeGrid) -> Result<TipPlaces, Raised> {
     let found = columns("target", given, (grid.len, 2))?;
     let stray = found.iter().flatten().find(|own| !own.is_finite());
     match (stray, <[Vec<f64>; 2]>::try_from(found.clone())) {
@@ -144,7 +148,7 @@ impl ArmSimulation {
         arm: &Arm,
         time: &Bound<'_, PyAny>,
         keywords: &Keywords<'_, '_>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let given = Given::take(arm, time, keywords)?;
         let specification = arm.specification.clone();
         until_pressed(py, || Self::of(specification, given))
@@ -297,7 +301,7 @@ impl ArmSimulation {
         py: Python<'py>,
         link: usize,
         every: Every,
-    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    ) -> Result<Bound<'py, PyArray3<f64>>, Raised> {
         let links = self.nodes_m.len();
         if link >= links {
             let message = format!("link = {link}, but must be below {links}, the number of links");
@@ -306,7 +310,7 @@ impl ArmSimulation {
         let found = py.detach(|| self.motion.positions_m(&self.nodes_m, every.0));
         let histories: Vec<&[f64]> = found[link].iter().flatten().map(Vec::as_slice).collect();
         let samples = self.motion.grid.thinned(every.0).len();
-        rows(py, &histories, samples)?.reshape([samples, found[link].len(), 2])
+        Ok(rows(py, &histories, samples)?.reshape([samples, found[link].len(), 2])?)
     }
 
     /// What summary.json of a run holds.
@@ -349,13 +353,13 @@ impl ArmSimulation {
         py: Python<'_>,
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
-    ) -> PyResult<()> {
+    ) -> Result<(), Raised> {
         let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::apart(|| self.write_into(&folder, &keywords)))?)
     }
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
-    fn save_state(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn save_state(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
         let text = state_json(&self.motion.state());
         Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
     }

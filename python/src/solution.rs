@@ -16,16 +16,16 @@ use flexlink::result::{Exceeded, Limits, Metrics, Notice};
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 
 use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
-use crate::cli::solve::run::SolveOptions;
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
-use crate::messages::objects;
+use crate::messages::{Raised, objects};
 use crate::motion::{Call, Given, PickledFile};
-use crate::options::inputs::remarks;
 use crate::pool;
 use crate::solve::solved;
-use crate::terminal::{Failure, memory};
+use flexlink::cli::options::inputs::remarks;
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::{Failure, memory};
 
 /// Columns of a data frame.
 const HISTORIES: [&str; 9] = [
@@ -181,7 +181,7 @@ impl Solution {
 
     /// Hub acceleration in rad/s², computed by each call.
     #[getter]
-    fn hub_acceleration<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+    fn hub_acceleration<'py>(&self, py: Python<'py>) -> Result<Array<'py>, Raised> {
         let found = py.detach(|| pool::install(|| Ok(self.solution.hub_acceleration_rad_s2())))?;
         Ok(PyArray1::from_vec(py, found))
     }
@@ -297,14 +297,14 @@ impl Solution {
 
     /// What summary.json of a run holds.
     #[getter(summary)]
-    fn summary_of<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         let text = py.detach(|| {
             pool::install(|| {
                 let options = self.options(Vec::new())?;
                 Ok(self.summary(&options, &options.outputs()).to_json())
             })
         });
-        py.import("json")?.call_method1("loads", (text?,))
+        Ok(py.import("json")?.call_method1("loads", (text?,))?)
     }
 
     /// What the user must know: warnings that were given to Python's filters, too.
@@ -330,7 +330,7 @@ impl Solution {
         py: Python<'_>,
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
-    ) -> PyResult<()> {
+    ) -> Result<(), Raised> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         Ok(py.detach(|| pool::apart(|| self.write_into(&folder, more)))?)
     }
@@ -357,7 +357,7 @@ impl Solution {
         file: Option<PickledFile>,
         columns: Bound<'_, PyDict>,
         arguments: Vec<String>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Raised> {
         let link = Link::of(Source::unpickled(link))?;
         let given = Arc::new(Given::unpickled((file, columns))?);
         let call = Call { given, arguments, motion: None };

@@ -13,7 +13,7 @@ use crate::link::{Link, described_by};
 use crate::messages::warn;
 use crate::motion::Call;
 use crate::solution::Solution;
-use crate::terminal::{Failure, memory};
+use flexlink::cli::terminal::{Failure, memory};
 
 /// Computes the hub torque that makes the tip of a link follow a motion, or the torques of an arm.
 ///

@@ -12,16 +12,16 @@ use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, Stored
 use flexlink::store::read_result;
 
 use crate::arrays::{frame, rows, view};
-use crate::messages::{objects, usage};
+use crate::messages::{Raised, objects, usage};
 use crate::pool;
-use crate::terminal::{Exit, Failure};
+use flexlink::cli::terminal::{Exit, Failure};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 /// Reads a result: the folder of a run of ``solve`` or ``simulate`` as a `Run`, that of an arm as an `ArmRun`, the file of a
 /// sweep as a dictionary of its columns.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Raised> {
     match py.detach(|| pool::install(|| Ok(read_result(&path)?)))? {
         StoredResult::Sweep(sweep) => Ok(table(py, &sweep)?.into_any()),
         StoredResult::Runs(runs) => match runs.into_iter().next() {
@@ -29,7 +29,7 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> 
                 Some(arc) => Ok(Bound::new(py, Run { run, arc })?.into_any()),
                 None => Ok(Bound::new(py, ArmRun(run))?.into_any()),
             },
-            None => Err(PyTypeError::new_err("no run")),
+            None => Err(PyTypeError::new_err("no run").into()),
         },
     }
 }
@@ -97,7 +97,7 @@ impl Run {
         py: Python<'py>,
         of: &StoredNodes,
         (nodes, addend): (Option<Vec<usize>>, impl Fn(f64, f64) -> f64),
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
         let StoredArc { origin_rad, mesh, .. } = &self.arc;
         // Both are ascending; times that were written once are the same numbers.
         let mut hub = self.run.times_s.iter().zip(&self.hub().angle_rad);
@@ -118,7 +118,7 @@ impl Run {
         };
         let nodes = nodes.unwrap_or_else(|| of.nodes.clone());
         let found = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
-        rows(py, &found, of.times_s.len())
+        Ok(rows(py, &found, of.times_s.len())?)
     }
 
     /// Half of the step of the run's times in s.
@@ -209,7 +209,7 @@ impl Run {
         &self,
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
         let own = written(self.arc.deflections_m.as_ref(), "displacements", NO_NODES)?;
         self.histories(py, own, (nodes, |x_m, angle_rad| x_m * angle_rad))
     }
@@ -220,7 +220,7 @@ impl Run {
         &self,
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
         let own = written(self.arc.deflections_m.as_ref(), "deflections", NO_NODES)?;
         self.histories(py, own, (nodes, |_, _| 0.0))
     }
@@ -231,7 +231,7 @@ impl Run {
         &self,
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
         let own = written(self.run.links[0].moments_n_m.as_ref(), "moments", NO_MOMENTS)?;
         self.histories(py, own, (nodes, |_, _| 0.0))
     }

@@ -11,15 +11,15 @@ use flexlink::sweep::{SweepKind, in_order};
 
 use crate::arm::{Arm, GivenPath};
 use crate::arrays::unlike;
-use crate::cli::sweep::tally::Tally;
 use crate::interrupt::interruptible;
 use crate::keywords;
 use crate::link::{Link, described_by};
-use crate::messages::{in_python, warn};
+use crate::messages::{Raised, in_python, warn};
 use crate::motion::Call;
 use crate::pool;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
-use crate::terminal::{Failure, memory};
+use flexlink::cli::sweep::tally::Tally;
+use flexlink::cli::terminal::{Failure, memory};
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary:
 /// the values of each key that cases change, then arrays of numbers, not a number where a case has none, and the lists
@@ -57,7 +57,7 @@ pub(crate) fn sweep<'py>(
     threads: Option<Threads>,
     outputs: Option<PathBuf>,
     keywords: Option<Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> Result<Bound<'py, PyDict>, Raised> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
@@ -73,7 +73,7 @@ pub(crate) fn sweep<'py>(
         Shared::of_link(link, (given, motion), Outputs::of(arguments, outputs, cases.len())?)?
     };
     let rows = py.detach(|| interruptible(|stop| all_rows(&mut shared, &cases, threads, stop)))?;
-    table(varied, shared.kind, rows)
+    Ok(table(varied, shared.kind, rows)?)
 }
 
 /// A number of threads in a call, at most as many as the command takes.

@@ -14,17 +14,17 @@ use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
 use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind};
 
 use crate::arm::{Arm, ArmSolution, GivenPath};
-use crate::cli::problem::ArmAndPath;
-use crate::cli::solve::run::SolveOptions;
-use crate::cli::sweep::tally::of_limit;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source};
 use crate::messages::usage;
 use crate::motion::{Given, Motion};
-use crate::options::common::refuse_for_arms;
-use crate::options::inputs::scale_arguments;
 use crate::solution::Solution;
-use crate::terminal::{Exit, Failure};
+use flexlink::cli::options::common::refuse_for_arms;
+use flexlink::cli::options::inputs::scale_arguments;
+use flexlink::cli::problem::ArmAndPath;
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::sweep::tally::of_limit;
+use flexlink::cli::terminal::{Exit, Failure};
 
 /// Factors on the motion among the changes of a case.
 const DISTANCE: &str = "distance*";

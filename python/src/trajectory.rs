@@ -1,5 +1,6 @@
 //! `trajectory`: motions of a tip and paths of an arm's tip, made by the command's options.
 
+use crate::messages::Raised;
 use clap::Parser;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -7,10 +8,10 @@ use pyo3::types::{PyDict, PyList};
 use flexlink::motion::{MotionColumns, PathColumns};
 
 use crate::arrays::dictionary;
-use crate::cli::trajectory::Trajectory;
 use crate::interrupt::until_pressed;
 use crate::keywords;
-use crate::terminal::Failure;
+use flexlink::cli::terminal::Failure;
+use flexlink::cli::trajectory::Trajectory;
 
 /// Keywords of `trajectory`.
 #[derive(Parser)]
@@ -46,7 +47,7 @@ pub(crate) fn trajectory<'py>(
     py: Python<'py>,
     profile: &str,
     keywords: Option<Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> Result<Bound<'py, PyDict>, Raised> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     keywords::rename(&keywords, &RENAMED)?;
     let mut repeated = Vec::new();
@@ -67,7 +68,7 @@ pub(crate) fn trajectory<'py>(
     let read = Keywords::try_parse_from(arguments)
         .map_err(|error| keywords::refused::<Trajectory>(&error, &[], &RENAMED))?;
     let columns = until_pressed(py, || columns(&read.trajectory))?;
-    dictionary(py, columns)
+    Ok(dictionary(py, columns)?)
 }
 
 fn columns(trajectory: &Trajectory) -> Result<Columns, Failure> {

@@ -5,23 +5,23 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 
-use flexlink::csv::{InputFile, Reading};
-use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, fit};
-use flexlink::link::Damping;
-use flexlink::measured::{MeasuredSet, read_measured};
-use flexlink::report::{FitReport, fit_page};
-use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, rewrite};
-use flexlink::store::{
+use crate::csv::{InputFile, Reading};
+use crate::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, fit};
+use crate::link::Damping;
+use crate::measured::{MeasuredSet, read_measured};
+use crate::page::{FitReport, fit_page};
+use crate::spec::{Described, FreeValue, LinkDocument, Override, SpecError, rewrite};
+use crate::store::{
     Fingerprint, FitInputs, NamedBy, NewFile, fit_json, fit_record, foreign_fit_record,
 };
-use flexlink::text::shown_path;
+use crate::text::shown_path;
 
-use crate::options::common::option;
-use crate::options::inputs::{LinkArgs, warn_of_gravity};
-use crate::options::reading::tell as tell_reading;
-use crate::terminal::files::{keep_inputs, keep_page_apart, read_once};
-use crate::terminal::text::fit_text;
-use crate::terminal::{Exit, Failure, StageBar, console};
+use crate::cli::options::common::option;
+use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::options::reading::tell as tell_reading;
+use crate::cli::terminal::files::{keep_inputs, keep_page_apart, read_once};
+use crate::cli::terminal::text::fit_text;
+use crate::cli::terminal::{Exit, Failure, StageBar, console};
 
 const EXAMPLE: &str = "\
 Example:
@@ -127,7 +127,7 @@ pub(crate) struct Fit {
 }
 
 /// What is fitted, and to what.
-pub(crate) struct Problem {
+pub struct Problem {
     link: InputFile,
     /// The file's own link or arm, the changes of the command line made.
     own: Described,
@@ -135,17 +135,17 @@ pub(crate) struct Problem {
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
     measured: Measurements,
-    pub(crate) inputs: FitInputs,
+    pub inputs: FitInputs,
 }
 
 /// How files were read, each after its name.
 type Readings = Vec<(String, Reading)>;
 
 /// A link or an arm to be fitted, and its file.
-pub(crate) struct Unfitted {
-    pub(crate) link: InputFile,
-    pub(crate) own: Described,
-    pub(crate) changes: Vec<Override>,
+pub struct Unfitted {
+    pub link: InputFile,
+    pub own: Described,
+    pub changes: Vec<Override>,
 }
 
 impl Fit {
@@ -259,7 +259,7 @@ impl Fit {
 }
 
 /// Refuses a link file whose record has no place beside it.
-pub(crate) fn check_output(output: &Path) -> Result<(), Failure> {
+pub fn check_output(output: &Path) -> Result<(), Failure> {
     let (but, hint) = if console::is_standard_output(output) {
         ("must be a file".to_owned(), "its record is written beside it")
     } else if let Some(record) = foreign_fit_record(output) {
@@ -276,7 +276,7 @@ pub(crate) fn check_output(output: &Path) -> Result<(), Failure> {
 impl Problem {
     /// Reads the measured values, and which values are free. Returns the files that were named besides, too, and how
     /// they were read.
-    pub(crate) fn read(
+    pub fn read(
         Unfitted { link, own, changes }: Unfitted,
         free_texts: &[String],
         measured: &Path,
@@ -308,7 +308,7 @@ impl Problem {
     }
 
     /// Fits the free values; `tried` gets the number of links that were tried before.
-    pub(crate) fn fit(&self, tried: &(dyn Fn(usize) + Sync)) -> Result<FitOutcome, Failure> {
+    pub fn fit(&self, tried: &(dyn Fn(usize) + Sync)) -> Result<FitOutcome, Failure> {
         let free: Vec<Free> = self.free.iter().map(|(_, free)| free.clone()).collect();
         let count = AtomicUsize::new(0);
         let specimen_at = |factors: &[f64]| {
@@ -372,7 +372,7 @@ impl Problem {
     }
 
     /// The link file with the fitted values, and what was replaced.
-    pub(crate) fn fitted(&self, outcome: &FitOutcome) -> Result<(String, Vec<Replaced>), Failure> {
+    pub fn fitted(&self, outcome: &FitOutcome) -> Result<(String, Vec<Replaced>), Failure> {
         let factors: Vec<f64> = outcome.values.iter().map(|value| value.factor).collect();
         let changes = self.changed(&factors)?;
         Ok(rewrite(&self.link.shown, self.link.text()?, &changes)?)

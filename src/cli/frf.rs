@@ -6,23 +6,23 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::beam::{Mesh, MeshPlan};
-use flexlink::csv::Digits;
-use flexlink::modal::natural_frequencies;
-use flexlink::model::{FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of};
-use flexlink::response::{arm_modes, arm_responses};
-use flexlink::result::{BandMeshError, Refined};
-use flexlink::spec::ArmSpecification;
-use flexlink::store::{
+use crate::beam::{Mesh, MeshPlan};
+use crate::csv::Digits;
+use crate::modal::natural_frequencies;
+use crate::model::{FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of};
+use crate::response::{arm_modes, arm_responses};
+use crate::result::{BandMeshError, Refined};
+use crate::spec::ArmSpecification;
+use crate::store::{
     ResponseColumns, arm_response, frequency_response_json, link_response, write_frequency_response,
 };
-use flexlink::text::{given, significant};
+use crate::text::{given, significant};
 
 use super::modes::falling;
-use crate::options::common::{angle_rad, directions};
-use crate::options::inputs::{LinkArgs, warn_of_gravity};
-use crate::terminal::files::keep_files;
-use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
+use crate::cli::options::common::{angle_rad, directions};
+use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::terminal::files::keep_files;
+use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -57,7 +57,7 @@ const OWN_BYTES: usize = 16 << 20;
 /// count: analysis.modes is refused, and so are shear, alpha and modal damping. An arm of several links needs --at.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link or an arm", after_help = EXAMPLE)]
-pub(crate) struct Frf {
+pub struct Frf {
     #[command(flatten)]
     link: LinkArgs,
 
@@ -76,7 +76,7 @@ pub(crate) struct Frf {
     to: Option<f64>,
 
     /// Number of frequencies.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = crate::options::common::positive)]
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = crate::cli::options::common::positive)]
     points: usize,
 
     /// Space the frequencies evenly rather than by a constant factor.
@@ -104,10 +104,10 @@ pub(crate) struct Frf {
 const FREQUENCIES_HZ: RangeInclusive<f64> = 1e-70..=1e70;
 
 /// A frequency response, as it is written.
-pub(crate) struct Responses {
-    pub(crate) columns: ResponseColumns,
+pub struct Responses {
+    pub columns: ResponseColumns,
     /// Not known where modal damping allows no halved elements; always known in a pose.
-    pub(crate) error: Option<BandMeshError>,
+    pub error: Option<BandMeshError>,
     /// True where the links leave the pose if their joints are free.
     falls: bool,
 }
@@ -133,7 +133,7 @@ impl Frf {
     }
 
     /// The response of a link without gravity, or of a link or an arm in a pose.
-    pub(crate) fn compute(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
+    pub fn compute(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
         if self.at.is_none() && specification.arm.links().len() == 1 {
             self.compute_level(specification)
         } else {

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Command};
 
-use crate::terminal::{Failure, console};
+use crate::cli::terminal::{Failure, console};
 
 /// Pages of the book by topic, with what each one holds.
 const PAGES: [(&str, &str, &str); 18] = [

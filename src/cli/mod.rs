@@ -2,24 +2,26 @@
 #![allow(clippy::doc_markdown, reason = "docs of commands and arguments are help on a terminal")]
 
 mod compare;
-pub(crate) mod fit;
-pub(crate) mod frf;
+pub mod fit;
+pub mod frf;
 mod help;
-pub(crate) mod modes;
-pub(crate) mod problem;
+pub mod modes;
+pub mod options;
+pub mod problem;
 mod report;
 mod setup;
-pub(crate) mod simulate;
-pub(crate) mod solve;
-pub(crate) mod sweep;
-pub(crate) mod trajectory;
+pub mod simulate;
+pub mod solve;
+pub mod sweep;
+pub mod terminal;
+pub mod trajectory;
 mod verify;
 
 use std::ffi::OsString;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-use crate::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
+use crate::cli::terminal::{Ending, Failure, ThreadArgs, console, interrupt, memory};
 
 /// Hub torque that makes the tip of a flexible link follow a wanted motion.
 ///
@@ -63,7 +65,7 @@ enum Command {
 
 /// Runs the command of a command line, the program's name first, and returns the exit code: the one place that prints an
 /// error and its hint.
-pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let mut program = Cli::command();
     let parsed = program.try_get_matches_from_mut(arguments).and_then(|matches| {
         let of_command = matches.subcommand().map(|(_, of_command)| of_command);

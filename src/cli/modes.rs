@@ -5,23 +5,23 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::beam::{Mesh, MeshPlan};
-use flexlink::csv::Digits;
-use flexlink::link::{Arm, Link};
-use flexlink::modal::{
+use crate::beam::{Mesh, MeshPlan};
+use crate::csv::Digits;
+use crate::link::{Arm, Link};
+use crate::modal::{
     DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, mode, natural_frequencies, pose_modes,
     real_frequency_zeros, torque_zeros,
 };
-use flexlink::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
-use flexlink::result::{LinkZeros, ModesResult, Remark, Setting, mesh_errors};
-use flexlink::spec::ArmSpecification;
-use flexlink::store::modes_json;
+use crate::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
+use crate::result::{LinkZeros, ModesResult, Remark, Setting, mesh_errors};
+use crate::spec::ArmSpecification;
+use crate::store::modes_json;
 
-use crate::options::common::{SyncArgs, angle_rad, directions};
-use crate::options::inputs::{LinkArgs, warn_of_gravity};
-use crate::terminal::files::check_folder;
-use crate::terminal::text::modes_text;
-use crate::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
+use crate::cli::options::common::{SyncArgs, angle_rad, directions};
+use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::terminal::files::check_folder;
+use crate::cli::terminal::text::modes_text;
+use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
 const EXAMPLE: &str = "\
 Example:
@@ -124,7 +124,7 @@ impl Modes {
 
 /// How much is computed in a pose.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub(crate) enum Wanted {
+pub enum Wanted {
     /// Modes alone.
     Modes,
     /// Zeros of the links, too.
@@ -134,7 +134,7 @@ pub(crate) enum Wanted {
 }
 
 /// The first `count` modes of a link, or of a link or an arm in the directions of `--at`, in rad.
-pub(crate) fn computed(
+pub fn computed(
     specification: &ArmSpecification,
     at: Option<&[f64]>,
     count: usize,

@@ -2,22 +2,22 @@
 
 use std::slice::from_ref;
 
-use flexlink::beam::MeshPlan;
-use flexlink::csv::{Digits, InputFile, PathTable};
-use flexlink::inverse::{
+use crate::beam::MeshPlan;
+use crate::csv::{Digits, InputFile, PathTable};
+use crate::inverse::{
     Analysis, ArmError, ArmSolution, InversionError, Resources, Solution, invert_arm, invert_with,
 };
-use flexlink::motion::{ArmPath, Ends, TipMotion};
-use flexlink::result::{Exceeded, Limits, Metrics, Remark};
-use flexlink::spec::{ArmSpecification, Described, Specification};
-use flexlink::store::Findings;
-use flexlink::text::gigabytes;
-use flexlink::verify::{Answer, AnySolution, Verification, VerificationError, verify};
+use crate::motion::{ArmPath, Ends, TipMotion};
+use crate::result::{Exceeded, Limits, Metrics, Remark};
+use crate::spec::{ArmSpecification, Described, Specification};
+use crate::store::Findings;
+use crate::text::gigabytes;
+use crate::verify::{Answer, AnySolution, Verification, VerificationError, verify};
 
-use crate::options::common::refuse_for_arms;
-use crate::options::inputs::{ResampleArgs, ScaleArgs, remarks};
-use crate::options::reading::{ReadArgs, tell};
-use crate::terminal::{Exit, Failure, StageBar, console, memory};
+use crate::cli::options::common::refuse_for_arms;
+use crate::cli::options::inputs::{ResampleArgs, ScaleArgs, remarks};
+use crate::cli::options::reading::{ReadArgs, tell};
+use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Most memory in bytes of an inversion whose times are probably in another unit.
 const DOUBTED_BYTES: usize = 3_000_000_000;
@@ -175,7 +175,7 @@ impl Solved<LinkOrArm> {
 }
 
 /// An arm and the path that it is to follow.
-pub(crate) struct ArmAndPath {
+pub struct ArmAndPath {
     /// The arm's file as messages call it.
     name: String,
     specification: Box<ArmSpecification>,
@@ -184,20 +184,20 @@ pub(crate) struct ArmAndPath {
 }
 
 /// A solution, and what follows from it.
-pub(crate) struct Solved<S> {
-    pub(crate) solution: S,
-    pub(crate) metrics: Metrics,
+pub struct Solved<S> {
+    pub solution: S,
+    pub metrics: Metrics,
     /// The limits of each joint.
-    pub(crate) limits: Vec<Limits>,
+    pub limits: Vec<Limits>,
     /// Those that are exceeded.
-    pub(crate) exceeded: Vec<Exceeded>,
+    pub exceeded: Vec<Exceeded>,
     /// Remarks on link or arm and motion.
-    pub(crate) remarks: Vec<Remark>,
+    pub remarks: Vec<Remark>,
 }
 
 impl<S> Solved<S> {
     /// What is known of the solution beside its numbers.
-    pub(crate) fn findings<'a>(&'a self, verification: Option<&'a Verification>) -> Findings<'a> {
+    pub fn findings<'a>(&'a self, verification: Option<&'a Verification>) -> Findings<'a> {
         let Self { limits, exceeded, remarks, .. } = self;
         Findings { limits, exceeded, verification, remarks }
     }
@@ -216,7 +216,7 @@ impl ArmAndPath {
     }
 
     /// An arm and the path in a table.
-    pub(crate) fn of(
+    pub fn of(
         (arm_file, specification): (&InputFile, Box<ArmSpecification>),
         table: PathTable,
     ) -> Result<Self, Failure> {
@@ -235,10 +235,7 @@ impl ArmAndPath {
     }
 
     /// Computes the solution, for which so many bytes of memory are free.
-    pub(crate) fn solve(
-        &self,
-        memory_bytes: Option<usize>,
-    ) -> Result<Solved<ArmSolution>, Failure> {
+    pub fn solve(&self, memory_bytes: Option<usize>) -> Result<Solved<ArmSolution>, Failure> {
         let ArmSpecification { arm, meshes, analysis, limits, .. } = &*self.specification;
         let resources = Resources { memory_bytes, ..Resources::default() };
         let solution = invert_arm(arm, meshes, &self.path, analysis, &resources);

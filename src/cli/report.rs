@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::report::{Figure, Figures, page};
-use flexlink::store::{OutputFolder, REPORT, read_results};
-use flexlink::text::shown_path;
+use crate::page::{Figure, Figures, page};
+use crate::store::{OutputFolder, REPORT, read_results};
+use crate::text::shown_path;
 
-use crate::terminal::console::is_standard_output;
-use crate::terminal::files::{keep_files, keep_page};
-use crate::terminal::{Exit, Failure, console, memory};
+use crate::cli::terminal::console::is_standard_output;
+use crate::cli::terminal::files::{keep_files, keep_page};
+use crate::cli::terminal::{Exit, Failure, console, memory};
 
 const EXAMPLE: &str = "\
 Example:

@@ -7,14 +7,14 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
-use flexlink::csv::{Digits, write_path, write_trajectory};
-use flexlink::motion::{Curve, PathColumns, Profile};
-use flexlink::spec::link_file_schema;
-use flexlink::store::OutputFolder;
-use flexlink::text::shown_path;
+use crate::csv::{Digits, write_path, write_trajectory};
+use crate::motion::{Curve, PathColumns, Profile};
+use crate::spec::link_file_schema;
+use crate::store::OutputFolder;
+use crate::text::shown_path;
 
-use crate::terminal::files::check_folder;
-use crate::terminal::{Exit, Failure, console};
+use crate::cli::terminal::files::check_folder;
+use crate::cli::terminal::{Exit, Failure, console};
 
 const INIT_EXAMPLE: &str = "\
 Example:
@@ -183,8 +183,8 @@ fn page(command: Command) -> Result<Vec<u8>, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flexlink::csv::read_motion_table;
-    use flexlink::spec::{Described, LinkDocument, read_specification};
+    use crate::csv::read_motion_table;
+    use crate::spec::{Described, LinkDocument, read_specification};
 
     #[test]
     fn what_it_writes_is_read() {
@@ -192,7 +192,7 @@ mod tests {
         assert!(read.mesh.is_automatic());
         let table =
             read_motion_table("motion.csv", &motion().expect("a motion"), read.link.length_m());
-        let motion = table.and_then(flexlink::csv::MotionTable::into_motion);
+        let motion = table.and_then(crate::csv::MotionTable::into_motion);
         assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
     }
 

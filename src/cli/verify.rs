@@ -4,17 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::csv::{Digits, InputFile};
-use flexlink::inverse::Analysis;
-use flexlink::store::verification_json;
-use flexlink::verify::Verification;
+use crate::csv::{Digits, InputFile};
+use crate::inverse::Analysis;
+use crate::store::verification_json;
+use crate::verify::Verification;
 
 use super::problem::Problem;
-use crate::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, described};
-use crate::options::reading::ReadArgs;
-use crate::terminal::files::read_once;
-use crate::terminal::text::verify_text;
-use crate::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, memory};
+use crate::cli::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, described};
+use crate::cli::options::reading::ReadArgs;
+use crate::cli::terminal::files::read_once;
+use crate::cli::terminal::text::verify_text;
+use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, memory};
 
 const EXAMPLE: &str = "\
 Example:

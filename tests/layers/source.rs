@@ -72,9 +72,17 @@ fn character(code: &str) -> usize {
     }
 }
 
-/// Every source file below `src`, with its path from there.
-pub(crate) fn sources() -> Vec<(PathBuf, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+/// Names of the modules that lead to a file: `["mechanics", "beam", "mesh"]` for mechanics/beam/mesh.rs,
+/// `["mechanics", "beam"]` for mechanics/beam/mod.rs. The root of the library has none.
+pub(crate) fn module(path: &Path) -> Vec<String> {
+    let names = path.with_extension("");
+    let names = names.iter().map(|name| name.to_string_lossy().into_owned());
+    names.filter(|name| name != "mod" && name != "lib").collect()
+}
+
+/// Every source file of a library below `folder`, with its path from there.
+pub(crate) fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut folders = vec![root.clone()];
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
@@ -82,7 +90,9 @@ pub(crate) fn sources() -> Vec<(PathBuf, String)> {
             let path = entry.expect("an entry of the folder").path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
+            } else if path.extension().is_some_and(|extension| extension == "rs")
+                && !path.ends_with("main.rs")
+            {
                 let source = fs::read_to_string(&path).expect("a source in UTF-8");
                 found
                     .push((path.strip_prefix(&root).expect("a path below src").to_owned(), source));

@@ -6,18 +6,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::compare::{ColumnRule, Comparison, Tolerances};
-use flexlink::csv::InputFile;
-use flexlink::spec::read_tolerances;
-use flexlink::store::{
-    GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run,
-};
-use flexlink::text::excerpt;
+use crate::compare::{ColumnRule, Comparison, Tolerances};
+use crate::csv::InputFile;
+use crate::spec::read_tolerances;
+use crate::store::{GoldenChanges, change_golden_files, comparison_json, is_result_file, is_run};
+use crate::text::excerpt;
 
-use crate::options::common::not_negative;
-use crate::terminal::files::read_once;
-use crate::terminal::text::{blessed_text, comparison_text};
-use crate::terminal::{Ending, Failure, PrintArgs, WarningArgs, console};
+use crate::cli::options::common::not_negative;
+use crate::cli::terminal::files::read_once;
+use crate::cli::terminal::text::{blessed_text, comparison_text};
+use crate::cli::terminal::{Ending, Failure, PrintArgs, WarningArgs, console};
 use sides::{Purpose, Sides, TOLERANCES};
 
 const EXAMPLE: &str = "\

@@ -3,16 +3,16 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use flexlink::compare::{
+use crate::compare::{
     Comparison, FileComparison, FileOutcome, Rule, Table, Tolerances, compare_tables,
 };
-use flexlink::csv::{InputError, InputFile, read_table};
-use flexlink::store::{
+use crate::csv::{InputError, InputFile, read_table};
+use crate::store::{
     CsvFolder, GoldenChanges, REPORT, SUMMARY, different_inputs, is_run, results_table,
 };
 
-use crate::terminal::files::is_standard_input;
-use crate::terminal::{Exit, Failure, memory};
+use crate::cli::terminal::files::is_standard_input;
+use crate::cli::terminal::{Exit, Failure, memory};
 
 /// Name of the file of tolerances beside the golden files.
 pub(super) const TOLERANCES: &str = "tolerances.toml";

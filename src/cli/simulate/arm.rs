@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-use flexlink::beam::{Mesh, MeshPlan};
-use flexlink::csv::InputFile;
-use flexlink::inverse::Unwatched;
-use flexlink::link::ArmLink;
-use flexlink::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
-use flexlink::result::{FollowedTarget, PlayedMetrics};
-use flexlink::spec::ArmSpecification;
-use flexlink::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
+use crate::beam::{Mesh, MeshPlan};
+use crate::csv::InputFile;
+use crate::inverse::Unwatched;
+use crate::link::ArmLink;
+use crate::response::{ArmPlay, ArmPlayWarning, PlayedArm, SimulationError, simulate_arm};
+use crate::result::{FollowedTarget, PlayedMetrics};
+use crate::spec::ArmSpecification;
+use crate::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
 
 use super::options::{Simulate, shown};
-use crate::options::common::refuse_for_arms;
-use crate::options::play_arm::ArmPlaying;
-use crate::terminal::text::played_arm_text;
-use crate::terminal::{Exit, Failure, StageBar, console};
+use crate::cli::options::common::refuse_for_arms;
+use crate::cli::options::play_arm::ArmPlaying;
+use crate::cli::terminal::text::played_arm_text;
+use crate::cli::terminal::{Exit, Failure, StageBar, console};
 
 /// The inputs, read.
 pub(super) struct ArmInputs {
@@ -124,14 +124,14 @@ impl Simulate {
 }
 
 /// Nodes of each link: distances in m from its joint.
-pub(crate) fn nodes_m(of: &ArmSpecification) -> Result<Vec<Vec<f64>>, Failure> {
+pub fn nodes_m(of: &ArmSpecification) -> Result<Vec<Vec<f64>>, Failure> {
     let nodes =
         |(own, plan): (&ArmLink, &MeshPlan)| Ok(Mesh::new(&own.link, plan)?.nodes_m().to_vec());
     of.arm.links().iter().zip(&of.meshes).map(nodes).collect()
 }
 
 /// Why an arm is not simulated, and what to do about it.
-pub(crate) fn refusal(error: &SimulationError) -> (String, Option<&'static str>) {
+pub fn refusal(error: &SimulationError) -> (String, Option<&'static str>) {
     let hint = match error {
         SimulationError::OtherTimes { .. } => {
             Some("take joint_angles.csv and torques.csv of one run of solve")

@@ -1,28 +1,28 @@
 //! `simulate`: a torque played on a link, or torques on an arm.
 
-pub(crate) mod arm;
+pub mod arm;
 mod options;
 
 use std::path::Path;
 use std::slice::from_ref;
 
-use flexlink::csv::InputFile;
-use flexlink::elastica::SecondOrder;
-use flexlink::inverse::Unwatched;
-use flexlink::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
-use flexlink::result::{Comparison, FollowedTarget, Limits, PlayedMetrics, TargetError};
-use flexlink::spec::{Described, Specification};
-use flexlink::store::{PlayFindings, RunInputs, RunTables, SimulateFiles, Summary, state_json};
-use flexlink::text::{plain, shown_path};
+use crate::csv::InputFile;
+use crate::elastica::SecondOrder;
+use crate::inverse::Unwatched;
+use crate::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
+use crate::result::{Comparison, FollowedTarget, Limits, PlayedMetrics, TargetError};
+use crate::spec::{Described, Specification};
+use crate::store::{PlayFindings, RunInputs, RunTables, SimulateFiles, Summary, state_json};
+use crate::text::{plain, shown_path};
 
 use self::arm::ArmInputs;
 pub(crate) use self::options::Simulate;
 use self::options::shown;
-use crate::options::inputs::described;
-use crate::options::play::Playing;
-use crate::terminal::files::{keep, keep_inputs};
-use crate::terminal::text::simulate_text;
-use crate::terminal::{Exit, Failure, console, memory};
+use crate::cli::options::inputs::described;
+use crate::cli::options::play::Playing;
+use crate::cli::terminal::files::{keep, keep_inputs};
+use crate::cli::terminal::text::simulate_text;
+use crate::cli::terminal::{Exit, Failure, console, memory};
 
 /// What is played: a link, or an arm of several.
 enum OneOrSeveral {

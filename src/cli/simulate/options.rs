@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use flexlink::csv::{Digits, InputFile};
+use crate::csv::{Digits, InputFile};
 
-use crate::options::common::{NodeArgs, SyncArgs, digits_arguments};
-use crate::options::inputs::LinkArgs;
-use crate::options::play::PlayArgs;
-use crate::options::reading::ReadArgs;
-use crate::terminal::{PrintArgs, ThreadArgs, WarningArgs};
+use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments};
+use crate::cli::options::inputs::LinkArgs;
+use crate::cli::options::play::PlayArgs;
+use crate::cli::options::reading::ReadArgs;
+use crate::cli::terminal::{PrintArgs, ThreadArgs, WarningArgs};
 
 const EXAMPLE: &str = "\
 Example:

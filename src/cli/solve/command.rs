@@ -3,20 +3,20 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::ArgPredicate;
 
-use flexlink::csv::InputFile;
-use flexlink::numeric::TimeGrid;
-use flexlink::store::{REPORT, Summary};
-use flexlink::text::shown_path;
+use crate::csv::InputFile;
+use crate::numeric::TimeGrid;
+use crate::store::{REPORT, Summary};
+use crate::text::shown_path;
 
 use super::run::{Page, Run, SolveOptions, SolvedRun};
 use super::table::{WriteArgs, WrittenTable};
+use crate::cli::options::common::SyncArgs;
+use crate::cli::options::inputs::{LINK, MOTION};
 use crate::cli::problem::{LinkOrArm, Solved};
+use crate::cli::terminal::files::{keep, read_once};
+use crate::cli::terminal::text::{arm_text, rows_text, solve_text, verify_text};
+use crate::cli::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 use crate::cli::verify::refuse_failed;
-use crate::options::common::SyncArgs;
-use crate::options::inputs::{LINK, MOTION};
-use crate::terminal::files::{keep, read_once};
-use crate::terminal::text::{arm_text, rows_text, solve_text, verify_text};
-use crate::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 
 const EXAMPLE: &str = "\
 Example:

@@ -2,7 +2,7 @@
 
 mod command;
 mod repeat;
-pub(crate) mod run;
+pub mod run;
 mod table;
 
 pub(crate) use command::Solve;

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use flexlink::csv::InputFile;
-use flexlink::result::{Repeated, RepeatedFile};
-use flexlink::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
-use flexlink::text::{excerpt, path_in_shell};
+use crate::csv::InputFile;
+use crate::result::{Repeated, RepeatedFile};
+use crate::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
+use crate::text::{excerpt, path_in_shell};
 
 use super::command::Solve;
 use super::run::{Page, Run, SolveOptions};
 use super::table::WriteArgs;
-use crate::terminal::files::{keep, read_once};
-use crate::terminal::text::repetition_text;
-use crate::terminal::{Ending, Exit, Failure, console};
+use crate::cli::terminal::files::{keep, read_once};
+use crate::cli::terminal::text::repetition_text;
+use crate::cli::terminal::{Ending, Exit, Failure, console};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 

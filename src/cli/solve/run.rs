@@ -4,35 +4,35 @@ use std::path::Path;
 
 use clap::{Args, Parser};
 
-use flexlink::csv::{Digits, InputFile};
-use flexlink::inverse::Analysis;
-use flexlink::report::{Figures, page};
-use flexlink::result::StoredResult;
-use flexlink::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
-use flexlink::verify::Verification;
+use crate::csv::{Digits, InputFile};
+use crate::inverse::Analysis;
+use crate::page::{Figures, page};
+use crate::result::StoredResult;
+use crate::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
+use crate::verify::Verification;
 
+use crate::cli::options::common::{NodeArgs, digits_arguments};
+use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described};
+use crate::cli::options::reading::ReadArgs;
 use crate::cli::problem::{LinkOrArm, Problem, Solved};
-use crate::options::common::{NodeArgs, digits_arguments};
-use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described};
-use crate::options::reading::ReadArgs;
-use crate::terminal::text::memory_text;
-use crate::terminal::{Failure, StageBar, console, memory};
+use crate::cli::terminal::text::memory_text;
+use crate::cli::terminal::{Failure, StageBar, console, memory};
 
 /// The arguments that shape the results beside the files; a run records them.
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
-pub(crate) struct SolveOptions {
+pub struct SolveOptions {
     #[command(flatten)]
-    pub(crate) changes: ChangeArgs,
+    pub changes: ChangeArgs,
 
     #[command(flatten)]
-    pub(crate) resample: ResampleArgs,
+    pub resample: ResampleArgs,
 
     #[command(flatten)]
-    pub(crate) scale: ScaleArgs,
+    pub scale: ScaleArgs,
 
     #[command(flatten)]
-    pub(crate) nodes: NodeArgs,
+    pub nodes: NodeArgs,
 
     #[arg(long, help = "Also write nodal_deflections.csv: deflection from the hub's tangent line")]
     deflections: bool,
@@ -56,7 +56,7 @@ pub(crate) struct SolveOptions {
     pub(super) verify: bool,
 
     #[command(flatten)]
-    pub(crate) read: ReadArgs,
+    pub read: ReadArgs,
 }
 
 /// The arguments of a record, read as those of the command line are.
@@ -69,7 +69,7 @@ pub(super) struct Recorded {
 
 impl SolveOptions {
     /// The analysis of a link file, for all tables.
-    pub(crate) fn analysis(&self, analysis: &Analysis) -> Analysis {
+    pub fn analysis(&self, analysis: &Analysis) -> Analysis {
         if self.moments { analysis.with_moments() } else { *analysis }
     }
 
@@ -86,18 +86,18 @@ impl SolveOptions {
     }
 
     /// The tables to write.
-    pub(crate) fn outputs(&self) -> RunOutputs {
+    pub fn outputs(&self) -> RunOutputs {
         let Self { deflections, moments, golden, .. } = *self;
         RunOutputs { deflections, moments, golden, ..self.nodes.outputs(self.digits) }
     }
 
     /// Parses the arguments of a record.
-    pub(crate) fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
+    pub fn recorded(arguments: &[String]) -> Result<Self, clap::Error> {
         Recorded::try_parse_from(arguments).map(|recorded| recorded.options)
     }
 
     /// The arguments, for the record.
-    pub(crate) fn arguments(&self) -> Vec<String> {
+    pub fn arguments(&self) -> Vec<String> {
         let flag = |on: bool, name: &str| on.then(|| name.to_owned());
         [
             self.changes.arguments(),

@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, ValueEnum};
 
-use flexlink::beam::MeshPlan;
-use flexlink::csv::Digits;
-use flexlink::motion::Ends;
-use flexlink::response::Interpolation;
-use flexlink::result::{Notice, TorqueTable};
-use flexlink::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
-use flexlink::text::{plain, shown_path, significant};
-use flexlink::verify::{AnySolution, TableError, table_error};
+use crate::beam::MeshPlan;
+use crate::csv::Digits;
+use crate::motion::Ends;
+use crate::response::Interpolation;
+use crate::result::{Notice, TorqueTable};
+use crate::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
+use crate::text::{plain, shown_path, significant};
+use crate::verify::{AnySolution, TableError, table_error};
 
-use crate::options::common::{option, seconds};
-use crate::terminal::console::is_standard_output;
-use crate::terminal::files::keep_inputs;
-use crate::terminal::text::rows_text;
-use crate::terminal::{Exit, Failure, StageBar, console, memory};
+use crate::cli::options::common::{option, seconds};
+use crate::cli::terminal::console::is_standard_output;
+use crate::cli::terminal::files::keep_inputs;
+use crate::cli::terminal::text::rows_text;
+use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Largest error of the tip over its travel that is no warning, unless the tolerance is looser: what `verify` allows.
 const TIP: f64 = 1e-3;

@@ -5,26 +5,24 @@ use std::sync::{PoisonError, RwLock};
 
 use clap::Args;
 
-use flexlink::beam::Mesh;
-use flexlink::csv::{Digits, InputFile, TableFormat, read_torque_table_as};
-use flexlink::link::Link;
-use flexlink::modal::natural_frequencies;
-use flexlink::motion::{MotionScale, TipMotion};
-use flexlink::response::Torque;
-use flexlink::result::Remark;
-use flexlink::spec::{
-    ArmSpecification, Described, LinkDocument, Override, SpecError, Specification,
-};
-use flexlink::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
-use flexlink::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
-use flexlink::text::{excerpt, visible};
+use crate::beam::Mesh;
+use crate::csv::{Digits, InputFile, TableFormat, read_torque_table_as};
+use crate::link::Link;
+use crate::modal::natural_frequencies;
+use crate::motion::{MotionScale, TipMotion};
+use crate::response::Torque;
+use crate::result::Remark;
+use crate::spec::{ArmSpecification, Described, LinkDocument, Override, SpecError, Specification};
+use crate::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
+use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
+use crate::text::{excerpt, visible};
 
 use super::first::{First, FirstLink};
-use crate::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
-use crate::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, scale_arguments};
-use crate::options::play::HoldArgs;
-use crate::options::reading::{ReadArgs, tell};
-use crate::terminal::{Exit, Failure, memory};
+use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
+use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, scale_arguments};
+use crate::cli::options::play::HoldArgs;
+use crate::cli::options::reading::{ReadArgs, tell};
+use crate::cli::terminal::{Exit, Failure, memory};
 
 /// What all cases of a sweep share beside LINK and MOTION.
 #[derive(Debug, Args)]
@@ -203,7 +201,7 @@ impl<'a> Cases<'a> {
         let without = self.shared.outputs.outputs.is_none();
         let analysis = if without { analysis.without_tables() } else { analysis };
         let mesh = self.shared.outputs.nodes.mesh(&found.link, found.mesh).map_err(of_case)?;
-        Ok(Specification { analysis, mesh, ..found })
+        Ok(Specification { mesh, analysis, ..found })
     }
 
     /// The arm file with the changes of a case, which must have the joints of the first one.

@@ -1,14 +1,14 @@
 //! The first case of a sweep: a link and its motion, or an arm and its path.
 
-use flexlink::csv::{InputFile, PathTable, Reading};
-use flexlink::link::{Arm, Link};
-use flexlink::motion::{Periods, TipMotion};
-use flexlink::spec::{ArmSpecification, Described, Specification};
-use flexlink::sweep::SweepKind;
+use crate::csv::{InputFile, PathTable, Reading};
+use crate::link::{Arm, Link};
+use crate::motion::{Periods, TipMotion};
+use crate::spec::{ArmSpecification, Described, Specification};
+use crate::sweep::SweepKind;
 
-use crate::options::inputs::ResampleArgs;
-use crate::options::reading::ReadArgs;
-use crate::terminal::Failure;
+use crate::cli::options::inputs::ResampleArgs;
+use crate::cli::options::reading::ReadArgs;
+use crate::cli::terminal::Failure;
 
 /// The first case that could be read, and what others take from it.
 pub(super) enum First {

@@ -3,22 +3,24 @@
 mod cases;
 mod first;
 mod table;
-pub(crate) mod tally;
+pub mod tally;
 mod work;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use flexlink::store::{NamedBy, SweepRows, sweep_header, sweep_row};
-use flexlink::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
-use flexlink::text::{excerpt, shown_path, visible};
+use crate::store::{NamedBy, SweepRows, sweep_header, sweep_row};
+use crate::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
+use crate::text::{excerpt, shown_path, visible};
 
-use crate::options::inputs::{LINK, MOTION};
-use crate::terminal::console::is_standard_output;
-use crate::terminal::files::{keep_cases, keep_files, keep_from_cases, keep_record, read_once};
-use crate::terminal::text::counted;
-use crate::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console, interrupt};
+use crate::cli::options::inputs::{LINK, MOTION};
+use crate::cli::terminal::console::is_standard_output;
+use crate::cli::terminal::files::{
+    keep_cases, keep_files, keep_from_cases, keep_record, read_once,
+};
+use crate::cli::terminal::text::counted;
+use crate::cli::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console, interrupt};
 use cases::{CaseArgs, Cases};
 use table::{EarlyEnd, OpenedTable, TableOutput, merge};
 use tally::Tally;

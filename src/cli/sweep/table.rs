@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use flexlink::csv::{checked_header, checked_rows};
-use flexlink::store::{
+use crate::csv::{checked_header, checked_rows};
+use crate::store::{
     Durability, LeftRows, NamedBy, Resumed, SweepFile, SweepIdentity, SweepRows, SweptCase,
     merge_shards, write_sweep,
 };
 
 use super::tally::Tally;
-use crate::terminal::console::{self, Reader, is_standard_output};
-use crate::terminal::files::{keep_files, keep_record, read_once};
-use crate::terminal::text::counted;
-use crate::terminal::{Exit, Failure};
+use crate::cli::terminal::console::{self, Reader, is_standard_output};
+use crate::cli::terminal::files::{keep_files, keep_record, read_once};
+use crate::cli::terminal::text::counted;
+use crate::cli::terminal::{Exit, Failure};
 
 /// Where the rows of a sweep go.
 pub(crate) enum TableOutput {

@@ -1,14 +1,14 @@
 //! Failures, warnings and remarks of all cases of a sweep, counted.
 
-use flexlink::result::{Exceeded, Notice, Remark};
-use flexlink::store::SweptCase;
+use crate::result::{Exceeded, Notice, Remark};
+use crate::store::SweptCase;
 
-use crate::terminal::{Exit, Failure, console};
+use crate::cli::terminal::{Exit, Failure, console};
 
 const NAMED: &str = "the columns warnings and error name them";
 
 /// The warning of an exceeded limit. Its kind names the limit's key, as the table has it.
-pub(crate) fn of_limit(limit: &Exceeded) -> Notice {
+pub fn of_limit(limit: &Exceeded) -> Notice {
     let joint = limit.0.joint.map(|joint| format!("joint{}.", joint + 1));
     let kind = format!("{}:{}{}", Exceeded::KIND, joint.unwrap_or_default(), limit.0.key);
     Notice { kind, ..Notice::from(limit) }
@@ -20,7 +20,7 @@ fn is_of_limit(notice: &Notice) -> bool {
 
 /// Failures, warnings and remarks, counted.
 #[derive(Default)]
-pub(crate) struct Tally {
+pub struct Tally {
     rows: usize,
     failed: usize,
     /// Cases that exceed a limit, and cases with any warning.
@@ -79,7 +79,7 @@ impl Tally {
     }
 
     /// Counts a case, numbered from 1: its failure, or its warnings, and its remarks.
-    pub(crate) fn add(
+    pub fn add(
         &mut self,
         case: usize,
         failure: Option<&String>,
@@ -141,7 +141,7 @@ impl Tally {
     }
 
     /// The failures, then each kind of warning once; `named` is the name of a case by its number from 1.
-    pub(crate) fn warnings(&self, named: impl Fn(usize) -> String) -> Vec<Notice> {
+    pub fn warnings(&self, named: impl Fn(usize) -> String) -> Vec<Notice> {
         let failure = self.failure.as_ref().map(|(first, message)| {
             let failed = format!("{} of {} cases failed", self.failed, self.rows);
             let words = format!("{failed}, the first is {}: {message}", named(*first));

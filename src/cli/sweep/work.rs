@@ -3,24 +3,24 @@
 use std::path::Path;
 use std::slice::from_ref;
 
-use flexlink::csv::{InputFile, PathTable};
-use flexlink::elastica::SecondOrder;
-use flexlink::inverse::{Resources, Unwatched, invert_with};
-use flexlink::response::{Play, PlayError, Torque, simulate};
-use flexlink::result::{FollowedTarget, Metrics, Notice, PlayedMetrics, Remark};
-use flexlink::spec::Specification;
-use flexlink::store::{
+use crate::csv::{InputFile, PathTable};
+use crate::elastica::SecondOrder;
+use crate::inverse::{Resources, Unwatched, invert_with};
+use crate::response::{Play, PlayError, Torque, simulate};
+use crate::result::{FollowedTarget, Metrics, Notice, PlayedMetrics, Remark};
+use crate::spec::Specification;
+use crate::store::{
     Findings, OutputFolder, PlayFindings, RunInputs, RunTables, SimulateFiles, Summary,
 };
-use flexlink::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
-use flexlink::verify::AnySolution;
+use crate::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
+use crate::verify::AnySolution;
 
 use super::cases::Cases;
 use super::first::{First, FirstLink};
 use super::tally::of_limit;
+use crate::cli::options::inputs::remarks;
 use crate::cli::problem::{ArmAndPath, Solved};
-use crate::options::inputs::remarks;
-use crate::terminal::{Exit, Failure, memory};
+use crate::cli::terminal::{Exit, Failure, memory};
 
 /// What came of a case.
 pub(crate) struct Outcome {

@@ -2,17 +2,17 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::options::inputs::ChangeArgs;
-use crate::terminal::text::{binding_text, found_text};
-use crate::terminal::{Exit, Failure, StageBar, console, memory};
-use flexlink::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, invert_with};
-use flexlink::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
-use flexlink::result::{
+use crate::cli::options::inputs::ChangeArgs;
+use crate::cli::terminal::text::{binding_text, found_text};
+use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
+use crate::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, invert_with};
+use crate::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
+use crate::result::{
     ArmFitProblem, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak,
     Remark, shortest_arm_fit, shortest_fit,
 };
-use flexlink::spec::{ArmSpecification, Override, SpecError, Specification};
-use flexlink::text::{excerpt, plain, significant, visible};
+use crate::spec::{ArmSpecification, Override, SpecError, Specification};
+use crate::text::{excerpt, plain, significant, visible};
 
 /// What stands for the profile that is the shortest.
 const BEST: &str = "best";
@@ -36,7 +36,7 @@ pub(super) fn profiles() -> impl TypedValueParser<Value = Choice> {
 }
 
 /// Profile and duration of a motion.
-pub(crate) struct Found {
+pub struct Found {
     pub(super) profile: Profile,
     pub(super) steps: usize,
     /// Comment for the first line of the file.

@@ -10,13 +10,13 @@ use clap::Args;
 
 use self::found::{Choice, Found, Limited, Search, limits, not_made, profiles};
 use self::path::{PathArgs, Travel, reached, refused, travel};
-use crate::options::common::seconds;
-use crate::options::inputs::{ChangeArgs, described, specification};
-use crate::terminal::{Exit, Failure, WarningArgs, console, memory};
-use flexlink::csv::{Digits, InputFile, write_path, write_trajectory};
-use flexlink::motion::{Course, Curve, MotionColumns, PathColumns};
-use flexlink::spec::{ArmSpecification, Described, Specification};
-use flexlink::text::{given, plain};
+use crate::cli::options::common::seconds;
+use crate::cli::options::inputs::{ChangeArgs, described, specification};
+use crate::cli::terminal::{Exit, Failure, WarningArgs, console, memory};
+use crate::csv::{Digits, InputFile, write_path, write_trajectory};
+use crate::motion::{Course, Curve, MotionColumns, PathColumns};
+use crate::spec::{ArmSpecification, Described, Specification};
+use crate::text::{given, plain};
 
 /// Distances in m and steps in s, within which all samples are numbers and none vanishes.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
@@ -59,7 +59,7 @@ Example:
 /// or a jump of the acceleration; the durations that all of them need are printed).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-pub(crate) struct Trajectory {
+pub struct Trajectory {
     /// Shape of the motion.
     #[arg(value_name = "PROFILE", value_parser = profiles())]
     profile: Choice,
@@ -84,10 +84,10 @@ pub(crate) struct Trajectory {
     /// Link file (TOML) for --fit-limit, and for the length of a link that turns by an angle. With --path, that of an
     /// arm: a path that it does not reach is refused.
     #[arg(long, value_name = "LINK")]
-    pub(crate) link: Option<PathBuf>,
+    pub link: Option<PathBuf>,
 
     #[command(flatten)]
-    pub(crate) changes: ChangeArgs,
+    pub changes: ChangeArgs,
 
     /// Step in s or with its unit.
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
@@ -102,7 +102,7 @@ pub(crate) struct Trajectory {
     rest_after: f64,
 
     #[command(flatten)]
-    pub(crate) path: PathArgs,
+    pub path: PathArgs,
 
     /// Rest at each --via, in s or with its unit, a whole number of steps; with --cycle also at both ends.
     #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
@@ -135,7 +135,7 @@ impl Trajectory {
     }
 
     /// The motion of a link's tip, and how its duration was found.
-    pub(crate) fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
+    pub fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
         let specification = self.specification()?;
         let course = self.course(specification.as_ref())?;
         let found = self.search()?.found(&course, specification.as_ref())?;
@@ -145,7 +145,7 @@ impl Trajectory {
     }
 
     /// The path of an arm's tip along a curve, and how its duration was found.
-    pub(crate) fn path_along(
+    pub fn path_along(
         &self,
         curve: &Curve,
         arm: Option<&ArmSpecification>,
@@ -165,7 +165,7 @@ impl Trajectory {
     }
 
     /// The curve of --path; none without it. Checks the options that every motion has.
-    pub(crate) fn curve(&self) -> Result<Option<Curve>, Failure> {
+    pub fn curve(&self) -> Result<Option<Curve>, Failure> {
         self.check_step()?;
         self.check_use()?;
         let curve = self.path.curve()?;
@@ -290,7 +290,7 @@ impl Trajectory {
     }
 
     /// The arm of a file, with the limits of the command line.
-    pub(crate) fn arm(&self, link: &Path) -> Result<Box<ArmSpecification>, Failure> {
+    pub fn arm(&self, link: &Path) -> Result<Box<ArmSpecification>, Failure> {
         let file = InputFile::read_toml(link)?;
         match described(&file, &limits(&self.changes, &self.fit_limit, Limited::Arm)?)? {
             Described::Arm(arm) => Ok(arm),

@@ -4,14 +4,14 @@ use std::fmt::Display;
 
 use clap::{Args, ValueEnum};
 
-use crate::options::common::{angle_rad, quantity};
-use crate::terminal::{Exit, Failure, console};
-use flexlink::csv::{TableFormat, read_path_table};
-use flexlink::inverse::check_reach;
-use flexlink::motion::{ArmPath, Curve};
-use flexlink::numeric::Dimension;
-use flexlink::spec::ArmSpecification;
-use flexlink::text::plain;
+use crate::cli::options::common::{angle_rad, quantity};
+use crate::cli::terminal::{Exit, Failure, console};
+use crate::csv::{TableFormat, read_path_table};
+use crate::inverse::check_reach;
+use crate::motion::{ArmPath, Curve};
+use crate::numeric::Dimension;
+use crate::spec::ArmSpecification;
+use crate::text::plain;
 
 const PATHS: &str = "Paths of arms";
 
@@ -49,7 +49,7 @@ impl Travel {
 
 /// Where the tip of an arm goes.
 #[derive(Debug, Args)]
-pub(crate) struct PathArgs {
+pub struct PathArgs {
     /// Make the path of an arm's tip in its plane instead, a CSV of time, x and y: along a line or an arc.
     #[arg(long, help_heading = PATHS, value_name = "CURVE", value_enum, requires = "from")]
     #[arg(conflicts_with = "distance")]

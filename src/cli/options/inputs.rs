@@ -1,0 +1,333 @@
+//! The inputs that several commands share: a link file with its changes, a tip motion, and how a measured table is
+//! read.
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::csv::{
+    InputFile, MotionTable, PathTable, Reading, TableFormat, read_motion_table_as, read_path_table,
+};
+use crate::inverse::Solution;
+use crate::link::Link;
+use crate::modal::REPORTED_MODES;
+use crate::motion::{Ends, MotionError, MotionScale, TipMotion};
+use crate::numeric::{Dimension, parse_quantity};
+use crate::result::Remark;
+use crate::spec::{
+    Described, LinkDocument, Override, SpecError, Specification, read_specification,
+};
+use crate::text::plain;
+
+use super::common::{finite, option};
+use super::reading::ReadArgs;
+use crate::cli::terminal::{Exit, Failure, console};
+
+pub(crate) const LINK: &str = "Link file (TOML)";
+
+pub(crate) const MOTION: &str =
+    "Tip trajectory (CSV): `time` and `acceleration`, `displacement`, `angle` or `velocity`";
+
+/// A link file and the changes to it.
+#[derive(Debug, Args)]
+pub(crate) struct LinkArgs {
+    #[arg(value_name = "LINK", help = LINK)]
+    pub(crate) link: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) changes: ChangeArgs,
+}
+
+impl LinkArgs {
+    /// Reads what the file describes, one link or an arm of several, and applies the changes.
+    pub(crate) fn described(&self) -> Result<Described, Failure> {
+        self.load().map(|(_, described)| described)
+    }
+
+    /// The same, after the file itself.
+    pub(crate) fn load(&self) -> Result<(InputFile, Described), Failure> {
+        let file = InputFile::read_toml(&self.link)?;
+        let described = described(&file, &self.changes.overrides()?)?;
+        Ok((file, described))
+    }
+}
+
+/// Changes to a link file.
+#[derive(Debug, Args)]
+pub struct ChangeArgs {
+    /// Replace a value of the link file, or multiply it with `*=`; repeatable, applied in order. A
+    /// segment is given by its name, its number from 0, or `*` for all: 'segments.*.EI*=4',
+    /// 'payload.mass="50 g"'.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    changes: Vec<String>,
+}
+
+impl ChangeArgs {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
+    /// The arguments, for the record.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        self.changes.iter().flat_map(|change| option("--set", change)).collect()
+    }
+
+    /// The parsed changes.
+    pub(crate) fn overrides(&self) -> Result<Vec<Override>, Failure> {
+        let overrides: Result<_, SpecError> =
+            self.changes.iter().map(|change| change.parse()).collect();
+        overrides.map_err(|error| Failure::new(Exit::Usage, &error, error.hint()))
+    }
+}
+
+/// Reads a link file with some changes.
+pub(crate) fn specification(
+    file: &InputFile,
+    changes: &[Override],
+) -> Result<Specification, Failure> {
+    let read = read_specification(&file.shown, file.text()?, changes);
+    read.map_err(|error| not_read(file, &error))
+}
+
+fn not_read(file: &InputFile, error: &SpecError) -> Failure {
+    let extension = Path::new(&file.name).extension();
+    let is_table = extension.is_some_and(|extension| extension == "csv");
+    let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
+    Failure::new(Exit::InputRefused, error, file.disguise().or(error.hint()).or(order))
+}
+
+/// Reads what a file describes, one link or an arm of several, with some changes.
+pub fn described(file: &InputFile, changes: &[Override]) -> Result<Described, Failure> {
+    let read = LinkDocument::read(&file.shown, file.text()?)
+        .and_then(|document| document.described(&file.shown, changes));
+    read.map_err(|error| not_read(file, &error))
+}
+
+/// Warns that frequencies are those without gravity, where it acts; returns the number of warnings.
+pub(crate) fn warn_of_gravity(link: &Link) -> usize {
+    if !link.has_weight() {
+        return 0;
+    }
+    let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
+    console::warning(
+        left_out,
+        "modes --at ANGLE has those of one direction; --set 'gravity=[0, 0]' is a horizontal plane",
+    );
+    1
+}
+
+/// The step of a trajectory, and what its samples are worth.
+#[derive(Debug, Args)]
+pub struct ResampleArgs {
+    /// Make the trajectory uniform by a cubic spline, at this step in s.
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
+    resample: Option<f64>,
+
+    /// Replace samples that do not follow their neighbours by what these lead to, and count them.
+    #[arg(long)]
+    drop_outliers: bool,
+
+    /// The displacement carries noise of this standard deviation, in m or with its unit, as in "0.1 mm":
+    /// the tip follows it no closer than it deserves. Without it the decimals of the file decide.
+    #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
+    noise: Option<Length>,
+
+    /// Solve the motion up to this frequency in Hz, instead of that which the tip needs.
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    lowpass: Option<f64>,
+
+    /// The trajectory is one cycle of a motion that repeats: its first row follows the last one, a step
+    /// later.
+    #[arg(long, conflicts_with_all = ["resample", "noise"])]
+    periodic: bool,
+
+    /// The tip moves before the first row and after the last one, at constant velocity. A velocity column
+    /// says so without this option.
+    #[arg(long, conflicts_with_all = ["noise", "periodic"])]
+    moving_ends: bool,
+}
+
+/// A length above 0 as it was written, and in m.
+#[derive(Debug, Clone)]
+struct Length {
+    text: String,
+    metres: f64,
+}
+
+fn length(text: &str) -> Result<Length, String> {
+    let metres = match text.parse() {
+        Ok(metres) => metres,
+        Err(_) => parse_quantity(text, Dimension::LENGTH).map_err(|error| error.to_string())?,
+    };
+    if metres > 0.0 && f64::is_finite(metres) {
+        Ok(Length { text: text.to_owned(), metres })
+    } else {
+        Err("must be a length above 0".into())
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    finite(text)
+        .ok()
+        .filter(|number| *number > 0.0)
+        .ok_or_else(|| "must be a number above 0".into())
+}
+
+impl ResampleArgs {
+    /// Reads the motion of a link's tip; returns it with what was found beyond the standard form.
+    pub(crate) fn motion_of(
+        &self,
+        file: &InputFile,
+        link: &Link,
+        read: &ReadArgs,
+    ) -> Result<(TipMotion, Reading), Failure> {
+        let length_m = link.length_m();
+        let format = self.format(read);
+        let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &format)?;
+        let reading = table.reading().clone();
+        Ok((self.motion_in(table, link)?, reading))
+    }
+
+    /// The motion of a link's tip in a table.
+    pub fn motion_in(&self, table: MotionTable, link: &Link) -> Result<TipMotion, Failure> {
+        let table = match link.gravity() {
+            Some(gravity) => table.with_gravity(gravity, link.length_m())?,
+            None => table,
+        };
+        self.motion_in_plane(table)
+    }
+
+    /// The same without gravity.
+    pub fn motion_in_plane(&self, table: MotionTable) -> Result<TipMotion, Failure> {
+        let table = table.with_ends(self.ends());
+        let table = match self.resample {
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        };
+        let table = match &self.noise {
+            Some(Length { metres, .. }) => table.with_noise(*metres)?,
+            None => table,
+        };
+        let table = match self.lowpass {
+            Some(hertz) => table.with_lowpass(hertz),
+            None => table,
+        };
+        Ok(table.into_motion()?)
+    }
+
+    /// Reads the path of an arm.
+    pub fn path_of(&self, file: &InputFile, read: &ReadArgs) -> Result<PathTable, Failure> {
+        self.path_in(read_path_table(&file.shown, &file.bytes, &self.format(read))?)
+    }
+
+    /// What the options say of a table.
+    pub fn format(&self, read: &ReadArgs) -> TableFormat {
+        TableFormat { drop_outliers: self.drop_outliers, ..read.format() }
+    }
+
+    /// The path of an arm in a table.
+    pub fn path_in(&self, table: PathTable) -> Result<PathTable, Failure> {
+        Ok(match self.resample {
+            Some(step_s) => table.resampled(step_s)?,
+            None => table,
+        })
+    }
+
+    /// The arguments, for the record.
+    pub fn arguments(&self) -> Vec<String> {
+        let resample = self.resample.map(|step_s| option("--resample", step_s));
+        let dropped = self.drop_outliers.then(|| "--drop-outliers".to_owned());
+        resample.into_iter().flatten().chain(dropped).chain(self.of_one_link()).collect()
+    }
+
+    /// The arguments that an arm's path does not take.
+    pub fn of_one_link(&self) -> Vec<String> {
+        let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
+        let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
+        let ends = match self.ends() {
+            Ends::AtRest => None,
+            Ends::Moving => Some("--moving-ends".to_owned()),
+            Ends::Periodic => Some("--periodic".to_owned()),
+        };
+        [noise, lowpass].into_iter().flatten().flatten().chain(ends).collect()
+    }
+
+    fn ends(&self) -> Ends {
+        match (self.periodic, self.moving_ends) {
+            (true, _) => Ends::Periodic,
+            (_, true) => Ends::Moving,
+            _ => Ends::AtRest,
+        }
+    }
+}
+
+/// Factors on a motion, as those of a sweep.
+#[derive(Debug, Args)]
+pub struct ScaleArgs {
+    /// Multiply the motion's distance.
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(default_value_t = 1.0, hide_default_value = true)]
+    scale_distance: f64,
+
+    /// Multiply the motion's duration, from its first sample on.
+    #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(default_value_t = 1.0, hide_default_value = true)]
+    scale_duration: f64,
+}
+
+impl ScaleArgs {
+    pub fn scale(&self) -> MotionScale {
+        MotionScale { distance: self.scale_distance, duration: self.scale_duration }
+    }
+
+    /// A motion with these factors.
+    pub fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
+        if self.scale() == MotionScale::default() {
+            return Ok(motion);
+        }
+        motion.scaled(self.scale()).map_err(|error| self.refused(&error))
+    }
+
+    /// The path of an arm with the factor on its duration.
+    pub fn scaled_path(&self, path: &PathTable) -> Result<PathTable, Failure> {
+        path.slowed(self.scale_duration).map_err(|error| self.refused(&error))
+    }
+
+    fn refused(&self, error: &MotionError) -> Failure {
+        let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
+        Failure::new(Exit::Usage, &message, error.hint())
+    }
+
+    /// The arguments that an arm's path, which goes from place to place, does not take.
+    pub fn of_one_link(&self) -> Vec<String> {
+        scale_arguments(MotionScale { duration: 1.0, ..self.scale() })
+    }
+
+    /// The arguments, for the record.
+    pub fn arguments(&self) -> Vec<String> {
+        scale_arguments(self.scale())
+    }
+}
+
+/// The arguments that scale a motion so, for the record.
+pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
+    let MotionScale { distance, duration } = scale;
+    let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
+    let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
+    others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
+}
+
+/// Remarks on a link file, and on the link and the motion of its solution.
+pub fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
+    let link = solution.link();
+    let highest = TAU * solution.band.highest_hz;
+    let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let within = modes.iter().filter(|omega| **omega <= highest).count();
+    modes.truncate(within.max(1));
+    let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
+    let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
+    let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
+    let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
+    of_file.iter().cloned().chain(of_modes).chain(of_motion).chain(of_solution).collect()
+}

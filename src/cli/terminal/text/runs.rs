@@ -1,0 +1,393 @@
+//! The summary that `solve` prints, and the lines of it that `simulate` prints, too.
+
+use std::f64::consts::TAU;
+use std::fmt::{Display, Write as _};
+
+use crate::beam::Mesh;
+use crate::elastica::SecondOrder;
+use crate::inverse::{PerQuantity, Quantity, QuantityErrors, Solution};
+use crate::link::{Damping, Link};
+use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
+use crate::motion::Ends;
+use crate::numeric::ThinnedGrid;
+use crate::result::{JointMetrics, Metrics, MotorMetrics, Peak};
+use crate::text::{gigabytes, instant, plain, significant, visible};
+
+use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
+
+/// The note about memory before it is taken.
+pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
+    let gigabytes = gigabytes(bytes);
+    let more = if blocks > 1 {
+        format!("; the rows are made in {blocks} blocks, each transformed anew")
+    } else {
+        String::new()
+    };
+    format!("the motion of the nodes takes about {gigabytes} of memory{more}")
+}
+
+/// The summary of a solution; `written` says what was written where.
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
+    let (link, law) = (solution.link(), solution.law());
+    let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let before = [
+        ("link", link_line(link, solution.mesh())),
+        ("damping", damping_line(link, law, &frequencies)),
+        ("gravity", gravity_line(solution)),
+        ("order", order_line(solution)),
+        ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
+        ("motion", motion_line(solution, metrics)),
+    ];
+    let after = [("errors", solution_errors(solution)), ("written", written)];
+    labelled(link.title(), before.into_iter().chain(joint_lines(metrics.hub())).chain(after))
+}
+
+/// The lines of a joint, its link and its motor.
+pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
+    let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
+    [
+        ("torque", torque_line(joint)),
+        ("timing", timing_text(joint)),
+        ("hub", hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w])),
+        ("motor", joint.motor.as_ref().map(motor_line).unwrap_or_default()),
+        ("bending", bending_line(joint)),
+    ]
+}
+
+/// A title, then a line for each label that has content.
+pub(super) fn labelled<L: Display>(
+    titled: &str,
+    lines: impl IntoIterator<Item = (L, String)>,
+) -> String {
+    let mut text = title(titled);
+    for (label, content) in lines.into_iter().filter(|(_, content)| !content.is_empty()) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{label:<8} {content}");
+    }
+    text
+}
+
+/// The title of a link or an arm on a line of its own, if it has one.
+pub(super) fn title(title: &str) -> String {
+    if title.is_empty() { String::new() } else { format!("{}\n", visible(title)) }
+}
+
+/// Each number with four significant digits.
+pub(super) fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
+    numbers.map(|number| significant(number, 4))
+}
+
+/// Length, mesh and rigid inertia.
+pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
+    let [length, inertia] = four([link.length_m(), link.rigid_inertia_kg_m2()]);
+    let elements = mesh.elements().len();
+    format!("{length} m, {elements} elements, rigid inertia {inertia} kg m²")
+}
+
+/// The damping law in words, and the damping ratios of the modes where they are not all one.
+pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
+    let own = match (link.damping(), law) {
+        (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
+        (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
+            let [alpha, beta] = [*alpha_per_s, *beta_s].map(|number| significant(number, 3));
+            let alpha =
+                if *alpha_per_s == 0.0 { String::new() } else { format!(", alpha {alpha} 1/s") };
+            format!("rayleigh{alpha}, beta {beta} s")
+        }
+        (Damping::Hysteretic { ratio }, _) => format!("hysteretic, ratio {ratio}"),
+        (Damping::Modal { ratios }, _) if ratios.len() == 1 => {
+            format!("modal, ratio {}", ratios[0])
+        }
+        (damping, _) => format!("{}, all modes of the mesh", damping.name()),
+    };
+    let ratios = law.modal_ratios(frequencies_rad_s);
+    let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
+    let ratios = (!are_one).then(|| format!("ratios {}", list(&ratios, 2)));
+    wrapped(std::iter::once(own).chain(ratios), "")
+}
+
+/// Gravity, and the direction of the link where the tip's displacement is 0.
+fn gravity_line(solution: &Solution) -> String {
+    let Some(gravity) = solution.link().gravity() else { return String::new() };
+    let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
+    let start_rad = solution.rigid_hub_angle_rad[0];
+    let last_rad = solution.rigid_hub_angle_rad[solution.grid.len - 1];
+    let [start, last] = four([start_rad, last_rad]);
+    format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
+}
+
+/// What was counted of the second order, and what it brought.
+fn order_line(solution: &Solution) -> String {
+    let Some(found) = solution.second_order() else { return String::new() };
+    let iterated = (found.torque_change, found.iterations, found.contraction);
+    order_text(found.order, &[found.largest_slope], iterated)
+}
+
+/// The order of the terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
+/// and the number of iterations with their contraction.
+pub(super) fn order_text(
+    order: SecondOrder,
+    slopes: &[f64],
+    (change, iterations, contraction): (f64, usize, Option<f64>),
+) -> String {
+    let slope = if slopes.len() > 1 { "slopes" } else { "slope" };
+    let slopes = format!("{slope} {}", list(slopes, 3));
+    let name = match order {
+        SecondOrder::None => return format!("none: linear; largest {slopes}"),
+        SecondOrder::First => "first",
+        SecondOrder::Full => "full",
+    };
+    let change = significant(100.0 * change, 2);
+    let contraction = contraction.map_or("none".into(), |factor| significant(factor, 2));
+    let parts = [
+        format!("{name}: {change} % of torque"),
+        slopes,
+        format!("{iterations} iterations"),
+        format!("contraction {contraction}"),
+    ];
+    wrapped(parts.into_iter(), "")
+}
+
+/// The first natural frequencies with a free hub, and the zeros of torque → tip: as many as a line takes.
+fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
+    let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
+    let zeros: Vec<String> =
+        zeros_per_s.iter().map(|zero| format!("±{}", significant(*zero, 4))).collect();
+    let without = if link.has_weight() { "; without gravity" } else { "" };
+    let first = |most: usize| {
+        let [modes, zeros] =
+            [list(&hertz[..most.min(hertz.len())], 4), zeros[..most.min(zeros.len())].join(" ")];
+        let or_none =
+            |list: String, unit| if list.is_empty() { "none".into() } else { list + unit };
+        format!("{}; zeros {}{without}", or_none(modes, " Hz"), or_none(zeros, " 1/s"))
+    };
+    let fits = |line: &String| LABEL + line.chars().count() <= COLUMNS;
+    (2..=REPORTED_MODES).rev().map(first).find(fits).unwrap_or_else(|| first(1))
+}
+
+/// Several numbers with `digits` significant digits each.
+fn list(values: &[f64], digits: usize) -> String {
+    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
+}
+
+/// Velocity over its peak that is shown as rest.
+const ROUND_OFF: f64 = 1e-9;
+
+fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
+    let motion = &solution.motion;
+    let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+    let farthest_m = solution.tip_travel_m();
+    let [travel, farthest, duration] =
+        [motion.travel_m(), farthest_m, grid.time_s(until) - grid.time_s(from)]
+            .map(|number| significant(number, 3));
+    if motion.ends() == Ends::Periodic {
+        return with_peaks(&cycle_line(solution, farthest_m), solution, metrics);
+    }
+    let is_there_and_back = motion.travel_m().abs() <= 1e-6 * farthest_m;
+    let travel =
+        if is_there_and_back { format!("{farthest} m and back") } else { format!("{travel} m") };
+    let step = significant(grid.step_s, 3);
+    if motion.ends() == Ends::Moving {
+        let peak_m_s = metrics.peak_tip_velocity_m_s.value;
+        let rest =
+            |velocity: f64| if velocity.abs() < ROUND_OFF * peak_m_s { 0.0 } else { velocity };
+        let [before, after] =
+            motion.end_velocities_m_s().map(|velocity| significant(rest(velocity), 3));
+        let ends = with_peaks(&format!("from {before} to {after} m/s"), solution, metrics);
+        return format!(
+            "{travel}, {duration} s of it at changing velocity, at {step} s;\n{:LABEL$}{ends}",
+            ""
+        );
+    }
+    with_peaks(&format!("{travel} in {duration} s at {step} s"), solution, metrics)
+}
+
+/// A cycle: how far it leads, or turns, in what time.
+fn cycle_line(solution: &Solution, farthest_m: f64) -> String {
+    let (grid, travel_m) = (solution.motion.grid(), solution.motion.travel_m());
+    let [farthest, travel, period] = four([farthest_m, travel_m, grid.len as f64 * grid.step_s]);
+    let step = significant(grid.step_s, 3);
+    if travel_m == 0.0 {
+        format!("cycle of {farthest} m in {period} s at {step} s")
+    } else {
+        format!("cycle that leads on by {travel} m in {period} s at {step} s")
+    }
+}
+
+/// A motion, its largest velocity and acceleration, and its cut-off.
+fn with_peaks(motion: &str, solution: &Solution, metrics: &Metrics) -> String {
+    let velocity_m_s = metrics.peak_tip_velocity_m_s.value;
+    let acceleration_m_s2 = metrics.peak_tip_acceleration_m_s2.value;
+    let [velocity, acceleration] =
+        [velocity_m_s, acceleration_m_s2].map(|number| significant(number, 3));
+    let cutoff = match solution.band.cutoff_hz {
+        None => "whole band".to_owned(),
+        Some(cutoff_hz) => format!("to {} Hz", significant(cutoff_hz, 3)),
+    };
+    let peaks = [format!("{motion}; peaks {velocity} m/s"), format!("{acceleration} m/s²"), cutoff];
+    wrapped(peaks.into_iter(), "")
+}
+
+/// The torque of hub or motor.
+fn acting(peak_n_m: Peak, rms_n_m: f64) -> String {
+    let peak = significant(peak_n_m.value, 4);
+    let (time, rms) = (instant(peak_n_m.time_s, 3), significant(rms_n_m, 3));
+    format!("peak {peak} N m at {time} s, rms {rms} N m")
+}
+
+/// The hub's torque beside that of a rigid link.
+fn torque_line(metrics: &JointMetrics) -> String {
+    let [peak, rigid] = four([metrics.peak_torque_n_m.value, metrics.peak_rigid_torque_n_m.value]);
+    let time = instant(metrics.peak_torque_n_m.time_s, 3);
+    let [rms, ratio] =
+        [metrics.rms_torque_n_m, metrics.torque_ratio].map(|number| significant(number, 3));
+    let parts = [
+        format!("peak {peak} N m at {time} s"),
+        format!("rms {rms}"),
+        format!("rigid {} {rigid}", if metrics.joint.is_some() { "arm" } else { "link" }),
+        format!("ratio {ratio}"),
+    ];
+    wrapped(parts.into_iter(), "")
+}
+
+pub(super) fn timing_text(metrics: &JointMetrics) -> String {
+    let times_s = metrics.lead_s.zip(metrics.lag_s);
+    times_s.map_or("one cycle, which the torque repeats".to_owned(), timing_line)
+}
+
+/// When the torque is above 2 % of its peak. A slow motion begins and ends with less.
+fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
+    let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
+    if lead_s >= 0.0 && lag_s >= 0.0 {
+        return format!("starts {start} s before the motion, ends {end} s after it (2 % level)");
+    }
+    let begins = if lead_s < 0.0 { "after" } else { "before" };
+    let ends = if lag_s < 0.0 { "before" } else { "after" };
+    format!("starts {start} s {begins} the motion begins, ends {end} s {ends} it ends")
+}
+
+/// How far a hub turns, or from where to where a joint of an arm does.
+pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String {
+    match end_angles_rad.map(four) {
+        Some([from, to]) => format!("turns from {from} to {to} rad"),
+        None => format!("turns by up to {} rad", significant(peak_rad.value, 4)),
+    }
+}
+
+/// How a hub turns, its largest rate and its largest power.
+pub(super) fn hub_line(turns: &str, [rate_rad_s, power_w]: [Peak; 2]) -> String {
+    let [rate, power] = four([rate_rad_s.value, power_w.value]);
+    format!("{turns}; peaks {rate} rad/s, {power} W")
+}
+
+/// Torque, rate and power of the motor, on its own side of the gear.
+fn motor_line(motor: &MotorMetrics) -> String {
+    let [rate, power] = four([motor.peak_rate_rad_s.value, motor.peak_power_w.value]);
+    acting(motor.peak_torque_n_m, motor.rms_torque_n_m) + &format!("; {rate} rad/s, {power} W")
+}
+
+pub(super) fn deflection(peak_m: Peak) -> String {
+    format!("tip deflects by up to {} m", significant(peak_m.value, 4))
+}
+
+fn bending_line(metrics: &JointMetrics) -> String {
+    let moment = significant(metrics.peak_root_moment_n_m.value, 4);
+    deflection(metrics.peak_deflection_m) + &format!(", root moment up to {moment} N m")
+}
+
+/// One kind of error of a quantity, where it was measured.
+type Kind = fn(QuantityErrors) -> Option<f64>;
+
+/// The kind of error that is printed for the torque, too, if another quantity is worse.
+const INPUT: &str = "input";
+
+/// A cycle is not cut out of a longer one.
+const WINDOW: &str = "window";
+
+fn solution_errors(solution: &Solution) -> String {
+    let errors = &solution.accuracy;
+    let is_cycle = solution.motion.ends() == Ends::Periodic;
+    let tip = solution.band.cutoff_hz.map(|_| errors.tip);
+    let of = if solution.link().has_weight() { "of the range" } else { "of the peak" };
+    errors_text(&[errors.errors], (tip, errors.tip_model), (is_cycle, of))
+}
+
+/// The errors of the tip, then the worst error of each kind, with its quantity where that is not the torque, and its joint
+/// of several.
+pub(super) fn errors_text(
+    errors: &[PerQuantity<QuantityErrors>],
+    (tip, tip_model): (Option<f64>, Option<f64>),
+    (is_cycle, of): (bool, &str),
+) -> String {
+    let kinds: [(&str, Kind); 6] = [
+        ("mesh", |errors| Some(errors.mesh)),
+        (WINDOW, |errors| Some(errors.window)),
+        ("step", |errors| errors.step),
+        ("iteration", |errors| errors.iteration),
+        ("modes left out", |errors| errors.modes),
+        (INPUT, |errors| errors.input),
+    ];
+    let worst = kinds.iter().filter_map(|(name, kind)| {
+        let is_measured = errors.iter().any(|own| kind(own.torque).is_some());
+        let joints = (1..).zip(errors).filter(|_| is_measured && !(is_cycle && *name == WINDOW));
+        let worst = joints.map(|(joint, own)| {
+            let (quantity, error) = own.of_kind(|own| kind(own).unwrap_or(0.0)).worst();
+            (joint, own.torque.input, quantity, error)
+        });
+        let (joint, of_torque, quantity, error) = worst
+            .reduce(|worst, own| if own.3 > worst.3 || own.3.is_nan() { own } else { worst })?;
+        let of_joint = (errors.len() > 1).then(|| format!("joint {joint}"));
+        let other = (quantity != Quantity::Torque)
+            .then(|| quantity.name().replace("acceleration", "accel."));
+        let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");
+        let of = if of.is_empty() { of } else { format!(" ({of})") };
+        // The input moves derivatives most; of the torque it must be known as well.
+        let torque = of_torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
+        let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
+        Some((format!("{name}{of}"), format!("{torque}{error:.1e}")))
+    });
+    let share = |name: &str, share: f64| (name.to_owned(), format!("{share:.1e}"));
+    let tip = tip.map(|error| share("tip", error));
+    let model = errors.iter().find_map(|own| own.torque.model).map(|error| share("model", error));
+    let tip_model = tip_model.map(|strays| share("model (tip)", strays));
+    in_columns(tip.into_iter().chain(worst).chain(model).chain(tip_model), of)
+}
+
+/// Rows that are written, and the times of the first and the last.
+pub(crate) fn rows_text(rows: &ThinnedGrid) -> String {
+    let [start, end] = [0, rows.len().saturating_sub(1)].map(|row| instant(rows.time_s(row), 4));
+    format!("{} rows, {start} … {end} s", rows.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_torque_that_acts_within_the_motion_alone_is_told_so() {
+        let expected = [
+            ((0.305, 0.319), "starts 0.305 s before the motion, ends 0.319 s after it (2 % level)"),
+            ((-19.3, -20.1), "starts 19.3 s after the motion begins, ends 20.1 s before it ends"),
+            (
+                (-0.0193, 0.25),
+                "starts 0.0193 s after the motion begins, ends 0.250 s after it ends",
+            ),
+            (
+                (0.1, -0.0201),
+                "starts 0.100 s before the motion begins, ends 0.0201 s before it ends",
+            ),
+        ];
+        for (times_s, text) in expected {
+            assert_eq!(timing_line(times_s), text);
+            assert!(LABEL + text.chars().count() <= COLUMNS, "{text}");
+        }
+    }
+
+    #[test]
+    fn much_memory_is_told_with_what_becomes_slower() {
+        let one = "the motion of the nodes takes about 0.54 GB of memory";
+        assert_eq!(memory_text(540_000_000, 1), one);
+        let many = "about 1.1 GB of memory; the rows are made in 3 blocks, each transformed anew";
+        assert!(memory_text(1_100_000_000, 3).ends_with(many));
+    }
+}

@@ -1,0 +1,223 @@
+//! What `modes`, `verify` and `trajectory --fit-limit` print.
+
+use std::f64::consts::TAU;
+
+use crate::link::Arm;
+use crate::response::SettledModes;
+use crate::result::{Check, Fit, LimitedValue, LinkZeros, ModesResult, Reached, Setting};
+use crate::text::{digits_beyond, given, significant};
+use crate::verify::Verification;
+
+use super::arm::{gravity_line, size_line};
+use super::runs::{four, link_line, title};
+
+/// Modes of a link or an arm with joints free and held, and zeros of its links.
+pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
+    let link = &arm.links()[0].link;
+    let list = |values: &[f64]| {
+        values.iter().map(|own| significant(*own, 4)).collect::<Vec<_>>().join(", ")
+    };
+    let mut lines: Vec<String> = if arm.links().len() == 1 {
+        found.meshes.iter().map(|mesh| link_line(link, mesh)).collect()
+    } else {
+        Vec::new()
+    };
+    match &found.setting {
+        Setting::Level => {
+            let without = if link.drive().is_some() { ", without the rotor" } else { "" };
+            lines.push(format!("hub free{without}"));
+        }
+        Setting::Straight { angle_rad, outward_m_s2 } => {
+            let [angle, pull] = four([*angle_rad, outward_m_s2.abs()]);
+            let towards = if *outward_m_s2 < 0.0 { "inward" } else { "outward" };
+            lines.push(format!(
+                "at {angle} rad gravity pulls by {pull} m/s² {towards} along the link"
+            ));
+            lines.push("hub free; mode 0 is the swing of the whole link".to_owned());
+        }
+        Setting::AtRest { directions_rad, tip_m, holding_torques_n_m } => {
+            let (size, directions) = (size_line(arm), list(directions_rad));
+            lines.push(format!("arm of {size}; the links point to {directions} rad"));
+            lines.push(format!("the tip rests at {} m", list(tip_m)));
+            if arm.has_weight() {
+                let (gravity, torques) = (gravity_line(arm), list(holding_torques_n_m));
+                lines.push(format!("gravity {gravity}; {torques} N m hold the joints at rest"));
+            }
+            let swings = arm.links().len();
+            lines.push(format!("joints free; the first {swings} are swings of the whole arm"));
+        }
+    }
+    // The swing of one link is mode 0.
+    let first = usize::from(!matches!(found.setting, Setting::Straight { .. }));
+    lines.extend(mode_rows(found, &found.free, first));
+    if found.setting == Setting::Level {
+        lines.extend(found.zeros.iter().flat_map(zero_rows));
+    }
+    lines.push(joints_held(arm));
+    lines.extend(mode_rows(found, &found.held, 1));
+    if matches!(found.setting, Setting::AtRest { .. }) {
+        for (number, zeros) in found.zeros.iter().enumerate() {
+            lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
+            lines.extend(zero_rows(zeros));
+        }
+    }
+    title(arm.title()) + &lines.join("\n") + "\n"
+}
+
+/// A heading, then a row a zero, and a line for each frequency at which no torque moves the tip.
+fn zero_rows(found: &LinkZeros) -> Vec<String> {
+    let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
+    let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
+    for (number, ((zero, lead), error)) in (1..).zip(zeros) {
+        let [zero, lead] = [significant(*zero, 8), significant(lead, 4)];
+        lines.push(row([&format!("{number}"), &zero, &lead, "", "", &share(*error)]));
+    }
+    for (hertz, error) in found.blocked_hz.iter().zip(&found.blocked_mesh_errors) {
+        let hertz = significant(*hertz, 8);
+        let error = share(*error);
+        let error = if error.is_empty() { error } else { format!(" (mesh error {error})") };
+        lines.push(format!("at {hertz} Hz no torque moves the tip{error}"));
+    }
+    lines
+}
+
+/// What holds the hub of a link, or the rotors of an arm.
+fn joints_held(arm: &Arm) -> String {
+    let springs = arm.joint_stiffnesses_n_m_rad();
+    let (is_one, are_stiff) = (springs.len() == 1, springs.iter().all(|own| own.is_infinite()));
+    let each = springs
+        .iter()
+        .map(|own| if own.is_finite() { significant(*own, 4) } else { "stiff".into() });
+    let each = each.collect::<Vec<_>>().join(", ");
+    match (is_one, are_stiff) {
+        (true, true) if arm.links()[0].link.drive().is_none() => "hub held".into(),
+        (true, true) => "rotor held, stiff joint".into(),
+        (true, false) => format!("rotor held, joint spring {each} N m/rad"),
+        (false, true) => "rotors held, stiff joints".into(),
+        (false, false) => format!("rotors held, joint springs {each} N m/rad"),
+    }
+}
+
+/// A mode that does not vibrate, in words; `what` is a link or an arm.
+fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<String> {
+    if square_per_s2 == 0.0 {
+        return Some(format!("{number:<6} neutral: the {what} stays where it is turned"));
+    }
+    let time = significant(square_per_s2.abs().sqrt().recip(), 4);
+    let falls = format!("{number:<6} not stable: it leaves the pose as e^(t/{time} s)");
+    (square_per_s2 < 0.0).then_some(falls)
+}
+
+const MESH_ERROR: &str = "mesh error";
+
+/// A heading, then a row a mode: of a link with its period, of an arm with how far each joint turns, where any does.
+fn mode_rows(found: &ModesResult, own: &SettledModes, first: usize) -> Vec<String> {
+    let is_link = found.joint_stiffnesses_n_m_rad.len() == 1;
+    let is_straight = matches!(found.setting, Setting::Straight { .. });
+    let any_turns = own.modes.iter().flat_map(|mode| &mode.joints).any(|turn| *turn != 0.0);
+    let row = |[number, omega, hertz, period, damping, error]: [&str; 6], joints: &str| {
+        let period = if is_link { format!(" {period:>13}") } else { String::new() };
+        let joints = if is_link || !any_turns { "" } else { joints };
+        let row = format!("{number:<6} {omega:>13} {hertz:>15}{period} {damping:>10} {error:>11}");
+        (row + joints).trim_end().to_owned()
+    };
+    let damping = if is_straight { "" } else { "damping" };
+    let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", damping, MESH_ERROR];
+    let modes = own.modes.iter().zip(&own.errors).enumerate().map(|(k, (mode, error))| {
+        let (number, square) = ((first + k).to_string(), mode.square_per_s2);
+        unsteady(&number, square, if is_link { "link" } else { "arm" }).unwrap_or_else(|| {
+            let omega = square.sqrt();
+            let [omega, hertz, period] =
+                [omega, omega / TAU, TAU / omega].map(|x| significant(x, 8));
+            let damping = match mode.damping_ratio {
+                Some(ratio) => significant(ratio, 4),
+                None if is_straight => String::new(),
+                None => "none".to_owned(),
+            };
+            let turns = mode.joints.iter().map(|own| format!(" {own:>6.3}"));
+            let turns = turns.collect::<Vec<_>>().concat();
+            row([&number, &omega, &hertz, &period, &damping, &share(*error)], &turns)
+        })
+    });
+    std::iter::once(row(heading, "  joints")).chain(modes).collect()
+}
+
+/// A relative error; below what the iterations leave open, a bound. Empty where it is not known.
+fn share(error: f64) -> String {
+    const KNOWN_TO: f64 = 1e-12;
+    match error {
+        _ if error.is_nan() => String::new(),
+        _ if error < KNOWN_TO => format!("< {KNOWN_TO:e}"),
+        _ => format!("{error:.1e}"),
+    }
+}
+
+fn row([number, a, b, c, d, e]: [&str; 6]) -> String {
+    format!("{number:<6} {a:>13} {b:>15} {c:>13} {d:>10} {e:>11}").trim_end().to_owned()
+}
+
+/// A line for each check.
+pub(crate) fn verify_text(verification: &Verification) -> String {
+    let header = format!("{:<34} {:>9}   {:>9}   of", "check", "found", "at most");
+    let lines = verification.checks.iter().map(check_line);
+    std::iter::once(header).chain(lines).map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+/// Numbers below it are round-off, another one on every machine.
+const ROUND_OFF: f64 = 1e-9;
+
+fn check_line(check: &Check) -> String {
+    let what = &check.what;
+    match check.found.zip(check.bound) {
+        Some((found, bound)) => {
+            let verdict = if check.passes { "" } else { "  FAILS" };
+            let found = if found <= ROUND_OFF {
+                format!("< {ROUND_OFF:.0e}")
+            } else if found >= bound && check.passes {
+                format!("< {bound:.1e}")
+            } else {
+                // The column has no place for more decimals.
+                format!("{found:.0$e}", digits_beyond(found, bound) - 1)
+            };
+            format!("{what:<34} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
+        }
+        None => format!("{what:<34} not made: {}", check.reason.as_deref().unwrap_or_default()),
+    }
+}
+
+/// How a duration was found among those that were tried, with all limits that it is within.
+pub(crate) fn found_text<S>(fit: &Fit<S>, values: &[LimitedValue]) -> String {
+    let each = values.iter().map(|value| {
+        let LimitedValue { joint, key, limit, unit, .. } = *value;
+        format!("{}{key}={} {unit}", of_joint(joint), given(limit))
+    });
+    let within = each.collect::<Vec<_>>().join(", ");
+    if fit.is_shortest() {
+        return format!("the shortest duration within {within}");
+    }
+    let (tried, shorter) = (fit.shorter_tried, fit.shorter());
+    format!("within {within}; {tried} of the {shorter} shorter durations were tried, none fits")
+}
+
+fn of_joint(joint: Option<usize>) -> String {
+    joint.map_or(String::new(), |joint| format!("joint {} ", joint + 1))
+}
+
+/// Which limit a motion comes closest to, and by how much.
+pub(crate) fn binding_text<S>(fit: &Fit<S>) -> String {
+    if fit.has_fewest_steps() {
+        return "; no limit binds: the profile has no fewer steps".to_owned();
+    }
+    if let Some(error) = &fit.unsolved {
+        return format!("; no limit binds: with a step less, {error}");
+    }
+    let Some(binding) = fit.binding else { return String::new() };
+    let below = 100.0 * (1.0 - binding.share());
+    let below = if below < 0.01 { "less than 0.01".to_owned() } else { format!("{below:.2}") };
+    let Reached { value, error } = binding;
+    let (key, unit) = (value.key, value.unit);
+    let (found, limit) = (significant(value.found, 5), given(value.limit));
+    let error = format!("{below} % below it with its error of {error:.1e} added");
+    let of = of_joint(value.joint);
+    format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
+}

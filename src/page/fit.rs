@@ -1,0 +1,326 @@
+//! The page of a fitted link: values, measured beside fitted, and both over each other.
+
+use maud::{Markup, html};
+
+use super::axis;
+use super::document::{Section, advice, all_figures, document, inputs, made_by};
+use super::fit_figures::{figures, labels};
+use super::tables::table;
+use crate::fit::{FitOutcome, FittedValue, Replaced, Residual};
+use crate::result::Origin;
+use crate::text::{plain, significant, visible_document};
+
+/// What the page of a fit shows.
+#[derive(Debug, Clone)]
+pub struct FitReport<'a> {
+    /// Files, arguments, title of the link.
+    pub origin: Origin,
+    /// The fit.
+    pub outcome: &'a FitOutcome,
+    /// Values of the link file before and after; empty where it is not to be believed.
+    pub replaced: &'a [Replaced],
+    /// Name of the link file that was written, if one was.
+    pub written: Option<&'a str>,
+}
+
+/// The page of a fit, with its figures: one HTML file that needs nothing else.
+pub fn fit_page(report: &FitReport) -> String {
+    let FitReport { origin, outcome, replaced, written } = report;
+    let title = match origin.title.trim() {
+        "" => "Fitted values".to_owned(),
+        title => format!("{title}, fitted"),
+    };
+    let mut sections: Vec<Section> = warnings(outcome).map(Section::warnings).into_iter().collect();
+    if !outcome.undetermined.is_empty() {
+        sections.push(Section::new("undetermined", "Not determined", undetermined(outcome)));
+    }
+    let figures = figures(outcome);
+    sections.push(all_figures(&figures));
+    sections.push(Section::glossary());
+    let values = html! { (values(outcome)) (replacements(replaced, *written)) };
+    sections.push(Section::new("values", "Values", values));
+    if !outcome.other_answers.is_empty() {
+        sections.push(Section::new("answers", "Other answers", other_answers(outcome)));
+    }
+    if !outcome.correlation.is_empty() && outcome.values.len() > 1 {
+        sections.push(Section::new("correlations", "Correlations", correlations(outcome)));
+    }
+    sections.push(Section::new("measured", "Measured and fitted", measured(outcome)));
+    sections.push(Section::new("starts", "Starts", starts(outcome)));
+    sections.push(inputs(origin));
+    let page = document(&title, &made_by(origin), &sections, "from the fit itself", None);
+    visible_document(&page.into_string())
+}
+
+/// Why no link file is written, and what else must be known.
+fn warnings(outcome: &FitOutcome) -> Option<Markup> {
+    let misfit = outcome.misfit.as_ref().map(|misfit| (misfit.to_string(), misfit.hint()));
+    let others = outcome.warnings();
+    let others = others.iter().map(|other| (other.to_string(), other.hint().to_owned()));
+    let all = misfit.into_iter().chain(others);
+    let all: Vec<_> = all.map(|(message, hint)| (sentence(&message), hint)).collect();
+    advice(&all, true)
+}
+
+fn undetermined(outcome: &FitOutcome) -> Markup {
+    html! { ul { @for open in &outcome.undetermined { li { (sentence(&open.to_string())) } } } }
+}
+
+/// A message with a capital letter and a full stop.
+fn sentence(message: &str) -> String {
+    let mut letters = message.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string());
+    format!("{}{}.", first.unwrap_or_default(), letters.as_str())
+}
+
+fn percent(share: f64, digits: usize) -> String {
+    with_unit(&shown(100.0 * share, digits), if share.is_finite() { "%" } else { "" })
+}
+
+/// A share with its sign, to a hundredth of a per cent.
+fn signed(share: f64) -> String {
+    if !share.is_finite() {
+        return UNKNOWN.to_owned();
+    }
+    // Adding 0 leaves no negative zero.
+    let rounded = (1e4 * share).round() / 100.0 + 0.0;
+    format!("{rounded:+.2} %").replace('-', "−")
+}
+
+fn with_unit(number: &str, unit: &str) -> String {
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
+/// Every free value before and after.
+fn values(outcome: &FitOutcome) -> Markup {
+    let unknown = || UNKNOWN.to_owned();
+    let amount = |value: &FittedValue, number: Option<String>| {
+        let unit = value.unit.as_deref().unwrap_or_default();
+        number.map_or("–".to_owned(), |number| with_unit(&number, unit))
+    };
+    let before = |value: &FittedValue| value.before.map(|b| plain(b).replace('-', "−"));
+    let after = |value: &FittedValue| value.after.map(|after| shown(after, 5));
+    let interval = |value: &FittedValue, [low, high]: [f64; 2]| {
+        let times = value.after.unwrap_or(value.factor);
+        let ends = format!("{} … {}", shown(times * low, 4), shown(times * high, 4));
+        with_unit(&ends, value.unit.as_deref().unwrap_or("times"))
+    };
+    let head = [
+        "free value",
+        "before",
+        "after",
+        "factor",
+        "change",
+        "standard error",
+        "95 % within",
+        "bounds, as factors",
+    ];
+    let rows = html! {
+        @for value in &outcome.values { tr {
+            th scope="row" { code { (value.path) } }
+            td { (amount(value, before(value))) }
+            td { (amount(value, after(value))) }
+            td { (shown(value.factor, 5)) }
+            td { (signed(value.factor - 1.0)) }
+            td { (value.relative_standard_error.map_or_else(unknown, |error| percent(error, 2))) }
+            td { (value.relative_interval_95.map_or_else(unknown, |ends| interval(value, ends))) }
+            td { (shown(value.bounds[0], 4)) " … " (shown(value.bounds[1], 4))
+                @if value.is_at_bound { " " strong { "at its bound" } } }
+        } }
+    };
+    let number = outcome.degrees_of_freedom;
+    html! {
+        (table(&head, &rows))
+        p { "Several values that are free together have one common factor."
+            @if outcome.chi_squared.is_none() && number > 0 {
+                " The standard errors follow from the differences that remain, with " (number)
+                @if number == 1 { " degree" } @else { " degrees" } " of freedom; the 95 % are those of \
+                Student's distribution."
+            }
+            @if let Some(chi_squared) = outcome.chi_squared.filter(|_| number > 0) {
+                " chi² is " (shown(chi_squared, 3)) " with " (number)
+                @if number == 1 { " degree" } @else { " degrees" } " of freedom."
+            }
+        }
+    }
+}
+
+/// What changed in the link file.
+fn replacements(replaced: &[Replaced], written: Option<&str>) -> Markup {
+    let rows = html! {
+        @for Replaced { path, before, after } in replaced {
+            tr { th scope="row" { code { (path) } } td { (before) } td { (after) } }
+        }
+    };
+    html! {
+        @match written {
+            Some(name) => p { (name) " is the link file with these values, all else kept:" },
+            None if replaced.is_empty() => p { "No link file is written." },
+            None => p { "No link file is written. In the link file this would change:" },
+        }
+        @if !replaced.is_empty() { (table(&["value", "before", "after"], &rows)) }
+    }
+}
+
+fn correlations(outcome: &FitOutcome) -> Markup {
+    let paths: Vec<&str> = outcome.values.iter().map(|value| value.path.as_str()).collect();
+    let head: Vec<&str> = std::iter::once("free value").chain(paths.iter().copied()).collect();
+    let rows = html! {
+        @for (path, row) in paths.iter().zip(&outcome.correlation) { tr {
+            th scope="row" { code { (path) } }
+            @for one in row { td { (format!("{one:+.3}").replace('-', "−")) } }
+        } }
+    };
+    html! {
+        p { "Errors of two values with a correlation near 1 or −1 go together: the data know a product or a \
+             quotient of the two better than either." }
+        (table(&head, &rows))
+    }
+}
+
+/// Every measurement beside the fitted link's value.
+fn measured(outcome: &FitOutcome) -> Markup {
+    let is_known = outcome.residuals.iter().any(|residual| residual.uncertainties.is_some());
+    let head =
+        ["figure", "measured", "value", "fitted", "difference", "uncertainty", "in uncertainties"];
+    let head = if is_known { &head[..] } else { &head[..5] };
+    let amount = |residual: &Residual, number: f64, digits: usize| {
+        with_unit(&shown(number, digits), residual.measured.observable.unit())
+    };
+    let rows = html! {
+        @for (residual, label) in outcome.residuals.iter().zip(labels(outcome)) { tr {
+            td { (label) }
+            th scope="row" { (residual.measured.observable) }
+            td { (amount(residual, residual.measured.value, 5)) }
+            td { (amount(residual, residual.fitted, 5)) }
+            td { (signed(residual.relative)) }
+            @if let Some((u, off)) = residual.measured.uncertainty.zip(residual.uncertainties) {
+                td { (amount(residual, u, 2)) }
+                td { (format!("{:+.1}", (10.0 * off).round() / 10.0 + 0.0).replace('-', "−"))
+                    @if residual.is_outlier { " " strong { "outlier" } } }
+            }
+        } }
+    };
+    let responses = html! {
+        @for response in &outcome.responses { tr {
+            th scope="row" { (response.name) }
+            td { (response.frequencies) }
+            td { (response.gain.map_or(String::new(), |gain| significant(gain, 4))) }
+            td { (percent(response.rms, 2)) }
+        } }
+    };
+    let head_of_records = [
+        "record",
+        "channel",
+        "samples",
+        "delay",
+        "gain",
+        "offset",
+        "difference, rms",
+        "correlation of neighbours",
+    ];
+    html! {
+        @if !outcome.residuals.is_empty() { (table(head, &rows)) }
+        @if !outcome.responses.is_empty() {
+            (table(&["response", "frequencies", "gain", "difference, rms"], &responses))
+        }
+        @if !outcome.records.is_empty() {
+            (table(&head_of_records, &records(outcome)))
+            p { "The difference is over the root mean square of the channel's samples, about their mean where \
+                 the offset is free. The correlation of each difference with the next is about 0 of noise, \
+                 near 1 where the model lacks something. An offset without a unit is in that of the samples. \
+                 A dash: not free." }
+        }
+        @if !outcome.decays.is_empty() {
+            (table(&["decay", "samples", "mode", "frequency", "damping ratio", "remainder, rms"], &decays(outcome)))
+            p { "Frequency and damping ratio of each mode, as the samples of the decay show them. The remainder is over \
+                 the root mean square of the samples about their offset and drift." }
+        }
+        p { "All together are " (percent(outcome.rms_misfit, 2)) " off (root mean square)." }
+    }
+}
+
+/// Every channel of every record.
+fn records(outcome: &FitOutcome) -> Markup {
+    let fitted = |number: Option<f64>, unit: &str| {
+        number.map_or("–".to_owned(), |number| with_unit(&shown(number, 4), unit))
+    };
+    html! {
+        @for record in &outcome.records { @for channel in &record.channels { tr {
+            th scope="row" { (record.name) }
+            td { (channel.sensor.quantity()) }
+            td { (record.samples) }
+            td { (fitted(record.delay_s, "s")) }
+            td { (fitted(channel.gain, "")) }
+            td { (fitted(channel.offset, channel.gain.map_or(channel.sensor.unit(), |_| ""))) }
+            td { (percent(channel.rms, 2)) }
+            td { (shown(channel.autocorrelation, 2)) }
+        } } }
+    }
+}
+
+/// Every mode of every decay.
+fn decays(outcome: &FitOutcome) -> Markup {
+    html! {
+        @for decay in &outcome.decays { @for mode in &decay.modes { tr {
+            th scope="row" { (decay.name) ": " (decay.column) }
+            td { (decay.samples) }
+            td { (mode.frequency.observable) }
+            td { (with_unit(&mode.frequency.shown(), mode.frequency.observable.unit())) }
+            td { (mode.ratio.shown()) }
+            td { (percent(decay.rms, 2)) }
+        } } }
+    }
+}
+
+/// Of a number that is none.
+const UNKNOWN: &str = "not known";
+
+/// Digits as a page shows them.
+fn shown(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return UNKNOWN.to_owned();
+    }
+    axis::digits(value, digits)
+}
+
+/// Other values that fit about as well.
+fn other_answers(outcome: &FitOutcome) -> Markup {
+    let paths = outcome.values.iter().map(|value| value.path.as_str());
+    let head: Vec<&str> = paths.chain(["sum of squares"]).collect();
+    let rows = html! {
+        @for answer in &outcome.other_answers { tr {
+            @for factor in &answer.factors { td { (shown(*factor, 5)) } }
+            td { (shown(answer.sum_of_squares, 5)) }
+        } }
+    };
+    html! {
+        p { "These factors fit the measurements about as well: their sums of squares are less than 3.84 above the \
+             least, in units of the variance of the differences." }
+        (table(&head, &rows))
+    }
+}
+
+/// Where each start ended.
+fn starts(outcome: &FitOutcome) -> Markup {
+    let factors = |of: &[f64]| of.iter().map(|f| shown(*f, 4)).collect::<Vec<_>>().join(", ");
+    let rows = html! {
+        @for (number, start) in outcome.starts.iter().enumerate() { tr {
+            th scope="row" { @if number == 0 { "the file's values" } @else { (number) } }
+            td { (factors(&start.from)) }
+            td { (start.to.as_deref().map_or("no link there".to_owned(), factors)) }
+            td { (start.sum_of_squares.map_or(String::new(), |sum| shown(sum, 5))) }
+            td { (start.iterations) }
+        } }
+    };
+    let head = ["start", "from the factors", "to the factors", "sum of squares", "iterations"];
+    html! {
+        (table(&head, &rows))
+        p { @if outcome.is_from_other_start {
+            "A better fit was found from another start than the file's own values. "
+        } "From the best of them " (outcome.iterations)
+            @if outcome.iterations == 1 { " iteration leads" } @else { " iterations lead" }
+            " to the fitted values."
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Figures of what may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
+
+use std::borrow::Cow;
+
+use super::bending::{TRUSTED, bent_m, tip_deflection_m};
+use super::figure::{Curve, Figure, Stroke};
+use super::view::{COLOURS, View, peak_words};
+use super::words::formula;
+use crate::numeric::largest;
+use crate::result::{Limits, StoredJoint, StoredNodes};
+
+/// A quantity of a hub or of a joint that may have a limit.
+pub(super) struct Limited {
+    /// The id of its figure: of a motor `motor-torque`.
+    id: &'static str,
+    /// Its peak in the summary.
+    reading: &'static str,
+    /// Its title, but for what it is of.
+    title: &'static str,
+    quantity: (&'static str, &'static str),
+    limit: fn(&Limits) -> Option<f64>,
+    of: fn(&StoredJoint) -> Option<Cow<[f64]>>,
+    formula: &'static str,
+}
+
+const AT_MOST: &str = "At most {}.";
+const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
+
+/// Torque of the motor, which has a figure without a limit, too.
+pub(super) const MOTOR_TORQUE: Limited = Limited {
+    id: "motor-torque",
+    reading: "peak_motor_torque_n_m",
+    title: "Torque of the motor of",
+    quantity: ("torque", "N m"),
+    limit: |limits| limits.motor_torque_n_m,
+    of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.torque_n_m)),
+    formula: formula::MOTOR,
+};
+
+/// Rate and power, at the joint and of its motor: drawn where they have a limit.
+pub(super) const LIMITED: [Limited; 4] = [
+    Limited {
+        id: "hub-rate",
+        reading: "peak_hub_rate_rad_s",
+        title: "Rate of",
+        quantity: ("rate", "rad/s"),
+        limit: |limits| limits.hub_rate_rad_s,
+        of: |joint| Some(Cow::Borrowed(&joint.rate_rad_s)),
+        formula: formula::RATE,
+    },
+    Limited {
+        id: "hub-power",
+        reading: "peak_power_w",
+        title: "Power at",
+        quantity: ("power", "W"),
+        limit: |limits| limits.power_w,
+        of: |joint| Some(power_w(&joint.torque_n_m, &joint.rate_rad_s)),
+        formula: formula::POWER,
+    },
+    Limited {
+        id: "motor-rate",
+        reading: "peak_motor_rate_rad_s",
+        title: "Rate of the motor of",
+        quantity: ("rate", "rad/s"),
+        limit: |limits| limits.motor_rate_rad_s,
+        of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.rate_rad_s)),
+        formula: formula::MOTOR_RATE,
+    },
+    Limited {
+        id: "motor-power",
+        reading: "peak_motor_power_w",
+        title: "Power of the motor of",
+        quantity: ("power", "W"),
+        limit: |limits| limits.motor_power_w,
+        of: |joint| joint.motor.as_ref().map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
+        formula: formula::MOTOR_POWER,
+    },
+];
+
+fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
+    torque_n_m.iter().zip(rate_rad_s).map(|(torque, rate)| torque * rate).collect()
+}
+
+/// Name of the flexible line where a page shows one run: `played` of the simulation of a link.
+pub(super) fn flexible<'a>(view: &View, played: &'a str) -> &'a str {
+    view.pick(if view.is_solved() { "flexible link" } else { played }, "flexible arm")
+}
+
+impl Limited {
+    /// Its figure of a joint, with the limit if there is one; none where the joint lacks the quantity.
+    pub(super) fn figure(&self, view: &View, joint: usize) -> Option<Figure> {
+        let first = &view.first().joints[joint];
+        (self.of)(first)?;
+        let is_of_motor = self.id.starts_with("motor");
+        let of_link = if is_of_motor { "motor" } else { flexible(view, "hub") };
+        let name = view.pick(of_link, "flexible arm");
+        let caption = if is_of_motor { OF_MOTOR } else { AT_MOST };
+        let curves = view.of_runs(name, |arm| Some((&arm.times_s, (self.of)(&arm.joints[joint])?)));
+        let lines = (curves, (self.limit)(&first.limits));
+        let title = format!("{} {}", self.title, view.joint_words(joint));
+        let known = first.reading(self.reading);
+        let figure =
+            figure(view, view.id(self.id, joint), (&title, caption), self.quantity, lines, known);
+        Some(figure.by(self.formula))
+    }
+}
+
+/// A figure of lines with a limit; the caption says how far the first line gets, as the summary has it if it is `known`.
+fn figure(
+    view: &View,
+    id: String,
+    (title, caption): (&str, &str),
+    (name, unit): (&str, &str),
+    (mut curves, limit): (Vec<Curve>, Option<f64>),
+    known: Option<f64>,
+) -> Figure {
+    let values = curves.first().into_iter().flat_map(|curve| &curve.points);
+    let values: Vec<f64> = values.map(|(_, value)| *value).collect();
+    let peak = format!("{} {unit}", peak_words(known, &values));
+    let mut caption = caption.replace("{}", &peak);
+    caption.push_str(&Curve::add_limit(&mut curves, limit, ("", unit), 1));
+    view.figure(id, title, caption, (name, unit), curves)
+}
+
+/// All quantities of a joint, its motor and its link that have a limit, but for torques.
+pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> {
+    let limits = &view.first().joints[joint].limits;
+    let has_limit = |topic: &&Limited| (topic.limit)(limits).is_some();
+    let turning = LIMITED.iter().filter(has_limit);
+    let turning = turning.filter_map(|topic| topic.figure(view, joint)).map(Ok);
+    let deflected = limits.deflection_m.map(|limit| deflection(view, joint, limit));
+    // The moments of all links of an arm are in one figure.
+    let limit = limits.bending_moment_n_m.filter(|_| !view.is_arm());
+    let moment = limit.map(|limit| root_moment(view, limit));
+    turning.chain(deflected).chain(moment).collect()
+}
+
+/// Deflection of a link's tip from the tangent line at its root: of a single link as it was written, or `v − Lθ`.
+fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
+    let known = view.first().joints[link].reading("peak_deflection_m");
+    let of_arm =
+        format!("Deflection at the tip of link {}, estimated from its nodes", view.number_of(link));
+    let title = view.pick("Deflection of the tip from the hub's tangent line", &of_arm);
+    let caption = view.pick(AT_MOST, "From the tangent line at the link's root, at most {}.");
+    let curves = if let Some(run) = view.link {
+        let tip = run.arc.mesh.nodes_m().len() - 1;
+        let written = run.arc.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
+        let bent = bent_m(run);
+        let (times_s, history) = written
+            .and_then(|own| Some((&own.times_s[..], own.histories.last()?)))
+            .unwrap_or((run.times_s, &bent));
+        vec![view.curve("flexible link", Stroke::Solid(1), times_s, history)]
+    } else {
+        let own = largest(&tip_deflection_m(view.first(), link));
+        if known.is_some_and(|peak| (own / peak - 1.0).abs() > TRUSTED) {
+            let why = "too few rows were written for it: --every 1 writes all";
+            return Err(format!("{title}, since {why}"));
+        }
+        view.of_runs("flexible arm", |arm| {
+            Some((&arm.nodal_times_s, tip_deflection_m(arm, link).into()))
+        })
+    };
+    let (id, lines) = (view.id("tip-deflection", link), (curves, Some(limit)));
+    let figure = figure(view, id, (title, caption), ("deflection", "m"), lines, known);
+    Ok(figure.by(view.pick(formula::TIP_DEFLECTION, formula::LINK_DEFLECTION)))
+}
+
+/// The bending moment at the root of a single link, if it is known.
+fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
+    let moments = view.moments(0).filter(|moments| moments.nodes.nodes.first() == Some(&0));
+    let why = if view.is_solved() {
+        "it was not written: solve --moments writes it"
+    } else {
+        "too few rows were written for an estimate: --every 1 writes all"
+    };
+    let moments = moments.ok_or_else(|| format!("the bending moment at the root, since {why}"))?;
+    let StoredNodes { times_s, histories, .. } = &moments.nodes;
+    let curves = vec![view.curve("flexible link", Stroke::Solid(1), times_s, &histories[0])];
+    let (title, formula) = if moments.is_written {
+        ("Bending moment at the root", formula::ROOT_MOMENTS)
+    } else {
+        ("Bending moment at the root, estimated", formula::MOMENT_ESTIMATED)
+    };
+    let (id, words, quantity) = ("hub-moment".to_owned(), (title, AT_MOST), ("moment", "N m"));
+    let known = view.first().joints[0].reading("peak_root_moment_n_m");
+    Ok(figure(view, id, words, quantity, (curves, Some(limit)), known).by(formula))
+}
+
+/// The bending moments at the roots of all links of an arm.
+pub(super) fn root_moments(view: &View) -> Result<Figure, String> {
+    let mut curves = view.each(&view.numbered("link"), |arm, link| {
+        let moments = arm.links[link].moments_n_m.as_ref()?;
+        Some((&moments.times_s, moments.histories[0].clone()))
+    });
+    if curves.is_empty() {
+        let why = if view.is_solved() {
+            "they were not written: solve --moments writes them"
+        } else {
+            "a simulation does not write them"
+        };
+        return Err(format!("bending moments, since {why}"));
+    }
+    let mut caption =
+        "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
+    for (link, joint) in view.first().joints.iter().enumerate() {
+        let (whose, limit) = (format!("link {}:", link + 1), joint.limits.bending_moment_n_m);
+        let colour = 1 + link % COLOURS;
+        caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
+    }
+    let (title, quantity) = ("Bending moments at the roots", ("moment", "N m"));
+    Ok(view.figure("root-moments", title, caption, quantity, curves).by(formula::ROOT_MOMENTS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page::Figures;
+    use crate::page::tests::{run, solution};
+    use crate::result::{StoredMotor, StoredResult, StoredRun};
+    use crate::text::significant;
+
+    /// A peak between samples is larger than all of them.
+    #[test]
+    fn captions_have_the_peaks_of_the_summary() {
+        let mut run = run();
+        let motor = StoredMotor {
+            torque_n_m: run.joints[0].torque_n_m.clone(),
+            rate_rad_s: run.joints[0].rate_rad_s.clone(),
+        };
+        run.joints[0].motor = Some(motor);
+        run.joints[0].limits.hub_rate_rad_s = Some(2.0);
+        run.joints[0].limits.deflection_m = Some(0.2);
+        let moment_n_m = 1.01 * largest(&solution().root_moment_n_m);
+        let moment_words = format!("reaches {} N m", significant(moment_n_m, 4));
+        let peaks = [
+            ("torque", "peak_torque_n_m", 1.401, "1.401 N m"),
+            ("torque", "peak_rigid_torque_n_m", 2.901, "2.901 N m"),
+            ("motor-torque", "peak_motor_torque_n_m", 1.402, "1.402 N m"),
+            ("tip-acceleration", "peak_tip_acceleration_m_s2", 4.201, "4.201 m/s²"),
+            ("hub-rate", "peak_hub_rate_rad_s", 0.5301, "0.5301 rad/s"),
+            ("tip-deflection", "peak_deflection_m", 0.1701, "0.1701 m"),
+            ("waves", "peak_root_moment_n_m", moment_n_m, &moment_words),
+        ];
+        run.readings = peaks.map(|(_, name, value, _)| (name.to_owned(), value)).to_vec();
+        run.joints[0].readings.clone_from(&run.readings);
+        let drawn = Figures::of(&StoredResult::Runs(vec![run])).drawn;
+        for (id, name, _, words) in peaks {
+            let figure = drawn.iter().find(|figure| figure.id == id).unwrap();
+            assert!(figure.caption.contains(words), "{name}: {}", figure.caption);
+        }
+    }
+
+    #[test]
+    fn every_limit_of_a_history_is_a_line_in_its_figure() {
+        let mut run = run();
+        run.joints[0].motor = Some(StoredMotor {
+            torque_n_m: run.joints[0].torque_n_m.iter().map(|torque| 0.5 * torque).collect(),
+            rate_rad_s: run.joints[0].rate_rad_s.iter().map(|rate| 2.0 * rate).collect(),
+        });
+        let drawn = |run: &StoredRun| Figures::of(&StoredResult::Runs(vec![run.clone()])).drawn;
+        assert!(!drawn(&run).iter().any(|figure| figure.id == "hub-power"), "there is no limit");
+        let half = |history: &[f64]| Some(0.5 * largest(history));
+        let power: Vec<f64> = run.joints[0]
+            .torque_n_m
+            .iter()
+            .zip(&run.joints[0].rate_rad_s)
+            .map(|(torque, rate)| torque * rate)
+            .collect();
+        run.joints[0].limits = Limits {
+            torque_n_m: half(&run.joints[0].torque_n_m),
+            hub_rate_rad_s: half(&run.joints[0].rate_rad_s),
+            power_w: half(&power),
+            deflection_m: half(run.bent().histories.last().unwrap()),
+            bending_moment_n_m: half(&solution().root_moment_n_m),
+            motor_torque_n_m: half(&run.joints[0].motor.as_ref().unwrap().torque_n_m),
+            motor_rate_rad_s: half(&run.joints[0].motor.as_ref().unwrap().rate_rad_s),
+            motor_power_w: half(&power),
+            ..Limits::default()
+        };
+        let figures = drawn(&run);
+        for (id, line, limit) in [
+            ("torque", "flexible link", run.joints[0].limits.torque_n_m),
+            ("motor-torque", "motor", run.joints[0].limits.motor_torque_n_m),
+            ("hub-rate", "flexible link", run.joints[0].limits.hub_rate_rad_s),
+            ("hub-power", "flexible link", run.joints[0].limits.power_w),
+            ("motor-rate", "motor", run.joints[0].limits.motor_rate_rad_s),
+            ("motor-power", "motor", run.joints[0].limits.motor_power_w),
+            ("tip-deflection", "flexible link", run.joints[0].limits.deflection_m),
+            ("hub-moment", "flexible link", run.joints[0].limits.bending_moment_n_m),
+        ] {
+            let figure = figures.iter().find(|figure| figure.id == id).unwrap();
+            let curve = figure.curves.iter().find(|curve| curve.name == line).unwrap();
+            let peak = curve.points.iter().fold(0.0_f64, |peak, (_, value)| peak.max(value.abs()));
+            // The moment is estimated.
+            assert!((0.5 * peak / limit.unwrap() - 1.0).abs() < 0.02, "{id}: {peak}, {limit:?}");
+            let is_limit = |curve: &&Curve| matches!(curve.stroke, Stroke::Limit(_));
+            let mut lines = figure.curves.iter().filter(is_limit);
+            let is_drawn = lines.any(|curve| (curve.points[0].1 - limit.unwrap()).abs() < 1e-15);
+            assert!(is_drawn, "{id} lacks the limit of {line}");
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Figures of the tip: of a link its motion along the arc, of an arm its place, and how far it is from where it should be.
+
+use super::axis::{digits, is_extreme};
+use super::bending::Interpolation;
+use super::figure::{Curve, Figure, Stroke};
+use super::link::given;
+use super::view::{COLOURS, Single, View, from_start_m, inside, reading, run_stroke};
+use super::words::{cited, formula};
+use crate::elastica::SecondOrder;
+use crate::link::Damping;
+use crate::motion::Prescribed;
+use crate::numeric::largest;
+use crate::response::{Play, Torque, simulate_on};
+use crate::result::{StoredJoint, StoredRun};
+use crate::text::significant;
+
+/// Acceleration and displacement of the tip of a link.
+pub(super) fn motion(view: &View, run: Single) -> [Figure; 2] {
+    let (tip, times_s) = (&run.arc.tip, run.times_s);
+    let what = if view.is_solved() { "The wanted motion" } else { "The simulated motion" };
+    let peak = view.peak("peak_tip_acceleration_m_s2", &tip.acceleration_m_s2);
+    let acceleration = view.figure(
+        "tip-acceleration",
+        "Acceleration of the tip",
+        format!("{what}: tip acceleration, at most {peak} m/s²{}.", cited(view, [Some(3), None])),
+        ("acceleration", "m/s²"),
+        vec![view.curve("tip", Stroke::Solid(3), times_s, &tip.acceleration_m_s2)],
+    );
+    let travel = tip.displacement_m[tip.displacement_m.len() - 1] - tip.displacement_m[0];
+    let travel = digits(travel, 4);
+    let mut curves = vec![view.curve("tip", Stroke::Solid(3), times_s, &tip.displacement_m)];
+    let cited = cited(view, [Some(4), None]);
+    let mut caption = format!(
+        "{what}: tip displacement along the arc; it ends {travel} m from where it began{cited}."
+    );
+    if let Some(target) = &view.first().target {
+        curves.push(view.curve("wanted", Stroke::Dashed(2), &target.times_s, &target.wanted_m[0]));
+        caption.push_str(" Dashed: the target.");
+    }
+    let (title, quantity) = ("Displacement of the tip", ("displacement", "m"));
+    let displacement = view.figure("tip-displacement", title, caption, quantity, curves);
+    [acceleration, displacement].map(|figure| figure.by(motion_formula(view, formula::TIP)))
+}
+
+/// The formula of a motion of a link: what a solution has, or what makes it in a simulation.
+pub(super) fn motion_formula(view: &View, solved: &'static str) -> &'static str {
+    match view.link.map(|run| run.arc.second_order) {
+        _ if view.is_solved() => solved,
+        None | Some(SecondOrder::None) => formula::MODES_PLAYED,
+        Some(SecondOrder::First | SecondOrder::Full) => formula::ELASTICA_PLAYED,
+    }
+}
+
+/// Place of the tip of an arm.
+pub(super) fn place(view: &View) -> Figure {
+    let names = ["x", "y"].map(str::to_owned);
+    let mut curves = view.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
+    let way_m = view.peak("farthest_m", &from_start_m(view.first()));
+    let mut caption = format!("Place of the tip; it gets up to {way_m} m away from its start.");
+    if let Some(target) = &view.first().target {
+        for (axis, history) in names.iter().zip(&target.wanted_m) {
+            let name = format!("wanted {axis}");
+            let colour = 1 + (2 + curves.len()) % COLOURS;
+            curves.push(view.curve(&name, Stroke::Dashed(colour), &target.times_s, history));
+        }
+        caption.push_str(" Dashed: the target.");
+    }
+    view.figure("tip", "Place of the tip", caption, ("place", "m"), curves).by(formula::ARM_TIP)
+}
+
+/// How far the tips of the other runs are from the place that the path of one run wants, or that of a simulation from its
+/// target. The tip of the run with the path is not drawn: its error is among the errors of the run.
+pub(super) fn error(view: &View) -> Option<Figure> {
+    let Some(rigid) = view.rigid().filter(|_| view.is_arm()) else { return off_target(view) };
+    let wanted = rigid_tip_m(rigid)?;
+    let mut worst = Vec::new();
+    let runs = view.named("").enumerate().filter(|(_, (arm, _))| !std::ptr::eq(*arm, rigid));
+    let curves = runs.map(|(k, (arm, name))| {
+        let [x, y] = [0, 1].map(|axis| at_times(&arm.times_s, (&rigid.times_s, &wanted[axis])));
+        let off = (0..arm.times_s.len())
+            .map(|k| libm::hypot(arm.tip_m[0][k] - x[k], arm.tip_m[1][k] - y[k]));
+        let off: Vec<f64> = off.collect();
+        worst.push(format!("{name} {} m", significant(largest(&off), 2)));
+        view.curve(&name, run_stroke(k), &arm.times_s, &off)
+    });
+    let curves: Vec<Curve> = curves.collect();
+    if curves.is_empty() {
+        return None;
+    }
+    let from = match rigid.prescribed {
+        Some(Prescribed::Angles) => "the tip of the rigid arm with the same directions",
+        _ => "where it is wanted",
+    };
+    let caption = format!("Distance of the tip from {from}, at most: {}.", worst.join(", "));
+    let (title, quantity) = ("How far the tip strays", ("distance", "m"));
+    Some(view.figure("tip-error", title, caption, quantity, curves).by(formula::ARM_TIP_ERROR))
+}
+
+/// How far the tip of a simulation is from its target.
+fn off_target(view: &View) -> Option<Figure> {
+    let arm = view.first();
+    let target = arm.target.as_ref()?;
+    let [what, line, quantity] = view.pick(
+        ["Displacement of the tip less that of the target", "simulated less wanted", "error"],
+        ["Distance of the tip from its target", "distance", "distance"],
+    );
+    let worst_m = view.peak("tip_error_worst_m", &target.error_m);
+    let at = reading(&arm.readings, "tip_error_time_s").map(|at| format!(" at {}", given(at, "s")));
+    let rms = reading(&arm.readings, "tip_error_rms_m");
+    let rms = rms.map(|rms| format!("; root mean square {} m", significant(rms, 4)));
+    let [at, rms] = [at, rms].map(Option::unwrap_or_default);
+    let caption = format!("{what}, at most {worst_m} m{at}{rms}.");
+    let curves = vec![view.curve(line, Stroke::Solid(4), &target.times_s, &target.error_m)];
+    let title = "How far the tip is from its target";
+    let figure = view.figure("tip-error", title, caption, (quantity, "m"), curves);
+    Some(figure.by(view.pick(formula::TIP_ERROR, formula::ARM_TIP_ERROR)))
+}
+
+/// Velocity of the tip at the start, over its peak, from which on a motion does not start at rest.
+const STARTS: f64 = 1e-6;
+
+/// The tip of a link when the rigid link's torque is played on the flexible link.
+pub(super) fn under_rigid_torque(view: &View, run: Single) -> Result<Figure, String> {
+    const TITLE: &str = "the tip under the rigid link's torque, since";
+    let joint = &view.first().joints[0];
+    let rigid_n_m = joint.rigid_torque_n_m.clone().unwrap_or_default();
+    let torque = Torque::new(run.times_s, rigid_n_m).map_err(|error| format!("{TITLE} {error}"))?;
+    let [wanted, velocity] = [&run.arc.tip.displacement_m, &run.arc.tip.velocity_m_s];
+    if joint.reading("lead_s").is_none() || velocity[0].abs() > STARTS * largest(velocity) {
+        return Err(format!("{TITLE} it is played from rest, where this motion does not begin"));
+    }
+    let play = Play { initial_tip_m: wanted[0], ..Play::of(&torque) };
+    let simulation = simulate_on(run.link, run.arc.mesh.clone(), &play)
+        .map_err(|error| format!("{TITLE} {error}"))?;
+    let tip = &simulation.tip.displacement_m;
+    let stop_s = view.first().moving_s.map_or(f64::NEG_INFINITY, |(_, until)| until);
+    let after = inside(run.times_s, stop_s, f64::INFINITY);
+    let strays: Vec<f64> = after.map(|k| tip[k] - wanted[k]).collect();
+    let strays_m = largest(&strays);
+    if is_extreme(strays_m) {
+        return Err(format!("{TITLE} it strays by more or less than can be drawn"));
+    }
+    let share = 100.0 * strays_m / run.arc.tip.largest_travel_m();
+    let of_travel = if is_extreme(share) {
+        String::new()
+    } else {
+        format!(", {} % of its travel", significant(share, 2))
+    };
+    let damping = match run.link.damping() {
+        Damping::Hysteretic { .. } => ", its damping ratio as viscous in every mode",
+        _ => "",
+    };
+    let strays_m = significant(strays_m, 3);
+    let caption = format!(
+        "What a controller gets that takes the link for rigid: its torque, played on the flexible \
+         link{damping}{}. After the motion the tip still strays by up to \
+         {strays_m} m{of_travel}.",
+        cited(view, [Some(8), Some(9)])
+    );
+    let curves = vec![
+        view.curve("wanted", Stroke::Solid(3), run.times_s, wanted),
+        view.curve("rigid link's torque", Stroke::Dashed(2), run.times_s, tip),
+    ];
+    let (title, quantity) = ("Tip under the rigid link's torque", ("displacement", "m"));
+    let figure = view.figure("tip-under-rigid-torque", title, caption, quantity, curves);
+    let is_bent = view.has_weight();
+    Ok(figure.by(if is_bent { formula::ELASTICA_PLAYED } else { formula::RIGID_TORQUE_PLAYED }))
+}
+
+/// A history at other times.
+pub(super) fn at_times(times_s: &[f64], (own_s, history): (&[f64], &[f64])) -> Vec<f64> {
+    let at = |time_s: &f64| Interpolation::of(own_s, *time_s).mix(|k| history[k]);
+    times_s.iter().map(at).collect()
+}
+
+/// Directions of the rigid arm's links in rad at a sample, where its joint angles are known.
+pub(super) fn rigid_directions_rad(arm: &StoredRun, sample: usize) -> Option<Vec<f64>> {
+    let mut direction = 0.0;
+    let turned = |joint: &StoredJoint| {
+        direction += joint.rigid_angle_rad.as_ref()?[sample];
+        Some(direction)
+    };
+    arm.joints.iter().map(turned).collect()
+}
+
+/// x and y of the rigid arm's tip in m: the wanted ones where the path prescribes the tip.
+pub(super) fn rigid_tip_m(arm: &StoredRun) -> Option<[Vec<f64>; 2]> {
+    let mut tip_m = [Vec::new(), Vec::new()];
+    for sample in 0..arm.times_s.len() {
+        let mut at = [0.0; 2];
+        for (angle, own) in rigid_directions_rad(arm, sample)?.iter().zip(&arm.links) {
+            at[0] += own.link.length_m() * libm::cos(*angle);
+            at[1] += own.link.length_m() * libm::sin(*angle);
+        }
+        tip_m.iter_mut().zip(at).for_each(|(axis, at)| axis.push(at));
+    }
+    Some(tip_m)
+}

@@ -1,0 +1,271 @@
+//! Words of a page: a glossary, the formula behind each figure, the paper's figure beside it, and kinds of warnings.
+
+use std::f64::consts::PI;
+
+use maud::{Markup, html};
+
+use super::view::View;
+use crate::link::Damping;
+use crate::numeric::largest;
+
+const GLOSSARY: [(&str, &str); 4] = [
+    (
+        "zero",
+        "A number s, in 1/s, at which a torque that goes as exp(st) leaves the tip at rest. The page lists the real \
+         ones, which come in pairs ±z: the one above 0 is why no torque that begins with the motion can make the tip \
+         follow it. The torque begins earlier, and grows as exp(zt) until the tip sets out: the smaller the first z, \
+         the longer the lead. Points of mass on a slender link without damping have real zeros alone. Rotary inertia, \
+         a payload beyond the tip or shear can make some complex, ±a ± ib, or imaginary, ±ib: at that frequency, b \
+         in the figure of torque per tip acceleration, no torque moves the tip. Damping moves all of them a little.",
+    ),
+    (
+        "lead",
+        "How long before the tip sets out the torque acts: from when it first exceeds 2 % of its peak or, of an arm and \
+         under gravity, differs from what it is at rest by more than 2 % of its range.",
+    ),
+    ("lag", "How long after the tip has stopped the torque acts: until it last does so."),
+    (
+        "hysteretic",
+        "Damping that takes the same share of a vibration's energy in each cycle, whatever its frequency: the \
+         stiffness is K(1 + 2iξ) with the ratio ξ, and a cycle takes about 4πξ. It is defined at one frequency \
+         at a time; what is integrated over time has ξ as the viscous ratio of every mode instead.",
+    ),
+];
+
+/// What the words of a page mean, folded.
+pub(super) fn glossary() -> Markup {
+    html! {
+        details {
+            summary { "zero, lead, lag, hysteretic" }
+            dl { @for (word, meaning) in GLOSSARY { dt { (word) } dd { (meaning) } } }
+        }
+    }
+}
+
+/// Formulas behind figures; a figure brings its own.
+pub(super) mod formula {
+    /// Of a solution.
+    pub(in crate::page) const TORQUE: &str = "\
+        T(t) = 1/2π ∫ H(ω) A(ω) exp(iωt) dω. A: spectrum of the tip's acceleration; H = T/a: solution of (K + \
+        iωC − ω²M) u = T e with a = −ω² v(L), where e is 1 at the hub's angle and 0 elsewhere. With hysteretic \
+        damping K(1 + 2iξ) takes the place of K + iωC. Rigid link: T = (I a + c v̇)/L with its inertia I about \
+        the hub and the friction c of the hub, and under gravity the moment of its weight.";
+    pub(in crate::page) const TIP: &str = "\
+        a(t) = d²v/dt², v: displacement of the tip along its arc, both as given; the solution follows them up to \
+        the frequency that the tolerance of the tip needs.";
+    pub(in crate::page) const HUB: &str = "\
+        θ(t) = 1/2π ∫ G(ω) A(ω) exp(iωt) dω, G = θ/a of the equations of the torque. Rigid link: θ = v/L. \
+        Bending of the tip: w = v − Lθ.";
+    /// Of a simulation with a target.
+    pub(in crate::page) const TIP_ERROR: &str = "\
+        v(t) − v_wanted(t) at the times of the target; between samples of the simulation v is a cubic spline.";
+    pub(in crate::page) const MOTOR: &str = "\
+        Motor: T_m = T/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
+        inertia J and the stiffness k of the joint.";
+    /// What a solution with a second order or with weight adds to its formulas.
+    pub(in crate::page) const SECOND_ORDER: &str = "\
+        What large slopes, axial and centripetal forces and the weight add acts as further loads, repeated until \
+        the torque no longer changes.";
+    pub(in crate::page) const RIGID_TORQUE_PLAYED: &str = "\
+        M d²u/dt² + C du/dt + K u = T(t) e with the torque T of the rigid link, from rest, each mode by its \
+        exact solution between two samples.";
+    /// Of a simulation.
+    pub(in crate::page) const TORQUE_PLAYED: &str =
+        "T(t): what is played, or what moves the hub as it is played.";
+    pub(in crate::page) const MODES_PLAYED: &str = "\
+        M d²u/dt² + C du/dt + K u = T(t) e, where e is 1 at the hub's angle and 0 elsewhere; v = u at the tip, θ \
+        = u at the hub, a = d²v/dt².";
+    pub(in crate::page) const ELASTICA_PLAYED: &str = "\
+        Lagrange's equations of a chain that approximates the inextensible elastica, refined until tip and hub \
+        no longer change; v: displacement of the tip along its arc, θ: direction of the hub's tangent line, a = \
+        d²v/dt².";
+    /// Of the waves along a link or a link of an arm.
+    pub(in crate::page) const MOMENT: &str =
+        "m(x, t) = EI ∂²w/∂x², w: deflection; with shear EI ∂ψ/∂x, ψ: rotation of the section.";
+    pub(in crate::page) const MOMENT_ESTIMATED: &str = "\
+        m(x, t) = ∫ m̄ (s − x) ∂²v/∂t² ds + Σ [M (x_M − x) ∂²v/∂t² + J ∂²φ/∂t²] over all that lies outboard of \
+        x: mass per length m̄, masses M, their inertia J and rotation φ, the payload. ∂²/∂t²: second differences \
+        of the displacements v = w + xθ that were written.";
+    pub(in crate::page) const DEFLECTION: &str = "\
+        w(x, t): distance of the link from the hub's tangent line; v − xθ of a link that bends little, v: its \
+        displacement at x.";
+    pub(in crate::page) const TRANSFER: &str = "\
+        |T/a| at ω = 2πf, of (K + iωC − ω²M) u = T e and a = −ω² v(L). Rigid link: |I + c/(iω)|/L. Modes: det(K \
+        − ω²M) = 0 with the hub free. Zeros: v(L) = 0 at ω = ±iz.";
+    pub(in crate::page) const MODE_SHAPES: &str =
+        "K φ = ω² M φ with the hub free, f = ω/2π; drawn is φ / max |φ|.";
+    /// Of an arm.
+    pub(in crate::page) const ARM_TORQUE: &str = "\
+        Of each link (K + iωC − ω²M) u = loads, in the frame of its chord, whose motion follows from the path; \
+        the loads are the torques and forces of the joints, and those of large angles, of centripetal and axial \
+        forces and of the weight, repeated until the torques no longer change. Rigid arm: T = M(q) d²q/dt² + \
+        h(q, dq/dt) + g(q).";
+    pub(in crate::page) const JOINT_ANGLE: &str = "\
+        q = direction of the link's root less that of the tip of the link before; each is the direction of the \
+        chord and the slope of the deflection there.";
+    pub(in crate::page) const BENDING_ANGLES: &str =
+        "q(t) of the flexible arm less q(t) of the rigid arm.";
+    pub(in crate::page) const ARM_TIP: &str = "x and y of the outer end of the last chord.";
+    pub(in crate::page) const ARM_TIP_ERROR: &str = "√((x − x_wanted)² + (y − y_wanted)²).";
+    pub(in crate::page) const ARM_MOMENT: &str = "\
+        m(x, t) − m(x, t₀) with m = EI ∂²w/∂x², w: deflection from the chord, t₀: the first moment; with shear \
+        EI ∂ψ/∂x, ψ: rotation of the section.";
+    pub(in crate::page) const ARM_DEFLECTION: &str =
+        "w(x, t) − w(x, t₀), w: distance of the link from its chord, t₀: the first moment.";
+    pub(in crate::page) const ROOT_MOMENTS: &str =
+        "m(0, t) = EI ∂²w/∂x² at the root; with shear EI ∂ψ/∂x.";
+    /// Of what has a limit.
+    pub(in crate::page) const RATE: &str = "dθ/dt of the hub, dq/dt of a joint.";
+    pub(in crate::page) const POWER: &str = "P = T dθ/dt, of a joint T dq/dt.";
+    pub(in crate::page) const MOTOR_RATE: &str = "\
+        dφ/dt, φ = n (θ + T/k): angle of the rotor, with the gear ratio n and the stiffness k of the joint.";
+    pub(in crate::page) const MOTOR_POWER: &str =
+        "P = T_m dφ/dt, T_m: torque of the motor, φ: angle of the rotor.";
+    pub(in crate::page) const TIP_DEFLECTION: &str = "\
+        w(L, t): distance of the tip from the hub's tangent line; v − Lθ of a link that bends little.";
+    pub(in crate::page) const LINK_DEFLECTION: &str = "\
+        w = c sin β, c: length of the chord, β: its direction less that of the link's root, from the slope of the deflections \
+        of the nodes.";
+    /// Of a fit.
+    pub(in crate::page) const DIFFERENCES: &str = "(fitted − measured) / measured.";
+    pub(in crate::page) const OVERLAY: &str = "\
+        The fit makes the sum of the squared differences smallest, each over its uncertainty where that is \
+        known.";
+}
+
+/// What the kinds of warnings of a sweep's cases say.
+const WARNINGS: [(&str, &str); 32] = [
+    ("failed", "The case has no numbers; the column error says why."),
+    ("limit_exceeded", "A value exceeds its limit in the link file."),
+    ("end_velocity_corrected", "The samples leave the tip moving at the end, which was taken out."),
+    ("tip_missed", "The samples of the motion do not bring the tip within its tolerance."),
+    ("inexact_window", "The time computed is too short for the tolerance."),
+    (
+        "coarse_step",
+        "The step is too long: a shorter one would change the answer, or show vibration that this hides.",
+    ),
+    (
+        "unsettled_torque",
+        "The motion does not determine the torque: its peak depends on the tip's tolerance.",
+    ),
+    (
+        "uncertain_input",
+        "The digits, the noise or the spacing of the samples leave the torque uncertain.",
+    ),
+    ("torque_cut", "The torque still acts outside the time that was written."),
+    ("wrap_around", "The torque has not decayed when the computed period ends."),
+    ("long_window", "The torque hardly decays, so that the time computed is long."),
+    ("blocked_tip", "The motion contains a frequency at which no torque moves the tip."),
+    ("near_nyquist", "The motion has jumps or noise that its step does not resolve."),
+    ("above_mesh", "The torque has frequencies above those that the mesh resolves."),
+    ("inexact_model", "The link bends or turns more than the linear model holds for."),
+    ("slow_iteration", "The second-order terms hardly converge."),
+    ("inexact_iteration", "The second-order terms are not as exact as the tolerance asks."),
+    ("second_order_left_out", "Second-order terms, which are left out, would change the torque."),
+    ("thick_link", "Shear and rotary inertia, which are left out, would change the answer."),
+    ("coarse_mesh", "Halved elements would change the answer by more than a little."),
+    ("few_modes", "The modes that are left out would change the answer."),
+    (
+        "nearly_stretched",
+        "The arm is nearly stretched or folded, so that small errors turn its joints far.",
+    ),
+    (
+        "fell_back_to_first_order",
+        "The second-order terms do not converge: only those of first order are counted.",
+    ),
+    ("begins_with_jump", "The torque does not begin at zero: it jumps there."),
+    ("ends_with_jump", "The torque does not end at zero: it drops there."),
+    ("hub_begins_moving", "The hub moves at once, but the link is taken to start at rest."),
+    (
+        "rough_torque",
+        "The torque that moves the hub is rough: digits or noise of the hub's angle make it.",
+    ),
+    ("begins_unheld", "The torque does not begin with what holds the link where it starts."),
+    ("reference_apart", "The reference does not begin where the hub stands."),
+    ("state_cut", "The modes leave out a part of the state from which the link goes on."),
+    ("unsettled", "A finer computation still changes the answer."),
+    ("late_target", "The target begins after the tip has begun to move."),
+];
+
+/// What a kind of warning says.
+pub(super) fn warning_meaning(kind: &str) -> Option<&'static str> {
+    let (kind, _) = kind.split_once(':').unwrap_or((kind, ""));
+    WARNINGS.into_iter().find(|(own, _)| *own == kind).map(|(_, meaning)| meaning)
+}
+
+/// Number of the example of Bayo (1987) that a solution is, for the figures of the paper: its link, and its motion of
+/// 0.5 m in 0.88 s with a period of a sine as acceleration.
+fn example(view: &View) -> Option<usize> {
+    let run = view.link?;
+    let (from, until) = view.first().moving_s?;
+    let (link, tip) = (run.link, &run.arc.tip);
+    let (hub, payload) = (link.hub(), link.payload());
+    let is_bare = [
+        payload.mass_kg,
+        payload.inertia_kg_m2,
+        payload.offset_m,
+        hub.radius_m,
+        hub.viscous_friction_n_m_s_rad,
+    ]
+    .iter()
+    .all(|part| *part == 0.0)
+        && link.segments().iter().all(|segment| segment.timoshenko.is_none())
+        && link.masses().is_empty()
+        && link.drive().is_none()
+        && link.gravity().is_none();
+    let Damping::Hysteretic { ratio } = link.damping() else { return None };
+    let travel_m = tip.displacement_m.last()? - tip.displacement_m.first()?;
+    let mut numbers = vec![hub.inertia_kg_m2, *ratio, until - from, travel_m.abs()];
+    for segment in link.segments() {
+        let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
+        let ends = [stiffness.inner, stiffness.outer, mass.inner, mass.outer];
+        numbers.extend([segment.length_m].into_iter().chain(ends));
+    }
+    let peak = largest(&tip.acceleration_m_s2) / (PI / 0.88_f64.powi(2));
+    let is_printed = |ei: f64| {
+        let (root, beam) = ([0.15, 10.0 * ei, 10.0 * ei, 0.8, 0.8], [1.35, ei, ei, 0.8, 0.8]);
+        let printed = [&[0.1, 0.02, 0.88, 0.5][..], &root, &beam].concat();
+        let is_close = |(number, printed): (&f64, &f64)| (number / printed - 1.0).abs() < 1e-3;
+        numbers.len() == printed.len() && numbers.iter().zip(&printed).all(is_close)
+    };
+    [5.0, 20.0].into_iter().position(|ei| is_bare && (peak - 1.0).abs() < 1e-2 && is_printed(ei))
+}
+
+/// Names the paper's figure of its first or second example that a figure is the analogue of; nothing for other links
+/// and motions.
+pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
+    let figure = example(view).and_then(|number| figures[number]);
+    figure.map_or(String::new(), |figure| format!(" (Bayo 1987, figure {figure})"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result::Exceeded;
+
+    /// The kinds are read from the sources of all warnings that a case of a sweep can have.
+    #[test]
+    fn every_kind_of_warning_of_a_sweep_has_a_sentence() {
+        let sources = [
+            include_str!("../mechanics/inverse/warning.rs"),
+            include_str!("../mechanics/inverse/arm/warning.rs"),
+            include_str!("../mechanics/response/error.rs"),
+            include_str!("../study/result/tip_error.rs"),
+        ];
+        let mut kinds = vec!["failed", Exceeded::KIND];
+        for source in sources {
+            let body = source.split("pub fn kind(&self)").nth(1).unwrap();
+            let body = body.split("    pub fn ").next().unwrap();
+            let quoted = body.split('"').skip(1).step_by(2);
+            let before = kinds.len();
+            kinds.extend(quoted);
+            assert!(kinds.len() > before, "{body}");
+        }
+        assert!(kinds.len() > 30, "{kinds:?}");
+        for kind in &kinds {
+            assert!(warning_meaning(kind).is_some(), "{kind}");
+        }
+        let known = |(kind, _): &&(&str, &str)| !kinds.contains(kind);
+        assert_eq!(WARNINGS.iter().find(known), None, "a kind that no warning has");
+    }
+}

@@ -1,0 +1,7 @@
+//! Studies of solutions: their numbers, checks and comparisons, links that fit measurements, sweeps.
+
+pub mod compare;
+pub mod fit;
+pub mod result;
+pub mod sweep;
+pub mod verify;
