@@ -1,4 +1,4 @@
-//! Figures of Bayo (1987) that figures of a page are the analogues of.
+//! Figures of Bayo (1987) that correspond to figures of a page.
 
 use std::f64::consts::PI;
 
@@ -6,8 +6,8 @@ use super::view::View;
 use crate::link::Damping;
 use crate::numeric::largest;
 
-/// Number of the example of Bayo (1987) that a solution is, for the figures of the paper: its link, and its motion of
-/// 0.5 m in 0.88 s with a period of a sine as acceleration.
+/// Number of the example of Bayo (1987) that a solution corresponds to: the link of the paper, and its motion of 0.5 m
+/// in 0.88 s with a period of a sine as acceleration.
 fn example(view: &View) -> Option<usize> {
     let run = view.link?;
     let (from, until) = view.first().moving_s?;
@@ -44,8 +44,7 @@ fn example(view: &View) -> Option<usize> {
     [5.0, 20.0].into_iter().position(|ei| is_bare && (peak - 1.0).abs() < 1e-2 && is_printed(ei))
 }
 
-/// Names the paper's figure of its first or second example that a figure is the analogue of; nothing for other links
-/// and motions.
+/// Citation of the corresponding figure in the paper's first or second example; empty for other links and motions.
 pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
     let figure = example(view).and_then(|number| figures[number]);
     figure.map_or(String::new(), |figure| format!(" (Bayo 1987, figure {figure})"))
