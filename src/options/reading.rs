@@ -1,4 +1,4 @@
-//! How a measured table is read: the options, and what is told of it.
+//! Options for the reading of a measured table, and remarks on it.
 
 use clap::Args;
 
@@ -48,7 +48,7 @@ pub(crate) struct ReadArgs {
 }
 
 impl ReadArgs {
-    /// What the options say of a table.
+    /// The options for a table.
     pub(crate) fn format(&self) -> TableFormat {
         TableFormat {
             skip: self.skip,
@@ -62,7 +62,7 @@ impl ReadArgs {
         }
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let columns = self.columns.iter().flat_map(|choice| option("--columns", choice));
         let time_unit = self.time_unit.iter().flat_map(|unit| option("--time-unit", unit));
@@ -76,7 +76,7 @@ impl ReadArgs {
     }
 }
 
-/// Tells how a table was read where that is not the standard form, and which columns were not read.
+/// Prints deviations of a table from the standard form, and its unread columns.
 pub(crate) fn tell(shown: &str, reading: &Reading) {
     if let Some(note) = reading.note() {
         console::note(&format!("{shown}: {note}"));
