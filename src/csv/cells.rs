@@ -2,7 +2,7 @@
 //! most of their time here.
 //!
 //! The batches compute exactly, or bound their error: a number with a doubtful last digit, about one in a hundred
-//! thousand, goes to [`NumberFormat::write`], so that the text is always the same as its text.
+//! thousand, goes to [`NumberFormat::write`], so that both always write the same text.
 
 #![expect(
     clippy::inline_always,

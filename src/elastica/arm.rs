@@ -13,8 +13,8 @@ use crate::model::Model;
 use crate::numeric::FourierPair;
 
 /// Levels of the iteration: negligible share of the torques for the loads, negligible share for the motion of chords by
-/// links that shorten, which grows with the square of the frequency, and a factor on the bins of the latter. The
-/// shortening is a square of deflections, so that it reaches twice as far. A level that does not converge is followed
+/// links that shorten, and a factor on the bins of this motion. The motion grows with the square of the frequency, and
+/// reaches twice as far because the shortening is a square of deflections. A level that does not converge is followed
 /// by one with less.
 const LEVELS: [(f64, f64, usize); 7] = [
     (1e-8, 1e-10, 2),

@@ -59,7 +59,7 @@ fn displacements_m(mesh: &Mesh, exponents_per_s: &[f64; SECTIONS]) -> [f64; SECT
 /// Zeros of torque → tip at real frequencies below `limit_rad_s`, in rad/s, ascending.
 ///
 /// Rotary inertia at the tip or on the link, or an offset payload, causes them: at such a frequency no torque moves the
-/// tip, and the torque of the inversion grows as 1/ξ. They are the roots of `L + e_tip` at λ = ω². The sign of it also
+/// tip, and the torque of the inversion grows as 1/ξ. They are the roots of `L + e_tip` at λ = ω². The sum's sign also
 /// flips at every mode of the link clamped at the hub; the pivots count these modes below ω, so that only the zeros
 /// remain as changes of parity.
 pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {

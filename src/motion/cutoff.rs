@@ -12,8 +12,8 @@ use crate::numeric::{FourierPair, fast_length, largest};
 /// Largest tolerance of the search.
 const LARGEST_TOLERANCE: f64 = 0.1;
 
-/// Smallest and largest exponent assumed for the fall of the tip's error beyond the band of uncertain samples: 2 for an
-/// acceleration that jumps, while the smoothest motions fall faster than any power.
+/// Smallest and largest exponent assumed for the fall of the tip's error beyond the band of uncertain samples. It is 2
+/// for an acceleration that jumps; the smoothest motions fall faster than any power.
 const FALLS: (f64, f64) = (2.0, 6.0);
 const USUAL_FALL: f64 = 3.0;
 

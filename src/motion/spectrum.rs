@@ -246,7 +246,7 @@ impl TipSpectrum {
     /// even if they are solved to about the same error, because the spectrum of a motion has lobes.
     pub(super) fn beyond(&self, input: &InputBand) -> Self {
         let (mut beyond, cutoff) = (self.clone(), self.cutoff);
-        // If the samples do not set the band, they move its end only as far as their errors justify.
+        // If the samples do not set the band, they widen it by the frequencies that leave an error of their size.
         let error_m = if cutoff.tip_error_m > input.wanted_m {
             cutoff.tip_error_m
         } else {

@@ -15,7 +15,7 @@ use crate::numeric::largest;
 /// Samples of each burst, relative to its first. The first burst is one sample at an end.
 const BURSTS: [&[usize]; 8] =
     [&[0], &[0, 1], &[0, 2], &[0, 3], &[0, 1, 2], &[0, 1, 3], &[0, 2, 3], &[0, 2, 4]];
-/// Largest number of samples from the worst sample to the first and to the last of a burst.
+/// Farthest first sample of a burst before and after the worst sample, in samples.
 const REACH: [usize; 2] = [5, 3];
 /// Number of samples that predict one beyond them.
 const SIDE: usize = 6;
