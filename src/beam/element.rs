@@ -147,7 +147,7 @@ impl Element {
     }
 
     /// Frequency in rad/s up to which the element follows a bending wave: the relative error (βl)⁴/1440 of a natural
-    /// frequency reaches 1 % there; with shear, the sum of it and `ω² l² m̄/(24 κGA)`.
+    /// frequency reaches 1 % there; with shear, its sum with `ω² l² m̄/(24 κGA)`.
     ///
     /// Infinite for an element without mass, because its shapes are then exact.
     pub fn resolved_frequency_rad_s(&self) -> f64 {

@@ -6,9 +6,9 @@ use nalgebra::Matrix2;
 
 use crate::numeric::{Scalar, Size};
 
-/// Symmetric 2×2 apparent inertia A on (v, φ): kg, kg m, kg m².
+/// Symmetric 2×2 apparent inertia A on (v, φ) of the part outboard of a node: kg, kg m, kg m².
 ///
-/// It is minus the dynamic stiffness over the squared frequency, of the part outboard of a node.
+/// It is minus the dynamic stiffness over the squared frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inertia<S> {
     /// Force per acceleration in kg.

@@ -156,7 +156,7 @@ fn complex<S: Into<Complex64>>(tip: TipTransfer<S>) -> TipTransfer {
 
 /// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
 ///
-/// Not finite only where no pivot remains, as at a zero of torque → tip on the real axis.
+/// Infinite or NaN only if no pivot remains, as at a zero of torque → tip on the real axis.
 pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
     if is_real(lambda) { driven_transfer(mesh, lambda.re) } else { driven_transfer(mesh, lambda) }
 }

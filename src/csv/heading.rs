@@ -291,7 +291,7 @@ impl Heading {
         let unit_text = if suffixed { Some(quantity.units[0]) } else { unit_text };
         let own = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose();
         let own = match own {
-            // Counts, which the user's factor or unit converts.
+            // An unknown unit, such as counts: the user's factor or unit converts it.
             Err(_) if measure.unit.is_some() || measure.factor.is_some() => None,
             own => own?,
         };

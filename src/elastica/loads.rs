@@ -31,7 +31,7 @@ pub enum SecondOrder {
 pub(super) struct Instant<'a> {
     pub(super) w: &'a [f64],
     pub(super) rate: &'a [f64],
-    /// Unused for terms of first order.
+    /// Second derivatives, unused for terms of first order.
     pub(super) acceleration: &'a [f64],
     pub(super) chord_rate_rad_s: f64,
     pub(super) chord_acceleration_rad_s2: f64,

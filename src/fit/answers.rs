@@ -146,8 +146,8 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         if is_profiled { self.profiled(k, from, far, most) } else { far }
     }
 
-    /// Place of value `k` where the least sum of squares with the value fixed equals `most`, sought from `first` along
-    /// the line through the answer; a bound if the sum stays below.
+    /// Place of value `k` where the least sum of squares with the value fixed equals `most`, sought from `first` on its
+    /// side of the answer; a bound if the sum stays below.
     fn profiled(&self, k: usize, answer: &Answer, first: f64, most: f64) -> f64 {
         let [low, high] = self.bounds(k);
         let room = most - answer.sum;

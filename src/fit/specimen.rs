@@ -147,7 +147,7 @@ fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<(u32, f64), 
         let changes = pairs.map(|pair| match pair {
             (Some(known), Some(finer)) if known.to_bits() == finer.to_bits() => 0.0,
             (Some(known), Some(finer)) => (known / finer - 1.0).abs(),
-            // A mode whose number more coordinates may reach.
+            // More coordinates may yield the missing mode.
             _ => f64::INFINITY,
         });
         last = changes.fold(0.0, Size::larger);

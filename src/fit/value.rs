@@ -92,7 +92,7 @@ impl FittedValue {
 
 /// Singular values and directions of the Jacobian.
 pub(super) struct Spread {
-    /// One for each direction; 0 for directions without effect on any row.
+    /// Singular value of each direction; 0 for a direction without effect on any row.
     values: Vec<f64>,
     /// Directions in the free values, row by row.
     directions: Mat<f64>,

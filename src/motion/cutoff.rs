@@ -67,8 +67,8 @@ struct Residual {
 
 impl TipMotion {
     /// The lowest cut-off whose tip error is at most `tolerance` times the travel at all times; a tolerance of 0 or
-    /// below keeps all frequencies, and one above 0.1 counts as 0.1. It depends only on the motion, not on a link. More
-    /// uncertain samples are followed only as closely as their errors justify; a cut-off in the recording takes
+    /// below keeps all frequencies, and one above 0.1 counts as 0.1. It depends only on the motion, not on a link.
+    /// Uncertain samples are followed only as closely as their errors justify; a cut-off in the recording takes
     /// precedence.
     ///
     /// If even the highest cut-off has a larger error, the result is this cut-off with the reason.

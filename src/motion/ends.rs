@@ -16,14 +16,14 @@ const ACCELERATES: f64 = 2e-2;
 const NO_MEAN: f64 = 1e-9;
 
 /// Step from the last sample to the next cycle, over the largest step between samples, above which a cycle does not
-/// return. With a velocity column the distances of the steps from it take the place of the steps.
+/// return. With a velocity column, distances of the steps from it replace the steps.
 const JUMP: f64 = 3.0;
 
 /// Difference of the first and the last sample, over the range of all, below which they are equal.
 const SAME: f64 = 1e-6;
 
-/// Roughness over the range of the samples below which it must fall to a tenth without the last sample. It does not for
-/// a bell that has nearly come to rest; it does for a wave at its crest.
+/// Roughness of a cycle over the range of its samples, up to which the last sample counts as a repetition only if
+/// leaving it out lowers the roughness to a tenth: true for a wave at its crest, false for a bell nearly at rest.
 const FLAT: f64 = 1e-5;
 
 /// Second differences over the range of the samples below which they are round-off.

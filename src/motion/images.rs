@@ -29,7 +29,7 @@ pub(crate) type TailTerms = [f64; TAIL_TERMS];
 /// Distance in periods up to which images are summed one by one; a power series covers those beyond.
 const NEAR_PERIODS: i32 = 2;
 
-/// Periods of the near images, and the same with the motion's period.
+/// Periods of the near images, without and with the motion's period.
 const NEAR: [i32; 4] = [-2, -1, 1, 2];
 const NEAR_AND_OWN: [i32; 5] = [-2, -1, 0, 1, 2];
 
@@ -161,8 +161,8 @@ pub(crate) fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
 }
 
 impl Source {
-    /// `forcing_m_s2` are the samples of the motion from 0 s on, without a roll-off. The part that a roll-off removes
-    /// has no moments, and rings near the motion, where the kernel does not hold.
+    /// The images of a motion. `forcing_m_s2` are its samples from 0 s on, without a roll-off: the part that a roll-off
+    /// removes has no moments, and rings near the motion, where the kernel does not hold.
     fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
         let (period_s, step_s) = (spectrum.period_s(), spectrum.step_s);
         let time_s = |k: usize| k as f64 * step_s;

@@ -21,12 +21,12 @@ pub(crate) struct TipPeriod {
     /// Histories of the motion.
     pub histories: TipHistories,
     samples: Samples,
-    /// Computed on first use: only a link with hysteretic damping needs them.
+    /// Images of the motion, computed on first use, because only hysteretic damping needs them.
     images: OnceLock<Images>,
 }
 
 impl TipPeriod {
-    /// Takes the arguments of [`TipSpectrum::of`].
+    /// Computes spectrum and histories; arguments as for [`TipSpectrum::of`].
     pub(super) fn of(motion: &Samples, len: usize, seam: usize, cutoff: Cutoff) -> Self {
         let spectrum = TipSpectrum::of(motion, len, seam, cutoff);
         Self {

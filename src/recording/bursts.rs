@@ -23,7 +23,7 @@ const SIDE: usize = 6;
 const FEWEST: usize = 20;
 /// Smallest distance of a sample near a burst, in standard deviations of the noise.
 const SEED: f64 = 3.0;
-/// Largest distance of the samples near a removed burst, over the burst's distance; and for the burst moved aside.
+/// Largest distance of the samples near a removed burst, over the burst's distance; also with the burst moved aside.
 const LEFT: f64 = 0.05;
 const LEFT_ASIDE: f64 = 0.1;
 /// Smallest distance of a sample in or beside a burst from its neighbours, over the largest in the burst: a narrow bend

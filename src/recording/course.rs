@@ -18,7 +18,7 @@ pub(super) const SECOND: f64 = 0.4;
 /// cubic, and in standard deviations of the noise.
 pub(super) const CONTINUES: f64 = 1.0 / 3.0;
 pub(super) const CONTINUES_DEVIATIONS: f64 = 4.5;
-/// The limit for the nearest sample of that side, relative to the limit for the sample.
+/// Limit for the nearest sample of the predicting side, relative to the limit for the predicted sample.
 const LED_BEFORE: f64 = 1.5;
 /// Polynomials that predict from one side (samples, degree); the last ones follow a corner of a smooth motion.
 pub(super) const LEADS: [(usize, usize); 6] = [(2, 1), (4, 1), (6, 2), (3, 2), (4, 3), (5, 4)];

@@ -18,7 +18,7 @@ const OWN_BYTES: usize = 24 << 20;
 /// Bytes of a limited address space for each arena.
 const ARENA_SHARE: usize = 512 << 20;
 
-/// Part of the share below which an allocation is not checked, because the check takes as long as a small run.
+/// Ratio of the share to an allocation above which it is not checked, because the check takes as long as a small run.
 const SMALL: usize = 16;
 
 /// Available memory in bytes without [`OWN_BYTES`]; `None` if the system does not state it.
