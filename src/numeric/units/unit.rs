@@ -11,7 +11,7 @@ use crate::text::{excerpt, visible};
 /// factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
-    /// Separate from the power of ten, so that 135 cm is 1.35 m to the last bit.
+    /// Factor without its power of ten, so that 135 cm is 1.35 m to the last bit.
     coefficient: f64,
     exponent: i32,
     dimension: Dimension,
