@@ -116,8 +116,9 @@ const UNIFORM: f64 = 1e-3;
 /// Tip displacement due to jitter, over the travel, that stays unnoticed.
 const UNNOTICED: f64 = 2e-7;
 
-/// Largest distance of times in s from the best uniform grid, in steps, if the motion must be interpolated: the jitter
-/// exceeds the rounding of the times, changes the displacement noticeably, if known, and is at most [`LARGEST_JITTER`].
+/// Largest distance of times in s from the best uniform grid, in steps, if the motion must be interpolated. Then the
+/// jitter exceeds the rounding of the times, changes the displacement noticeably, if known, and is at most
+/// [`LARGEST_JITTER`].
 pub fn jitter(time_s: &[f64], displacement_m: Option<&[f64]>) -> Option<f64> {
     if time_s.len() < 2 {
         return None;

@@ -99,7 +99,7 @@ fn recursed<S: Scalar>(
     let mut answers = vec![(Gain { vv: zero, vp: zero, pv: zero, pp: zero }, [zero; 2]); elements];
     let mut bias = load(elements).map(|part| part * -1.0);
     // Three parts of the tip's motion. The first, per motion of the node in full, has its digits where the tip hardly
-    // moves; the second, without the rigid part, has the digits of a deflection at rest; the third is due to the loads.
+    // moves. The second, without the rigid part, has the digits of a deflection at rest. The third is due to the loads.
     let (mut whole, [mut e_v, mut e_phi], mut e_bias) = ([zero + 1.0, zero], [zero; 2], zero);
     let root = condense(mesh, lambda, |index, step| {
         let length_m = mesh.relative_elements()[index].length_m;

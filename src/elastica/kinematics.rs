@@ -49,7 +49,7 @@ impl ArmPeriod {
     /// `step_s`, the inner link first.
     ///
     /// If the motion ends with other directions than it starts, they must [return](super::returning) within the period
-    /// at rest: only the directions of weights and forces follow them, while rates and accelerations are zero.
+    /// at rest. Only the directions of weights and forces follow them, while rates and accelerations are zero.
     ///
     /// # Errors
     /// [`ElasticaError::Lengths`], [`ElasticaError::Sample`], [`ElasticaError::Step`], and [`ElasticaError::OneLink`]
@@ -106,8 +106,8 @@ impl ArmPeriod {
     }
 
     /// Fewest samples that resolve the accelerations of links of equal length, up to a negligible share of their
-    /// amplitudes: each chord's turning, its centripetal acceleration, and the acceleration of its inner end along it
-    /// and across it, with gravity.
+    /// amplitudes. The accelerations are each chord's turning, its centripetal acceleration, and the acceleration of
+    /// its inner end along it and across it, with gravity.
     fn resolving(&self) -> usize {
         let bars_of = |sample: usize| {
             let bar = |link: usize| Bar {

@@ -31,7 +31,7 @@ pub struct ElasticaMotion {
     /// Advance of nodes 0 … n along the chord relative to the link, x − s ≤ 0 in m; zero without all terms.
     pub shortenings_m: Vec<Vec<f64>>,
     /// Bending moment in N m at nodes 0 … n, exerted by the part of the link towards the hub on the part towards the
-    /// tip; a body on a node belongs to the outer part.
+    /// tip. A body on a node belongs to the outer part.
     pub moments_n_m: Vec<Vec<f64>>,
     /// Largest slope |w'| of the link from its chord.
     pub largest_slope: f64,

@@ -12,8 +12,8 @@ use super::record::Record;
 use super::response::{Overlay, ResponseMisfit};
 use super::value::{FittedValue, Free, Spread, correlation};
 
-/// Values from another start that fit the measurements about as well as the best ones: the sum of squares is less than
-/// 3.84 above the least, in units of the variance of the residuals.
+/// Values from another start that fit the measurements about as well as the best ones. Their sum of squares is less
+/// than 3.84 above the least, in units of the variance of the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OtherAnswer {
     /// Factors on the free values in their order.

@@ -158,8 +158,8 @@ impl Thickness {
     }
 
     /// Estimate of R + S for a zero at a real frequency, from the energies of the link's motion under a torque at the
-    /// hub. The hub's energy is excluded, because a zero does not depend on the hub's inertia. (A zero is no eigenvalue
-    /// of a symmetric problem: its exact derivative needs a second motion, under a force on the tip.)
+    /// hub. The hub's energy is excluded, because a zero does not depend on the hub's inertia. A zero is no eigenvalue
+    /// of a symmetric problem: its exact derivative needs a second motion, under a force on the tip.
     fn slowing_of_zero(&self, mesh: &Mesh, zero_rad_s: f64) -> f64 {
         let motion = mode(mesh, zero_rad_s);
         let hub = mesh.hub_inertia_kg_m2() * motion.shape.hub_angle.powi(2);

@@ -202,7 +202,7 @@ fn chosen(spectrum: &TipSpectrum, omega_rad_s: f64) -> Cutoff {
 
 impl Residual {
     /// The residual of a motion, and two cut-offs in rad/s that bracket the lowest one that removes at most
-    /// `allowed_m`; the upper one may remove more if it is the highest possible.
+    /// `allowed_m`. The upper one may remove more if it is the highest possible.
     fn bracketed(spectrum: &TipSpectrum, allowed_m: f64) -> (Self, f64, f64) {
         let omegas = &spectrum.omegas_rad_s;
         let bins = spectrum.acceleration_m_s2.iter().zip(omegas);

@@ -22,8 +22,8 @@ const JUMP: f64 = 3.0;
 /// Difference of the first and the last sample, over the range of all, below which they are equal.
 const SAME: f64 = 1e-6;
 
-/// Roughness of a cycle over the range of its samples, up to which the last sample counts as a repetition only if
-/// leaving it out lowers the roughness to a tenth: true for a wave at its crest, false for a bell nearly at rest.
+/// Roughness of a cycle over the range of its samples. Up to it, the last sample is a repetition only if leaving it out
+/// lowers the roughness to a tenth: true for a wave at its crest, false for a bell nearly at rest.
 const FLAT: f64 = 1e-5;
 
 /// Second differences over the range of the samples below which they are round-off.

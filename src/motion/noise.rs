@@ -9,7 +9,7 @@
 //! ```
 //!
 //! and its error grows with the duration of the motion. A slow signal changes by less than its last decimal from one
-//! sample to the next: its errors are equal until it has changed by one decimal, and h is the time for this change.
+//! sample to the next. Its errors are equal until it has changed by one decimal, and h is the time for this change.
 
 use std::f64::consts::{PI, TAU};
 

@@ -4,7 +4,7 @@
 //! Libraries of dense algebra choose fused multiply-add and the order of their sums by the processor, which changes
 //! last digits. This solver rounds each product and sum by itself, in a fixed order; only the width of the vectors
 //! depends on the processor. nalgebra's solver also has fixed bits, but takes 2.1 to 2.9 times as long on the matrices
-//! of 100 to 500 elements; faer's takes 0.6 to 0.85 of the time, but its bits differ between processors.
+//! of 100 to 500 elements. The solver of faer takes 0.6 to 0.85 of the time, but its bits differ between processors.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 

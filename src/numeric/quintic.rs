@@ -10,7 +10,7 @@ use nalgebra::{Matrix2, Vector2};
 /// ```
 ///
 /// The curvature is a cubic between two samples. Its error falls with the fourth power of the step, against the second
-/// for a cubic spline. A motion with a third derivative at its end breaks the end condition: the error at the last
+/// for a cubic spline. A motion with a third derivative at its end breaks the end condition. The error at the last
 /// samples falls only with the step, and decays by a factor of about 2.3 per sample before them.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct QuinticSpline {

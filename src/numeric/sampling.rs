@@ -41,8 +41,8 @@ pub(crate) struct Transforms {
     samples: Vec<f64>,
 }
 
-/// The rows of a table over time, and the transform behind them. The transform yields either the samples of the whole
-/// period, from which rows are picked, or coarse ones, between which rows are interpolated.
+/// The rows of a table over time, and the transform behind them. Rows are picked from the samples of the whole period,
+/// or interpolated between coarse samples.
 #[derive(Clone)]
 pub(crate) struct Sampling {
     transform: FourierPair,

@@ -1,8 +1,8 @@
 //! Bursts: two or three bad samples within a few steps, and bad samples at the ends of a column.
 //!
 //! Samples of a burst spoil each other's cubics; samples at the ends have neighbours on one side only. The search
-//! removes a burst as a whole and compares it with the cubic through the samples before and after it, at an end with
-//! the parabola through the samples on one side.
+//! removes a burst as a whole and compares it with the cubic through the samples before and after it. At an end the
+//! comparison is with the parabola through the samples on one side.
 
 use std::ops::Range;
 

@@ -153,7 +153,7 @@ impl Course {
     /// prediction that noise of this standard deviation could hit by chance does not count.
     ///
     /// For a quantity without jumps the polynomial must also have predicted the nearest sample of that side nearly as
-    /// well: a line that misses a curve can hit a bad sample by chance.
+    /// well. A line that misses a curve can hit a bad sample by chance.
     pub(super) fn is_led_to(
         &self,
         k: usize,

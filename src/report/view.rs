@@ -232,7 +232,7 @@ impl<'a> View<'a> {
         spans.filter(|span| span.range.end > span.range.start).collect()
     }
 
-    /// Marks at which the tip starts and stops; a periodic motion has neither, nor a lead.
+    /// Marks at the start and the stop of the tip; a periodic motion has neither, nor a lead.
     pub(super) fn start_and_stop(&self) -> Vec<Mark> {
         let has_lead = |joint: &StoredJoint| joint.reading("lead_s").is_some();
         let moving_s = self.first().moving_s.filter(|_| self.first().joints.iter().any(has_lead));

@@ -95,7 +95,7 @@ fn labelled(label: &str, style: Style, message: &str, hint: Option<&str>) {
     };
     let hint = hint.map_or(String::new(), |hint| line("hint", HINT, hint));
     let text = line(label, style, message) + &hint;
-    // If standard error is closed, no other place to print to is left.
+    // If standard error is closed, no other place to print to remains.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 

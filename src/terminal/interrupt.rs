@@ -103,7 +103,7 @@ fn listen(on_signal: impl Fn(i32) + Send + 'static) {
 }
 
 /// Signals that the program was started to ignore, such as SIGHUP by `nohup` and SIGINT by a shell for a background
-/// command of a script: the hexadecimal `SigIgn` in the system's status of the process.
+/// command of a script. They are the hexadecimal `SigIgn` in the system's status of the process.
 #[cfg(unix)]
 fn ignored_mask(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
