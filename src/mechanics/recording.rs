@@ -1,4 +1,4 @@
-//! What a recorded motion is worth: the digits and the times of its samples, the rests at its ends.
+//! Quality of a recorded motion: digits and times of its samples, and rests at its ends.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -14,8 +14,8 @@ mod outliers;
 pub use course::Change;
 pub use outliers::{Outlier, outliers};
 
-/// Fewest different sizes of the numbers between two powers of ten from which their digits are judged. Of four
-/// numbers without trailing zeros one in ten thousand has all last digits 0.
+/// Fewest different sizes of numbers between two powers of ten that show their digits. Of four numbers without trailing
+/// zeros one in ten thousand has all last digits 0.
 const FEWEST_DIFFERENT: usize = 4;
 
 /// The numbers between two powers of ten.
@@ -23,16 +23,16 @@ const FEWEST_DIFFERENT: usize = 4;
 struct Decade {
     /// The first different sizes.
     sizes: [f64; FEWEST_DIFFERENT],
-    /// How many there are.
+    /// Number of different sizes.
     different: usize,
-    /// Most decimals.
+    /// Largest number of decimals.
     decimals: i32,
 }
 
-/// The digits of a column, counted while it is read.
+/// Digits of a column, counted during reading.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Digits {
-    /// By the power of ten of the first digit.
+    /// Decades by the power of ten of the first digit.
     decades: BTreeMap<i32, Decade>,
 }
 
@@ -41,7 +41,7 @@ pub struct Digits {
 pub struct Rounding {
     /// Number of decimals; negative for tens, hundreds, ….
     pub decimals: i32,
-    /// One of the last decimal.
+    /// Unit of the last decimal.
     pub step: f64,
 }
 
@@ -61,11 +61,11 @@ impl Digits {
         decade.decimals = decade.decimals.max(decimals);
     }
 
-    /// The rounding of the largest numbers, where there are enough to tell.
+    /// Rounding of the largest numbers, if there are enough of them.
     ///
-    /// Numbers with a fixed number of decimals have as many digits as the largest of them shows; those with a
-    /// fixed number of digits have the fewest decimals where they are largest. Both give the decimals of the
-    /// largest numbers, of which the rest at the end, one number repeated, is none.
+    /// With a fixed number of decimals the largest number shows the number of digits; with a fixed number of digits the
+    /// largest numbers have the fewest decimals. Both yield the decimals of the largest numbers. The rest at the end,
+    /// one number repeated, does not count among them.
     ///
     /// ```
     /// use flexlink::recording::Digits;
@@ -86,8 +86,8 @@ impl Digits {
     }
 }
 
-/// Power of ten of the first digit that is not 0, and number of decimals; none for 0 and for what is no
-/// decimal number.
+/// Power of ten of the first digit that is not 0, and number of decimals; `None` for 0 and for text that is no decimal
+/// number.
 fn places(text: &str) -> Option<(i32, i32)> {
     let (mantissa, exponent) = match text.split_once(['e', 'E']) {
         Some((mantissa, exponent)) => (mantissa, exponent.parse().ok()?),
@@ -107,18 +107,18 @@ fn places(text: &str) -> Option<(i32, i32)> {
     Some((first, decimals.checked_sub(exponent)?))
 }
 
-/// Largest distance of a time from the uniform grid, in steps, up to which a motion is interpolated unasked.
+/// Largest distance of a time from the uniform grid, in steps, up to which a motion is interpolated without an option.
 pub const LARGEST_JITTER: f64 = 0.05;
 
-/// Jitter in steps up to which times count as uniform where the tip does not show it.
+/// Jitter in steps up to which times count as uniform if the tip does not show it.
 const UNIFORM: f64 = 1e-3;
 
-/// What jitter may move the tip by, over its travel, without being noticed.
+/// Tip displacement due to jitter, over the travel, that stays unnoticed.
 const UNNOTICED: f64 = 2e-7;
 
-/// Largest distance of times in s from the uniform grid that fits them best, in steps, where the motion is to
-/// be interpolated: it is more than the digits of the times explain, changes the displacement, if that is
-/// given, noticeably, and is at most [`LARGEST_JITTER`].
+/// Largest distance of times in s from the best uniform grid, in steps, if the motion must be interpolated. Then the
+/// jitter exceeds the rounding of the times, changes the displacement noticeably, if known, and is at most
+/// [`LARGEST_JITTER`].
 pub fn jitter(time_s: &[f64], displacement_m: Option<&[f64]>) -> Option<f64> {
     if time_s.len() < 2 {
         return None;
@@ -129,7 +129,7 @@ pub fn jitter(time_s: &[f64], displacement_m: Option<&[f64]>) -> Option<f64> {
     (is_noticed && steps <= LARGEST_JITTER).then_some(steps)
 }
 
-/// What the tip moves by in one step at most, over its travel.
+/// Largest step of the tip over its travel.
 fn share(displacement_m: &[f64]) -> f64 {
     let step_m = displacement_m.windows(2).map(|d| (d[1] - d[0]).abs()).fold(0.0, f64::max);
     let start_m = displacement_m.first().copied().unwrap_or(0.0);
@@ -140,11 +140,11 @@ fn share(displacement_m: &[f64]) -> f64 {
 /// Fewest samples of a rest.
 const FEWEST: usize = 8;
 
-/// Largest distance of a sample of a rest from its mean, in standard deviations, and the same for the mean of
-/// the next few.
+/// Largest distance of a sample of a rest from its mean, in standard deviations; also the limit for the mean of the
+/// next few samples.
 const QUIET: f64 = 5.0;
 
-/// A recording that moves from its first or to its last sample.
+/// A recording that moves from its first sample on or up to its last one.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
     "the recording rests for {samples} samples at its {}, within {QUIET} standard deviations of the noise, but \
@@ -152,14 +152,14 @@ const QUIET: f64 = 5.0;
     if *at_end { "end" } else { "start" }
 )]
 pub struct NoRest {
-    /// Samples that are at rest.
+    /// Number of samples at rest.
     pub samples: usize,
     /// True for the end of the recording.
     pub at_end: bool,
 }
 
-/// Displacements whose ends are at rest exactly: the first half of each rest is its mean, the second half
-/// goes over into the samples. Returns the largest distance from the given ones, too.
+/// Makes both ends of displacements exactly at rest: the first half of each rest becomes its mean, the second half
+/// blends into the samples. Also returns the largest change.
 ///
 /// # Errors
 /// [`NoRest`] unless both ends rest for some samples.
@@ -184,8 +184,8 @@ pub fn rested(displacement_m: &[f64], deviation_m: f64) -> Result<(Vec<f64>, f64
     Ok((rested, moved_m))
 }
 
-/// Number of samples from the first one on that stay at the mean of those before them, as do the means of any
-/// [`FEWEST`] of them, which show a slow start earlier than a single sample does.
+/// Number of samples from the first one on that stay at the mean of the samples before them. The means of any
+/// [`FEWEST`] of them must also stay, because they show a slow start earlier than a single sample.
 fn quiet(displacement_m: &[f64], deviation_m: f64) -> usize {
     let (mut sum, mut recent) = (0.0, 0.0);
     for (k, sample) in displacement_m.iter().enumerate() {
@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(decimals(waves().map(|x| format!("{x:.4}"))), Some(4));
         // Without trailing zeros.
         assert_eq!(decimals(waves().map(|x| format!("{}", (1e4 * x).round() / 1e4))), Some(4));
-        // Four digits: the largest numbers below 1 have four decimals, the small ones more.
+        // Four digits: the largest numbers below 1 have four decimals, smaller ones more.
         assert_eq!(decimals(waves().map(|x| format!("{:.3e}", 0.99 * x))), Some(4));
         assert_eq!(decimals(waves().map(|x| format!("{:.0}", 1e4 * x))), Some(0));
     }

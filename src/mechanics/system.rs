@@ -1,4 +1,4 @@
-//! Memory that the system leaves to this process, and how long work is ended before its end.
+//! Memory available to this process, and early end of long work.
 
 use std::cell::OnceCell;
 use std::fs;
@@ -8,30 +8,30 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    /// The flag that ends the work of this thread.
+    /// Flag that ends the work of this thread.
     static STOP: OnceCell<Arc<AtomicBool>> = const { OnceCell::new() };
 }
 
-/// The payload with which work unwinds that a flag has ended.
+/// Payload of the unwinding when a flag ends the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// From now on `end_if_stopped` ends the work of this thread when the flag is true. A thread keeps its first flag.
+/// Makes `end_if_stopped` end the work of this thread once the flag is true. A thread keeps its first flag.
 pub fn stop_by(flag: Arc<AtomicBool>) {
     STOP.with(|own| drop(own.set(flag)));
 }
 
-/// Ends the work of this thread if its flag is true: unwinds with [`Stopped`], of which no hook of panics hears. Long loops
-/// call it for each part that takes less than a tenth of a second.
+/// Ends the work of this thread if its flag is true: unwinds with [`Stopped`], without a call of the panic hook. Long
+/// loops call it at least every tenth of a second.
 pub(crate) fn end_if_stopped() {
     if STOP.with(|own| own.get().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
         resume_unwind(Box::new(Stopped));
     }
 }
 
-/// Memory in bytes that this process can take: the least of what the system has available, what its
-/// control groups leave and what the limit of its address space leaves. None if the system gives no
-/// number, as on other systems than Linux.
+/// Memory in bytes that this process can take: the least of the system's available memory, the room in its control
+/// groups and the room below the limit of its address space. `None` if the system gives no number, as on other systems
+/// than Linux.
 pub fn available_memory() -> Option<u64> {
     let system = read("/proc/meminfo").and_then(|text| kilobytes(&text, "MemAvailable:"));
     let groups = read("/proc/self/cgroup")
@@ -39,8 +39,7 @@ pub fn available_memory() -> Option<u64> {
     [system, groups, available_addresses()].into_iter().flatten().min()
 }
 
-/// Memory in bytes that the limit of this process's address space (`ulimit -v`) leaves; none without
-/// a limit.
+/// Room in bytes below the limit of this process's address space (`ulimit -v`); `None` without a limit.
 pub fn available_addresses() -> Option<u64> {
     let limits = read("/proc/self/limits")?;
     let limit = soft_limit(&limits, "Max address space")?;
@@ -48,15 +47,15 @@ pub fn available_addresses() -> Option<u64> {
     Some(limit.saturating_sub(used))
 }
 
-/// Smallest room in bytes of the process's control group (cgroup v2) and the groups around it;
-/// `groups` is the content of `/proc/self/cgroup`, where version 2 has the line `0::/PATH`.
+/// Smallest room in bytes of the process's control group (cgroup v2) and the groups around it; `groups` is the content
+/// of `/proc/self/cgroup`, in which version 2 has the line `0::/PATH`.
 fn room_in_groups(mounted: &Path, groups: &str) -> Option<u64> {
     let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
     let own = mounted.join(path.trim_start_matches('/'));
     own.ancestors().take_while(|group| group.starts_with(mounted)).filter_map(room_in).min()
 }
 
-/// Memory in bytes that one group leaves, its cached files counted as free; none without a limit.
+/// Room in bytes of one group, with its cached files counted as free; `None` without a limit.
 fn room_in(group: &Path) -> Option<u64> {
     let number = |name| whole(&read(group.join(name))?);
     let limit = number("memory.max")?;
@@ -70,7 +69,7 @@ fn read(path: impl AsRef<Path>) -> Option<String> {
     fs::read_to_string(path).ok()
 }
 
-/// The number of a line `NAME   123 kB`, in bytes.
+/// Number of a line `NAME   123 kB`, in bytes.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     let rest = text.lines().find_map(|line| line.strip_prefix(name))?;
     whole(rest.strip_suffix("kB")?).map(|kilobytes| kilobytes.saturating_mul(1024))
@@ -81,7 +80,7 @@ pub fn is_data_limited() -> bool {
     read("/proc/self/limits").is_some_and(|limits| soft_limit(&limits, "Max data size").is_some())
 }
 
-/// A soft limit in bytes; none where it is unlimited.
+/// A soft limit in bytes; `None` if it is unlimited.
 fn soft_limit(limits: &str, name: &str) -> Option<u64> {
     let rest = limits.lines().find_map(|line| line.strip_prefix(name))?;
     whole(rest.split_whitespace().next()?)
@@ -122,7 +121,7 @@ mod tests {
         assert_eq!(space(&limits.replace("2048000000", "unlimited ")), None);
     }
 
-    /// A folder like the system's own, with these files.
+    /// A folder like the system's, with these files.
     fn mounted(files: &[(&str, &str)]) -> tempfile::TempDir {
         let root = tempfile::tempdir().unwrap();
         for (name, content) in files {

@@ -1,9 +1,9 @@
-//! Numbers and pieces of an input as messages show them.
+//! Text of numbers and pieces of an input in messages.
 
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Decimals that no number exceeds; the formatter of the standard library takes a few more.
+/// Upper limit of a number's decimals; the formatter of the standard library takes a few more.
 const MOST_DECIMALS: usize = 1100;
 
 /// A number with `digits` significant digits, for people; scientific below 0.001 and from a million
@@ -27,7 +27,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// A time in s for people: as [`significant`] has it, but with milliseconds from a million seconds on, as epochs need.
+/// A time in s for people: like [`significant`], but with milliseconds from a million seconds on, as epochs need.
 ///
 /// ```
 /// use flexlink::text::instant;
@@ -42,13 +42,13 @@ pub fn instant(time_s: f64, digits: usize) -> String {
     }
 }
 
-/// How many significant digits, two to six, show that a number exceeds its bound; two where it does not.
+/// Number of significant digits, two to six, that shows that a number exceeds its bound; two if it does not.
 pub fn digits_beyond(found: f64, bound: f64) -> usize {
     let differs = |after: &usize| format!("{found:.after$e}") != format!("{bound:.after$e}");
     1 + (1..5).find(|after| found <= bound || differs(after)).unwrap_or(5)
 }
 
-/// A number with all its digits, for people; in powers of ten where it is far from 1.
+/// A number with all its digits, for people; with a power of ten if it is far from 1.
 ///
 /// ```
 /// use flexlink::text::plain;
@@ -59,7 +59,8 @@ pub fn plain(value: f64) -> String {
     if is_near { value.to_string() } else { format!("{value:e}") }
 }
 
-/// A number that was given, for people: with all its digits, or six where they are many, as of one in another unit.
+/// An input number for people: with all its digits, or with six if they are many, for example after a conversion of
+/// units.
 ///
 /// ```
 /// use flexlink::text::given;
@@ -84,7 +85,7 @@ pub fn about_percent(share: f64) -> String {
     }
 }
 
-/// Memory in GB, for people; in MB where it is less than a tenth of that.
+/// Memory in GB, for people; in MB below a tenth of a GB.
 ///
 /// ```
 /// use flexlink::text::gigabytes;
@@ -98,11 +99,11 @@ pub fn gigabytes(bytes: usize) -> String {
     format!("{} GB", significant(bytes as f64 / 1e9, 2))
 }
 
-/// Most characters of an input that a message quotes.
+/// Largest number of characters of an input that a message quotes.
 const LONGEST: usize = 60;
 
-/// A piece of an input for a message: control characters, and those that change the direction of
-/// writing, are escaped, so that the text stays on its line and no terminal executes it.
+/// A piece of an input for a message. Control characters, and those that change the direction of writing, are escaped,
+/// so that the text stays on its line and no terminal executes it.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return text.into();
@@ -118,12 +119,12 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     escaped.into()
 }
 
-/// A path for a line of text, its control characters escaped as in [`visible`].
+/// A path for a line of text, with control characters escaped as in [`visible`].
 pub fn shown_path(path: &Path) -> String {
     visible(&path.display().to_string()).into_owned()
 }
 
-/// A word of a command as a shell takes it.
+/// A word of a command, quoted for a shell.
 pub fn in_shell(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
     if word.chars().all(is_plain) {
@@ -133,7 +134,7 @@ pub fn in_shell(word: &str) -> String {
     }
 }
 
-/// The path of a file as a shell takes it: no program reads it as an option.
+/// The path of a file, quoted for a shell so that no program reads it as an option.
 pub fn path_in_shell(path: &str) -> String {
     if path.starts_with('-') && path != "-" {
         in_shell(&format!("./{path}"))
@@ -142,7 +143,7 @@ pub fn path_in_shell(path: &str) -> String {
     }
 }
 
-/// A document with the same characters escaped, its line ends and tabs kept.
+/// A document with the characters of [`visible`] escaped, except line ends and tabs.
 pub fn visible_document(document: &str) -> String {
     let mut shown = String::with_capacity(document.len());
     for letter in document.chars() {
@@ -155,7 +156,7 @@ pub fn visible_document(document: &str) -> String {
     shown
 }
 
-/// The first 60 characters of a piece of an input, with `…` where more follow.
+/// The first 60 characters of a piece of an input, and `…` if more follow.
 pub fn excerpt(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(LONGEST) {
         None => text.into(),
@@ -170,7 +171,7 @@ pub fn is_hidden(letter: char) -> bool {
     turns || letter.is_control()
 }
 
-/// Hint at the candidate with the spelling nearest to `word`, if one is near.
+/// Hint about the candidate with the spelling nearest to `word`, if one is near.
 ///
 /// ```
 /// use flexlink::text::did_you_mean;

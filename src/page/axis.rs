@@ -1,14 +1,14 @@
-//! An axis of a figure: its range and its ticks, and which points are drawn along it.
+//! An axis of a figure: its range, its ticks, and the points to draw along it.
 
 use std::ops::Range;
 
 use crate::numeric::rounded;
 use crate::text::significant;
 
-/// Name of the axis that all figures over time share.
+/// Name of the axis common to all figures over time.
 pub(super) const TIME: &str = "time";
 
-/// How an axis spreads its numbers.
+/// Spacing of the numbers on an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Scale {
     #[default]
@@ -17,7 +17,7 @@ pub(super) enum Scale {
 }
 
 impl Scale {
-    /// Its name in the page's script.
+    /// Name in the page's script.
     pub(super) fn word(self) -> &'static str {
         if self == Self::Linear { "linear" } else { "log" }
     }
@@ -28,23 +28,23 @@ impl Scale {
 pub(super) struct Axis {
     /// Name of the quantity: `torque`.
     pub(super) name: String,
-    /// Its unit, empty for a pure number: `N m`.
+    /// Unit of the quantity, empty for a pure number: `N m`.
     pub(super) unit: String,
-    /// How its numbers are spread.
+    /// Spacing of the numbers.
     pub(super) scale: Scale,
-    /// First and last number; on a logarithmic axis both above 0.
+    /// First and last number; both above 0 on a logarithmic axis.
     pub(super) range: Range<f64>,
     /// Values of the ticks; empty for round ones.
     pub(super) places: Vec<f64>,
 }
 
-/// Parts of x, one per pixel, of which each keeps the lowest and the highest point of each line.
+/// Parts of x, one per pixel; each keeps the lowest and the highest point of each line.
 const PARTS: usize = 680;
 
 /// Approximate number of ticks of a linear axis.
 const TICKS: f64 = 6.0;
 
-/// Most decades of a logarithmic axis that all get a tick.
+/// Largest number of decades of a logarithmic axis with a tick for each.
 const MOST_DECADES: i32 = 7;
 
 impl Axis {
@@ -77,7 +77,7 @@ impl Axis {
         Self::linear(name, unit, range)
     }
 
-    /// True if drawing its numbers would overflow or underflow.
+    /// True if its numbers would overflow or underflow in a drawing.
     pub(super) fn is_extreme(&self) -> bool {
         let Range { start, end } = self.range;
         let spread = match self.scale {
@@ -101,7 +101,7 @@ impl Axis {
         in_unit(&self.name, &self.unit)
     }
 
-    /// Values of the ticks, each with its label.
+    /// Values and labels of the ticks.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         if !self.places.is_empty() {
             return self.places.iter().map(|value| (*value, short_label(*value))).collect();
@@ -126,7 +126,7 @@ impl Axis {
         let decimals = usize::try_from(-libm::floor(libm::log10(step * 1.001)) as i32).unwrap_or(0);
         let label = |value: f64| {
             let largest = start.abs().max(end.abs());
-            // Six digits do not tell the ticks of an epoch apart.
+            // Six digits cannot distinguish the ticks of an epoch.
             let is_offset = largest < 1e12 && step < 1e-5 * largest;
             if !(1e-4..1e6).contains(&largest) && !is_offset {
                 return if value == 0.0 {
@@ -170,8 +170,8 @@ pub(super) fn in_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} in {unit}") }
 }
 
-/// Numbers of the points, of `len`, that are drawn of lines over the same x: all if they are few, else of each part of x
-/// the lowest and the highest of every line, so that no peak is lost.
+/// Numbers of the points, out of `len`, to draw for lines over the same x. All if they are few; otherwise the lowest
+/// and the highest of every line in each part of x, so that no peak is lost.
 pub(super) fn drawn_points(
     lines: &[&[(f64, f64)]],
     len: usize,
@@ -190,12 +190,12 @@ pub(super) fn drawn_points(
     kept.into_iter()
 }
 
-/// A number with `count` significant digits, as a page shows it.
+/// Text of a number with `count` significant digits on a page.
 pub(super) fn digits(value: f64, count: usize) -> String {
     significant(value, count).replace('-', "−")
 }
 
-/// Decimal if that is short, else with an exponent.
+/// Decimal if short, otherwise with an exponent.
 fn short_label(value: f64) -> String {
     let value = rounded(value, 4);
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
@@ -205,7 +205,7 @@ fn short_label(value: f64) -> String {
     }
 }
 
-/// True if a number is too large, or too close to 0 but not 0, to be drawn.
+/// True if a number is too large, or too close to 0 but not 0, for a drawing.
 pub(super) fn is_extreme(value: f64) -> bool {
     let size = value.abs();
     !(size <= 0.0 || (1e-300..=1e300).contains(&size))

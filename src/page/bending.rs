@@ -1,5 +1,5 @@
-//! Bending along the link: moments estimated where a run did not write them, deflections of an arm's links from their
-//! chords, and the figure of waves.
+//! Bending along the link: estimates of unwritten moments, deflections of an arm's links from their chords, and the
+//! figure of waves.
 
 use std::borrow::Cow;
 
@@ -12,30 +12,30 @@ use crate::beam::Mesh;
 use crate::numeric::largest;
 use crate::result::{StoredNodes, StoredRun};
 
-/// Columns of the map, one for each pixel; the step of accelerations is at most one column.
+/// Number of columns of the map, one for each pixel; the step of accelerations is at most one column.
 pub(super) const COLUMNS: usize = 680;
 
-/// Fewest nodes from which moments are estimated.
+/// Fewest nodes for an estimate of moments.
 const FEWEST: usize = 5;
 
 /// Largest step of the accelerations, relative to the period of the first mode.
 const COARSEST: f64 = 0.05;
 
-/// Largest relative difference of the estimated root moment from that of the summary.
+/// Largest relative difference of the estimated root moment from the summary's.
 pub(super) const TRUSTED: f64 = 0.1;
 
 /// Bending moments in N m.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Moments {
-    /// At the nodes and times of the displacements, or as written.
+    /// Moments at the nodes and times of the displacements, or as written.
     pub(super) nodes: StoredNodes,
-    /// True if the run wrote them, false if they are estimated.
+    /// True if the run wrote them, false for estimates.
     pub(super) is_written: bool,
 }
 
 impl View<'_> {
-    /// Deflections of a link from its chord; of a single link from the hub's tangent line, with those of the root, 0,
-    /// and of the tip, `v − Lθ`. None if no node between the two was written, or fewer than two times.
+    /// Deflections of a link from its chord. For a single link they are from the hub's tangent line, and include the
+    /// root, 0, and the tip, `v − Lθ`. `None` without a written node between the two, or with fewer than two times.
     pub(super) fn deflections(&self, link: usize) -> Option<StoredNodes> {
         let Some(run) = self.link else {
             return Some(deflections(self.first(), link)).filter(|nodes| nodes.times_s.len() > 1);
@@ -55,15 +55,15 @@ impl View<'_> {
         (nodes.nodes.len() > 2 || tip < 2).then_some(nodes)
     }
 
-    /// The bending moments of a link that the run wrote, or, of a single link, the moments estimated from its
-    /// displacements: force and moment at a node accelerate all that lies outboard of it.
+    /// Written bending moments of a link or, for a single link, moments estimated from its displacements: force and
+    /// moment at a node accelerate the part outboard.
     ///
     /// ```text
     /// m(x) = ∫ₓᴸ m̄ (s − x) v̈ ds + Σ [m (x_m − x) v̈ + J φ̈] + payload     (d'Alembert; v of Bayo 1987, eq 1)
     /// ```
     ///
-    /// v̈ is taken from second differences over time and is linear between nodes: exact enough for colours,
-    /// not for design. None if nodes, times or digits do not suffice.
+    /// v̈ comes from second differences over time and is linear between nodes: exact enough for colours, not for
+    /// design. `None` if nodes, times or digits do not suffice.
     pub(super) fn moments(&self, link: usize) -> Option<Moments> {
         let Some(run) = self.link else {
             let nodes = self.first().links[link].moments_n_m.clone()?;
@@ -74,7 +74,7 @@ impl View<'_> {
         {
             return Some(Moments { nodes, is_written: true });
         }
-        // The weight's part, and what holds it, do not follow from accelerations.
+        // The part of the weight, and of the force that supports it, does not follow from accelerations.
         if self.has_weight() {
             return None;
         }
@@ -95,14 +95,14 @@ impl View<'_> {
     }
 }
 
-/// Bending of the tip of a single link over the time of the run, `v − Lθ`, in m.
+/// Deflection of a single link's tip over the time of the run, `v − Lθ`, in m.
 pub(super) fn bent_m(run: Single) -> Vec<f64> {
     let length_m = run.arc.mesh.length_m();
     let pairs = run.arc.tip.displacement_m.iter().zip(&run.joint.angle_rad);
     pairs.map(|(v, angle)| v - length_m * (angle - run.arc.origin_rad)).collect()
 }
 
-/// Moments in N m at the nodes of deflections, from their second differences over `apart` of their steps.
+/// Moments in N m at the nodes of deflections, from second differences over `apart` of their steps.
 fn estimated(
     run: Single,
     deflections: &StoredNodes,
@@ -152,7 +152,7 @@ impl Interval {
     }
 }
 
-/// Moments in N m at the nodes, summed up from the tip inward.
+/// Moments in N m at the nodes, summed from the tip inward.
 fn moments(run: Single, nodes: &StoredNodes, intervals: &[Interval], a: &[f64]) -> Vec<f64> {
     let payload = run.link.payload();
     let tip = a.len() - 1;
@@ -184,10 +184,10 @@ fn moments(run: Single, nodes: &StoredNodes, intervals: &[Interval], a: &[f64]) 
     found
 }
 
-/// Rows of the map, evenly along the link.
+/// Number of rows of the map, evenly spaced along the link.
 pub(super) const ROWS: usize = 120;
 
-/// A quantity of bending: its name, unit and letter, its words in a caption, its formula.
+/// A quantity of bending: name, unit, letter, words in a caption, formula.
 type Quantity = (&'static str, &'static str, char, &'static str, &'static str);
 
 const ARM_MOMENT: Quantity = ("moment", "N m", 'm', "bending moment", formula::ARM_MOMENT);
@@ -204,7 +204,7 @@ const ARM_DEFLECTION: Quantity =
 const DEFLECTION: Quantity =
     ("deflection", "m", 'w', "deflection from the hub's tangent line", formula::DEFLECTION);
 
-/// Waves along a link: the bending moment, or the deflection where it is not known. An arm's are less those at first.
+/// Waves along a link: the bending moment, or else the deflection. For an arm, the initial values are subtracted.
 pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
     let is_arm = view.is_arm();
     let place = view.pick("the link".to_owned(), format!("link {}", view.number_of(link)));
@@ -270,8 +270,8 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
         .by(formula.to_owned() + &colour))
 }
 
-/// The peak of a single link's moment or deflection in the summary, which knows it also between samples, where it is at
-/// the root or at the tip.
+/// Peak of a single link's moment or deflection in the summary, which includes peaks between samples; only if the peak
+/// is at the root or the tip.
 fn known_peak(view: &View, name: &str, nodes: &StoredNodes) -> Option<f64> {
     let readings = &view.link?.readings;
     let (end, known) = if name == "moment" {
@@ -283,8 +283,7 @@ fn known_peak(view: &View, name: &str, nodes: &StoredNodes) -> Option<f64> {
     known.filter(|_| is_there)
 }
 
-/// A map over the time shown, linear between times and between nodes, which are at `nodes_m`, and its axis along the
-/// link.
+/// A map over the shown time, linear between times and between nodes at `nodes_m`, and its axis along the link.
 pub(super) fn map(
     (from_s, until_s): (f64, f64),
     nodes: &StoredNodes,
@@ -315,7 +314,7 @@ pub(super) fn map(
     (map, Axis::linear("x", "m", first_m..last_m))
 }
 
-/// Linear interpolation between two of ascending numbers; beyond them, the first or the last.
+/// Linear interpolation between two of ascending numbers; the first or the last beyond them.
 pub(super) struct Interpolation {
     before: usize,
     share: f64,
@@ -336,15 +335,15 @@ impl Interpolation {
 
 /// The chord of a link at one moment.
 pub(super) struct Chord {
-    /// Its joint in m.
+    /// Position of its joint in m.
     pub(super) start_m: [f64; 2],
-    /// Its direction in rad, from −π to π.
+    /// Direction in rad, from −π to π.
     pub(super) angle_rad: f64,
     pub(super) length_m: f64,
 }
 
 impl Chord {
-    /// That of a link at a row of the nodes' places.
+    /// The chord of a link at a row of the nodes' places.
     pub(super) fn of(arm: &StoredRun, link: usize, row: usize) -> Self {
         let tip = |link: usize| {
             let places = &arm.links[link].positions_m;
@@ -356,7 +355,7 @@ impl Chord {
         Self { start_m, angle_rad, length_m: libm::hypot(along_x, along_y) }
     }
 
-    /// Distance of a place from the chord in m, to its left.
+    /// Distance of a place from the chord in m, positive to its left.
     fn deflection_m(&self, place_m: [f64; 2]) -> f64 {
         let [x, y] = [0, 1].map(|axis| place_m[axis] - self.start_m[axis]);
         y * libm::cos(self.angle_rad) - x * libm::sin(self.angle_rad)
@@ -375,11 +374,11 @@ pub(super) fn deflections(arm: &StoredRun, link: usize) -> StoredNodes {
     StoredNodes { nodes: (0..histories.len()).collect(), times_s, histories }
 }
 
-/// Nodes from whose deflections the slope at a root is found.
+/// Number of nodes that determine the slope at a root.
 const AT_ROOT: usize = 5;
 
-/// Deflection in m of a link's tip from the tangent line at its root: by the slope there of the polynomial through the
-/// first nodes, or of the rigid piece that leads to them.
+/// Deflection in m of a link's tip from the tangent line at its root, whose slope comes from the polynomial through the
+/// first nodes, or from the rigid piece that leads to them.
 pub(super) fn tip_deflection_m(arm: &StoredRun, link: usize) -> Vec<f64> {
     let own = &arm.links[link];
     let nodes = deflections(arm, link);

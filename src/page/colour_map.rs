@@ -6,22 +6,22 @@ use base64::engine::general_purpose::STANDARD;
 use super::axis::digits;
 use crate::numeric::largest;
 
-/// Numbers over a rectangle, shown by colours.
+/// Numbers over a rectangle, shown as colours.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ColourMap {
     /// Name of the quantity: `deflection`.
     pub(super) name: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub(super) unit: String,
-    /// Which colours stand for its numbers.
+    /// Colours for its numbers.
     pub(super) colours: Colours,
-    /// Rows of numbers, the lowest row first; all of one length.
+    /// Rows of numbers of equal length, the lowest row first.
     pub(super) rows: Vec<Vec<f64>>,
-    /// The single numbers, where the map is made of fields.
+    /// Single numbers, if the map consists of fields.
     pub(super) fields: Option<Fields>,
 }
 
-/// Fields of a map: a number at each x and y, NaN where there is none.
+/// Fields of a map: a number at each x and y, NaN for a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fields {
     /// x and y of the columns and rows, ascending.
@@ -30,33 +30,33 @@ pub(super) struct Fields {
     pub(super) values: Vec<Vec<f64>>,
 }
 
-/// Which colours stand for numbers.
+/// Kind of colours for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Colours {
-    /// Blue below zero, red above, nothing at zero; their strength goes by the square root of the number, so that
-    /// small ones are seen too.
+    /// Blue below zero, red above, transparent at zero. Their strength follows the square root of the number, so that
+    /// small ones stay visible.
     Diverging,
     /// Dark blue for the smallest number to yellow for the largest.
     Sequential,
 }
 
-/// Colours of a map, numbered from 1; 0 is none.
+/// Number of colours of a map, numbered from 1; 0 is transparent.
 const COLOURS: u8 = 255;
 
 /// The strongest blue and red.
 const ENDS: [[u8; 3]; 2] = [[36, 113, 199], [214, 56, 47]];
 
-/// Least span of the colours, relative to the largest number: what differs by less looks much the same.
+/// Smallest span of the colours, relative to the largest number: smaller differences look alike.
 const LEAST_SPAN: f64 = 0.1;
 
 impl ColourMap {
-    /// Smallest and largest of its numbers.
+    /// Smallest and largest number of the map.
     fn range(&self) -> (f64, f64) {
         let finite = || self.rows.iter().flatten().copied().filter(|value| value.is_finite());
         (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
     }
 
-    /// Smallest and largest number that a colour stands for.
+    /// Smallest and largest number with a colour.
     pub(super) fn limits(&self) -> (f64, f64) {
         if self.colours == Colours::Diverging {
             let peak = self.rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
@@ -67,7 +67,7 @@ impl ColourMap {
         (low - lacks, high + lacks)
     }
 
-    /// Its range in words, and that of its colours where that is wider.
+    /// Range of the numbers in words, and that of the colours if wider.
     pub(super) fn range_words(&self) -> String {
         let ((low, high), (first, last)) = (self.range(), self.limits());
         if !low.is_finite() {
@@ -92,7 +92,7 @@ impl ColourMap {
         [low, high].into_iter().any(|limit| limit.is_finite() && limit.abs() > 1e300)
     }
 
-    /// Number of a value's colour.
+    /// Number of the colour for a value.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 254")]
     fn colour(&self, value: f64, (low, high): (f64, f64)) -> u8 {
         if !value.is_finite() {
@@ -123,7 +123,7 @@ impl ColourMap {
         }
     }
 
-    /// The colours at `count` even places of the scale, as `#rrggbb` and opacity.
+    /// Colours at `count` even places of the scale, as `#rrggbb` and opacity.
     #[expect(clippy::cast_possible_truncation, reason = "1 … 255")]
     pub(super) fn scale(&self, count: u8) -> Vec<(String, f64)> {
         let number =
@@ -134,7 +134,7 @@ impl ColourMap {
         (0..count).map(|k| hexadecimal(self.shade(number(k)))).collect()
     }
 
-    /// Numbers that the scale shows, each with its share of the scale's length.
+    /// Numbers shown at the scale, each with its share of the scale's length.
     pub(super) fn scale_ticks(&self) -> Vec<(f64, f64)> {
         let (low, high) = self.limits();
         match self.colours {
@@ -149,7 +149,7 @@ impl ColourMap {
         2 * u32::from(r) + 5 * u32::from(g) + u32::from(b) < 8 * 118
     }
 
-    /// A PNG picture of the numbers as a `data:` address, a pixel for each.
+    /// A PNG picture of the numbers as a `data:` address, with a pixel for each.
     #[expect(clippy::cast_possible_truncation, reason = "no more pixels than those of a figure")]
     pub(super) fn picture(&self) -> String {
         let limits = self.limits();
@@ -164,7 +164,7 @@ impl ColourMap {
         encoder.set_palette(palette.concat());
         encoder.set_trns(opacities);
         encoder.set_compression(png::Compression::High);
-        // Writing to memory, and as many pixels as announced, cannot fail.
+        // Writing to memory, with the announced number of pixels, cannot fail.
         if let Ok(mut writer) = encoder.write_header() {
             let _ = writer.write_image_data(&pixels);
         }
@@ -203,7 +203,7 @@ mod tests {
         assert!(pixel(1, 1)[3] < 3, "zero: {:?}", pixel(1, 1));
         assert!(pixel(1, 2)[0] > pixel(1, 2)[2] && pixel(1, 2)[3] == 255, "above zero is red");
         assert!(pixel(1, 0)[2] > pixel(1, 0)[0], "below zero is blue");
-        // −1 of 2 by the square root.
+        // −1 out of 2 with the square root.
         assert!(pixel(1, 0)[3].abs_diff(180) < 3, "{:?}", pixel(1, 0));
         let halves = map.scale_ticks().into_iter().map(|(value, share)| {
             (value, 0.5 + 0.5 * value.signum() * (value.abs() / 2.0).sqrt() - share)

@@ -1,4 +1,4 @@
-//! The parts that every page has, and the page of a run.
+//! Common parts of all pages, and the page of a run.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -17,7 +17,8 @@ use crate::result::{Notice, Origin, StoredRun};
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// Allows the page its own style and script, by their hashes, and pictures that it holds or makes: nothing else.
+/// Security policy that allows only the page's style and script, by their hashes, and pictures that it contains or
+/// makes.
 fn security_policy() -> String {
     let hash = |text: &str| format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)));
     format!(
@@ -27,10 +28,10 @@ fn security_policy() -> String {
     )
 }
 
-/// The files of a result, which hold more than its page.
+/// Description of a result's files, which contain more than its page.
 pub(super) const FILES: &str = "from the files of the result, which hold every number";
 
-/// A whole page, made from a `source`; `data` is the JSON that the animation plays.
+/// A whole page, made from a `source`; `data` is the JSON for the animation.
 pub(super) fn document(
     title: &str,
     origin: &Markup,
@@ -85,10 +86,10 @@ pub(super) fn document(
     }
 }
 
-/// A part of a page, which the contents link to.
+/// A part of a page with an entry in the contents.
 pub(super) struct Section {
     pub(super) id: &'static str,
-    /// Its name in the contents.
+    /// Name in the contents.
     pub(super) name: &'static str,
     pub(super) heading: &'static str,
     pub(super) class: Option<&'static str>,
@@ -117,7 +118,7 @@ pub(super) fn made_by(origin: &Origin) -> Markup {
     html! { "flexlink " (origin.version) " " (origin.command) " · " (files) }
 }
 
-/// Figures of a page, and what is not shown.
+/// Figures of a page, and missing ones with reasons.
 fn figures_section(
     (id, name): (&'static str, &'static str),
     figures: &[&Figure],
@@ -143,7 +144,7 @@ pub(super) fn all_figures(figures: &Figures) -> Section {
     figures_section(("figures", "Figures"), &drawn, &figures.omitted, "")
 }
 
-/// The section of the figures that a page shows first, and that of the others; none without figures.
+/// Sections of the leading figures and of the others; `None` without figures.
 fn parted_figures(first: &'static str, figures: &Figures, note: &str) -> [Option<Section>; 2] {
     let (leading, other): (Vec<&Figure>, Vec<&Figure>) =
         figures.drawn.iter().partition(|figure| figure.leads());
@@ -193,7 +194,7 @@ pub(super) fn inputs(origin: &Origin) -> Section {
     Section::new("inputs", "Inputs", content)
 }
 
-/// Arguments as a shell reads them.
+/// Arguments, quoted for a shell.
 fn command_line(arguments: &[String]) -> String {
     let quoted = |argument: &String| match shlex::try_quote(argument) {
         Ok(quoted) => quoted.into_owned(),
@@ -203,7 +204,7 @@ fn command_line(arguments: &[String]) -> String {
     arguments.iter().map(quoted).collect::<Vec<_>>().join(" ")
 }
 
-/// The page of the first of an arm's runs, with the others beside it. A link is an arm of one.
+/// The page of the first of an arm's runs, with the others beside it. A link is an arm of one link.
 pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     let first = view.first();
     let untitled = view.pick("A flexible link", "An arm of flexible links");
@@ -225,7 +226,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     });
     let poses = motion.as_ref().filter(|_| view.is_arm());
     let poses = poses.map(|motion| motion.drawing(view));
-    // The errors of a link stand among its results.
+    // The errors of a link are among its results.
     let errors = errors(view);
     let tables = tables(view, errors.as_ref().filter(|_| !view.is_arm()));
     let named = |id, name, content: Option<Markup>| Some(Section::new(id, name, content?));
@@ -255,7 +256,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     document(title.unwrap_or(untitled), &origin, &sections, FILES, data.as_deref())
 }
 
-/// Warnings or remarks of all runs, each with its hint; of several runs with the name of the run.
+/// Warnings or remarks of all runs, each with its hint; for several runs with the name of the run.
 fn told(view: &View, of: fn(&StoredRun) -> &Vec<Notice>) -> Vec<(String, String)> {
     let mut all = Vec::new();
     for arm in view.runs {
@@ -266,7 +267,7 @@ fn told(view: &View, of: fn(&StoredRun) -> &Vec<Notice>) -> Vec<(String, String)
     all
 }
 
-/// Every warning or remark and what to do about it, if there are any.
+/// All warnings or remarks with their hints, if there are any.
 pub(super) fn advice(list: &[(String, String)], is_strong: bool) -> Option<Markup> {
     let content = html! {
         ul { @for (message, hint) in list {
@@ -318,7 +319,7 @@ fn tables(view: &View, errors: Option<&Markup>) -> Markup {
     }
 }
 
-/// What the page's script plays the motion in.
+/// Stage of the page's script for the motion.
 fn animation(label: &str) -> Markup {
     html! {
         figure class="stage" {

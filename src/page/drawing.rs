@@ -1,5 +1,5 @@
-//! A figure as SVG. Colours are classes: the style sheet of the page has a light and a dark theme, that
-//! of a figure in a file of its own only the light one.
+//! A figure as SVG. Colours are classes: the style sheet of the page has a light and a dark theme, that of a separate
+//! figure file only the light one.
 
 use std::fmt::Write as _;
 use std::slice;
@@ -22,17 +22,17 @@ const TOP: f64 = 34.0;
 const RIGHT: f64 = 16.0;
 const BOTTOM: f64 = 46.0;
 
-/// Dots of a line from which on they are small.
+/// Number of dots in a line above which they are small.
 const MANY_DOTS: usize = 200;
 
 /// Height of the strip above a colour map, and of the gap below it.
 const STRIP: f64 = 70.0;
 const GAP: f64 = 10.0;
 
-/// Least height of a field with a number in it.
+/// Smallest height of a field with a number.
 const FIELD_HEIGHT: f64 = 15.0;
 
-/// Heights between which a y axis lies in the plot.
+/// Vertical extent of a y axis in the plot.
 #[derive(Debug, Clone, Copy)]
 struct Band {
     top: f64,
@@ -56,13 +56,13 @@ impl Figure {
         (WIDTH - LEFT - RIGHT, self.height() - TOP - BOTTOM)
     }
 
-    /// Heights of the y axis: below the strip, if there is one.
+    /// Extent of the y axis: below the strip, if there is one.
     fn main_band(&self) -> Band {
         let top = if self.strip.is_some() { STRIP + GAP } else { 0.0 };
         Band { top, height: self.plot().1 - top }
     }
 
-    /// The drawing. A file needs the namespace; in a page it does no harm.
+    /// The drawing as SVG. A file needs the namespace; in a page it does no harm.
     pub(super) fn svg(&self) -> Markup {
         let (width, height) = self.plot();
         let band = self.main_band();
@@ -104,7 +104,7 @@ impl Figure {
         }
     }
 
-    /// Start and step of the x of all lines, if they are even.
+    /// Start and step of the x of all lines, if they are evenly spaced.
     fn grid(&self) -> Option<String> {
         let x: Vec<f64> =
             self.curves.iter().flat_map(|curve| curve.points.iter().map(|(x, _)| *x)).collect();
@@ -116,7 +116,7 @@ impl Figure {
         (self.x.name == TIME && x.iter().all(is_even)).then(|| format!("{start} {step}"))
     }
 
-    /// Numbers in the fields of a map, where they have room.
+    /// Numbers in the fields of a map, if they have room.
     fn field_numbers(&self, band: Band) -> Markup {
         let found = self.map.as_ref().and_then(|map| Some((map, map.fields.as_ref()?)));
         let Some((map, Fields { places: [x, y], values })) = found else { return html! {} };
@@ -166,7 +166,7 @@ impl Figure {
         }
     }
 
-    /// The points of a line in pixels.
+    /// Points of a line in pixels.
     fn points(&self, curve: &Curve, y: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let width = self.plot().0;
         let point = |(at, value): &(f64, f64)| (width * self.x.share(*at), y(*value));
@@ -175,7 +175,7 @@ impl Figure {
 
     fn line(&self, curve: &Curve, y: &Axis, band: Band, is_strip: bool) -> Markup {
         let points = self.points(curve, |value| band.y(y.share(value)));
-        // The strip has a y axis of its own.
+        // The strip has a separate y axis.
         let axis = is_strip.then(|| range(y));
         let heights = is_strip.then(|| format!("{} {}", band.top, band.height));
         html! {
@@ -189,7 +189,7 @@ impl Figure {
         }
     }
 
-    /// The area below a line that goes from 0 to 1.
+    /// Area below a line from 0 to 1.
     fn area(&self, curve: &Curve) -> String {
         let height = self.plot().1;
         let points = self.points(curve, |share| height * (1.0 - share));
@@ -227,8 +227,7 @@ impl Figure {
         }
     }
 
-    /// Names of the marks, one row for each class; a name that would overlap the one before is left
-    /// out.
+    /// Names of the marks, one row for each class; omits a name that would overlap the one before.
     fn mark_labels(&self) -> Markup {
         let mut classes: Vec<&str> = self.marks.iter().map(|mark| mark.class).collect();
         classes.dedup();
@@ -244,7 +243,7 @@ impl Figure {
         }
     }
 
-    /// Marks of a class whose names have room, each with its x.
+    /// Marks of a class with room for their names, each with its x.
     fn with_room(&self, class: &str) -> Vec<(&Mark, f64)> {
         let width = self.plot().0;
         let mut free = f64::NEG_INFINITY;
@@ -260,7 +259,7 @@ impl Figure {
         shown
     }
 
-    /// The legend, in a row above the plot: first all lines, then what is filled.
+    /// The legend, in a row above the plot: first all lines, then filled areas.
     fn legend(&self) -> Markup {
         let strip = self.strip.as_ref().map(|(curve, _)| curve);
         let lines = strip.into_iter().chain(&self.curves);
@@ -289,23 +288,23 @@ impl Figure {
     }
 }
 
-/// Shares of an axis at which the fields around these places begin and end: half way between them.
+/// Shares of an axis at the borders of the fields around these places: half-way between them.
 pub(super) fn borders(axis: &Axis, places: &[f64]) -> Vec<f64> {
     let shares: Vec<f64> = places.iter().map(|place| axis.share(*place)).collect();
     let middles = shares.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
     std::iter::once(0.0).chain(middles).chain([1.0]).collect()
 }
 
-/// Length of the scale of colours, and distance of its end from the right edge.
+/// Length of the colour scale, and distance of its end from the right edge.
 const SCALE: f64 = 200.0;
 const SCALE_RIGHT: f64 = 34.0;
 
-/// The colours of a map with the numbers that they stand for.
+/// The colours of a map with their numbers.
 fn colour_scale(map: &ColourMap) -> Markup {
     let start = WIDTH - SCALE_RIGHT - SCALE;
     let colours = map.scale(40);
     let step = SCALE / colours.len() as f64;
-    // Opaque colours reach below the next one, so that no gaps are seen between them.
+    // Opaque colours extend below the next one, so that no gaps show between them.
     let width = |opacity: f64| if opacity < 1.0 { step } else { step + 0.5 };
     let label = |value: f64| match value {
         zero if zero.abs() <= 0.0 => "0".to_owned(),
@@ -333,15 +332,15 @@ fn number(value: f64) -> String {
     rounded(value, 2)
 }
 
-/// A coordinate as text. The page's script reads values from lines, which have four decimals for it: a millionth of the
-/// axis.
+/// A coordinate as text. Lines have four decimals, a millionth of the axis, because the page's script reads values from
+/// them.
 fn rounded(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A line through all points, interrupted at one that is not finite.
+/// A line through all points, interrupted at points that are not finite.
 fn path(points: &[(f64, f64)]) -> String {
     let mut text = String::new();
     let mut pen = 'M';

@@ -1,4 +1,4 @@
-//! The content of a figure in numbers, as a table, and as a file of its own.
+//! Content of a figure in numbers, as a table, and as a separate file.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -11,26 +11,26 @@ use super::axis::{Axis, digits, drawn_points, in_unit};
 use super::colour_map::{ColourMap, Fields};
 use crate::text::{given, significant, visible_document};
 
-/// The content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
+/// Content of a figure in numbers; [`Figure::svg_file`] and [`Figure::png_file`] draw it.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// Name of its file, and its anchor in a page: `torque`.
+    /// Name of the file, and anchor in a page: `torque`.
     pub id: Cow<'static, str>,
     /// Heading.
     pub(super) title: String,
     /// Text below the figure.
     pub(super) caption: String,
-    /// The formula behind it.
+    /// Formula behind the figure.
     pub(super) formula: Cow<'static, str>,
     pub(super) x: Axis,
     pub(super) y: Axis,
     /// Shaded ranges of x.
     pub(super) spans: Vec<Span>,
-    /// An area behind all lines, from 0 to 1 of the height, with its name.
+    /// A named area behind all lines, from 0 to 1 of the height.
     pub(super) backdrop: Option<Curve>,
-    /// Colours behind all lines.
+    /// Colour map behind all lines.
     pub(super) map: Option<ColourMap>,
-    /// A line above the colours, with its own y axis.
+    /// A line above the colours, with a separate y axis.
     pub(super) strip: Option<(Curve, Axis)>,
     /// Lines.
     pub(super) curves: Vec<Curve>,
@@ -38,25 +38,25 @@ pub struct Figure {
     pub(super) marks: Vec<Mark>,
 }
 
-/// How a curve is drawn, with the number of its colour in the style sheet, 1 to 6.
+/// Drawing style of a curve, with the number of its colour in the style sheet, 1 to 6.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stroke {
     Solid(usize),
-    /// A line that leaves the dots below it to be seen.
+    /// A thin line that leaves the dots below it visible.
     Thin(usize),
     Dashed(usize),
     /// A line with a dot at each point.
     Dotted(usize),
     /// A dot at each point, without a line.
     Points(usize),
-    /// Pieces of a line that are no values: uncertainties.
+    /// Pieces of a line that show uncertainties rather than values.
     Bars(usize),
-    /// A limit of the line with this colour.
+    /// Limit of the line with this colour.
     Limit(usize),
 }
 
 impl Stroke {
-    /// Its classes in the style sheet.
+    /// Classes in the style sheet.
     pub(super) fn classes(self) -> String {
         match self {
             Self::Solid(colour) | Self::Dotted(colour) => format!("line s{colour}"),
@@ -68,7 +68,7 @@ impl Stroke {
         }
     }
 
-    /// True if the line is of values that can be read.
+    /// True if the line shows readable values.
     fn has_values(self) -> bool {
         !matches!(self, Self::Bars(_) | Self::Limit(_))
     }
@@ -80,7 +80,7 @@ pub(super) struct Curve {
     /// Name in the legend.
     pub(super) name: String,
     pub(super) stroke: Stroke,
-    /// Points (x, y); one that is not finite interrupts the line.
+    /// Points (x, y); a point that is not finite interrupts the line.
     pub(super) points: Vec<(f64, f64)>,
 }
 
@@ -91,8 +91,8 @@ impl Curve {
         Self { name: name.to_owned(), stroke, points }
     }
 
-    /// Adds a limit to the lines of a figure, in the colour of the line that it limits, or says for the caption that it
-    /// lies so far above them that they would be small.
+    /// Adds a limit to the lines of a figure, in the colour of the limited line. Returns a remark for the caption
+    /// instead if the limit lies so far above the lines that they would be small.
     pub(super) fn add_limit(
         curves: &mut Vec<Self>,
         limit: Option<f64>,
@@ -123,7 +123,7 @@ impl Curve {
         (limit <= FAR * peak).then_some(Self { name, stroke: Stroke::Limit(colour), points: lines })
     }
 
-    /// Value of the point nearest to an x; none beyond the line's ends.
+    /// Value of the point nearest to an x; `None` beyond the line's ends.
     fn value_at(&self, at: f64) -> Option<f64> {
         let points = &self.points;
         let inside = points.first()?.0 <= at && at <= points.last()?.0;
@@ -137,7 +137,7 @@ impl Curve {
 /// A shaded range of x.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Span {
-    /// Name in the legend, and its class in the style sheet: `lead` or `lag`.
+    /// Name in the legend, and class in the style sheet: `lead` or `lag`.
     pub(super) name: &'static str,
     pub(super) range: Range<f64>,
 }
@@ -146,18 +146,18 @@ pub(super) struct Span {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mark {
     pub(super) at: f64,
-    /// Its name: `f1`.
+    /// Name of the mark: `f1`.
     pub(super) label: String,
-    /// Its class in the style sheet.
+    /// Class in the style sheet.
     pub(super) class: &'static str,
 }
 
 /// Figures of a result.
 #[derive(Debug, Clone, Default)]
 pub struct Figures {
-    /// In the order of a page.
+    /// Figures in the order of a page.
     pub drawn: Vec<Figure>,
-    /// What is missing and why: `waves, since no nodal displacements were written`.
+    /// Missing figures with reasons: `waves, since no nodal displacements were written`.
     pub omitted: Vec<String>,
 }
 
@@ -178,13 +178,13 @@ impl Figures {
     }
 }
 
-/// Most rows of the table below a figure.
+/// Largest number of rows in the table below a figure.
 const ROWS: usize = 16;
 
-/// Rows of a map over time that its table shows.
+/// Number of rows of a map over time in its table.
 const MAP_ROWS: usize = 5;
 
-/// Digits of the table's numbers; of a map of fields those of its CSV file.
+/// Digits of the table's numbers; for a map of fields those of its CSV file.
 const DIGITS: usize = 4;
 const FIELD_DIGITS: usize = 6;
 
@@ -200,7 +200,7 @@ impl Figure {
         Self { id: id.into(), title: title.to_owned(), caption, x, y, ..Self::default() }
     }
 
-    /// A figure of lines, with a y axis of this name and unit that holds them.
+    /// A figure of lines, with a y axis of this name and unit around them.
     pub(super) fn of_curves(
         id: impl Into<Cow<'static, str>>,
         title: &str,
@@ -214,34 +214,34 @@ impl Figure {
         Self { curves, ..Self::new(id, title, caption, x, y) }
     }
 
-    /// The figure with the formula behind it.
+    /// Sets the formula behind the figure.
     pub(super) fn by(self, formula: impl Into<Cow<'static, str>>) -> Self {
         Self { formula: formula.into(), ..self }
     }
 
-    /// True if a page of a run shows it first: torque, tip, hub and motor, or joints.
+    /// True if a page of a run shows the figure first: torque, tip, hub and motor, or joints.
     pub(super) fn leads(&self) -> bool {
         const FIRST: [&str; 7] = ["torque", "tip", "hub", "motor", "angle", "rate", "power"];
         let is_first = FIRST.iter().any(|first| self.id.starts_with(first));
         is_first && self.id != "tip-under-rigid-torque"
     }
 
-    /// True if its numbers are too large or too small to be drawn.
+    /// True if the numbers are too large or too small for a drawing.
     fn is_extreme(&self) -> bool {
         let strip = self.strip.as_ref().map(|(_, axis)| axis);
         let is_map = self.map.as_ref().is_some_and(ColourMap::is_extreme);
         is_map || [&self.x, &self.y].into_iter().chain(strip).any(Axis::is_extreme)
     }
 
-    /// Points of its first line that are drawn, and all of them.
+    /// Numbers of drawn points and of all points of the first line, if they differ.
     pub(super) fn thinned(&self) -> Option<(usize, usize)> {
         let (drawn, all) =
             (thinned(&self.curves).first()?.points.len(), self.curves.first()?.points.len());
         (drawn < all).then_some((drawn, all))
     }
 
-    /// Headings and rows of a table: some values of x at even distances, and the value of each line there; of a map
-    /// all fields, or some rows.
+    /// Headings and rows of a table: evenly spaced values of x, with the value of each line; for a map all fields, or
+    /// some rows.
     pub(super) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
         let (mut lines, unit, most, count) = match &self.map {
             Some(map) if map.fields.is_some() => {
@@ -264,7 +264,7 @@ impl Figure {
         (head, evenly(first.points.len(), most).into_iter().map(row).collect())
     }
 
-    /// All rows of a map of fields, or some of one over time, as lines.
+    /// All rows of a map of fields, or some rows of a map over time, as lines.
     fn map_lines(&self, map: &ColourMap) -> Vec<Curve> {
         let line = |at: f64, points: Vec<(f64, f64)>| {
             let at = if map.fields.is_some() { given(at) } else { significant(at, 3) };
@@ -288,8 +288,8 @@ impl Figure {
     }
 }
 
-/// Lines as they are drawn: all points if they are few, else of each part of x the lowest and the highest of every
-/// line, so that no peak is lost. Lines over the same x keep the same ones.
+/// Lines as drawn. All points if they are few; otherwise the lowest and the highest of every line in each part of x, so
+/// that no peak is lost. Lines over the same x keep the same points.
 pub(super) fn thinned(curves: &[Curve]) -> Vec<Curve> {
     let is_same = |pair: (&(f64, f64), &(f64, f64))| pair.0.0.total_cmp(&pair.1.0).is_eq();
     let thin = |curve: &Curve| {
@@ -305,23 +305,23 @@ pub(super) fn thinned(curves: &[Curve]) -> Vec<Curve> {
     curves.iter().map(thin).collect()
 }
 
-/// At most `most` of `len` numbers, evenly, the first and the last among them.
+/// At most `most` of `len` numbers, evenly spaced, including the first and the last.
 pub(super) fn evenly(len: usize, most: usize) -> Vec<usize> {
     let count = len.min(most);
     (0..count).map(|k| if count < 2 { 0 } else { k * (len - 1) / (count - 1) }).collect()
 }
 
-/// Style sheet of a figure in a file of its own: the light colours of the page.
+/// Style sheet of a separate figure file: the light colours of the page.
 pub(super) const STYLE: &str = include_str!("figure.css");
 
-/// Font of the pictures, so that they are the same on every machine.
+/// Font of the pictures, the same on every machine.
 const FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 
 /// Pixels of a picture per unit of the drawing.
 const SCALE: f32 = 2.0;
 
 impl Figure {
-    /// The figure as a file of its own.
+    /// The figure as a separate SVG file.
     pub fn svg_file(&self) -> String {
         let drawing = self.svg().into_string();
         let head_len = drawing.find('>').map_or(0, |at| at + 1);
@@ -338,7 +338,7 @@ impl Figure {
     /// The figure as a PNG file, two pixels per unit of the drawing, on white.
     ///
     /// # Errors
-    /// The renderer's message if the drawing is too large for it.
+    /// The renderer's message about a drawing that is too large.
     pub fn png_file(&self) -> Result<Vec<u8>, String> {
         let mut fonts = usvg::fontdb::Database::new();
         fonts.load_font_data(FONT.to_vec());

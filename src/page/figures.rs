@@ -1,4 +1,5 @@
-//! All figures of a result and its page; figures of the joints over time, 5 to 7 of Bayo (1987) for its links.
+//! All figures of a result and its page; figures of the joints over time, those of a link as in figures 5 to 7 of Bayo
+//! (1987).
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -27,7 +28,7 @@ impl Figures {
     }
 }
 
-/// The page of a result, with its figures: one HTML file that needs nothing else.
+/// The page of a result, with its figures: one self-contained HTML file.
 pub fn page(result: &StoredResult, figures: &Figures) -> String {
     let document = match result {
         StoredResult::Runs(runs) => run_page(&View::of(runs), figures),
@@ -65,7 +66,7 @@ fn run_figures(view: &View) -> Figures {
 /// A quantity of a joint of the flexible and of the rigid arm.
 type Both<'a> = (&'a Vec<f64>, Option<&'a Vec<f64>>);
 
-/// A quantity of a joint: of every run, and of the first rigid arm that was written.
+/// A quantity of a joint: of every run, and of the first rigid arm in the files.
 fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> Both) -> Vec<Curve> {
     let mut curves =
         view.of_runs(name, |arm| Some((&arm.times_s, Cow::from(of(&arm.joints[joint]).0))));
@@ -77,7 +78,7 @@ fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> B
     curves
 }
 
-/// Torque at a joint, flexible against rigid.
+/// Torque at a joint, flexible and rigid.
 fn torque(view: &View, joint: usize) -> Figure {
     let own = &view.first().joints[joint];
     let peak = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
@@ -101,7 +102,7 @@ fn torque(view: &View, joint: usize) -> Figure {
     Figure { spans: view.lead_and_lag(joint), ..figure }.by(torque_formula(view))
 }
 
-/// The formula of a torque: of a solution with what it counts.
+/// Formula of a torque, for a solution with its second-order terms.
 fn torque_formula(view: &View) -> Cow<'static, str> {
     let is_bent = |order: SecondOrder| order != SecondOrder::None || view.has_weight();
     match view.link {
@@ -114,7 +115,7 @@ fn torque_formula(view: &View) -> Cow<'static, str> {
     }
 }
 
-/// When the torque of a link begins and ends relative to the motion.
+/// Start and end of a link's torque relative to the motion.
 fn timing_words([lead_s, lag_s]: [Option<f64>; 2]) -> String {
     let Some((lead_s, lag_s)) = lead_s.zip(lag_s) else {
         return " This is one cycle, which the torque repeats.".to_owned();
@@ -131,7 +132,7 @@ fn timing_words([lead_s, lag_s]: [Option<f64>; 2]) -> String {
     format!(" It acts, at the 2 % level, from {lead} s {start} until {lag} s {stop}.")
 }
 
-/// Angle of a joint, flexible against rigid: of the first against a direction that does not move.
+/// Angle of a joint, flexible and rigid; for the first joint relative to a fixed direction.
 fn angle(view: &View, joint: usize) -> Figure {
     let against = if joint == 0 { "x" } else { "the tip of the link before" };
     let mut caption = view.pick(
@@ -155,7 +156,7 @@ fn angle(view: &View, joint: usize) -> Figure {
     Figure { spans, ..figure }.by(formula)
 }
 
-/// What bending adds to the joint angles of an arm.
+/// Contribution of bending to the joint angles of an arm.
 fn bent_angles(view: &View) -> Result<Figure, String> {
     let why = "what bending adds to the joint angles, since the rigid arm's were not written";
     let rigid = view.rigid().ok_or(why)?;

@@ -1,4 +1,4 @@
-//! The page of a fitted link: values, measured beside fitted, and both over each other.
+//! The page of a fitted link: values, measured and fitted quantities, and overlays of both.
 
 use maud::{Markup, html};
 
@@ -10,20 +10,20 @@ use crate::fit::{FitOutcome, FittedValue, Replaced, Residual};
 use crate::result::Origin;
 use crate::text::{plain, significant, visible_document};
 
-/// What the page of a fit shows.
+/// Content of the page of a fit.
 #[derive(Debug, Clone)]
 pub struct FitReport<'a> {
-    /// Files, arguments, title of the link.
+    /// Files, arguments and title of the link.
     pub origin: Origin,
     /// The fit.
     pub outcome: &'a FitOutcome,
-    /// Values of the link file before and after; empty where it is not to be believed.
+    /// Values of the link file before and after; empty for a fit that is not to be trusted.
     pub replaced: &'a [Replaced],
-    /// Name of the link file that was written, if one was.
+    /// Name of the written link file, if there is one.
     pub written: Option<&'a str>,
 }
 
-/// The page of a fit, with its figures: one HTML file that needs nothing else.
+/// The page of a fit, with its figures: one self-contained HTML file.
 pub fn fit_page(report: &FitReport) -> String {
     let FitReport { origin, outcome, replaced, written } = report;
     let title = match origin.title.trim() {
@@ -52,7 +52,7 @@ pub fn fit_page(report: &FitReport) -> String {
     visible_document(&page.into_string())
 }
 
-/// Why no link file is written, and what else must be known.
+/// Reason why no link file is written, and all warnings.
 fn warnings(outcome: &FitOutcome) -> Option<Markup> {
     let misfit = outcome.misfit.as_ref().map(|misfit| (misfit.to_string(), misfit.hint()));
     let others = outcome.warnings();
@@ -145,7 +145,7 @@ fn values(outcome: &FitOutcome) -> Markup {
     }
 }
 
-/// What changed in the link file.
+/// Changes of the link file.
 fn replacements(replaced: &[Replaced], written: Option<&str>) -> Markup {
     let rows = html! {
         @for Replaced { path, before, after } in replaced {
@@ -178,7 +178,7 @@ fn correlations(outcome: &FitOutcome) -> Markup {
     }
 }
 
-/// Every measurement beside the fitted link's value.
+/// Every measurement with the fitted link's value.
 fn measured(outcome: &FitOutcome) -> Markup {
     let is_known = outcome.residuals.iter().any(|residual| residual.uncertainties.is_some());
     let head =
@@ -273,10 +273,10 @@ fn decays(outcome: &FitOutcome) -> Markup {
     }
 }
 
-/// Of a number that is none.
+/// Text for an unknown number.
 const UNKNOWN: &str = "not known";
 
-/// Digits as a page shows them.
+/// Digits for a page.
 fn shown(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return UNKNOWN.to_owned();
@@ -301,7 +301,7 @@ fn other_answers(outcome: &FitOutcome) -> Markup {
     }
 }
 
-/// Where each start ended.
+/// End of each start.
 fn starts(outcome: &FitOutcome) -> Markup {
     let factors = |of: &[f64]| of.iter().map(|f| shown(*f, 4)).collect::<Vec<_>>().join(", ");
     let rows = html! {

@@ -5,17 +5,17 @@ use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::words::formula;
 use crate::fit::{Coordinate, FitOutcome, HubEnd, Observable, Overlay, Spacing};
 
-/// Most measurements whose numbers all stand at the axis.
+/// Largest number of measurements with all numbers at the axis.
 const MOST_TICKS: usize = 20;
 
-/// Caption of what was measured over frequency or time.
+/// Caption of measurements over frequency or time.
 const DOTS: &str = "Dots: measured. Line: the fitted link, its value at each of them.";
 
 /// Caption of a decay.
 const DOTS_OF_DECAY: &str =
     "Dots: measured. Line: the vibrations that were identified, on their offset and drift.";
 
-/// A letter for the kind of each measurement, and its number.
+/// Letter for the kind of each measurement, and its number.
 pub(super) fn labels(outcome: &FitOutcome) -> impl Iterator<Item = String> {
     let of = |[free, held]: [&str; 2], end: HubEnd, mode: usize| match end {
         HubEnd::Free => format!("{free}{mode}"),
@@ -30,7 +30,7 @@ pub(super) fn labels(outcome: &FitOutcome) -> impl Iterator<Item = String> {
     })
 }
 
-/// Differences of values, then what was measured over frequency or time.
+/// Differences of values, then measurements over frequency or time.
 pub(super) fn figures(outcome: &FitOutcome) -> Figures {
     let mut figures = Figures::default();
     if !outcome.residuals.is_empty() {
@@ -46,7 +46,7 @@ pub(super) fn figures(outcome: &FitOutcome) -> Figures {
     figures
 }
 
-/// Fitted less measured over the measured value, each with one uncertainty.
+/// Fitted minus measured over measured value, each with one uncertainty.
 fn differences(outcome: &FitOutcome) -> Figure {
     let count = outcome.residuals.len();
     let at = |k: usize| (k + 1) as f64;
@@ -97,7 +97,7 @@ fn differences(outcome: &FitOutcome) -> Figure {
     Figure { y, marks, ..figure }.by(formula::DIFFERENCES)
 }
 
-/// Measured as dots, fitted as a line.
+/// Measured values as dots, fitted ones as a line.
 fn over_each_other(overlay: &Overlay, id: String, caption: &str) -> Figure {
     let Overlay { name, places, measured, fitted, .. } = overlay;
     let curves = vec![
@@ -109,7 +109,7 @@ fn over_each_other(overlay: &Overlay, id: String, caption: &str) -> Figure {
     Figure { curves, ..Figure::new(id, name, caption.to_owned(), x, y) }.by(formula::OVERLAY)
 }
 
-/// An axis that holds these numbers.
+/// An axis around these numbers.
 fn axis(of: &Coordinate, numbers: &[&Vec<f64>]) -> Axis {
     let all = || numbers.iter().flat_map(|numbers| numbers.iter().copied());
     let finite = || all().filter(|number| number.is_finite());

@@ -12,13 +12,13 @@ use crate::model::{FrequencyResponse, KeptModes, model_of};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 use crate::text::significant;
 
-/// Frequencies that are drawn.
+/// Number of frequencies in the figure.
 const POINTS: usize = 900;
 
-/// Most modes and zeros that are marked.
+/// Largest number of marked modes and zeros.
 const MARKED: usize = 8;
 
-/// Decades of the motion's spectrum that are shown.
+/// Number of decades shown of the motion's spectrum.
 const DECADES: f64 = 4.0;
 
 /// Amplitudes of the motion over frequency, relative to the largest.
@@ -42,7 +42,7 @@ impl MotionSpectrum {
         }
     }
 
-    /// Highest frequency in Hz at which the spectrum is within the decades shown.
+    /// Highest frequency in Hz at which the spectrum is within the shown decades.
     fn last_shown_hz(&self) -> f64 {
         let shown = |share: &f64| *share > libm::pow(10.0, -DECADES);
         self.shares.iter().rposition(shown).map_or(0.0, |last| self.hertz[last])
@@ -59,7 +59,7 @@ impl MotionSpectrum {
         Curve::new("motion's spectrum", Stroke::Solid(6), hertz, &heights)
     }
 
-    /// Largest share between two frequencies, or the one nearest to them.
+    /// Largest share between two frequencies, or the nearest one.
     fn between(&self, from_hz: f64, to_hz: f64) -> f64 {
         let start = self.hertz.partition_point(|f| *f < from_hz).min(self.hertz.len() - 1);
         let end = self.hertz.partition_point(|f| *f < to_hz).clamp(start + 1, self.hertz.len());
@@ -67,12 +67,12 @@ impl MotionSpectrum {
     }
 }
 
-/// `|T/a_tip|` with natural frequencies and zeros, the motion's spectrum behind it.
+/// `|T/a_tip|` with natural frequencies and zeros, in front of the motion's spectrum.
 pub(super) fn transfer(run: Single) -> Result<Figure, String> {
     let kept = run.arc.kept_modes.map_or(KeptModes::All, KeptModes::First);
     let model = model_of(run.link, run.arc.mesh.clone(), kept)
         .map_err(|error| format!("torque per tip acceleration, since {error}"))?;
-    // A simulated tip may still vibrate at the last sample: its spectrum would be that of the cut.
+    // A simulated tip may still vibrate at the last sample, so that the cut would dominate its spectrum.
     let spectrum = run.joint.rigid_angle_rad.is_some().then(|| MotionSpectrum::of(run));
     let (from_hz, to_hz) = band(run, spectrum.as_ref());
     let hertz: Vec<f64> = (0..POINTS)
@@ -103,8 +103,8 @@ pub(super) fn transfer(run: Single) -> Result<Figure, String> {
     .by(formula::TRANSFER))
 }
 
-/// First and last frequency in Hz: from a tenth of the first mode to the end of the motion's spectrum,
-/// or to the last mode marked.
+/// First and last frequency in Hz: from a tenth of the first mode to the end of the motion's spectrum, or to the last
+/// marked mode.
 fn band(run: Single, spectrum: Option<&MotionSpectrum>) -> (f64, f64) {
     let modes = natural_frequencies(&run.arc.mesh, MARKED);
     let nyquist_hz = 0.5 / (run.times_s[1] - run.times_s[0]);
@@ -152,13 +152,13 @@ fn caption(marks: &[Mark], has_spectrum: bool) -> String {
     )
 }
 
-/// Modes that are drawn.
+/// Number of modes in the figure.
 const MODES: usize = 4;
 
 /// Fewest points of a shape.
 const SHAPE_POINTS: usize = 120;
 
-/// Displacement along the link in its first modes; refused if nothing vibrates.
+/// Displacement along the link in its first modes; an error if nothing vibrates.
 pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     let frequencies = natural_frequencies(mesh, MODES);
     if frequencies.is_empty() {
@@ -183,8 +183,8 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     Ok(Figure { curves, ..figure }.by(formula::MODE_SHAPES))
 }
 
-/// Points (x, v) of a shape by the elements' cubics, from the axis outward: the hub's radius is rigid. With shear
-/// the slope is not the rotation of the section; then straight lines join the nodes.
+/// Points (x, v) of a shape from the elements' cubics, from the axis outward; the hub's radius is rigid. With shear the
+/// slope is not the rotation of the section; straight lines then join the nodes.
 fn smooth(mesh: &Mesh, shape: &Shape) -> Vec<(f64, f64)> {
     let nodes_m = mesh.nodes_m();
     let parts = if mesh.has_shear() { 1 } else { SHAPE_POINTS.div_ceil(mesh.elements().len()) };

@@ -1,4 +1,4 @@
-//! Figures of what may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
+//! Figures of quantities that may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
 
 use std::borrow::Cow;
 
@@ -11,11 +11,11 @@ use crate::result::{Limits, StoredJoint, StoredNodes};
 
 /// A quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
-    /// The id of its figure: of a motor `motor-torque`.
+    /// Id of the figure; for a motor `motor-torque`.
     id: &'static str,
-    /// Its peak in the summary.
+    /// Name of the peak in the summary.
     reading: &'static str,
-    /// Its title, but for what it is of.
+    /// Title without the name of hub, joint or motor.
     title: &'static str,
     quantity: (&'static str, &'static str),
     limit: fn(&Limits) -> Option<f64>,
@@ -26,7 +26,7 @@ pub(super) struct Limited {
 const AT_MOST: &str = "At most {}.";
 const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
 
-/// Torque of the motor, which has a figure without a limit, too.
+/// Torque of the motor, which has a figure even without a limit.
 pub(super) const MOTOR_TORQUE: Limited = Limited {
     id: "motor-torque",
     reading: "peak_motor_torque_n_m",
@@ -37,7 +37,7 @@ pub(super) const MOTOR_TORQUE: Limited = Limited {
     formula: formula::MOTOR,
 };
 
-/// Rate and power, at the joint and of its motor: drawn where they have a limit.
+/// Rate and power, of the joint and of its motor: drawn if they have a limit.
 pub(super) const LIMITED: [Limited; 4] = [
     Limited {
         id: "hub-rate",
@@ -81,13 +81,13 @@ fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
     torque_n_m.iter().zip(rate_rad_s).map(|(torque, rate)| torque * rate).collect()
 }
 
-/// Name of the flexible line where a page shows one run: `played` of the simulation of a link.
+/// Name of the flexible line on a page of one run: `played` for the simulation of a link.
 pub(super) fn flexible<'a>(view: &View, played: &'a str) -> &'a str {
     view.pick(if view.is_solved() { "flexible link" } else { played }, "flexible arm")
 }
 
 impl Limited {
-    /// Its figure of a joint, with the limit if there is one; none where the joint lacks the quantity.
+    /// Figure of a joint, with the limit if there is one; `None` if the joint lacks the quantity.
     pub(super) fn figure(&self, view: &View, joint: usize) -> Option<Figure> {
         let first = &view.first().joints[joint];
         (self.of)(first)?;
@@ -105,7 +105,7 @@ impl Limited {
     }
 }
 
-/// A figure of lines with a limit; the caption says how far the first line gets, as the summary has it if it is `known`.
+/// A figure of lines with a limit. The caption contains the peak of the first line, from the summary if `known`.
 fn figure(
     view: &View,
     id: String,
@@ -122,7 +122,7 @@ fn figure(
     view.figure(id, title, caption, (name, unit), curves)
 }
 
-/// All quantities of a joint, its motor and its link that have a limit, but for torques.
+/// Figures of all quantities with a limit, except torques, of a joint, its motor and its link.
 pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> {
     let limits = &view.first().joints[joint].limits;
     let has_limit = |topic: &&Limited| (topic.limit)(limits).is_some();
@@ -135,7 +135,7 @@ pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> 
     turning.chain(deflected).chain(moment).collect()
 }
 
-/// Deflection of a link's tip from the tangent line at its root: of a single link as it was written, or `v − Lθ`.
+/// Deflection of a link's tip from the tangent line at its root; for a single link as written, or `v − Lθ`.
 fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
     let known = view.first().joints[link].reading("peak_deflection_m");
     let of_arm =
@@ -165,7 +165,7 @@ fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
     Ok(figure.by(view.pick(formula::TIP_DEFLECTION, formula::LINK_DEFLECTION)))
 }
 
-/// The bending moment at the root of a single link, if it is known.
+/// Bending moment at the root of a single link, if known.
 fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
     let moments = view.moments(0).filter(|moments| moments.nodes.nodes.first() == Some(&0));
     let why = if view.is_solved() {
@@ -186,7 +186,7 @@ fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
     Ok(figure(view, id, words, quantity, (curves, Some(limit)), known).by(formula))
 }
 
-/// The bending moments at the roots of all links of an arm.
+/// Bending moments at the roots of all links of an arm.
 pub(super) fn root_moments(view: &View) -> Result<Figure, String> {
     let mut curves = view.each(&view.numbered("link"), |arm, link| {
         let moments = arm.links[link].moments_n_m.as_ref()?;
@@ -219,7 +219,7 @@ mod tests {
     use crate::result::{StoredMotor, StoredResult, StoredRun};
     use crate::text::significant;
 
-    /// A peak between samples is larger than all of them.
+    /// A peak between samples exceeds all samples.
     #[test]
     fn captions_have_the_peaks_of_the_summary() {
         let mut run = run();

@@ -1,4 +1,4 @@
-//! A link drawn to scale, and numbers as a page shows them.
+//! A link drawn to scale, and numbers for a page.
 
 use maud::{Markup, html};
 
@@ -16,10 +16,10 @@ const END: f64 = 700.0;
 const THICKEST: f64 = 26.0;
 const THINNEST: f64 = 3.0;
 
-/// Radius in pixels of a mass equal to that of the link.
+/// Radius in pixels of a mass equal to the link's.
 const LINK_SIZED: f64 = 14.0;
 
-/// Thickness relative to the largest, for sections of one width: EI ∝ h³.
+/// Thickness relative to the largest, for sections of equal width: EI ∝ h³.
 fn relative_thickness(stiffness: f64, largest: f64) -> f64 {
     libm::cbrt(stiffness / largest)
 }
@@ -30,7 +30,7 @@ pub(super) fn largest_stiffness(link: &Link) -> f64 {
     link.segments().iter().map(ends).fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// Distances in m of the segments' ends from the axis.
+/// Distances of the segments' ends from the axis in m.
 fn borders_m(link: &Link) -> Vec<f64> {
     let mut borders = vec![link.hub().radius_m];
     for segment in link.segments() {
@@ -39,7 +39,7 @@ fn borders_m(link: &Link) -> Vec<f64> {
     borders
 }
 
-/// The link, to scale along its length, its thickness by the stiffness, with a dot for each mass.
+/// The link, to scale along its length, with thickness by stiffness and a dot for each mass.
 pub(super) fn link_drawing(link: &Link) -> Markup {
     let offset = link.payload().offset_m.max(0.0);
     let per_m = (END - AXIS.0) / (link.length_m() + offset);
@@ -90,11 +90,11 @@ pub(super) fn link_drawing(link: &Link) -> Markup {
     }
 }
 
-/// Room of a label, and of a letter, on a narrow page, where text is larger.
+/// Room for a label, and for a letter, on a narrow page, where text is larger.
 const NARROW_GAP: f64 = 100.0;
 const NARROW_LETTER: f64 = 14.0;
 
-/// Names of the segments and distances of their ends from the axis.
+/// Names of the segments, and distances of their ends from the axis.
 fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
     let line = HEIGHT - 32.0;
     let mut last = f64::NEG_INFINITY;
@@ -102,7 +102,7 @@ fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
     let ends = std::iter::once(&0.0).chain(borders);
     for (k, border) in ends.enumerate() {
         let is_last = k == borders.len();
-        // A label that would overlap the one before is left out; the tip's label is kept.
+        // Omits a label that would overlap the one before, but keeps the tip's label.
         if at(*border) - last > 46.0 || is_last {
             if is_last && shown.len() > 1 && at(*border) - last < 46.0 {
                 shown.pop();
@@ -146,10 +146,11 @@ pub(super) fn given(value: f64, unit: &str) -> String {
     format!("{short} {unit}").replace('-', "−").trim_end().to_owned()
 }
 
-/// Significant digits of the numbers, which the CSV file of a map has too.
+/// Significant digits of the numbers, as in the CSV file of a map.
 const DIGITS: usize = 6;
 
-/// Relative thickness along the link, at both ends of each segment, of a stiffness in N m² that is 1.
+/// Relative thickness along the link, at both ends of each segment; `largest` is the stiffness in N m² with thickness
+/// 1.
 pub(super) fn thickness(link: &Link, largest: f64) -> Vec<[f64; 2]> {
     let borders = borders_m(link);
     let ends = link.segments().iter().zip(borders.windows(2)).flat_map(|(segment, ends)| {

@@ -1,4 +1,4 @@
-//! A result, or a fit, as figures and as a page to look at.
+//! A result, or a fit, as figures and as a page.
 
 mod axis;
 mod bending;

@@ -1,4 +1,4 @@
-//! The motion of a link or an arm as the animation plays it, and the poses of an arm in a drawing.
+//! Motion of a link or an arm for the animation, and the poses of an arm in a drawing.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -16,23 +16,23 @@ use crate::motion::Prescribed;
 use crate::numeric::{largest, rounded};
 use crate::result::{StoredNodes, StoredRun};
 
-/// Most frames and nodes.
+/// Largest number of frames, and of nodes.
 const FRAMES: usize = 600;
 const NODES: usize = 61;
 
-/// The motion in as many moments and nodes as a page shows.
+/// The motion at the moments and nodes of a page.
 pub(super) struct Motion {
-    /// Rows of the nodes' tables, and the samples of all other histories at their times.
+    /// Rows of the nodes' tables, and samples of all other histories at their times.
     rows: Vec<usize>,
     samples: Vec<usize>,
-    /// Of each link, its deflections in m, and the numbers of the histories that are shown.
+    /// For each link its deflections in m, and the numbers of the shown histories.
     links: Vec<(StoredNodes, Vec<usize>)>,
-    /// How much larger than they are deflections are drawn.
+    /// Magnification of the drawn deflections.
     factor: f64,
 }
 
 impl Motion {
-    /// None if there is but one moment, or if its numbers are too large or too small to be drawn.
+    /// `None` if there is only one moment, or if the numbers are too large or too small for a drawing.
     pub(super) fn of(view: &View) -> Option<Self> {
         let arm = view.first();
         let most = (NODES / arm.links.len()).max(9);
@@ -48,7 +48,7 @@ impl Motion {
             evenly(inside.len(), FRAMES).into_iter().map(|k| inside.start + k).collect();
         // Nodes may be written at fewer times than the other histories.
         let samples = rows.iter().map(|row| nearest(&arm.times_s, times_s[*row])).collect();
-        // A small torque or angle only gives a short arrow, and a small place is next to the base.
+        // A small torque or angle only makes an arrow short, and a small place is next to the base.
         let places = arm.links.iter().flat_map(|link| link.positions_m.iter().flatten());
         let turns = arm.joints.iter().flat_map(|joint| [&joint.torque_n_m, &joint.angle_rad]);
         let sizes = places.chain(turns).map(|history| largest(history).max(1.0));
@@ -61,7 +61,7 @@ impl Motion {
         is_drawn.then_some(Self { rows, samples, links, factor })
     }
 
-    /// As JSON for the page's script.
+    /// JSON for the page's script.
     pub(super) fn json(&self, view: &View) -> String {
         let arm = view.first();
         let times_s = &self.links[0].0.times_s;
@@ -89,7 +89,7 @@ impl Motion {
         let (own, joint) = (&arm.links[number], &arm.joints[number]);
         let (link, payload) = (&own.link, own.link.payload());
         let (deflections, nodes) = &self.links[number];
-        // The chord begins at the joint: a rigid piece leads from there to the first node.
+        // The chord begins at the joint; a rigid piece leads from there to the first node.
         let is_behind = view.is_arm() && own.nodes_m[0] > 0.0;
         let from_joint = |first: f64, of: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let all = nodes.iter().map(|node| short(of(*node)));
@@ -103,7 +103,7 @@ impl Motion {
         let at_samples = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
             self.samples.iter().map(|k| of(*k).map(short)).collect()
         };
-        // Moments at other nodes or times than the deflections are left out.
+        // Moments at other nodes or times than the deflections are omitted.
         let alike = |moments: &StoredNodes| {
             moments.nodes == deflections.nodes
                 && moments.times_s.len() == deflections.times_s.len()
@@ -146,7 +146,7 @@ impl Motion {
         data
     }
 
-    /// x and y in m of a link's nodes at a row, its deflection as large as it is drawn.
+    /// x and y in m of a link's nodes at a row, with the magnified deflection.
     fn places(&self, arm: &StoredRun, link: usize, row: usize) -> Vec<[f64; 2]> {
         let chord = Chord::of(arm, link, row);
         let (sin, cos) = (libm::sin(chord.angle_rad), libm::cos(chord.angle_rad));
@@ -159,8 +159,7 @@ impl Motion {
     }
 }
 
-/// How much larger than it is a deflection is drawn at first, which is `bending` of the link's length: so that it is
-/// well seen.
+/// Initial magnification of a deflection of `bending` times the link's length, for good visibility.
 pub(super) fn exaggeration(bending: f64) -> f64 {
     const SEEN: f64 = 0.08;
     let factors = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
@@ -174,14 +173,14 @@ const HIGHEST: f64 = 460.0;
 const MARGIN: f64 = 34.0;
 const FOOT: f64 = 60.0;
 
-/// Poses that are drawn.
+/// Number of drawn poses.
 const POSES: usize = 6;
 
 /// Length of the arrow of gravity in pixels.
 const ARROW: f64 = 26.0;
 
 impl Motion {
-    /// Poses of an arm, with the ways of the tips of all runs, and the wanted one.
+    /// Poses of an arm, with the ways of the tips of all runs, and the wanted way.
     pub(super) fn drawing(&self, view: &View) -> Markup {
         let arm = view.first();
         let rows = self.along_the_way(arm);
@@ -236,7 +235,7 @@ impl Motion {
         }
     }
 
-    /// Rows at which the tip has gone even parts of its way.
+    /// Rows at which the tip has covered even parts of its way.
     fn along_the_way(&self, arm: &StoredRun) -> Vec<usize> {
         let places = arm.links.last().and_then(|link| link.positions_m.last());
         let Some([x, y]) = places else { return Vec::new() };
@@ -259,15 +258,15 @@ impl Motion {
 /// The way of a tip.
 struct Way {
     name: String,
-    /// Its classes in the style sheet.
+    /// Classes in the style sheet.
     class: String,
     places_m: Vec<[f64; 2]>,
 }
 
-/// Points of a way.
+/// Number of points of a way.
 const POINTS: usize = 400;
 
-/// The ways of the tips of all runs in the time shown, and the wanted one on top.
+/// The ways of the tips of all runs in the shown time, with the wanted way on top.
 fn ways(view: &View) -> Vec<Way> {
     let way = |name: String, class: String, (times_s, [x, y]): (&[f64], &[Vec<f64>; 2])| {
         let samples = inside(times_s, view.span_s.0, view.span_s.1);
@@ -286,16 +285,16 @@ fn ways(view: &View) -> Vec<Way> {
     runs.chain(wanted).collect()
 }
 
-/// Where places in m lie in the drawing, in pixels: x and y in one scale.
+/// Mapping from places in m to pixels of the drawing, with one scale for x and y.
 struct Frame {
     height: f64,
     per_m: f64,
-    /// Pixels of the origin.
+    /// Origin in pixels.
     origin: [f64; 2],
 }
 
 impl Frame {
-    /// That of places and the first joint.
+    /// The frame around places and the first joint.
     fn around<'a>(places: impl Iterator<Item = &'a [f64; 2]>) -> Self {
         let (mut low, mut high) = ([0.0_f64; 2], [0.0_f64; 2]);
         for place in places {
@@ -325,7 +324,7 @@ impl Frame {
         text
     }
 
-    /// The row below: a length to scale, and where gravity points.
+    /// The row below: a length to scale, and the direction of gravity.
     fn foot(&self, gravity_m_s2: [f64; 2]) -> Markup {
         let raw_m = 0.2 * WIDTH / self.per_m;
         let power = libm::pow(10.0, libm::floor(libm::log10(raw_m)));
@@ -357,12 +356,12 @@ impl Frame {
     }
 }
 
-/// Pixels to a tenth.
+/// Rounds pixels to a tenth.
 fn rounded_px(value: f64) -> f64 {
     (10.0 * value).round() / 10.0
 }
 
-/// The first joint.
+/// Drawing of the first joint.
 fn base([x, y]: [f64; 2]) -> Markup {
     html! {
         path class="ground" d=(format!("M{x} {y}v16m-18 0h36m-30 0l-7 8m15 -8l-7 8m15 -8l-7 8")) {}

@@ -1,4 +1,4 @@
-//! Figures of a sweep: what changes with the values that were varied.
+//! Figures of a sweep: results over the varied values.
 
 use super::axis::{Axis, in_unit};
 use super::colour_map::{ColourMap, Colours, Fields};
@@ -7,16 +7,16 @@ use super::view::nearest;
 use crate::compare::{Table, TableColumn};
 use crate::result::StoredSweep;
 
-/// Most lines of a figure; more cannot be distinguished.
+/// Largest number of lines in a figure; more cannot be distinguished.
 const MOST_LINES: usize = 6;
 
-/// Most levels of a heat map that all get a tick.
+/// Largest number of levels of a heat map with a tick for each.
 const MOST_TICKS: usize = 12;
 
 /// Ratio of the largest to the smallest value above which an axis is logarithmic.
 const WIDE: f64 = 100.0;
 
-/// The same, where each value is the same multiple of the one before, and how far that may be off.
+/// Ratio above which an axis of values at equal factors is logarithmic, and the relative tolerance of these factors.
 const WIDE_IN_STEPS: f64 = 2.0;
 const SAME_STEP: f64 = 0.02;
 
@@ -28,13 +28,13 @@ pub(super) struct Named<'a> {
 }
 
 impl<'a> Named<'a> {
-    /// The columns of all values that were varied.
+    /// Columns of all varied values.
     pub(super) fn all(sweep: &'a StoredSweep) -> Vec<Self> {
         let columns = sweep.table.columns.iter().zip(&sweep.units);
         columns.map(|(column, unit)| Self::of(column, unit)).collect()
     }
 
-    /// A heading may have a unit: `segments.beam.I [cm^4]`. The numbers of others are in SI.
+    /// A heading may contain a unit: `segments.beam.I [cm^4]`. The numbers of others are in SI.
     fn of(column: &'a TableColumn, si: &str) -> Self {
         let given = column.name().strip_suffix(']').and_then(|heading| heading.split_once(" ["));
         let (name, unit) = given.unwrap_or((column.name(), si));
@@ -42,7 +42,7 @@ impl<'a> Named<'a> {
         Self { column, name: name.to_owned(), unit }
     }
 
-    /// Its name and unit: `payload.mass in kg`.
+    /// Name and unit: `payload.mass in kg`.
     pub(super) fn heading(&self) -> String {
         let is_text = self.column.number(0).is_nan();
         in_unit(&self.name, if is_text { "" } else { &self.unit })
@@ -50,17 +50,17 @@ impl<'a> Named<'a> {
 
     /// A value of a case: `payload.mass = 0.05 kg`.
     pub(super) fn value_words(&self, row: usize) -> String {
-        // A text has its unit.
+        // A text contains its unit.
         let unit = if self.column.number(row).is_finite() { &self.unit[..] } else { "" };
         format!("{} = {} {unit}", self.name, self.column.text(row)).trim_end().to_owned()
     }
 }
 
-/// A value that was varied: its heading and one number per case.
+/// A varied value: its heading, and one number per case.
 struct Varied<'a> {
     named: &'a Named<'a>,
     values: Vec<f64>,
-    /// The different numbers, ascending.
+    /// Distinct numbers, ascending.
     levels: Vec<f64>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Varied<'a> {
         all.then_some(Self { named, values, levels })
     }
 
-    /// Its axis; `margin` relative to the range of its values.
+    /// Axis of the value; `margin` is relative to the range of its values.
     fn axis(&self, margin: f64) -> Axis {
         let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
         let (name, unit) = (&self.named.name, &self.named.unit);
@@ -87,7 +87,7 @@ impl<'a> Varied<'a> {
         }
     }
 
-    /// True if the values span decades, or go in equal factors.
+    /// True if the values span decades, or have equal factors between them.
     fn is_wide(&self) -> bool {
         let (low, high) = (self.levels[0], self.levels[self.levels.len() - 1]);
         let steps = self.levels.windows(2).map(|pair| pair[1] / pair[0]);
@@ -111,7 +111,7 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
         figures.omitted.push("figures, since no varied value takes two numbers or more".to_owned());
         return figures;
     }
-    // The value with most numbers becomes the axis; of equals the last, which runs fastest.
+    // The value with the most numbers becomes the axis; of equals the last, which varies fastest.
     varied.sort_by_key(|varied| varied.levels.len());
     for drawn in TOPICS.iter().flat_map(|topic| topic.drawn(&sweep.table)) {
         match (&varied[..], several.len()) {
@@ -127,7 +127,7 @@ pub(super) fn sweep_figures(sweep: &StoredSweep) -> Figures {
     figures
 }
 
-/// A line's name and its points.
+/// Name and points of a line.
 type Line = (String, Vec<(f64, f64)>);
 
 fn figure(drawn: &Drawn, x: &Varied, lines: Vec<Line>) -> Figure {
@@ -154,7 +154,7 @@ fn over_one(drawn: &Drawn, x: &Varied) -> Figure {
 /// Columns and rows of a heat map: enough for fields of uneven width.
 pub(super) const FINE: (usize, usize) = (480, 160);
 
-/// A heat map of the first column; the field of a case reaches half way to its neighbours.
+/// A heat map of the first column; the field of a case extends half-way to its neighbours.
 fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
     let (topic, column) = (drawn.topic, drawn.columns[0].1);
     let place = |varied: &Varied, case: usize| {
@@ -188,7 +188,7 @@ fn over_two(drawn: &Drawn, [x, y]: [&Varied; 2]) -> Figure {
     Figure { map: Some(map), ..figure }.by(topic.formula)
 }
 
-/// The axis of a heat map reaches half a field beyond the first and the last level.
+/// Axis of a heat map, which extends half a field beyond the first and the last level.
 fn field_axis(varied: &Varied) -> Axis {
     let axis = varied.axis(0.5 / (varied.levels.len() - 1) as f64);
     let places = if varied.levels.len() <= MOST_TICKS { varied.levels.clone() } else { vec![] };
@@ -228,13 +228,14 @@ fn over_many(drawn: &Drawn, x: &Varied, several: &[Named]) -> Result<Figure, Str
     Ok(figure(drawn, x, lines))
 }
 
-/// What a figure shows of each case.
+/// Quantity of each case in a figure.
 struct Topic {
     id: &'static str,
     title: &'static str,
     /// Name and unit of the y axis.
     quantity: (&'static str, &'static str),
-    /// Columns of the table, between whose parts an arm has the joint's number, each with its name in the legend.
+    /// Columns of the table, each with its name in the legend. For an arm the joint's number goes between the two parts
+    /// of the column's name.
     columns: &'static [([&'static str; 2], &'static str)],
     caption: &'static str,
     formula: &'static str,
@@ -250,7 +251,7 @@ struct Drawn<'a> {
 }
 
 impl Topic {
-    /// Its figures: of a link one, of an arm one for each joint.
+    /// Figures of the topic: one for a link, one for each joint of an arm.
     fn drawn<'a>(&'static self, table: &'a Table) -> Vec<Drawn<'a>> {
         let of = |joint: Option<usize>| -> Option<Drawn<'a>> {
             let number = joint.map(|joint| joint.to_string()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The page of a sweep: what stands in it beside its figures.
+//! The page of a sweep: its content besides the figures.
 
 use std::collections::HashSet;
 
@@ -15,7 +15,7 @@ use crate::link::Link;
 use crate::result::StoredSweep;
 use crate::text::significant;
 
-/// Most rows of the table.
+/// Largest number of rows in the table.
 const MOST_CASES: usize = 200;
 
 pub(super) fn sweep_page(sweep: &StoredSweep, figures: &Figures) -> Markup {
@@ -85,7 +85,7 @@ fn warnings(kinds: &[(String, usize, usize)], sweep: &StoredSweep) -> Markup {
     }
 }
 
-/// The link of the first case, or those of its arm.
+/// Link of the first case, or links of its arm.
 fn links(links: &[Link]) -> Markup {
     html! {
         p { "As in the first case." }
@@ -96,10 +96,10 @@ fn links(links: &[Link]) -> Markup {
     }
 }
 
-/// Most values of a row that are listed.
+/// Largest number of listed values in a row.
 const MOST_VALUES: usize = 12;
 
-/// The values that are varied, and how many of each.
+/// The varied values, and the number of each.
 fn varied_values(sweep: &StoredSweep) -> Markup {
     let row = |named: &Named| {
         let column = named.column;

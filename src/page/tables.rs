@@ -15,7 +15,7 @@ use crate::response::damping_ratios;
 use crate::result::{Check, StoredRun};
 use crate::text::{digits_beyond, significant};
 
-/// A table that scrolls sideways where the page is narrow.
+/// A table that scrolls sideways on a narrow page.
 pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
     html! {
         div class="scroll" { table {
@@ -25,7 +25,7 @@ pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
     }
 }
 
-/// Units by the suffix of a name; a longer suffix comes before one that it ends in.
+/// Units by the suffix of a name; a longer suffix comes before a suffix that it ends in.
 const UNITS: [(&str, &str); 15] = [
     ("_n_m_s_rad", "N m s/rad"),
     ("_kg_m2", "kg m²"),
@@ -71,13 +71,13 @@ fn amount(name: &str, value: f64) -> String {
     format!("{number} {}", words_and_unit(name).1).trim_end().to_owned()
 }
 
-/// Numbers of the summary in words and units, but for the errors.
+/// Numbers of the summary in words and units, without the errors.
 pub(super) fn results(readings: &[(String, f64)]) -> Vec<(String, String)> {
     let rows = readings.iter().filter(|(name, _)| !name.ends_with(ERROR));
     rows.map(|(name, value)| (words_and_unit(name).0, amount(name, *value))).collect()
 }
 
-/// The numbers of the joints of an arm, a column each; nothing where there are none.
+/// Numbers of an arm's joints, with a column each; empty without numbers.
 pub(super) fn joints(arm: &StoredRun) -> Markup {
     let names = distinct(arm.joints.iter().flat_map(|joint| &joint.readings));
     let head = (1..=arm.joints.len()).map(|number| format!("joint {number}"));
@@ -93,7 +93,7 @@ pub(super) fn joints(arm: &StoredRun) -> Markup {
     html! { @if !names.is_empty() { (table(&head, &rows)) } }
 }
 
-/// The different names of numbers, in their order.
+/// Distinct names of numbers, in their order.
 fn distinct<'a>(numbers: impl Iterator<Item = &'a (String, f64)>) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in numbers {
@@ -151,7 +151,7 @@ fn drive_words(drive: &Drive) -> String {
     format!("gear ratio {ratio}; rotor {rotor}; joint {joint}")
 }
 
-/// A damping law with its numbers, where it is given by them.
+/// A damping law with its numbers, if it has any.
 fn damping_words(damping: &Damping) -> String {
     let name = damping.name();
     let list = |ratios: &[f64]| ratios.iter().map(|r| given(*r, "")).collect::<Vec<_>>().join(", ");
@@ -196,7 +196,7 @@ pub(super) fn modes(run: Single) -> Markup {
     }
 }
 
-/// What each quantity of each joint may be off by, a column for each kind, and what that is a share of.
+/// Error of each quantity of each joint, with a column for each kind, and the reference of the errors.
 pub(super) fn errors(view: &View) -> Option<Markup> {
     let (is_arm, has_weight) = (view.is_arm(), view.has_weight());
     let joints = view.first().joints.iter().enumerate();
@@ -257,7 +257,7 @@ fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
     if inertia_kg_m2 > 0.0 { format!("{mass}, {}", given(inertia_kg_m2, "kg m²")) } else { mass }
 }
 
-/// The table of `verify`, if it was made.
+/// Table of `verify`, if present.
 pub(super) fn checks(checks: &[Check]) -> Option<Markup> {
     let rows = html! {
         @for check in checks { tr {

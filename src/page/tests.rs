@@ -1,4 +1,4 @@
-//! A run and a sweep as they are read back, and what is drawn of their bending and their cases.
+//! A run and a sweep as read back, and tests of the figures of their bending and their cases.
 
 use std::num::NonZeroUsize;
 use std::slice::from_ref;
@@ -21,7 +21,7 @@ use crate::result::{
     StoredResult, StoredRun, StoredSweep,
 };
 
-/// The paper's first example with a small mass and a payload, its title full of traps.
+/// The paper's first example with a small mass and a payload, and a title full of traps.
 pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
     let segment = |name: &str, length_m, stiffness| Segment {
         name: Some(name.to_owned()),
@@ -44,7 +44,7 @@ pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
     .unwrap()
 }
 
-/// Its solution for a sine of 0.88 s.
+/// Solution of [`link`] for a sine of 0.88 s.
 pub(super) fn solution() -> Solution {
     let link = link(0.0);
     let plan = MeshPlan::new(&link, &[Some(1), Some(9)], None, 1e-6).unwrap();
@@ -52,7 +52,7 @@ pub(super) fn solution() -> Solution {
     invert(&link, &plan, &motion, &Analysis::default()).unwrap()
 }
 
-/// The same as it is read back from its folder.
+/// The solution as read back from its folder.
 pub(super) fn run() -> StoredRun {
     let (link, solution) = (link(0.0), solution());
     let metrics = Metrics::of(&solution);
@@ -182,7 +182,7 @@ fn an_estimate_that_misses_the_summary_is_none() {
     let exact = largest(&solution().root_moment_n_m);
     run.readings.push(("peak_root_moment_n_m".to_owned(), exact));
     assert!(view(&run).moments(0).is_some());
-    // Three digits: their second differences are noise.
+    // With three digits the second differences are noise.
     for history in &mut run.bent().histories {
         for w in history {
             *w = (*w * 1e4).round() * 1e-4;
@@ -251,7 +251,7 @@ fn the_formula_of_the_waves_is_that_of_what_they_draw() {
     }
 }
 
-/// A sweep whose columns after the varied ones are the ratio and its cases' order.
+/// A sweep with the ratio and the order of the cases after its varied columns.
 fn sweep(varied: &[(&str, &[f64])], ratios: &[f64]) -> StoredSweep {
     let named = varied.iter().copied().chain([("torque_ratio", ratios)]);
     let columns = named.map(|(name, values)| {
@@ -346,8 +346,8 @@ fn words_part_lines_and_the_value_with_most_numbers_has_the_axis() {
     assert_eq!(figure.curves[1].points, [(1.0, 0.4), (2.0, 0.5), (3.0, 0.6)]);
 }
 
-/// A link that was rotated and moved deflects from its chord by what it was bent, and a rigid arm's tip is where its
-/// angles lead it.
+/// The deflection of a rotated and shifted link from its chord is its bending, and a rigid arm's tip follows from its
+/// angles.
 #[test]
 fn deflections_are_those_from_the_chord_and_the_wanted_place_is_that_of_the_rigid_arm() {
     let nodes_m: Vec<f64> = (0..=8).map(|k| 0.125 * f64::from(k)).collect();

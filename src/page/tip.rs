@@ -1,4 +1,4 @@
-//! Figures of the tip: of a link its motion along the arc, of an arm its place, and how far it is from where it should be.
+//! Figures of the tip: motion along the arc for a link, place for an arm, and distance from the wanted motion.
 
 use super::axis::{digits, is_extreme};
 use super::bending::Interpolation;
@@ -42,7 +42,7 @@ pub(super) fn motion(view: &View, run: Single) -> [Figure; 2] {
     [acceleration, displacement].map(|figure| figure.by(motion_formula(view, formula::TIP)))
 }
 
-/// The formula of a motion of a link: what a solution has, or what makes it in a simulation.
+/// Formula of a link's motion: for a solution `solved`, for a simulation the formula of its model.
 pub(super) fn motion_formula(view: &View, solved: &'static str) -> &'static str {
     match view.link.map(|run| run.arc.second_order) {
         _ if view.is_solved() => solved,
@@ -68,8 +68,8 @@ pub(super) fn place(view: &View) -> Figure {
     view.figure("tip", "Place of the tip", caption, ("place", "m"), curves).by(formula::ARM_TIP)
 }
 
-/// How far the tips of the other runs are from the place that the path of one run wants, or that of a simulation from its
-/// target. The tip of the run with the path is not drawn: its error is among the errors of the run.
+/// Distance of the other runs' tips from the wanted place on the path of one run, or of a simulation's tip from its
+/// target. The figure omits the run with the path, whose tip error is among its errors.
 pub(super) fn error(view: &View) -> Option<Figure> {
     let Some(rigid) = view.rigid().filter(|_| view.is_arm()) else { return off_target(view) };
     let wanted = rigid_tip_m(rigid)?;
@@ -96,7 +96,7 @@ pub(super) fn error(view: &View) -> Option<Figure> {
     Some(view.figure("tip-error", title, caption, quantity, curves).by(formula::ARM_TIP_ERROR))
 }
 
-/// How far the tip of a simulation is from its target.
+/// Distance of a simulation's tip from its target.
 fn off_target(view: &View) -> Option<Figure> {
     let arm = view.first();
     let target = arm.target.as_ref()?;
@@ -116,10 +116,10 @@ fn off_target(view: &View) -> Option<Figure> {
     Some(figure.by(view.pick(formula::TIP_ERROR, formula::ARM_TIP_ERROR)))
 }
 
-/// Velocity of the tip at the start, over its peak, from which on a motion does not start at rest.
+/// Velocity of the tip at the start, over its peak, above which a motion does not start at rest.
 const STARTS: f64 = 1e-6;
 
-/// The tip of a link when the rigid link's torque is played on the flexible link.
+/// The tip of the flexible link under the rigid link's torque.
 pub(super) fn under_rigid_torque(view: &View, run: Single) -> Result<Figure, String> {
     const TITLE: &str = "the tip under the rigid link's torque, since";
     let joint = &view.first().joints[0];
@@ -167,13 +167,13 @@ pub(super) fn under_rigid_torque(view: &View, run: Single) -> Result<Figure, Str
     Ok(figure.by(if is_bent { formula::ELASTICA_PLAYED } else { formula::RIGID_TORQUE_PLAYED }))
 }
 
-/// A history at other times.
+/// A history interpolated to other times.
 pub(super) fn at_times(times_s: &[f64], (own_s, history): (&[f64], &[f64])) -> Vec<f64> {
     let at = |time_s: &f64| Interpolation::of(own_s, *time_s).mix(|k| history[k]);
     times_s.iter().map(at).collect()
 }
 
-/// Directions of the rigid arm's links in rad at a sample, where its joint angles are known.
+/// Directions of the rigid arm's links in rad at a sample, if its joint angles are known.
 pub(super) fn rigid_directions_rad(arm: &StoredRun, sample: usize) -> Option<Vec<f64>> {
     let mut direction = 0.0;
     let turned = |joint: &StoredJoint| {
@@ -183,7 +183,7 @@ pub(super) fn rigid_directions_rad(arm: &StoredRun, sample: usize) -> Option<Vec
     arm.joints.iter().map(turned).collect()
 }
 
-/// x and y of the rigid arm's tip in m: the wanted ones where the path prescribes the tip.
+/// x and y of the rigid arm's tip in m: the wanted place if the path prescribes the tip.
 pub(super) fn rigid_tip_m(arm: &StoredRun) -> Option<[Vec<f64>; 2]> {
     let mut tip_m = [Vec::new(), Vec::new()];
     for sample in 0..arm.times_s.len() {

@@ -1,4 +1,4 @@
-//! Runs as a page shows them, and the part of their time that its figures show.
+//! Runs for a page, and the time shown in its figures.
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -12,36 +12,37 @@ use crate::numeric::largest;
 use crate::result::{StoredArc, StoredJoint, StoredRun};
 use crate::text::significant;
 
-/// Time shown before and after the motion, in multiples of the largest lead and lag, and over its duration at least.
+/// Shown time before and after the motion, in multiples of the largest lead and lag, and its minimum relative to the
+/// duration.
 const AROUND: f64 = 1.7;
 const SHORTEST: f64 = 0.15;
 
-/// Time shown after the motion of a link at least, in periods of the first mode.
+/// Minimum time shown after the motion of a link, in periods of the first mode.
 const PERIODS: f64 = 4.0;
 
-/// Share of the peak above which a torque acts, for runs of a link without a wanted motion.
+/// Share of the peak above which a torque counts as acting, for runs of a link without a wanted motion.
 const CALM: f64 = 1e-3;
 
-/// Colours of the style sheet.
+/// Number of colours in the style sheet.
 pub(super) const COLOURS: usize = 6;
 
-/// Colours of the runs beside the first one; those before are of torques.
+/// Colours of the runs besides the first one; the other colours are of torques.
 const BESIDE: [usize; 3] = [3, 5, 6];
 
-/// Runs of a link or of an arm, and the time that their figures show: the motion with some time before and after it.
+/// Runs of a link or of an arm, and the time shown in their figures: the motion with some time before and after it.
 #[derive(Debug, Clone)]
 pub(super) struct View<'a> {
-    /// The run that the page is of, then the runs beside it.
+    /// The run of the page, then the runs beside it.
     pub(super) runs: &'a [StoredRun],
     /// The run of a single link.
     pub(super) link: Option<Single<'a>>,
     /// First and last time shown in s.
     pub(super) span_s: (f64, f64),
-    /// Period of the first mode in s, if the run is of one link that vibrates.
+    /// Period of the first mode in s, for a run of one link that vibrates.
     pub(super) period_s: Option<f64>,
 }
 
-/// A run of a single link: its mesh is known, and the motion of its tip along the arc.
+/// A run of a single link, with its mesh and the motion of its tip along the arc.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Single<'a> {
     pub(super) times_s: &'a [f64],
@@ -60,7 +61,7 @@ impl<'a> Single<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Finds the time in which tip and torques act; of a simulated arm, all.
+    /// Finds the time in which tip and torques act; for a simulated arm, all of it.
     pub(super) fn of(runs: &'a [StoredRun]) -> Self {
         let first = &runs[0];
         let link = Single::of(first);
@@ -91,33 +92,33 @@ impl<'a> View<'a> {
         Self { runs, link, span_s, period_s }
     }
 
-    /// The run that the page is of.
+    /// The run of the page.
     pub(super) fn first(&self) -> &StoredRun {
         &self.runs[0]
     }
 
-    /// True if the page is of an arm of several links.
+    /// True for a page of an arm of several links.
     pub(super) fn is_arm(&self) -> bool {
         self.link.is_none()
     }
 
-    /// The first of two words, or the like, on the page of a link, the second on that of an arm.
+    /// The first alternative on the page of a link, the second on the page of an arm.
     pub(super) fn pick<T>(&self, of_link: T, of_arm: T) -> T {
         if self.is_arm() { of_arm } else { of_link }
     }
 
-    /// The id of a joint's figure: `torque`, `hub-rate`; of an arm `torque-1`, `rate-1`.
+    /// Id of a joint's figure: `torque`, `hub-rate`; for an arm `torque-1`, `rate-1`.
     pub(super) fn id(&self, name: &str, joint: usize) -> String {
         let of_arm = format!("{}-{}", name.trim_start_matches("hub-"), joint + 1);
         self.pick(name.to_owned(), of_arm)
     }
 
-    /// A joint in words: `the hub`; of an arm `joint 2, fore`.
+    /// A joint in words: `the hub`; for an arm `joint 2, fore`.
     pub(super) fn joint_words(&self, joint: usize) -> String {
         self.pick("the hub".to_owned(), format!("joint {}", self.number_of(joint)))
     }
 
-    /// True if the page is of the answer for a wanted motion, false for a simulation.
+    /// True for a solution for a wanted motion, false for a simulation.
     pub(super) fn is_solved(&self) -> bool {
         self.first().moving_s.is_some()
     }
@@ -127,7 +128,7 @@ impl<'a> View<'a> {
         largest(&self.first().gravity_m_s2) > 0.0
     }
 
-    /// The runs, each with the name of its line: `own` if there is but one.
+    /// The runs, each with the name of its line, which is `own` for a single run.
     pub(super) fn named(&self, own: &str) -> impl Iterator<Item = (&StoredRun, String)> {
         let is_alone = self.runs.len() == 1;
         self.runs
@@ -135,18 +136,18 @@ impl<'a> View<'a> {
             .map(move |arm| (arm, if is_alone { own.to_owned() } else { arm.name.clone() }))
     }
 
-    /// The first run that the rigid arm was written of.
+    /// The first run with the rigid arm in its files.
     pub(super) fn rigid(&self) -> Option<&StoredRun> {
         let is_whole = |arm: &&StoredRun| arm.joints.iter().all(|j| j.rigid_angle_rad.is_some());
         self.runs.iter().find(is_whole)
     }
 
-    /// The peak in the summary of the whole run, in words; that of the samples if the summary has none.
+    /// Peak in words from the summary of the whole run, or else from the samples.
     pub(super) fn peak(&self, name: &str, history: &[f64]) -> String {
         peak_words(reading(&self.first().readings, name), history)
     }
 
-    /// A history as a line over the time shown.
+    /// A history as a line over the shown time.
     pub(super) fn curve(
         &self,
         name: &str,
@@ -158,7 +159,7 @@ impl<'a> View<'a> {
         Curve::new(name, stroke, &times_s[samples.clone()], &history[samples])
     }
 
-    /// A line for each run that has the quantity: times in s and values.
+    /// A line for each run with the quantity: times in s and values.
     pub(super) fn of_runs<'b>(
         &'b self,
         own: &str,
@@ -171,7 +172,7 @@ impl<'a> View<'a> {
         self.named(own).enumerate().filter_map(line).collect()
     }
 
-    /// A line for each run and each of the `names` that has the quantity: times in s and values.
+    /// A line for each run and each of the `names` with the quantity: times in s and values.
     pub(super) fn each<'b>(
         &'b self,
         names: &[String],
@@ -191,7 +192,7 @@ impl<'a> View<'a> {
         curves
     }
 
-    /// A figure over the time shown, with the axis that its lines need.
+    /// A figure over the shown time, with the axis for its lines.
     pub(super) fn figure(
         &self,
         id: impl Into<Cow<'static, str>>,
@@ -203,24 +204,24 @@ impl<'a> View<'a> {
         Figure::of_curves(id, title, caption, self.time_axis(), quantity, curves)
     }
 
-    /// The axis of the time shown.
+    /// Axis of the shown time.
     pub(super) fn time_axis(&self) -> Axis {
         Axis::linear(TIME, "s", self.span_s.0..self.span_s.1)
     }
 
-    /// `joint 1`, `joint 2`, ….
+    /// `joint 1`, `joint 2`, … for `what` = `joint`.
     pub(super) fn numbered(&self, what: &str) -> Vec<String> {
         (1..=self.first().joints.len()).map(|number| format!("{what} {number}")).collect()
     }
 
-    /// The number of a joint or of its link, with the link's name if it has one: `2, fore`.
+    /// Number of a joint or of its link, with the link's name if it has one: `2, fore`.
     pub(super) fn number_of(&self, link: usize) -> String {
         let number = (link + 1).to_string();
         let name = &self.first().links[link].name;
         if *name == number { number } else { format!("{number}, {name}") }
     }
 
-    /// Lead and lag of a joint's torque, shaded.
+    /// Shaded lead and lag of a joint's torque.
     pub(super) fn lead_and_lag(&self, joint: usize) -> Vec<Span> {
         let Some((from, until)) = self.first().moving_s else { return vec![] };
         let joint = &self.first().joints[joint];
@@ -231,7 +232,7 @@ impl<'a> View<'a> {
         spans.filter(|span| span.range.end > span.range.start).collect()
     }
 
-    /// Times at which the tip starts and stops; a periodic motion has neither, nor a lead.
+    /// Marks at the start and the stop of the tip; a periodic motion has neither, nor a lead.
     pub(super) fn start_and_stop(&self) -> Vec<Mark> {
         let has_lead = |joint: &StoredJoint| joint.reading("lead_s").is_some();
         let moving_s = self.first().moving_s.filter(|_| self.first().joints.iter().any(has_lead));
@@ -243,7 +244,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// How a run's line is drawn: the lines beside the first are dashed, so that equal ones are seen.
+/// Style of a run's line: lines beside the first are dashed, so that equal ones stay visible.
 pub(super) fn run_stroke(run: usize) -> Stroke {
     match run.checked_sub(1) {
         None => Stroke::Solid(1),
@@ -257,7 +258,7 @@ pub(super) fn from_start_m(arm: &StoredRun) -> Vec<f64> {
     x.iter().zip(y).map(|(at_x, at_y)| libm::hypot(at_x - x[0], at_y - y[0])).collect()
 }
 
-/// End of the names of errors, which have a table of their own.
+/// Ending of the names of errors, which have a separate table.
 pub(super) const ERROR: &str = "_error";
 
 /// A number of a summary by its name.
@@ -265,7 +266,7 @@ pub(super) fn reading(readings: &[(String, f64)], name: &str) -> Option<f64> {
     readings.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
 }
 
-/// A peak as captions have it, with the digits of the tables: the summary's comes first, since a peak may lie between
+/// A peak for captions, with the digits of the tables. The summary's peak has precedence, since it may lie between
 /// samples.
 pub(super) fn peak_words(known: Option<f64>, history: &[f64]) -> String {
     significant(known.unwrap_or_else(|| largest(history)), 4)
@@ -278,7 +279,7 @@ pub(super) fn nearest(times_s: &[f64], time_s: f64) -> usize {
     if time_s - times_s[before] < times_s[next] - time_s { before } else { next }
 }
 
-/// The samples from one time to another, at least two if there are two.
+/// Samples from one time to another, at least two if there are two.
 pub(super) fn inside(times_s: &[f64], from_s: f64, until_s: f64) -> Range<usize> {
     let len = times_s.len();
     let start = times_s.partition_point(|t| *t < from_s).min(len.saturating_sub(2));

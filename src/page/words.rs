@@ -1,4 +1,5 @@
-//! Words of a page: a glossary, the formula behind each figure, the paper's figure beside it, and kinds of warnings.
+//! Words of a page: a glossary, the formula behind each figure, the paper's figure beside it, and the meanings of kinds of
+//! warnings.
 
 use std::f64::consts::PI;
 
@@ -32,7 +33,7 @@ const GLOSSARY: [(&str, &str); 4] = [
     ),
 ];
 
-/// What the words of a page mean, folded.
+/// Folded glossary of a page.
 pub(super) fn glossary() -> Markup {
     html! {
         details {
@@ -42,9 +43,9 @@ pub(super) fn glossary() -> Markup {
     }
 }
 
-/// Formulas behind figures; a figure brings its own.
+/// Formulas behind figures; each figure refers to one.
 pub(super) mod formula {
-    /// Of a solution.
+    /// Formulas of a solution.
     pub(in crate::page) const TORQUE: &str = "\
         T(t) = 1/2π ∫ H(ω) A(ω) exp(iωt) dω. A: spectrum of the tip's acceleration; H = T/a: solution of (K + \
         iωC − ω²M) u = T e with a = −ω² v(L), where e is 1 at the hub's angle and 0 elsewhere. With hysteretic \
@@ -56,20 +57,20 @@ pub(super) mod formula {
     pub(in crate::page) const HUB: &str = "\
         θ(t) = 1/2π ∫ G(ω) A(ω) exp(iωt) dω, G = θ/a of the equations of the torque. Rigid link: θ = v/L. \
         Bending of the tip: w = v − Lθ.";
-    /// Of a simulation with a target.
+    /// Formulas of a simulation with a target.
     pub(in crate::page) const TIP_ERROR: &str = "\
         v(t) − v_wanted(t) at the times of the target; between samples of the simulation v is a cubic spline.";
     pub(in crate::page) const MOTOR: &str = "\
         Motor: T_m = T/n + J d²φ/dt², φ = n (θ + T/k): angle of the rotor, with the gear ratio n, the rotor's \
         inertia J and the stiffness k of the joint.";
-    /// What a solution with a second order or with weight adds to its formulas.
+    /// Additions to the formulas of a solution with second order or weight.
     pub(in crate::page) const SECOND_ORDER: &str = "\
         What large slopes, axial and centripetal forces and the weight add acts as further loads, repeated until \
         the torque no longer changes.";
     pub(in crate::page) const RIGID_TORQUE_PLAYED: &str = "\
         M d²u/dt² + C du/dt + K u = T(t) e with the torque T of the rigid link, from rest, each mode by its \
         exact solution between two samples.";
-    /// Of a simulation.
+    /// Formulas of a simulation.
     pub(in crate::page) const TORQUE_PLAYED: &str =
         "T(t): what is played, or what moves the hub as it is played.";
     pub(in crate::page) const MODES_PLAYED: &str = "\
@@ -79,7 +80,7 @@ pub(super) mod formula {
         Lagrange's equations of a chain that approximates the inextensible elastica, refined until tip and hub \
         no longer change; v: displacement of the tip along its arc, θ: direction of the hub's tangent line, a = \
         d²v/dt².";
-    /// Of the waves along a link or a link of an arm.
+    /// Formulas of the waves along a link or a link of an arm.
     pub(in crate::page) const MOMENT: &str =
         "m(x, t) = EI ∂²w/∂x², w: deflection; with shear EI ∂ψ/∂x, ψ: rotation of the section.";
     pub(in crate::page) const MOMENT_ESTIMATED: &str = "\
@@ -94,7 +95,7 @@ pub(super) mod formula {
         − ω²M) = 0 with the hub free. Zeros: v(L) = 0 at ω = ±iz.";
     pub(in crate::page) const MODE_SHAPES: &str =
         "K φ = ω² M φ with the hub free, f = ω/2π; drawn is φ / max |φ|.";
-    /// Of an arm.
+    /// Formulas of an arm.
     pub(in crate::page) const ARM_TORQUE: &str = "\
         Of each link (K + iωC − ω²M) u = loads, in the frame of its chord, whose motion follows from the path; \
         the loads are the torques and forces of the joints, and those of large angles, of centripetal and axial \
@@ -114,7 +115,7 @@ pub(super) mod formula {
         "w(x, t) − w(x, t₀), w: distance of the link from its chord, t₀: the first moment.";
     pub(in crate::page) const ROOT_MOMENTS: &str =
         "m(0, t) = EI ∂²w/∂x² at the root; with shear EI ∂ψ/∂x.";
-    /// Of what has a limit.
+    /// Formulas of quantities with a limit.
     pub(in crate::page) const RATE: &str = "dθ/dt of the hub, dq/dt of a joint.";
     pub(in crate::page) const POWER: &str = "P = T dθ/dt, of a joint T dq/dt.";
     pub(in crate::page) const MOTOR_RATE: &str = "\
@@ -126,14 +127,14 @@ pub(super) mod formula {
     pub(in crate::page) const LINK_DEFLECTION: &str = "\
         w = c sin β, c: length of the chord, β: its direction less that of the link's root, from the slope of the deflections \
         of the nodes.";
-    /// Of a fit.
+    /// Formulas of a fit.
     pub(in crate::page) const DIFFERENCES: &str = "(fitted − measured) / measured.";
     pub(in crate::page) const OVERLAY: &str = "\
         The fit makes the sum of the squared differences smallest, each over its uncertainty where that is \
         known.";
 }
 
-/// What the kinds of warnings of a sweep's cases say.
+/// Meanings of the warnings in a sweep's cases.
 const WARNINGS: [(&str, &str); 32] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
@@ -187,14 +188,14 @@ const WARNINGS: [(&str, &str); 32] = [
     ("late_target", "The target begins after the tip has begun to move."),
 ];
 
-/// What a kind of warning says.
+/// Meaning of a kind of warning.
 pub(super) fn warning_meaning(kind: &str) -> Option<&'static str> {
     let (kind, _) = kind.split_once(':').unwrap_or((kind, ""));
     WARNINGS.into_iter().find(|(own, _)| *own == kind).map(|(_, meaning)| meaning)
 }
 
-/// Number of the example of Bayo (1987) that a solution is, for the figures of the paper: its link, and its motion of
-/// 0.5 m in 0.88 s with a period of a sine as acceleration.
+/// Number of the example of Bayo (1987) that a solution corresponds to: the link of the paper, and its motion of 0.5 m
+/// in 0.88 s with a period of a sine as acceleration.
 fn example(view: &View) -> Option<usize> {
     let run = view.link?;
     let (from, until) = view.first().moving_s?;
@@ -231,8 +232,7 @@ fn example(view: &View) -> Option<usize> {
     [5.0, 20.0].into_iter().position(|ei| is_bare && (peak - 1.0).abs() < 1e-2 && is_printed(ei))
 }
 
-/// Names the paper's figure of its first or second example that a figure is the analogue of; nothing for other links
-/// and motions.
+/// Citation of the corresponding figure in the paper's first or second example; empty for other links and motions.
 pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
     let figure = example(view).and_then(|number| figures[number]);
     figure.map_or(String::new(), |figure| format!(" (Bayo 1987, figure {figure})"))
@@ -243,7 +243,7 @@ mod tests {
     use super::*;
     use crate::result::Exceeded;
 
-    /// The kinds are read from the sources of all warnings that a case of a sweep can have.
+    /// Reads the kinds from the sources of all warnings that a case of a sweep can have.
     #[test]
     fn every_kind_of_warning_of_a_sweep_has_a_sentence() {
         let sources = [

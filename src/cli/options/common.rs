@@ -1,4 +1,4 @@
-//! Options of several commands, and the arguments that a run records.
+//! Options of several commands, and the arguments in a run's record.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -37,7 +37,7 @@ pub struct NodeArgs {
 }
 
 impl NodeArgs {
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let list = self.list.as_deref().map(|nodes| {
             let nodes: Vec<String> = nodes.iter().map(usize::to_string).collect();
@@ -51,19 +51,19 @@ impl NodeArgs {
         list.into_iter().chain(stations).chain(every).flatten().collect()
     }
 
-    /// The first option given that chooses nodes.
+    /// The first option in use that chooses nodes.
     pub(crate) fn chosen(&self) -> Option<&'static str> {
         let stations = (!self.stations_m.is_empty()).then_some(STATIONS);
         self.list.is_some().then_some("--nodes").or(stations)
     }
 
-    /// The mesh of a link with a node at each station.
+    /// Mesh of a link with a node at each station.
     pub fn mesh(&self, link: &Link, mesh: MeshPlan) -> Result<MeshPlan, Failure> {
         let refused = |error| Failure::new(Exit::Usage, &format!("--{error}"), None);
         mesh.with_nodes_at(link, &self.stations_m).map_err(refused)
     }
 
-    /// The meshes of an arm with a node at each station, of a link that is shorter at those that it has.
+    /// Meshes of an arm with a node at each station; a shorter link gets those on it.
     pub fn meshes(&self, arm: &Arm, meshes: &mut [MeshPlan]) -> Result<(), Failure> {
         let mut elsewhere_m = self.stations_m.clone();
         for (mesh, own) in meshes.iter_mut().zip(arm.links()) {
@@ -78,7 +78,7 @@ impl NodeArgs {
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
-    /// What a file describes, meshed with a node at each station.
+    /// The content of a file, meshed with a node at each station.
     pub(crate) fn meshed(&self, described: Described) -> Result<Described, Failure> {
         Ok(match described {
             Described::Link(mut own) => {
@@ -92,13 +92,13 @@ impl NodeArgs {
         })
     }
 
-    /// The tables of a run with these nodes and rows, without those on demand.
+    /// Tables of a run with these nodes and rows, without tables on demand.
     pub(crate) fn outputs(&self, digits: Digits) -> RunOutputs {
         let (nodes, stations_m) = (self.list.clone(), self.stations_m.clone());
         RunOutputs { nodes, stations_m, every: self.every, digits, ..RunOutputs::default() }
     }
 
-    /// Returns an error if a node is not one of the mesh, or named twice.
+    /// Returns an error if a node is not in the mesh, or named twice.
     pub fn check(&self, links_nodes_m: &[&[f64]]) -> Result<(), Failure> {
         self.check_stations(links_nodes_m)?;
         let most = links_nodes_m.iter().map(|nodes_m| nodes_m.len()).max().unwrap_or(1);
@@ -116,7 +116,7 @@ impl NodeArgs {
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
-    /// The line of the summary that says which nodes the stations are, of each link; empty without stations.
+    /// Line of the summary with the nodes of the stations, for each link; empty without stations.
     pub(crate) fn text(&self, links_nodes_m: &[&[f64]]) -> String {
         let several = links_nodes_m.len() > 1;
         let of_station = |at_m: &f64| {
@@ -170,54 +170,54 @@ impl SyncArgs {
     }
 }
 
-/// A whole number above 0.
+/// Parses a whole number above 0.
 pub(crate) fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|k| *k > 0).ok_or_else(|| "must be a whole number above 0".into())
 }
 
-/// The number of a node.
+/// Parses the number of a node.
 fn node(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "must be whole numbers from 0 on, separated by commas".into())
 }
 
-/// A whole number above 0, as a step.
+/// Parses a whole number above 0, as a step.
 fn every(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "must be a whole number above 0".into())
 }
 
-/// A finite number, 0 or above.
+/// Parses a finite number, 0 or above.
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
     number.ok_or_else(|| "must be a finite number, 0 or above".into())
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite());
     number.ok_or_else(|| "must be a finite number".into())
 }
 
-/// A finite number in SI, or one with its unit.
+/// Parses a finite number in SI, or one with its unit.
 pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> {
     finite(text).or_else(|_| parse_quantity(text, dimension).map_err(|error| error.to_string()))
 }
 
-/// A length in m, or with its unit.
+/// Parses a length in m, or with its unit.
 fn metres(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::LENGTH)
 }
 
-/// A time in s, or with its unit.
+/// Parses a time in s, or with its unit.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::TIME)
 }
 
-/// An angle in rad, or with its unit.
+/// Parses an angle in rad, or with its unit.
 pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
     quantity(text, Dimension::NONE)
 }
 
-/// The directions of --at, one for each link of an arm.
+/// Directions of --at, one for each link of an arm.
 pub(crate) fn directions(at: Option<&[f64]>, links: usize) -> Result<Vec<f64>, Failure> {
     let found = match at {
         Some(directions) if directions.len() == links => return Ok(directions.to_vec()),
@@ -243,12 +243,12 @@ pub fn option(name: &str, value: impl Display) -> Vec<String> {
     }
 }
 
-/// The argument for digits other than the default.
+/// Argument for digits other than the default.
 pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
     if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
 }
 
-/// Refuses options, as they are recorded, that are known for one link alone.
+/// Refuses recorded options that apply only to a single link.
 pub fn refuse_for_arms(options: impl IntoIterator<Item = String>) -> Result<(), Failure> {
     match options.into_iter().find(|option| option.starts_with("--")) {
         None => Ok(()),

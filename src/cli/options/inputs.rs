@@ -1,5 +1,4 @@
-//! The inputs that several commands share: a link file with its changes, a tip motion, and how a measured table is
-//! read.
+//! Common inputs of several commands: a link file with its changes, a tip motion, and the reading of a measured table.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -40,12 +39,12 @@ pub(crate) struct LinkArgs {
 }
 
 impl LinkArgs {
-    /// Reads what the file describes, one link or an arm of several, and applies the changes.
+    /// Reads the content of the file, one link or an arm of several, and applies the changes.
     pub(crate) fn described(&self) -> Result<Described, Failure> {
         self.load().map(|(_, described)| described)
     }
 
-    /// The same, after the file itself.
+    /// Like [`Self::described`], but also returns the file.
     pub(crate) fn load(&self) -> Result<(InputFile, Described), Failure> {
         let file = InputFile::read_toml(&self.link)?;
         let described = described(&file, &self.changes.overrides()?)?;
@@ -68,7 +67,7 @@ impl ChangeArgs {
         self.changes.is_empty()
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         self.changes.iter().flat_map(|change| option("--set", change)).collect()
     }
@@ -97,14 +96,14 @@ fn not_read(file: &InputFile, error: &SpecError) -> Failure {
     Failure::new(Exit::InputRefused, error, file.disguise().or(error.hint()).or(order))
 }
 
-/// Reads what a file describes, one link or an arm of several, with some changes.
+/// Reads the content of a file, one link or an arm of several, with some changes.
 pub fn described(file: &InputFile, changes: &[Override]) -> Result<Described, Failure> {
     let read = LinkDocument::read(&file.shown, file.text()?)
         .and_then(|document| document.described(&file.shown, changes));
     read.map_err(|error| not_read(file, &error))
 }
 
-/// Warns that frequencies are those without gravity, where it acts; returns the number of warnings.
+/// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.
 pub(crate) fn warn_of_gravity(link: &Link) -> usize {
     if !link.has_weight() {
         return 0;
@@ -148,7 +147,7 @@ pub struct ResampleArgs {
     moving_ends: bool,
 }
 
-/// A length above 0 as it was written, and in m.
+/// A length above 0 as written, and in m.
 #[derive(Debug, Clone)]
 struct Length {
     text: String,
@@ -175,7 +174,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 impl ResampleArgs {
-    /// Reads the motion of a link's tip; returns it with what was found beyond the standard form.
+    /// Reads the motion of a link's tip; also returns the deviations from the standard form.
     pub(crate) fn motion_of(
         &self,
         file: &InputFile,
@@ -189,7 +188,7 @@ impl ResampleArgs {
         Ok((self.motion_in(table, link)?, reading))
     }
 
-    /// The motion of a link's tip in a table.
+    /// Motion of a link's tip from a table.
     pub fn motion_in(&self, table: MotionTable, link: &Link) -> Result<TipMotion, Failure> {
         let table = match link.gravity() {
             Some(gravity) => table.with_gravity(gravity, link.length_m())?,
@@ -198,7 +197,7 @@ impl ResampleArgs {
         self.motion_in_plane(table)
     }
 
-    /// The same without gravity.
+    /// Motion of a link's tip from a table, without gravity.
     pub fn motion_in_plane(&self, table: MotionTable) -> Result<TipMotion, Failure> {
         let table = table.with_ends(self.ends());
         let table = match self.resample {
@@ -221,12 +220,12 @@ impl ResampleArgs {
         self.path_in(read_path_table(&file.shown, &file.bytes, &self.format(read))?)
     }
 
-    /// What the options say of a table.
+    /// The options for a table.
     pub fn format(&self, read: &ReadArgs) -> TableFormat {
         TableFormat { drop_outliers: self.drop_outliers, ..read.format() }
     }
 
-    /// The path of an arm in a table.
+    /// Path of an arm from a table.
     pub fn path_in(&self, table: PathTable) -> Result<PathTable, Failure> {
         Ok(match self.resample {
             Some(step_s) => table.resampled(step_s)?,
@@ -234,14 +233,14 @@ impl ResampleArgs {
         })
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
         let resample = self.resample.map(|step_s| option("--resample", step_s));
         let dropped = self.drop_outliers.then(|| "--drop-outliers".to_owned());
         resample.into_iter().flatten().chain(dropped).chain(self.of_one_link()).collect()
     }
 
-    /// The arguments that an arm's path does not take.
+    /// Arguments that do not apply to an arm's path.
     pub fn of_one_link(&self) -> Vec<String> {
         let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
         let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
@@ -281,7 +280,7 @@ impl ScaleArgs {
         MotionScale { distance: self.scale_distance, duration: self.scale_duration }
     }
 
-    /// A motion with these factors.
+    /// Applies these factors to a motion.
     pub fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
         if self.scale() == MotionScale::default() {
             return Ok(motion);
@@ -289,7 +288,7 @@ impl ScaleArgs {
         motion.scaled(self.scale()).map_err(|error| self.refused(&error))
     }
 
-    /// The path of an arm with the factor on its duration.
+    /// Applies the factor on the duration to an arm's path.
     pub fn scaled_path(&self, path: &PathTable) -> Result<PathTable, Failure> {
         path.slowed(self.scale_duration).map_err(|error| self.refused(&error))
     }
@@ -299,18 +298,18 @@ impl ScaleArgs {
         Failure::new(Exit::Usage, &message, error.hint())
     }
 
-    /// The arguments that an arm's path, which goes from place to place, does not take.
+    /// Arguments that do not apply to an arm's path, which goes from place to place.
     pub fn of_one_link(&self) -> Vec<String> {
         scale_arguments(MotionScale { duration: 1.0, ..self.scale() })
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
         scale_arguments(self.scale())
     }
 }
 
-/// The arguments that scale a motion so, for the record.
+/// Arguments for the record that scale a motion by these factors.
 pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     let MotionScale { distance, duration } = scale;
     let factors = [("--scale-distance", distance), ("--scale-duration", duration)];

@@ -1,4 +1,4 @@
-//! Options that several commands share, and the inputs that they name.
+//! Common options of several commands, and the inputs that they name.
 #![allow(clippy::doc_markdown, reason = "docs of arguments are help on a terminal")]
 
 pub mod common;

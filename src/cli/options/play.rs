@@ -1,4 +1,4 @@
-//! What `simulate` plays, and what it compares the result with.
+//! Inputs of `simulate`, and targets for comparison.
 
 use std::path::{Path, PathBuf};
 
@@ -47,7 +47,7 @@ pub(crate) struct HoldArgs {
 }
 
 impl HoldArgs {
-    /// The torque between its samples.
+    /// Interpolation of the torque between its samples.
     pub(crate) fn interpolation(&self) -> Interpolation {
         match self.hold {
             Hold::Cubic if self.linear => Interpolation::Linear,
@@ -57,7 +57,7 @@ impl HoldArgs {
         }
     }
 
-    /// Refuses times off a uniform step of a torque that is held: a spline that makes them uniform rings at its steps.
+    /// Refuses times off a uniform step for a held torque, because a spline that makes them uniform rings at its steps.
     pub(crate) fn refuse_jitter(&self, file: &InputFile, reading: &Reading) -> Result<(), Failure> {
         if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
             return Ok(());
@@ -68,7 +68,7 @@ impl HoldArgs {
         Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let linear = self.linear.then(|| vec!["--linear".to_owned()]);
         let hold = self.hold.to_possible_value().filter(|_| self.hold != Hold::Cubic);
@@ -147,13 +147,13 @@ pub(crate) struct PlayArgs {
 /// Pairs of gains.
 type Gains = Vec<(f64, f64)>;
 
-/// What moves the link, as read.
+/// Input that moves the link, as read.
 enum Moving {
     Torque(Torque),
     HubAngle(HubReference),
 }
 
-/// The files of a simulation beside that of the link, read.
+/// Files of a simulation besides the link's, as read.
 pub(crate) struct Playing {
     pub(crate) file: InputFile,
     moving: Moving,
@@ -198,7 +198,7 @@ impl PlayArgs {
         };
         self.hold.refuse_jitter(&file, &reading)?;
         tell(shown, &reading);
-        // The options of reading are those of TORQUE.
+        // The options of reading apply to TORQUE.
         let target = target.map(|file| -> Result<_, Failure> {
             let (target, reading) =
                 read_target(&file.shown, &file.bytes, length_m, link.gravity())?;
@@ -208,7 +208,7 @@ impl PlayArgs {
         let target = target.transpose()?;
         let measured = measured.map(|file| -> Result<_, Failure> {
             let (recording, reading) = if file.bytes == *bytes {
-                // The options say what the columns of this table are.
+                // The options assign the columns of this table.
                 read_recording_as(&file.shown, &file.bytes, &read.format())?
             } else {
                 read_recording(&file.shown, &file.bytes)?
@@ -249,12 +249,12 @@ impl PlayArgs {
         })
     }
 
-    /// The failure of gains that no feedback has.
+    /// Failure for impossible gains of a feedback.
     pub(super) fn gains_refused(error: &ParameterError) -> Failure {
         Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
     }
 
-    /// Refuses options of one link.
+    /// Refuses options of a single link.
     pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
         let given = [
             ("--input", self.input != InputKind::Torque),
@@ -266,7 +266,7 @@ impl PlayArgs {
         refuse_for_arms(option.map(str::to_owned))
     }
 
-    /// Refuses what is of arms alone.
+    /// Refuses options of an arm.
     fn refuse_for_links(&self) -> Result<(), Failure> {
         let refused = |option: &str, must| {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
@@ -283,7 +283,7 @@ impl PlayArgs {
         }
     }
 
-    /// Refuses options of a torque beside a hub angle.
+    /// Refuses options of a torque for a hub angle.
     fn check(&self) -> Result<(), Failure> {
         if self.input == InputKind::Torque {
             return Ok(());
@@ -306,7 +306,7 @@ impl PlayArgs {
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let input = (self.input == InputKind::HubAngle).then(|| option("--input", "hub-angle"));
         let column = self.column.iter().map(|column| option("--column", column));
@@ -327,7 +327,7 @@ impl PlayArgs {
 }
 
 impl Playing {
-    /// What to play until a time, or else as long as input and target last.
+    /// The simulation up to a time, or else until input and target end.
     pub(crate) fn play(&self, until_s: Option<f64>, is_large: bool) -> Play<'_> {
         let input = match &self.moving {
             Moving::Torque(torque) => Input::Torque(torque),
@@ -350,7 +350,7 @@ impl Playing {
     }
 }
 
-/// Displacement in m of the tip at the start: that of the target, else where the reference of the hub points to.
+/// Displacement of the tip at the start in m: that of the target, else the direction of the hub's reference.
 pub fn initial_tip_m(
     link: &Link,
     target: Option<&TipTarget>,

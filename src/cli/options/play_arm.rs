@@ -1,4 +1,4 @@
-//! What `simulate` plays on an arm, and what it compares the result with.
+//! Inputs of `simulate` for an arm, and targets for comparison.
 
 use crate::csv::{InputFile, read_joint_references, read_joint_torques, read_tip_places};
 use crate::link::Arm;
@@ -11,7 +11,7 @@ use super::play::PlayArgs;
 use super::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure, memory};
 
-/// The files of an arm's simulation beside that of the arm, read.
+/// Files of an arm's simulation besides the arm's, as read.
 pub(crate) struct ArmPlaying {
     pub(crate) file: InputFile,
     pub(crate) target_file: Option<InputFile>,
@@ -20,7 +20,7 @@ pub(crate) struct ArmPlaying {
     pub(crate) played: ArmTorques,
 }
 
-/// The torques of an arm, what acts beside them, and what the tip is compared with.
+/// Torques of an arm, further influences, and the target of the tip.
 pub struct ArmTorques {
     pub torques: Vec<Torque>,
     pub feedback: Vec<Feedback>,
@@ -29,7 +29,7 @@ pub struct ArmTorques {
     pub target: Option<TipPlaces>,
 }
 
-/// Where the arm starts at rest.
+/// Rest position of the arm at the start.
 pub enum Start {
     Joints(Vec<f64>),
     Chords(Vec<f64>),
@@ -76,7 +76,7 @@ impl PlayArgs {
     }
 }
 
-/// The feedback of each joint around its reference, with one pair of gains for all of them, or one each; none without
+/// Feedback of each joint around its reference, with one pair of gains for all joints, or one for each; empty without
 /// gains.
 pub fn feedback(
     gains: Option<&[(f64, f64)]>,
@@ -102,7 +102,7 @@ pub fn feedback(
 }
 
 impl Start {
-    /// Where a state is, else in these directions of the chords, else where feedback or target begins.
+    /// Start at a state, else at these directions of the chords, else at the beginning of feedback or target.
     pub fn of(
         arm: &Arm,
         state: Option<ArmState>,
@@ -130,7 +130,7 @@ impl Start {
 }
 
 impl ArmTorques {
-    /// What to play until a time, or else as long as input and target last.
+    /// The simulation up to a time, or else until input and target end.
     pub fn play(&self, until_s: Option<f64>, tolerance: f64) -> ArmPlay<'_> {
         let end_s = self.torques[0].grid().end_s();
         let both_s = self.target.as_ref().map(|target| target.grid.end_s().max(end_s));

@@ -1,4 +1,4 @@
-//! How a measured table is read: the options, and what is told of it.
+//! Options for the reading of a measured table, and remarks on it.
 
 use clap::Args;
 
@@ -46,7 +46,7 @@ pub struct ReadArgs {
 }
 
 impl ReadArgs {
-    /// What the options say of a table.
+    /// The options for a table.
     pub(crate) fn format(&self) -> TableFormat {
         TableFormat {
             skip: self.skip,
@@ -60,7 +60,7 @@ impl ReadArgs {
         }
     }
 
-    /// The arguments, for the record.
+    /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
         let columns = self.columns.iter().flat_map(|choice| option("--columns", choice));
         let time_unit = self.time_unit.iter().flat_map(|unit| option("--time-unit", unit));
@@ -74,7 +74,7 @@ impl ReadArgs {
     }
 }
 
-/// Tells how a table was read where that is not the standard form, and which columns were not read.
+/// Prints deviations of a table from the standard form, and its unread columns.
 pub(crate) fn tell(shown: &str, reading: &Reading) {
     if let Some(note) = reading.note() {
         console::note(&format!("{shown}: {note}"));

@@ -1,6 +1,6 @@
-//! The allocator: where the system refuses memory, the program ends with a message and exit code 4.
+//! The allocator: if the system refuses memory, it ends the program with a message and exit code 4.
 //!
-//! Here is all the unsafe code of the program. An allocator cannot be written without.
+//! It contains all unsafe code of the program, which an allocator needs.
 #![expect(unsafe_code, reason = "the trait of allocators and the C library are unsafe")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -14,11 +14,11 @@ use crate::store::try_abandon_unfinished;
 
 use super::exit::Exit;
 
-/// The system's allocator; where that gives nothing, the program ends.
+/// The system's allocator; without memory it ends the program.
 #[derive(Debug)]
 pub struct SystemOrEnd;
 
-// SAFETY: every call goes to the system's allocator as it came, and what that gives is returned.
+// SAFETY: every call goes to the system's allocator unchanged, and its result is returned.
 unsafe impl GlobalAlloc for SystemOrEnd {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         given(unsafe { System.alloc(layout) }, layout.size())
@@ -45,25 +45,25 @@ fn given(block: *mut u8, bytes: usize) -> *mut u8 {
     block
 }
 
-/// Memory that is given back where the system refuses more, so that unfinished files can be removed.
+/// Memory released when the system refuses more, so that unfinished files can be removed.
 static RESERVE: AtomicPtr<u8> = AtomicPtr::new(ptr::null_mut());
 
-/// The size of it: removing a folder reads its names into 32 KB.
+/// Size of the reserve: removing a folder reads its names into 32 KB.
 const RESERVED: Layout = Layout::new::<[u8; 1 << 18]>();
 
-/// Sets memory aside for the end of a program that finds no more.
+/// Reserves memory for the end of a program without further memory.
 pub(super) fn reserve() {
     // SAFETY: the size is not zero.
     RESERVE.store(unsafe { System.alloc(RESERVED) }, Ordering::Release);
 }
 
-/// Ends the program. The thread may hold any lock, so this waits for none without end, and takes no
-/// memory before it has printed the message.
+/// Ends the program. The thread may hold any lock, so this waits for no lock without a limit, and takes no memory
+/// before it has printed the message.
 #[cold]
 fn end(bytes: usize) -> ! {
     static HAS_BEGUN: AtomicBool = AtomicBool::new(false);
     if HAS_BEGUN.swap(true, Ordering::AcqRel) {
-        // Another thread ends the program; or the removal below has found no memory.
+        // Another thread ends the program, or the removal below found no memory.
         thread::sleep(Duration::from_secs(1));
     } else {
         let hint =
@@ -77,7 +77,7 @@ fn end(bytes: usize) -> ! {
         }
         try_abandon_unfinished();
     }
-    // What a usual exit does may take memory.
+    // A usual exit may take memory.
     #[cfg(unix)]
     signal_hook::low_level::exit(Exit::NotSolvable as i32);
     #[cfg(not(unix))]
@@ -85,9 +85,9 @@ fn end(bytes: usize) -> ! {
     std::process::exit(Exit::NotSolvable as i32)
 }
 
-/// Makes glibc keep what the program frees, up to 64 MB an arena, and give blocks of up to 32 MB out of it. A
-/// sweep allocates the same blocks for every case: it takes a third longer where the system hands out fresh
-/// pages each time. Call it before the program starts threads.
+/// Makes glibc keep freed memory, up to 64 MB an arena, and serve blocks of up to 32 MB from it. A sweep allocates the
+/// same blocks for every case: it takes a third longer with fresh pages each time. Call it before the program starts
+/// threads.
 pub fn keep_freed_memory() {
     const M_TRIM_THRESHOLD: i32 = -1;
     const M_MMAP_THRESHOLD: i32 = -3;
@@ -95,8 +95,8 @@ pub fn keep_freed_memory() {
     mallopt(M_MMAP_THRESHOLD, 1 << 25);
 }
 
-/// Limits the arenas of glibc, of which every thread has its own by default: each of these stocks of memory
-/// reserves 64 MB of address space, 128 MB at first. Call it before the program starts threads.
+/// Limits the arenas of glibc, one for every thread by default: each arena reserves 64 MB of address space, 128 MB at
+/// first. Call it before the program starts threads.
 pub(super) fn limit_arenas(most: usize) {
     const M_ARENA_MAX: i32 = -8;
     mallopt(M_ARENA_MAX, i32::try_from(most).unwrap_or(i32::MAX));

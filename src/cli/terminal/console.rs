@@ -1,4 +1,4 @@
-//! The only place that prints.
+//! The only module that prints.
 //!
 //! On a terminal, text for people is coloured. Files are printed byte for byte.
 
@@ -49,7 +49,7 @@ pub(crate) fn remarks(remarks: impl IntoIterator<Item: Into<Notice>>) {
 /// False if `--quiet` hides remarks.
 static REMARKS_ARE_SHOWN: AtomicBool = AtomicBool::new(true);
 
-/// Shows remarks from now on, or hides them.
+/// Shows or hides remarks from now on.
 pub(crate) fn show_remarks(shown: bool) {
     REMARKS_ARE_SHOWN.store(shown, Ordering::Relaxed);
 }
@@ -77,7 +77,7 @@ pub(crate) fn note(message: &str) {
     labelled("note", HINT, message, None);
 }
 
-/// Prints to standard error that the run waits for another one, which holds the folder.
+/// Prints to standard error that the run waits for another run's lock on the folder.
 pub(crate) fn waiting(folder: &Path) {
     let folder = folder.display();
     note(&format!("{folder}: another run is writing into the folder; waiting until it is done"));
@@ -95,19 +95,19 @@ fn labelled(label: &str, style: Style, message: &str, hint: Option<&str>) {
     };
     let hint = hint.map_or(String::new(), |hint| line("hint", HINT, hint));
     let text = line(label, style, message) + &hint;
-    // If standard error is closed, there is no other place to print to.
+    // If standard error is closed, no other place to print to remains.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
-/// A character, or the replacement character for one that a terminal does not show but obeys. The name of
-/// a file may hold such characters.
+/// A character, or the replacement character for one that controls a terminal. The name of a file may contain such
+/// characters.
 fn visible(letter: char) -> char {
     if is_hidden(letter) { char::REPLACEMENT_CHARACTER } else { letter }
 }
 
-/// Prints the text of the command line's parser, help or a wrong usage; returns the exit code.
+/// Prints the text of the command line's parser, help or an error of usage; returns the exit code.
 pub(crate) fn parser_text(error: &clap::Error) -> Result<u8, Failure> {
-    // Its colours are control characters, too.
+    // The colours of the text are control characters, too.
     let shown = |c: char| if c.is_control() { c } else { visible(c) };
     let text: String =
         shortened(error, error.render().ansi().to_string()).chars().map(shown).collect();
@@ -120,7 +120,7 @@ pub(crate) fn parser_text(error: &clap::Error) -> Result<u8, Failure> {
     Ok(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
 }
 
-/// The text of a parser's error, with no more of an argument than other messages quote.
+/// Text of a parser's error, with arguments shortened as in other messages.
 pub(crate) fn shortened(error: &clap::Error, text: String) -> String {
     let pieces = error.context().flat_map(|(_, piece)| match piece {
         ContextValue::String(piece) => std::slice::from_ref(piece),
@@ -133,54 +133,53 @@ pub(crate) fn shortened(error: &clap::Error, text: String) -> String {
     })
 }
 
-/// Writes text for people to standard output; a reader that has gone away is no error.
+/// Writes text for people to standard output; a closed reader is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text: String = text.chars().map(|c| if c == '\n' { c } else { visible(c) }).collect();
     print_bytes(text.as_bytes())
 }
 
-/// True if a path means standard output. It must not be opened a second time: that would write from
-/// its start.
+/// True if a path means standard output, which must not be opened a second time: that would write from its start.
 pub(crate) fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
         .iter()
         .any(|name| path.as_os_str() == *name)
 }
 
-/// The reader of standard output.
+/// State of the reader of standard output.
 pub(crate) enum Reader {
     There,
     Gone,
 }
 
-/// Writes a file to standard output as it is; a reader that has gone away is no error.
+/// Writes a file unchanged to standard output; a closed reader is no error.
 pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     print_part(bytes).map(drop)
 }
 
-/// Writes a part of a file to standard output, and returns whether its reader is still there.
+/// Writes a part of a file to standard output, and returns the state of its reader.
 pub(crate) fn print_part(bytes: &[u8]) -> Result<Reader, Failure> {
     let mut out = io::stdout().lock();
     delivered(out.write_all(bytes).and_then(|()| out.flush()))
 }
 
-/// Writes bytes to the file `output`, or to standard output if it is none or `-`.
+/// Writes bytes to the file `output`, or to standard output if it is `None` or `-`.
 pub fn deliver(output: Option<&Path>, bytes: &[u8]) -> Result<(), Failure> {
     deliver_by(output, |out| out.write_all(bytes))
 }
 
-/// Writes bytes to a file whose name the program has made.
+/// Writes bytes to a file named by the program.
 pub(crate) fn deliver_beside(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let write = |out: &mut (dyn Write + Send)| out.write_all(bytes);
     Ok(write_file(path, NamedBy::Program, Durability::default(), write, &waiting)?)
 }
 
-/// Writes several files, none of which is standard output: all or none.
+/// Writes several files, all or none; standard output is not among them.
 pub fn deliver_all(files: &[NewFile]) -> Result<(), Failure> {
     Ok(write_files(files, &waiting)?)
 }
 
-/// The same as [`deliver`] for bytes that `write` makes while they are written.
+/// Like [`deliver`], for bytes that `write` makes while they are written.
 pub(crate) fn deliver_by(
     output: Option<&Path>,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,

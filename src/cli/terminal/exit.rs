@@ -1,4 +1,4 @@
-//! How the program ends: exit codes, and errors of the library with theirs.
+//! End of the program: exit codes, and their assignment to errors of the library.
 
 use clap::Args;
 
@@ -15,7 +15,7 @@ use crate::spec::SpecError;
 use crate::store::FolderError;
 use crate::verify::VerificationError;
 
-/// The exit code of a program that has done its work.
+/// Exit code after completed work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     Done = 0,
@@ -23,28 +23,28 @@ pub enum Ending {
     Different = 1,
 }
 
-/// The exit code of a program that has failed.
+/// Exit code after a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
     /// The command line is wrong.
     Usage = 2,
-    /// An input file is refused.
+    /// An input file is invalid.
     InputRefused = 3,
-    /// Link and motion are valid, but there is no answer.
+    /// Link and motion are valid, but without an answer.
     NotSolvable = 4,
     /// The results cannot be written.
     CannotWrite = 5,
-    /// Stopped in order by Ctrl-C or by the system: the number that shells give Ctrl-C.
+    /// Ctrl-C or the system stopped the program in order; the number that shells use for Ctrl-C.
     Interrupted = 130,
 }
 
-/// Why the program ends without having done its work.
+/// Reason for an end without completed work.
 #[derive(Debug)]
 pub struct Failure {
     pub exit: Exit,
     pub message: String,
     pub hint: Option<String>,
-    /// True if the work takes more memory than it may.
+    /// True if the work needs more memory than allowed.
     pub is_of_memory: bool,
 }
 
@@ -63,12 +63,12 @@ pub struct WarningArgs {
 }
 
 impl WarningArgs {
-    /// True if no warning is allowed.
+    /// True if warnings are an error.
     pub(crate) fn are_denied(&self) -> bool {
         self.deny_warnings
     }
 
-    /// Returns an error if warnings were printed and none is allowed. Call it after all output.
+    /// Returns an error for printed warnings if they are denied. Call it after all output.
     pub(crate) fn refuse(&self, warnings: usize) -> Result<(), Failure> {
         if warnings == 0 || !self.deny_warnings {
             return Ok(());

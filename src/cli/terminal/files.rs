@@ -1,4 +1,4 @@
-//! Checks of the paths on the command line before any work begins.
+//! Checks of the paths on the command line before any work.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(crate) fn read_once(inputs: &[&Path]) -> Result<(), Failure> {
     Err(Failure::new(Exit::Usage, &message, None))
 }
 
-/// The error that the path of an argument is not as it must be.
+/// Error about the path of an argument.
 fn refuse(argument: &str, path: &Path, must: &str, hint: Option<&str>) -> Result<(), Failure> {
     let message = format!("{argument} = {}, but {must}", path.display());
     Err(Failure::new(Exit::Usage, &message, hint))
@@ -36,8 +36,8 @@ pub(crate) fn check_folder(argument: &str, folder: &Path) -> Result<(), Failure>
     refuse(argument, folder, "must be a folder", Some(hint))
 }
 
-/// Returns an error if standard input would be read twice, or if the results would replace a file that is
-/// read, or the run that it belongs to.
+/// Returns an error if standard input would be read twice, or if the results would replace an input file, or the run
+/// that it belongs to.
 pub(crate) fn keep(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     read_once(inputs)?;
     check_folder("--output", output)?;
@@ -45,8 +45,8 @@ pub(crate) fn keep(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     keep_runs("--output", output, inputs, |run| run == folder)
 }
 
-/// Returns an error if the results of many cases, each in a numbered folder of `outputs`, would replace a
-/// file that is read, or the run that it belongs to.
+/// Returns an error if the results of many cases, each in a numbered folder of `outputs`, would replace an input file,
+/// or the run that it belongs to.
 pub(crate) fn keep_cases(outputs: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     check_folder("--outputs", outputs)?;
     let Ok(outer) = outputs.canonicalize() else { return Ok(()) };
@@ -60,7 +60,7 @@ pub(crate) fn keep_cases(outputs: &Path, inputs: &[&Path]) -> Result<(), Failure
     keep_runs("--outputs", outputs, inputs, is_case)
 }
 
-/// Returns an error if an input is a result in a folder that is written.
+/// Returns an error if an input is a result in a folder to write.
 fn keep_runs(
     argument: &str,
     output: &Path,
@@ -77,24 +77,24 @@ fn keep_runs(
     refuse(argument, output, &must, Some(hint))
 }
 
-/// Returns an error if a file would replace one that is read.
+/// Returns an error if a file would replace an input file.
 pub(crate) fn keep_files(output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     keep_inputs("--output", output, inputs)
 }
 
-/// The same for the file of any argument.
+/// Like [`keep_files`], for the file of any argument.
 pub(crate) fn keep_inputs(argument: &str, output: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     let Ok(file) = output.canonicalize() else { return Ok(()) };
     let is_output = |input: &&Path| input.canonicalize().is_ok_and(|input| input == file);
-    // A device is written through, not over.
+    // Writing to a device does not replace it.
     if !file.is_file() || !inputs.iter().any(is_output) {
         return Ok(());
     }
     refuse(argument, output, "must not be a file that is read", None)
 }
 
-/// Returns an error if the page of a fit goes to standard output, which has the table, or would replace
-/// another file that is written.
+/// Returns an error if the page of a fit goes to standard output, which has the table, or would replace another written
+/// file.
 pub(crate) fn keep_page_apart(page: &Path, others: &[PathBuf]) -> Result<(), Failure> {
     if is_standard_output(page) {
         return refuse("--report", page, "must be a file", Some("standard output has the table"));
@@ -109,8 +109,7 @@ pub(crate) fn keep_page_apart(page: &Path, others: &[PathBuf]) -> Result<(), Fai
     }
 }
 
-/// Returns an error if a sweep's table would be in, or in the place of, a folder of its cases, OUTPUTS/1,
-/// OUTPUTS/2, …
+/// Returns an error if a sweep's table would be in, or in the place of, a folder of its cases, OUTPUTS/1, OUTPUTS/2, …
 pub(crate) fn keep_from_cases(output: &Path, outputs: &Path) -> Result<(), Failure> {
     let folder = resolved(outputs);
     let is_case = |path: &Path| {
@@ -118,7 +117,7 @@ pub(crate) fn keep_from_cases(output: &Path, outputs: &Path) -> Result<(), Failu
         first.is_some_and(|name| name.as_encoded_bytes().iter().all(u8::is_ascii_digit))
     };
     let meets = |file: &PathBuf| {
-        // A link is written through, and its record beside it.
+        // The table goes through a symbolic link, but its record goes beside the link.
         let outer = Path::new(".").join(file.parent().unwrap_or(file));
         let beside = file.file_name().map(|name| resolved(&outer).join(name));
         let mut files = std::iter::once(resolved(file)).chain(beside);
@@ -145,7 +144,7 @@ fn resolved(path: &Path) -> PathBuf {
     }
 }
 
-/// Returns an error if the record of a sweep's table would replace any other kind of file.
+/// Returns an error if the record of a sweep's table would replace another kind of file.
 pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
     if is_standard_output(output) {
         return Ok(());

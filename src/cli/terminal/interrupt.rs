@@ -1,4 +1,4 @@
-//! Signals: Ctrl-C, the system's request to end, and the abort where it refuses memory.
+//! Signals: Ctrl-C, the system's request to end, and the abort when it refuses memory.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -12,20 +12,19 @@ use super::exit::Exit;
 
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// Cases at work.
+/// Number of running cases.
 static AT_WORK: AtomicUsize = AtomicUsize::new(0);
 
-/// How long a program that is asked to end may write what it has, with no case at work: a pipe that nobody reads takes
-/// nothing.
+/// Time for last writes after a request to end, without a running case: a pipe without a reader takes nothing.
 const LAST_WRITES: Duration = Duration::from_secs(2);
 
-/// From now on a request to end removes unfinished files and ends the program.
+/// Makes a request to end remove unfinished files and end the program.
 pub(crate) fn end_in_order() {
     listen(end);
 }
 
-/// From now on an abort ends the program with exit code 4: under a limit of the address space the C library
-/// aborts where it finds no memory for itself, after a message.
+/// Makes an abort end the program with exit code 4. Under a limit of the address space the C library aborts, after a
+/// message, when it finds no memory for itself.
 pub(crate) fn end_aborts() {
     #[cfg(unix)]
     {
@@ -36,21 +35,21 @@ pub(crate) fn end_aborts() {
     }
 }
 
-/// From now on the first request to end sets the returned flag, and the work ends in order; the second
-/// ends the program at once. So does the first where writing lasts when no case is [`at_work`].
+/// Makes the first request to end set the returned flag, so that the work ends in order, and the second one end the
+/// program at once. The first one also ends the program if writing lasts while no case is [`at_work`].
 pub(crate) fn watch() -> &'static AtomicBool {
     listen(|signal| {
         if STOPPED.swap(true, Ordering::Relaxed) {
             end(signal);
         }
-        // In a thread of its own: standard error may be the pipe that takes nothing.
+        // In a separate thread, because standard error may be the pipe that takes nothing.
         let _ = thread::Builder::new().spawn(move || end_idle(signal));
         console::line_below("finishing the cases that have begun; once more ends at once");
     });
     &STOPPED
 }
 
-/// Works on a case of a sweep, for which a request to end waits.
+/// Works on a case of a sweep; a request to end waits for it.
 pub(crate) fn at_work<T>(work: impl FnOnce() -> T) -> T {
     AT_WORK.fetch_add(1, Ordering::Relaxed);
     let found = work();
@@ -58,7 +57,7 @@ pub(crate) fn at_work<T>(work: impl FnOnce() -> T) -> T {
     found
 }
 
-/// Ends the program when no case has been at work for a while.
+/// Ends the program when no case has run for a while.
 fn end_idle(signal: i32) {
     let mut busy = Instant::now();
     while busy.elapsed() < LAST_WRITES {
@@ -70,9 +69,9 @@ fn end_idle(signal: i32) {
     end(signal);
 }
 
-/// From now on a thread calls `on_signal` with each signal that asks to end, except those that the program
-/// was started to ignore. Without memory for a thread such a signal ends the program as it ends any
-/// other, and the next run removes what is left.
+/// Makes a thread call `on_signal` with each signal that requests the end, except signals that the program was started
+/// to ignore. Without memory for a thread such a signal ends the program in the default way, and the next run removes
+/// the remains.
 #[cfg(unix)]
 fn listen(on_signal: impl Fn(i32) + Send + 'static) {
     use std::sync::mpsc;
@@ -81,7 +80,7 @@ fn listen(on_signal: impl Fn(i32) + Send + 'static) {
     use signal_hook::iterator::Signals;
 
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    // If the system gives no mask, SIGHUP is left alone: `nohup` has it ignored.
+    // If the system gives no mask, SIGHUP stays untouched, because `nohup` has it ignored.
     let ignored = ignored_mask(&status).unwrap_or(bit(SIGHUP));
     let heard =
         [SIGINT, SIGTERM, SIGHUP].into_iter().filter(move |signal| ignored & bit(*signal) == 0);
@@ -93,7 +92,7 @@ fn listen(on_signal: impl Fn(i32) + Send + 'static) {
             signals.forever().for_each(on_signal);
         }
     });
-    // Ends with an error when the listener has dropped its side: then it hears.
+    // Returns an error when the listener drops its side: then it is ready.
     let _ = listener.map(|_| is_ready.recv());
 }
 
@@ -103,8 +102,8 @@ fn listen(on_signal: impl Fn(i32) + Send + 'static) {
     let _ = ctrlc::try_set_handler(move || on_signal(CTRL_C));
 }
 
-/// Signals that the program was started to ignore, as `nohup` does with SIGHUP and a shell with the SIGINT
-/// of a script's background: the hexadecimal `SigIgn` of the system's status of the process.
+/// Signals that the program was started to ignore, such as SIGHUP by `nohup` and SIGINT by a shell for a background
+/// command of a script. They are the hexadecimal `SigIgn` in the system's status of the process.
 #[cfg(unix)]
 fn ignored_mask(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
@@ -121,7 +120,7 @@ fn bit(signal: i32) -> u64 {
 #[cfg_attr(not(unix), expect(unused_variables, reason = "there is no signal to end by"))]
 fn end(signal: i32) {
     abandon_unfinished();
-    // A shell ends its script only if what it ran was ended by the signal.
+    // A shell ends its script only if the signal ended the script's command.
     #[cfg(unix)]
     let _ = signal_hook::low_level::emulate_default_handler(signal);
     process::exit(Exit::Interrupted as i32);

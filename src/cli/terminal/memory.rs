@@ -1,4 +1,4 @@
-//! How much memory and how many threads a run may take.
+//! Memory and threads available to a run.
 
 use std::num::NonZero;
 
@@ -12,22 +12,21 @@ use super::allocator::{keep_freed_memory, limit_arenas, reserve};
 use super::exit::{Exit, Failure};
 use super::interrupt::end_aborts;
 
-/// Address space in bytes that the program takes besides what grows with its inputs: buffers, and the
-/// stacks of a few threads.
+/// Address space in bytes that does not grow with the inputs: buffers, and the stacks of a few threads.
 const OWN_BYTES: usize = 24 << 20;
 
-/// A limited address space has an arena for so many bytes of it.
+/// Bytes of a limited address space for each arena.
 const ARENA_SHARE: usize = 512 << 20;
 
-/// An allocation below this part of the share is not checked: the check takes as long as a small run.
+/// Ratio of the share to an allocation above which it is not checked, because the check takes as long as a small run.
 const SMALL: usize = 16;
 
-/// Memory in bytes that is free, less what the program itself needs; `None` where the system does not say.
+/// Available memory in bytes without [`OWN_BYTES`]; `None` if the system does not state it.
 pub fn available() -> Option<usize> {
     available_memory().map(|bytes| size(bytes).saturating_sub(OWN_BYTES))
 }
 
-/// Address space in bytes that a limit (`ulimit -v`) leaves; `None`: no limit.
+/// Address space in bytes below a limit (`ulimit -v`); `None` without a limit.
 fn address_space() -> Option<usize> {
     available_addresses().map(size)
 }
@@ -36,9 +35,8 @@ fn size(bytes: u64) -> usize {
     usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
-/// Returns an error if the address space is limited to less than the program itself takes. If it is limited
-/// to more, threads share arenas; without a limit, they keep the memory that they free. Call it before the
-/// program starts threads.
+/// Returns an error if the limit of the address space is below the program's need. With a larger limit, threads share
+/// arenas; without a limit, they keep the memory that they free. Call it before the program starts threads.
 pub(crate) fn check_program() -> Result<(), Failure> {
     reserve();
     let Some(left) = address_space() else {
@@ -53,13 +51,13 @@ pub(crate) fn check_program() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns an error if nodal tables of so many bytes exceed the free memory, or their `share` of it.
+/// Returns an error if nodal tables of `bytes` exceed the free memory, or their `share` of it.
 pub fn check_nodes(bytes: usize, share: Option<usize>) -> Result<(), Failure> {
     check("the motion of the nodes", bytes, share, "use --nodes or --every")
 }
 
-/// Returns an error if tables exceed the free memory: their files have so many bytes, and the work on
-/// them takes so many `times` that.
+/// Returns an error if tables exceed the free memory: their files have `bytes`, and the work on them needs `times` as
+/// much.
 pub(crate) fn check_tables(bytes: usize, times: usize) -> Result<(), Failure> {
     let bytes = bytes.saturating_mul(times);
     if bytes < OWN_BYTES / 2 {
@@ -69,8 +67,8 @@ pub(crate) fn check_tables(bytes: usize, times: usize) -> Result<(), Failure> {
     check("the tables", bytes, None, hint)
 }
 
-/// Returns an error if `what` takes more bytes than the free memory, or than its `share` of it. A
-/// system that does not say how much memory is free has no limit.
+/// Returns an error if `what` needs more bytes than the free memory, or than its `share` of it. A system that does not
+/// state its free memory has no limit.
 pub fn check(what: &str, bytes: usize, share: Option<usize>, hint: &str) -> Result<(), Failure> {
     if share.is_some_and(|share| bytes <= share / SMALL) {
         return Ok(());
@@ -89,8 +87,7 @@ fn too_much(what: &str, bytes: usize, available: usize, hint: &str) -> Failure {
     Failure { is_of_memory: true, ..failure }
 }
 
-/// Address space in bytes of a thread of a sweep: its stack, that of the thread that it starts for its own
-/// work, and the memory of a case.
+/// Address space in bytes of a thread of a sweep: its stack, that of its worker thread, and the memory of a case.
 const THREAD_BYTES: usize = 2 * ((2 << 20) + (1 << 18)) + (8 << 20);
 
 /// How many threads to use.
@@ -102,13 +99,12 @@ pub(crate) struct ThreadArgs {
 }
 
 impl ThreadArgs {
-    /// Starts the threads; the calling thread is the first of them. Call it once, before any work.
+    /// Starts the threads; the calling thread is the first. Call it once, before any work.
     ///
-    /// If the system has no threads left and the command line gives no number, the calling thread does all
-    /// the work.
+    /// If the system has no threads left and the command line gives no number, the calling thread does all the work.
     pub(crate) fn start(&self) -> Result<(), Failure> {
         let (builder, is_limited) = self.builder();
-        // The global pool would wait until all threads run, as long as a small run takes.
+        // The global pool would wait for the start of all threads, as long as a small run.
         match builder.use_current_thread().build() {
             Ok(pool) => {
                 // The threads serve until the program ends.
@@ -123,7 +119,7 @@ impl ThreadArgs {
         }
     }
 
-    /// Starts the threads beside the calling one, which only waits for them.
+    /// Starts the threads besides the calling one, which only waits for them.
     pub(crate) fn start_apart(&self) -> Result<(), Failure> {
         let (builder, is_limited) = self.builder();
         builder.build_global().map_err(|error| no_threads(&error))?;
@@ -133,9 +129,9 @@ impl ThreadArgs {
         Ok(())
     }
 
-    /// A pool of so many threads, at most as many as a limited address space holds; and whether addresses or
-    /// data are limited: then every thread takes its memory before the work begins. glibc aborts the program
-    /// without one of our words where a thread's first own value finds no memory.
+    /// A pool of threads, at most as many as a limited address space holds, and true if addresses or data are limited.
+    /// Every thread must then take its memory before the work begins: glibc aborts the program without our message if a
+    /// thread finds no memory for its first thread-local value.
     fn builder(&self) -> (ThreadPoolBuilder, bool) {
         let threads = self.threads.map(usize::from);
         let most = address_space().map(|left| left.saturating_sub(OWN_BYTES) / THREAD_BYTES);
@@ -147,7 +143,7 @@ impl ThreadArgs {
     }
 }
 
-/// Number of threads by default, as rayon counts them.
+/// Default number of threads, as in rayon.
 fn default_number() -> usize {
     let set = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
     let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);

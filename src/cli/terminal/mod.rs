@@ -1,5 +1,4 @@
-//! The terminal and the process: what is printed and how, which files a run may write, how the program
-//! ends, how much memory and how many threads it may take.
+//! The terminal and the process: printing, checks of files to write, end of the program, memory and threads.
 
 pub mod allocator;
 pub mod console;

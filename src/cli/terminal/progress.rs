@@ -1,4 +1,4 @@
-//! How far long work has come, on a terminal alone, and what is printed at its end.
+//! Progress of long work, only on a terminal, and output at its end.
 
 use std::fmt;
 use std::io::{IsTerminal as _, stderr};
@@ -28,12 +28,12 @@ pub(crate) struct PrintArgs {
 }
 
 impl PrintArgs {
-    /// A bar that shows how far the work is.
+    /// A bar that shows the progress of the work.
     pub(crate) fn stages(&self) -> StageBar {
         if self.quiet { StageBar::hidden() } else { StageBar::new() }
     }
 
-    /// Prints the result as JSON or as text, or not at all.
+    /// Prints the result as JSON or as text, or nothing.
     pub(crate) fn print(
         &self,
         json: impl FnOnce() -> String,
@@ -51,16 +51,16 @@ impl PrintArgs {
 pub(crate) struct CaseBar(ProgressBar);
 
 impl CaseBar {
-    /// Shows `done` of `all`.
+    /// Shows `done` cases of `all`.
     pub(crate) fn new(done: usize, all: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::hidden());
         let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
-            // A line that is not drawn is no loss.
+            // The loss of an undrawn line does not matter.
             let _ = write!(out, "{:.1}/s", state.per_sec());
         };
         bar.set_style(style("[{bar:30}] {pos}/{len}, {rate}, {eta} left").with_key("rate", rate));
-        // The rate of an earlier run is not that of this one: the estimate begins after the cases that
-        // are done, and nothing is drawn before that.
+        // The rate of an earlier run does not apply to this one: the estimate begins after the finished cases, and
+        // drawing begins after it.
         bar.set_position(done as u64);
         bar.tick();
         bar.reset_eta();
@@ -73,7 +73,7 @@ impl CaseBar {
         Self(ProgressBar::hidden())
     }
 
-    /// Shows one more.
+    /// Shows one more case.
     pub(crate) fn advance(&self) {
         self.0.inc(1);
     }
@@ -85,17 +85,16 @@ impl Drop for CaseBar {
     }
 }
 
-/// A run that ends earlier shows no bar.
+/// Duration of a run below which no bar appears.
 const SHORT: Duration = Duration::from_millis(500);
 
-/// Time between two drawings of a bar that does not move.
+/// Time between two drawings of a resting bar.
 const TICK: Duration = Duration::from_millis(100);
 
-/// How often a bar moves over one play of an arm.
+/// Number of moves of a bar over one play of an arm.
 const PLAY_TICKS: usize = 100;
 
-/// Stages of unknown length: the first, those between two others, and the one after the last row is
-/// written.
+/// Stages of unknown length: the first, those between two others, and the one after the last row.
 const FIRST: &str = "finding the band";
 const BETWEEN: &str = "measuring errors";
 const WRITTEN: &str = "waiting for the disk";
@@ -104,7 +103,7 @@ const UNKNOWN: &str = "{spinner} {msg} {elapsed}";
 const KNOWN: &str = "{spinner} {msg} [{bar:30}] {percent:>3} % {elapsed}";
 
 fn style(template: &str) -> ProgressStyle {
-    // The templates are constants that the library reads.
+    // The templates are constants that the library can read.
     let style = ProgressStyle::with_template(template);
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
     style.progress_chars("=> ").tick_chars("-\\|/ ")
@@ -113,16 +112,16 @@ fn style(template: &str) -> ProgressStyle {
 /// The stages of one run.
 pub(crate) struct StageBar {
     bar: ProgressBar,
-    /// True if nothing is printed above the bar either.
+    /// True if lines above the bar are suppressed, too.
     is_hidden: bool,
-    /// True while rows are written, the last stage.
+    /// True during the last stage, the writing of rows.
     is_writing: AtomicBool,
-    /// The thread that shows the bar after a while, and what ends it when dropped.
+    /// The thread that shows the bar after a while; dropping the sender ends it.
     delay: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl StageBar {
-    /// Shows the stage of a run that is not short; nothing where standard error is no terminal.
+    /// Shows the stage of a run that is not short; nothing if standard error is no terminal.
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         bar.set_style(style(UNKNOWN));
@@ -154,17 +153,17 @@ impl StageBar {
         }
     }
 
-    /// Prints above the bar, hidden or not.
+    /// Prints above the bar, even if it is hidden.
     pub(crate) fn above(&self, print: impl FnOnce()) {
         self.bar.suspend(print);
     }
 
-    /// Shows how many links a fit has tried.
+    /// Shows the number of links that a fit has tried.
     pub(crate) fn tried(&self, links: usize) {
         self.bar.set_message(format!("fitting, {links} links tried"));
     }
 
-    /// Shows how far the play of an arm is.
+    /// Shows the progress of an arm's play.
     pub(crate) fn played(&self, ArmProgress { refinement, done, samples }: ArmProgress) {
         if done % samples.div_ceil(PLAY_TICKS) != 0 {
             return;
@@ -193,7 +192,7 @@ impl Watch for StageBar {
             Stage::Write => "writing".to_owned(),
         };
         self.is_writing.store(stage == Stage::Write, Ordering::Relaxed);
-        // Before the style: each of these may draw.
+        // Before the style, because each of these may draw.
         self.bar.set_position(0);
         self.bar.set_length(parts as u64);
         self.bar.set_message(message);
@@ -213,7 +212,7 @@ impl Drop for StageBar {
     fn drop(&mut self) {
         if let Some((over, waiting)) = self.delay.take() {
             drop(over);
-            // A thread that has failed has shown nothing.
+            // A failed thread has shown nothing.
             let _ = waiting.join();
         }
         self.bar.finish_and_clear();

@@ -1,10 +1,10 @@
-//! The unit of a response's phases whose heading names none.
+//! Unit of a response's phases whose heading has none.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::text::significant;
 
-/// Room for rounding in rad.
+/// Margin for rounding in rad.
 const ROUNDING: f64 = 0.05;
 
 /// Radians in a degree.
@@ -15,17 +15,16 @@ pub(super) const DEGREE: f64 = PI / 180.0;
 pub(super) struct PolarRow {
     pub(super) hertz: f64,
     pub(super) gain: f64,
-    /// As written.
+    /// Phase as written.
     pub(super) phase: f64,
 }
 
-/// The factor that makes radians of phases without a unit, and what to say of it.
+/// Factor from phases without a unit to radians, and a note on it.
 ///
-/// They are radians, as SI has it, unless they cannot be. Radians that are wrapped stay within a turn, and radians
-/// that are unwrapped turn by half a turn at most from one frequency to the next. Where unwrapped radians are
-/// possible, the gain decides: a resonance, a delay of a fraction of its period and noise turn a response about as
-/// much as they change the logarithm of its gain. Degrees taken for radians turn it 57 times as much; the bound is
-/// the geometric mean of 1 and 57.
+/// Phases are radians, as in SI, unless this is impossible. Wrapped radians stay within a turn, and unwrapped radians
+/// change by at most half a turn from one frequency to the next. If unwrapped radians are possible, the gain decides: a
+/// resonance, a delay of a fraction of its period and noise turn a response about as much as they change the logarithm
+/// of its gain. Degrees mistaken for radians turn it 57 times as much; the bound is the geometric mean of 1 and 57.
 pub(super) fn bare_phase(mut rows: Vec<PolarRow>) -> (f64, String) {
     rows.sort_by(|a, b| a.hertz.total_cmp(&b.hertz));
     let most = rows.iter().map(|row| row.phase.abs()).fold(0.0, f64::max);
@@ -58,7 +57,7 @@ mod tests {
 
     use super::*;
 
-    /// Phases in rad of two resonances with a zero between them and a delay, from 1 to 20 Hz, and the gains.
+    /// Phases in rad and gains of two resonances with a zero between them and a delay, from 1 to 20 Hz.
     fn rows(count: u32, delay_s: f64) -> Vec<PolarRow> {
         let row = |k: u32| {
             let hertz = 1.0 + 19.0 * f64::from(k) / f64::from(count - 1);
@@ -83,7 +82,7 @@ mod tests {
         bare_phase(rows).0 < 1.0
     }
 
-    /// Wrapped and unwrapped, with few rows and with rows so many that no step of the degrees is above π, in any order.
+    /// Wrapped and unwrapped, with few rows and with so many that no step of the degrees exceeds π, in any order.
     #[test]
     fn radians_and_degrees_are_told_apart() {
         for count in [12, 60, 400, 5000] {
@@ -99,7 +98,7 @@ mod tests {
         }
     }
 
-    /// Numbers that may be both are SI; what is said names the unit.
+    /// Ambiguous numbers are SI; the note names the unit.
     #[test]
     fn what_may_be_both_is_radians() {
         let own = rows(60, 0.0).into_iter().filter(|row| row.hertz < 3.0);

@@ -1,7 +1,8 @@
-//! What a motion may be off by between the samples of its table.
+//! Errors of a motion between the samples of its table.
 //!
-//! A spline through every second sample misses the others by a power of the spacing more than one through all misses the
-//! motion: the fourth power, or less where the samples are too coarse for it, as every fourth sample tells.
+//! A spline through every second sample misses the others by more than a spline through all misses the motion. The
+//! ratio is a power of the spacing: the fourth, or a lower one if the samples are too coarse for it, as every fourth
+//! sample shows.
 
 use std::ops::Range;
 
@@ -10,27 +11,29 @@ use num_complex::Complex64;
 use crate::motion::{Between, Ends, TipMotion};
 use crate::numeric::{CubicSpline, FourierPair, SplineEnds, extremes, fast_length};
 
-/// Samples beyond which an acceleration is known between them, and comparing two rules would take memory.
+/// Limit of samples for a comparison of two rules: with more the acceleration between them is known, and the comparison
+/// would need much memory.
 const MOST_SAMPLES: usize = 1_000_000;
 
-/// Powers of the spacing with which the error of a spline falls: where the curve has a kink, and where it is smooth.
+/// Powers of the spacing with which the error of a spline falls: for a curve with a kink, and for a smooth curve.
 const POWERS: (f64, f64) = (2.0, 4.0);
 
-/// Power in one octave over that in the octave below, for a signal with jumps.
+/// Ratio of the power in one octave to the power in the octave below, for a signal with jumps.
 const SLOWEST_FALL: f64 = 0.5;
 
-/// Factor on the error of an acceleration between its samples, which lies at the kinks. With 3.5, the true error of the torque
-/// reached twice the stated one in 144 random motions.
+/// Factor on the error of an acceleration between its samples, because it concentrates at the kinks. With 3.5, the true
+/// error of the torque reached twice the stated one in 144 random motions.
 const LOCAL: f64 = 4.0;
 
-/// The error of a spline through an acceleration over that of its frequencies.
+/// Ratio of a spline's error through an acceleration to the error of its frequencies.
 const OF_SPLINE: f64 = 0.5;
 
-/// A curve through samples, and what it is at the times of all.
+/// Function from samples (times, values) of a curve to its values at all times.
 type Drawn<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
 
-/// Root mean square and largest error, at the other samples, of curves through every `stride`-th sample, while the values
-/// change; none of too few samples. Draws two curves through different samples, since a kink may lie on one.
+/// Root mean square and largest error, at the other samples, of curves through every `stride`-th sample, while the
+/// values change; `None` for too few samples. It draws two curves through different samples, since one may pass through
+/// a kink.
 fn missed(
     values: &[f64],
     all: &[f64],
@@ -58,8 +61,8 @@ fn missed(
     Some([(squares / count.max(1) as f64).sqrt(), largest])
 }
 
-/// Root mean square and largest value of the error of a curve that is drawn through samples, by curves through fewer of
-/// them. `drawn` gives the values at the times of all samples; the error falls with this power of the spacing at least.
+/// Root mean square and largest error of a curve through samples, estimated from curves through fewer of them. `drawn`
+/// yields the values at the times of all samples; the error falls at least with the power `least_power` of the spacing.
 fn errors_of(time_s: &[f64], values: &[f64], least_power: f64, drawn: Drawn<'_>) -> [f64; 2] {
     let all = drawn(time_s, values);
     let few = |kept: &[usize]| {
@@ -68,7 +71,7 @@ fn errors_of(time_s: &[f64], values: &[f64], least_power: f64, drawn: Drawn<'_>)
     };
     let [half, quarter] = [2, 4].map(|stride| missed(values, &all, stride, &few));
     let Some(half) = half else {
-        // Nothing tells: the error may be the whole way.
+        // Without evidence the error may be the whole range.
         let [low, high] = extremes(&all);
         return [high - low; 2];
     };
@@ -80,7 +83,7 @@ fn errors_of(time_s: &[f64], values: &[f64], least_power: f64, drawn: Drawn<'_>)
     })
 }
 
-/// Standard deviation in m of what a spline through displacements is off by between them.
+/// Standard deviation in m of the error of a spline through displacements, between them.
 pub(super) fn of_spline_m(time_s: &[f64], displacement_m: &[f64], ends: SplineEnds) -> f64 {
     let drawn = |times: &[f64], values: &[f64]| {
         let spline = CubicSpline::new(times, values, ends);
@@ -89,7 +92,7 @@ pub(super) fn of_spline_m(time_s: &[f64], displacement_m: &[f64], ends: SplineEn
     errors_of(time_s, displacement_m, POWERS.0, &drawn)[0]
 }
 
-/// What the integral of a velocity is off by.
+/// Errors of the integral of a velocity.
 pub(super) fn of_velocity(time_s: &[f64], velocity_m_s: &[f64]) -> Between {
     let drawn = |times: &[f64], values: &[f64]| {
         let spline = CubicSpline::new(times, values, SplineEnds::NotAKnot);
@@ -97,11 +100,11 @@ pub(super) fn of_velocity(time_s: &[f64], velocity_m_s: &[f64]) -> Between {
         time_s.iter().map(|t| integral.value(*t)).collect()
     };
     let [_, displacement_m] = errors_of(time_s, velocity_m_s, POWERS.0, &drawn);
-    // A kink of the velocity is missed by more than every second sample tells.
+    // At a kink of the velocity the error exceeds the estimate from every second sample.
     Between { spline_m: displacement_m, displacement_m, ..Between::default() }
 }
 
-/// What the two integrals of an acceleration are off by, that a spline through it has.
+/// Errors of the two integrals of an acceleration along its spline.
 pub(super) fn of_spline_of_acceleration(
     time_s: &[f64],
     acceleration_m_s2: &[f64],
@@ -110,7 +113,7 @@ pub(super) fn of_spline_of_acceleration(
     let drawn = |times: &[f64], values: &[f64]| {
         let spline = |values: &[f64]| CubicSpline::new(times, values, SplineEnds::NotAKnot);
         let velocity = spline(values).integral();
-        // The tip comes to rest where it ends.
+        // The tip is at rest at its end.
         let excess = velocity[times.len() - 1] / (times[times.len() - 1] - times[0]);
         let at_rest: Vec<f64> =
             velocity.iter().zip(times).map(|(v, t)| v - excess * (t - times[0])).collect();
@@ -128,8 +131,8 @@ pub(super) fn of_spline_of_acceleration(
     Between { displacement_m, velocity_m_s, acceleration_m_s2, ..Between::default() }
 }
 
-/// What an acceleration may be off by between its samples: what its frequencies beyond them change, and what another rule
-/// of integration makes of them. Its samples have noise of this standard deviation.
+/// Errors of an acceleration between its samples: the effect of its frequencies beyond them, and of another rule of
+/// integration. Its samples have noise of the standard deviation `deviation`.
 pub(super) fn of_acceleration(
     motion: &TipMotion,
     acceleration_m_s2: &[f64],
@@ -161,17 +164,17 @@ pub(super) fn of_acceleration(
     let own_m = target.displacement_m();
     let off_m = |(a, b): (&f64, &f64)| (a - (b - own_m[0])).abs();
     let displacement_m = displacement_m.iter().zip(own_m).map(off_m).fold(0.0, f64::max);
-    // A velocity that is off from one end to the other moves the tip by about half of it.
+    // A velocity error from one end to the other moves the tip by about half of it.
     let velocity_m_s = 2.0 * displacement_m / (lasts * grid.step_s);
     Between { displacement_m, velocity_m_s, acceleration_m_s2: acceleration, ..Between::default() }
 }
 
-/// Root mean square of a signal's content above the Nyquist frequency, while the signal lasts: of one cycle of so many samples,
-/// or of a signal between rests. Octaves beyond are assumed to fall as the highest does from the one below, both without
-/// white noise of this standard deviation.
+/// Root mean square of a signal's content above the Nyquist frequency, while the signal lasts. The signal is one cycle
+/// of `cycles` samples, or lies between rests. Octaves beyond are assumed to fall like the highest one from the one
+/// below, both without white noise of this standard deviation.
 fn beyond_samples(values: &[f64], cycles: Option<usize>, deviation: f64) -> f64 {
     let pair = FourierPair::new(cycles.unwrap_or_else(|| fast_length(values.len())));
-    // The period over the time that the signal lasts.
+    // Ratio of the period to the duration of the signal.
     let (samples, share): (Vec<f64>, f64) = if let Some(len) = cycles {
         (values.iter().copied().cycle().take(len).collect(), 1.0)
     } else {

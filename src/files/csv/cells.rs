@@ -1,8 +1,8 @@
-//! Numbers of one format as text; those with fixed decimals sixteen at a time, because large runs spend
+//! Numbers of one format as text. Numbers with fixed decimals are formatted sixteen at a time, because large runs spend
 //! most of their time here.
 //!
-//! The batches compute exactly, or bound their error: a number whose last digit is in doubt, about one
-//! in a hundred thousand, goes to [`NumberFormat::write`], so that the text is always its own.
+//! The batches compute exactly, or bound their error: a number with a doubtful last digit, about one in a hundred
+//! thousand, goes to [`NumberFormat::write`], so that both always write the same text.
 
 #![expect(
     clippy::inline_always,
@@ -14,22 +14,22 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::number::NumberFormat;
 
-/// Numbers of a batch.
+/// Number of values in a batch.
 const BATCH_LEN: usize = 16;
 
-/// Most decimals that two words of eight digits hold.
+/// Largest number of decimals: two words of eight digits.
 const MOST_DECIMALS: usize = 16;
 
-/// 2⁵²: added to a smaller number and subtracted again, it rounds to a whole number.
+/// 2⁵²: adding and subtracting it rounds a smaller number to a whole number.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
-/// Numbers of more units in the last digit than this go to [`NumberFormat::write`].
+/// Largest number, in units of the last digit, that batches format; larger ones go to [`NumberFormat::write`].
 const MOST_UNITS: f64 = 1e15;
 
-/// Whole parts from here on do not fit eight digits.
+/// Smallest whole part that does not fit eight digits.
 const MOST_WHOLE: f64 = 1e8;
 
-/// Bytes that one cell may write, those beyond its end included.
+/// Number of bytes written for one cell, including those beyond its end.
 const CELL_BYTES: usize = 32;
 
 /// Eight digits '0', as one word.
@@ -39,7 +39,7 @@ const ZEROS: u64 = 0x3030_3030_3030_3030;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CellFormat {
     format: NumberFormat,
-    /// Decimals of numbers that are computed in batches, 1 to [`MOST_DECIMALS`]; 0: none are.
+    /// Decimals in batches, 1 to [`MOST_DECIMALS`]; 0 disables batches.
     decimals: usize,
     /// 10^decimals.
     scale: f64,
@@ -49,7 +49,7 @@ pub(super) struct CellFormat {
     fill: [f64; 2],
 }
 
-/// Numbers whose digits are computed.
+/// Numbers with computed digits.
 pub(super) struct Cells<'a> {
     format: CellFormat,
     values: &'a [f64],
@@ -107,8 +107,7 @@ impl CellFormat {
         Self { format, decimals, scale: ten(decimals), cut: ten(second), fill }
     }
 
-    /// Computes the digits of `values`; `batches` is memory for them that one call after the other may
-    /// use.
+    /// Computes the digits of `values`; `batches` is memory for them, reusable across calls.
     pub(super) fn cells<'a>(&self, values: &'a [f64], batches: &'a mut Vec<Batch>) -> Cells<'a> {
         let count = if self.decimals > 0 { values.len().div_ceil(BATCH_LEN) } else { 0 };
         batches.resize(count, Batch::BLANK);
@@ -126,11 +125,11 @@ impl CellFormat {
             let scaled = numbers[k].abs() * self.scale;
             let units = (scaled + WHOLE) - WHOLE;
             let rest = (scaled - units).abs();
-            // False for NaN and where that error could change the last digit.
+            // False for NaN and if this error could change the last digit.
             let is_sure = scaled < MOST_UNITS && 0.5 - rest > scaled / WHOLE;
             let units = if is_sure { units } else { 0.0 };
-            // A quotient of whole numbers below 2⁵³ is further below the next whole number than its
-            // rounding error, so all that follows is exact.
+            // A quotient of whole numbers below 2⁵³ is farther below the next whole number than its rounding error, so
+            // that all that follows is exact.
             let whole = floor(units / self.scale);
             let fits = whole < MOST_WHOLE;
             let decimals = units - whole * self.scale;
@@ -146,7 +145,7 @@ impl CellFormat {
         eight_digits(&seconds, &mut batch.words[2]);
     }
 
-    /// Appends a separator and the number in this lane of a batch, whose digits are exact.
+    /// Appends a separator and the number in this lane of a batch, with exact digits.
     #[inline(always)]
     fn append_exact(&self, out: &mut Vec<u8>, separator: u8, batch: &Batch, lane: usize) {
         let start = out.len();
@@ -155,7 +154,7 @@ impl CellFormat {
         cell[0] = separator;
         let [whole, first, second] =
             [batch.words[0][lane], batch.words[1][lane], batch.words[2][lane]];
-        // The whole part keeps its last digit, also a zero.
+        // The whole part keeps its last digit, even a zero.
         let leading = (whole | 1 << 56).trailing_zeros() / 8;
         let begin = 1 + (batch.signs[lane] & 1) as usize;
         cell[begin..begin + 8].copy_from_slice(&((whole + ZEROS) >> (8 * leading)).to_le_bytes());
@@ -168,8 +167,7 @@ impl CellFormat {
 }
 
 impl Cells<'_> {
-    /// Appends a separator and the text of cell `k`, which is empty for a number that is not finite or
-    /// not there.
+    /// Appends a separator and the text of cell `k`; the text is empty for a missing number or one that is not finite.
     #[inline(always)]
     pub(super) fn append(&self, out: &mut Vec<u8>, separator: u8, k: usize) {
         match self.batches.get(k / BATCH_LEN) {
@@ -189,7 +187,7 @@ impl Cells<'_> {
     }
 }
 
-/// The largest whole number at or below `x` in [0, 2⁵¹].
+/// Largest whole number at or below `x` in [0, 2⁵¹].
 #[inline(always)]
 fn floor(x: f64) -> f64 {
     let nearest = (x + WHOLE) - WHOLE;
@@ -221,7 +219,7 @@ fn four_digits(number: f64) -> u32 {
 mod tests {
     use super::*;
 
-    /// Words without pattern (Steele, Lea, Flood 2014: `SplitMix64`).
+    /// Patternless words (Steele, Lea, Flood 2014: `SplitMix64`).
     fn words(seed: u64) -> impl Iterator<Item = u64> {
         (1_u64..).map(move |k| {
             let mut z = (seed + k).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -231,7 +229,7 @@ mod tests {
         })
     }
 
-    /// As the standard library has it, a zero without sign; nothing for a number that is not finite.
+    /// The text of the standard library, without the sign of a zero; empty for a number that is not finite.
     fn expected(value: f64, decimals: usize, out: &mut String) {
         use std::fmt::Write as _;
         if !value.is_finite() {
@@ -269,7 +267,7 @@ mod tests {
     fn ten_million_numbers_are_written_as_the_standard_library_writes_them() {
         let mut numbers = words(3 << 40).zip(words(5 << 40));
         for count in (1..=MOST_DECIMALS).cycle().take(1000) {
-            // Sizes of up to 1e8 and some beyond, down to far below the last decimal.
+            // Sizes up to 1e8 and a few larger, down to far below the last decimal.
             let number = |(word, more): (u64, u64)| {
                 let exponent =
                     1023 - 30 - 3 * count as u64 / 2 + more % (60 + 3 * count as u64 / 2);

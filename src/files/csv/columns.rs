@@ -1,4 +1,4 @@
-//! Which column holds which quantity.
+//! Assignment of columns to quantities.
 
 use super::format::{ColumnName, TableFormat};
 use super::heading::{
@@ -8,34 +8,34 @@ use super::heading::{
 use super::place::{Place, TableError, quoted};
 use super::unit_name::{split_any_unit, split_unit};
 
-/// The columns that a reader takes from a table, found in its first row.
+/// The columns that a reader uses, found from the first row.
 pub(super) struct Columns {
-    /// From the left.
+    /// Headings from the left.
     pub(super) headings: Vec<Heading>,
     pub(super) first: FirstRow,
-    /// True if a heading is neither a standard one nor chosen.
+    /// True if a heading is neither standard nor chosen.
     pub(super) is_guessed: bool,
-    /// Columns that hold no quantity, from 0; none if the user chose the columns.
+    /// Columns without a quantity, from 0; empty if the user chose the columns.
     pub(super) unread: Vec<usize>,
 }
 
-/// What the first row of a table holds.
+/// Content of a table's first row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstRow {
     Names,
     Samples,
 }
 
-/// What may be read by a common name beside a quantity that has the word itself.
+/// Quantities that may have a common name besides a quantity with its standard word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Beside {
-    /// The time alone: the quantities of a table are one motion.
+    /// Only the time: the quantities of a table are one motion.
     None,
-    /// All others: each is a channel of its own.
+    /// All: each quantity is a separate channel.
     Others,
 }
 
-/// The first row of a table, where it is, and what the user says of the table.
+/// The first row of a table, its place, and the user's options for the table.
 #[derive(Clone, Copy)]
 pub(super) struct Header<'a> {
     pub(super) fields: &'a [&'a str],
@@ -43,30 +43,30 @@ pub(super) struct Header<'a> {
     pub(super) place: Place<'a>,
 }
 
-/// Spellings in the order in which they are looked for.
+/// Spellings in the order of the search.
 const WAYS: [&[Spelling]; 3] =
     [&[Spelling::Exact, Spelling::Suffixed], &[Spelling::Free], &[Spelling::Alias]];
 
 impl Columns {
-    /// Finds the quantities of a vocabulary: first those that the user chose, then standard headings, then
-    /// other spellings and common names.
+    /// Finds the quantities of a vocabulary: first the user's choice, then standard headings, then other spellings and
+    /// common names.
     ///
-    /// If a quantity other than the time is chosen, the others are not looked for.
+    /// If the user chose a quantity other than the time, the search ends there.
     ///
     /// # Errors
-    /// [`TableError`] for a first row without names unless columns are chosen by number, a choice that
-    /// fits no column or two, a unit of another quantity, and two columns of one quantity.
+    /// [`TableError`] for a first row without names unless columns are chosen by number, a choice that fits no column
+    /// or several, a unit of another quantity, and two columns of one quantity.
     pub(super) fn find(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
         Self::find_beside(vocabulary, header, None)
     }
 
-    /// Finds all quantities of a vocabulary: a common name counts beside others that have the word itself, and
-    /// what is not chosen is looked for beside what is.
+    /// Finds all quantities of a vocabulary: common names count besides other quantities with their standard word, and
+    /// the search continues besides chosen columns.
     pub(super) fn find_all(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
         Self::found(vocabulary, header, None, Beside::Others)
     }
 
-    /// The same beside a column that is found already.
+    /// [`Self::find`] besides a column that is already known.
     pub(super) fn find_beside(
         vocabulary: &Vocabulary,
         header: Header,
@@ -99,14 +99,14 @@ impl Columns {
             FirstRow::Names => columns.with_named(vocabulary, header, beside)?,
         };
         columns.headings.sort_by_key(|heading| heading.index);
-        // A file that names another has said what it measures.
+        // A file that names another file already determines the units.
         if beside == Beside::None {
             header.check_measures(&columns.headings)?;
         }
         Ok(columns)
     }
 
-    /// Adds the quantities that the first row names.
+    /// Adds the quantities named in the first row.
     fn with_named(
         mut self,
         vocabulary: &Vocabulary,
@@ -123,7 +123,7 @@ impl Columns {
         let free: Vec<&str> = free.iter().map(String::as_str).collect();
         for ways in WAYS {
             let has_motion = self.headings.iter().any(|heading| heading.quantity != TIME);
-            // A common name is no second motion beside one that has the word itself.
+            // A common name is no second motion besides one with its standard word.
             let is_second = beside == Beside::None && has_motion && ways == [Spelling::Alias];
             let is_time_alone = is_chosen || is_second;
             for &quantity in vocabulary.quantities {
@@ -143,7 +143,7 @@ impl Columns {
         Ok(self)
     }
 
-    /// The columns that are read, for the user.
+    /// Descriptions of the used columns for the user.
     pub(super) fn told(&self) -> impl Iterator<Item = String> {
         self.headings.iter().map(|heading| {
             let Heading { index, quantity, name, unit_text, .. } = heading;
@@ -163,7 +163,7 @@ impl Columns {
     }
 }
 
-/// Names the options that say what the numbers of a column are.
+/// Adds the options for the unit of a column to an error.
 fn with_options(error: TableError, quantity: Quantity) -> TableError {
     let unit = match quantity {
         TIME => "--time-unit",
@@ -180,7 +180,7 @@ fn is_number(field: &str) -> bool {
 }
 
 impl Header<'_> {
-    /// The quantities that the user chose, and the index of the column of each.
+    /// Quantities that the user chose, each with the index of its column.
     fn chosen(&self, vocabulary: &Vocabulary) -> Result<Vec<(Quantity, usize)>, TableError> {
         let mut chosen: Vec<(Quantity, usize)> = Vec::new();
         for choice in &self.format.columns {
@@ -255,7 +255,7 @@ impl Header<'_> {
         Err(self.place.refuse("--columns", found, must).with_hint(hint))
     }
 
-    /// The heading of a column that the user chose.
+    /// Heading of a column that the user chose.
     fn chosen_heading(
         &self,
         quantity: Quantity,
@@ -282,8 +282,8 @@ impl Header<'_> {
         heading.map_err(|error| if suffixed { error } else { with_options(error, quantity) })
     }
 
-    /// Refuses names in some of the chosen columns and numbers in others: a first sample with a gap would be
-    /// taken for names.
+    /// Refuses names in some of the chosen columns and numbers in others: otherwise a first sample with a gap would
+    /// count as names.
     fn check_gaps(&self, chosen: &[(Quantity, usize)]) -> Result<(), TableError> {
         let is_number = |(_, index): &&(Quantity, usize)| is_number(self.fields[*index]);
         if !chosen.iter().any(|pair| is_number(&pair)) {
@@ -294,7 +294,7 @@ impl Header<'_> {
         Err(error.with_hint("--skip N leaves out lines at the beginning".to_owned()))
     }
 
-    /// The heading of a column that the first row names in this way.
+    /// Heading of a column whose name has this spelling.
     fn heading(
         &self,
         quantity: Quantity,
@@ -307,7 +307,7 @@ impl Header<'_> {
         heading.map_err(|error| if suffixed { error } else { with_options(error, quantity) })
     }
 
-    /// Refuses a unit or a factor for a column that is not read.
+    /// Refuses a unit or a factor for an unused column.
     fn check_measures(&self, headings: &[Heading]) -> Result<(), TableError> {
         let words = || headings.iter().map(|heading| heading.quantity.word).collect::<Vec<_>>();
         for scale in &self.format.scales {

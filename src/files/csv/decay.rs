@@ -16,10 +16,10 @@ use crate::model::Sensor;
 use crate::numeric::{Dimension, TimeGrid};
 use crate::recording::Change;
 
-/// A column that is the only one beside the time.
+/// The only column besides the time.
 const SIGNAL: Quantity = quantity("signal", "_1", Dimension::NONE, ["1", "1"]);
 
-/// All that may vibrate, in any unit.
+/// All quantities that may vibrate, in any unit.
 const DECAY: Vocabulary = Vocabulary {
     quantities: &[
         TIME,
@@ -43,8 +43,8 @@ const DECAY: Vocabulary = Vocabulary {
 const OF_DECAY: &str = "sensor = \"tip_acceleration\" names the column that vibrates; columns = [\"time=1\", \
                         \"deflection=2\"] chooses columns by number or heading; skip = 3 leaves lines out";
 
-/// Reads a free decay: `time` and the column of a sensor, in any unit. Without a sensor it is the one column that
-/// changes. Samples before and after a span in s are left out; the times between must be uniform.
+/// Reads a free decay: `time` and the column of a sensor, in any unit. Without a sensor it is the only column that
+/// changes. Only the samples in a span in s are used; their times must be uniform.
 ///
 /// ```
 /// use flexlink::csv::{TableFormat, read_decay};
@@ -56,7 +56,7 @@ const OF_DECAY: &str = "sensor = \"tip_acceleration\" names the column that vibr
 /// ```
 ///
 /// # Errors
-/// As [`read_record`](super::read_record), and if several columns change or none does.
+/// Those of [`read_record`](super::read_record); also several changing columns, or no changing column.
 pub fn read_decay(
     name: &str,
     bytes: &[u8],
@@ -64,7 +64,7 @@ pub fn read_decay(
     [from_s, until_s]: [Option<f64>; 2],
     format: &TableFormat,
 ) -> Result<(DecaySamples, Reading), TableError> {
-    // A vibration is the same in any unit.
+    // The unit does not matter for a vibration.
     let of_any_unit = |quantity: &Quantity| ColumnScale { quantity: *quantity, factor: 1.0 };
     let scales = DECAY.quantities[1..].iter().map(of_any_unit).collect();
     let format = TableFormat { scales, ..format.clone() };
@@ -116,7 +116,7 @@ pub fn read_decay(
     Ok((decay, samples.reading))
 }
 
-/// The columns of a decay: the time and what may vibrate, or else the only other column.
+/// Columns of a decay: the time and quantities that may vibrate, or else the only other column.
 fn decaying(header: Header, wanted: Option<Quantity>) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
     let mut columns = Columns::find_all(&DECAY, header)?;

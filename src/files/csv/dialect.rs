@@ -1,6 +1,6 @@
-//! The dialect of a table: what divides its fields, and what stands before decimals.
+//! Dialect of a table: the delimiter of its fields, and the decimal sign.
 //!
-//! The standard form has commas and points. Its first row shows it, and the rest is not looked at.
+//! The standard form has commas and points. If the first row shows it, the rest is not examined.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,7 +8,7 @@ use std::str::FromStr;
 use super::place::{Place, TableError, quoted};
 use super::unit_name::in_brackets;
 
-/// What divides the fields of a row.
+/// Delimiter of the fields in a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Delimiter {
     /// `,`
@@ -18,11 +18,11 @@ pub enum Delimiter {
     Semicolon,
     /// A tabulator.
     Tab,
-    /// One blank or several; a tabulator is one, too.
+    /// One or more blanks; a tabulator counts as a blank.
     Blanks,
 }
 
-/// What stands before the decimals of a number.
+/// Decimal sign of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Decimal {
     /// `.`
@@ -35,7 +35,7 @@ pub enum Decimal {
 impl Delimiter {
     const ALL: [Self; 4] = [Self::Comma, Self::Semicolon, Self::Tab, Self::Blanks];
 
-    /// The byte between two fields; none for blanks, of which there may be several.
+    /// The byte between two fields; `None` for blanks, which may be several.
     pub(super) fn byte(self) -> Option<u8> {
         match self {
             Self::Comma => Some(b','),
@@ -45,13 +45,13 @@ impl Delimiter {
         }
     }
 
-    /// The delimiter that a line `sep=;` names.
+    /// Delimiter of a line `sep=;`.
     fn of_sign(sign: &str) -> Option<Self> {
         let byte = |known: &Self| known.byte().unwrap_or(b' ');
         Self::ALL.into_iter().find(|known| sign.as_bytes() == [byte(known)])
     }
 
-    /// The fields of a line, quotes ignored: enough to see numbers.
+    /// Fields of a line without regard to quotes: enough to recognise numbers.
     fn split(self, line: &str) -> Vec<&str> {
         match self.byte() {
             Some(byte) => line.split(char::from(byte)).map(str::trim).collect(),
@@ -60,7 +60,7 @@ impl Delimiter {
     }
 }
 
-/// As `--delimiter` takes it.
+/// Text as for `--delimiter`.
 impl fmt::Display for Delimiter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -81,7 +81,7 @@ impl FromStr for Delimiter {
     }
 }
 
-/// As `--decimal` takes it.
+/// Text as for `--decimal`.
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -103,10 +103,10 @@ impl FromStr for Decimal {
     }
 }
 
-/// What the user says of a dialect.
+/// The user's options for a dialect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Given {
-    /// Lines to leave out at the beginning.
+    /// Number of lines to skip at the beginning.
     pub(super) skip: usize,
     pub(super) delimiter: Option<Delimiter>,
     pub(super) decimal: Option<Decimal>,
@@ -115,13 +115,13 @@ pub(super) struct Given {
 /// The dialect of a text.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Dialect {
-    /// Index of the first byte that belongs to the table.
+    /// Index of the first byte of the table.
     pub(super) start: usize,
     /// Number of lines before it.
     pub(super) lines: u64,
     pub(super) delimiter: Delimiter,
     pub(super) decimal: Decimal,
-    /// What was found in the text and is not the standard form, for the user.
+    /// Deviations of the text from the standard form, for the user.
     pub(super) found: Vec<String>,
 }
 
@@ -129,7 +129,7 @@ impl Dialect {
     /// Finds the dialect of a text without a byte order mark.
     ///
     /// # Errors
-    /// [`TableError`] where the text can be read in two ways, with the option that decides.
+    /// [`TableError`] for an ambiguous text, with the option that decides.
     pub(super) fn detect(file: &str, text: &str, given: Given) -> Result<Self, TableError> {
         let mut dialect = Self::after(text, given.skip);
         let named = dialect.take_sep_line(file, text)?;
@@ -158,7 +158,7 @@ impl Dialect {
         Ok(dialect)
     }
 
-    /// The standard dialect of what follows after some lines.
+    /// The standard dialect after some lines.
     fn after(text: &str, skip: usize) -> Self {
         let mut dialect = Self::default();
         for _ in 0..skip {
@@ -173,8 +173,7 @@ impl Dialect {
         self.lines += 1;
     }
 
-    /// Leaves out a first line such as `sep=;`, which spreadsheets write and read, and returns what it
-    /// says.
+    /// Skips a first line such as `sep=;`, which spreadsheets write and read, and returns its delimiter.
     fn take_sep_line(&mut self, file: &str, text: &str) -> Result<Option<Delimiter>, TableError> {
         let line = text[self.start..].split(line_end(text)).next().unwrap_or_default();
         let line = line.trim_end_matches('\r').trim_matches('"');
@@ -189,20 +188,20 @@ impl Dialect {
     }
 }
 
-/// The sign at the end of every line: CR only where there is no LF.
+/// Sign at the end of every line: CR only if there is no LF.
 fn line_end(text: &str) -> char {
     if text.contains('\n') || !text.contains('\r') { '\n' } else { '\r' }
 }
 
-/// The rows of a text, neither comments nor blank lines, with their numbers from 1.
+/// Rows of a text, without comments and blank lines, with their numbers from 1.
 fn rows(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let lines = (1..).zip(text.split(line_end(text)));
     lines.filter(|(_, line)| !(line.starts_with('#') || line.trim().is_empty()))
 }
 
-/// The delimiter that the first row of a table shows.
+/// Delimiter of a table's first row.
 fn delimiter_of(row: &str) -> Delimiter {
-    // What is in quotes is one field; the field may go on in the next line.
+    // Text in quotes is one field, which may continue in the next line.
     let parts: Vec<&str> = row.split('"').collect();
     if parts.len().is_multiple_of(2) {
         return Delimiter::Comma;
@@ -220,7 +219,7 @@ fn delimiter_of(row: &str) -> Delimiter {
     }
 }
 
-/// True for a row such as `0,1 0,2`: numbers if blanks divide it, but not if commas do.
+/// True for a row such as `0,1 0,2`: numbers if divided by blanks, but not if divided by commas.
 fn has_decimal_commas(row: &str) -> bool {
     let words: Vec<&str> = row.split_whitespace().collect();
     let is_number = |word: &&str| word.replace(',', ".").parse::<f64>().is_ok();
@@ -231,11 +230,11 @@ fn is_plain_number(field: &str) -> bool {
     field.trim().parse::<f64>().is_ok()
 }
 
-/// What stands before decimals in the rows of a table whose delimiter is not the comma.
+/// Decimal sign in the rows of a table with another delimiter than the comma.
 ///
 /// # Errors
-/// [`TableError`] for both signs in one table, and for a sign that may as well stand between thousands: it does so in
-/// every number that has one.
+/// [`TableError`] for both signs in one table, and for a sign that may also separate thousands in every number that has
+/// it.
 fn decimal_of<'a, 'b>(
     rows: impl Iterator<Item = (u64, &'b str)>,
     delimiter: Delimiter,
@@ -272,7 +271,7 @@ fn decimal_of<'a, 'b>(
     Err(place(line).refuse("field", quoted(field), must).with_hint(hint))
 }
 
-/// The decimal sign of a number that has one.
+/// Decimal sign of a number that has one.
 fn decimal_in(field: &str) -> Option<Decimal> {
     let (decimal, other) = match field.find([',', '.']).map(|at| field.as_bytes()[at])? {
         b',' => (Decimal::Comma, field.replacen(',', ".", 1)),
@@ -281,8 +280,8 @@ fn decimal_in(field: &str) -> Option<Decimal> {
     other.parse::<f64>().is_ok().then_some(decimal)
 }
 
-/// True for a number such as `10.000`, whose sign may stand between thousands: three digits behind it, one to three
-/// before it, and no zero that leads them.
+/// True for a number such as `10.000`, whose sign may separate thousands: three digits after it, one to three before
+/// it, and no leading zero.
 fn is_grouped(number: &str) -> bool {
     let number = number.strip_prefix(['-', '+']).unwrap_or(number);
     let Some((whole, behind)) = number.split_once([',', '.']) else { return false };
@@ -294,7 +293,7 @@ fn is_grouped(number: &str) -> bool {
         && are_digits(behind)
 }
 
-/// Refuses rows such as `0,1,0,5` below no names: four whole numbers, or two with decimal commas.
+/// Refuses rows such as `0,1,0,5` without names: four whole numbers, or two with decimal commas.
 fn refuse_doubtful_commas<'a>(
     body: &str,
     first: &str,

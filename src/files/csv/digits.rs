@@ -1,17 +1,16 @@
-//! What the digits of a motion's columns tell of its samples.
+//! Quality of a motion's samples from the digits of its columns.
 
 use crate::motion::{MotionColumns, Recording, Uncertainty};
 use crate::numeric::largest;
 use crate::recording::Rounding;
 
-/// Changes of the slope of an exact acceleration: two at each of the four jumps of a trapezoid.
+/// Number of slope changes of an exact acceleration: two at each of the four jumps of a trapezoid.
 const MOST_KINKS: usize = 8;
 
-/// Change of the slope over the largest sample that round-off explains.
+/// Change of the slope, over the largest sample, below which it is round-off.
 const KINK: f64 = 1e-9;
 
-/// What the digits of a motion's columns tell of it: those of the column that it is made of, and of the velocities at its
-/// ends.
+/// Quality of a motion from the digits of the column that defines it, and of the velocities at its ends.
 pub(super) fn digits_of(
     columns: &MotionColumns,
     in_place: Option<Uncertainty>,
@@ -32,8 +31,8 @@ pub(super) fn digits_of(
     Recording { uncertainty, velocity_m_s, ..Recording::default() }
 }
 
-/// True for samples on few straight lines, as those of a bang-bang or a trapezoid are: few decimals give them exactly. The
-/// slope of rounded samples changes at every last decimal that they cross.
+/// True for samples on few straight lines, such as those of a bang-bang or a trapezoid: few decimals represent them
+/// exactly. The slope of rounded samples changes at every last decimal that they cross.
 fn has_few_kinks(samples: &[f64]) -> bool {
     let round_off = KINK * largest(samples);
     let bends = |three: &&[f64]| (three[2] - 2.0 * three[1] + three[0]).abs() > round_off;

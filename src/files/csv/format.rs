@@ -1,4 +1,4 @@
-//! What the user says of a table's form, and what a reader found beyond the standard form.
+//! The user's options for a table's form, and the deviations from the standard form that a reader found.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,11 +7,10 @@ use super::dialect::{Decimal, Delimiter, Given};
 use super::heading::{ANGLES, Measure, QUANTITIES, Quantity, TIME, nearest};
 use super::unit_name::UnitName;
 
-/// What the user says of a table's form. What is not said is read from the table.
+/// The user's options for a table's form. The reader finds the rest in the table.
 ///
-/// The standard form is a row of exact names, then rows of numbers with points, commas between them. A
-/// reader also finds other delimiters, decimal commas and common names, and returns in a [`Reading`] what
-/// it found.
+/// The standard form is a row of exact names, then rows of numbers with decimal points and commas between them. A
+/// reader also finds other delimiters, decimal commas and common names, and reports them in a [`Reading`].
 ///
 /// ```
 /// use flexlink::csv::{TableFormat, read_motion_table_as};
@@ -26,21 +25,21 @@ use super::unit_name::UnitName;
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TableFormat {
-    /// Lines to leave out at the beginning of the file.
+    /// Number of lines to skip at the beginning of the file.
     pub skip: usize,
-    /// What divides the fields of a row.
+    /// Delimiter of the fields in a row.
     pub delimiter: Option<Delimiter>,
-    /// What stands before decimals.
+    /// Decimal sign.
     pub decimal: Option<Decimal>,
-    /// Which column holds which quantity.
+    /// Columns of chosen quantities.
     pub columns: Vec<ColumnChoice>,
     /// Factors on the numbers of columns.
     pub scales: Vec<ColumnScale>,
     /// Unit of the times.
     pub time_unit: Option<UnitName>,
-    /// Unit of the column of motion or torque that has its dimension.
+    /// Unit of the column of motion or torque with its dimension.
     pub unit: Option<UnitName>,
-    /// Whether samples that are far from what their neighbours lead to are replaced by it.
+    /// True if samples far from their neighbours' prediction are replaced by it.
     pub drop_outliers: bool,
 }
 
@@ -50,7 +49,7 @@ impl TableFormat {
         Given { skip, delimiter, decimal }
     }
 
-    /// What is said of the numbers of a quantity.
+    /// The user's unit and factor for a quantity.
     pub(super) fn measure(&self, quantity: Quantity) -> Measure<'_> {
         let fits = |unit: &&UnitName| unit.unit.dimension() == quantity.dimension;
         let unit = if quantity == TIME { &self.time_unit } else { &self.unit };
@@ -59,7 +58,7 @@ impl TableFormat {
     }
 }
 
-/// Which column holds a quantity, as `--columns` takes it: `displacement=3` or `displacement=pos`.
+/// Column of a quantity, as in `--columns`: `displacement=3` or `displacement=pos`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnChoice {
     pub(super) quantity: Quantity,
@@ -69,13 +68,13 @@ pub struct ColumnChoice {
 /// A column by its number or its heading.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum ColumnName {
-    /// From 1.
+    /// Number of the column, from 1.
     Number(usize),
-    /// With or without its unit, in any case.
+    /// Heading with or without its unit, in any case.
     Heading(String),
 }
 
-/// The factor on the numbers of a quantity's column, as `--scale` takes it: `displacement=1.5e-6`.
+/// Factor on the numbers of a quantity's column, as in `--scale`: `displacement=1.5e-6`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnScale {
     pub(super) quantity: Quantity,
@@ -124,11 +123,11 @@ impl FromStr for ColumnScale {
     }
 }
 
-/// A quantity, and what follows its sign of equality.
+/// A quantity, and the text after its equals sign.
 fn pair<'a>(text: &'a str, example: &str) -> Result<(Quantity, &'a str), String> {
     let (word, value) = text.split_once('=').ok_or_else(|| format!("must read like {example}"))?;
     let (word, value) = (word.trim().to_lowercase(), value.trim());
-    // A motion, a deflection, an acceleration is that of the tip.
+    // Motion, deflection and acceleration are those of the tip.
     let plain = word.strip_prefix("tip_").unwrap_or(&word);
     let mut known = QUANTITIES.into_iter().chain(ANGLES);
     let found = known.find(|quantity| [&*word, plain].contains(&quantity.word));
@@ -142,43 +141,43 @@ fn pair<'a>(text: &'a str, example: &str) -> Result<(Quantity, &'a str), String>
     Ok((quantity, value))
 }
 
-/// What a reader found in a table that is not in the standard form.
+/// Deviations of a table from the standard form, as a reader found them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Reading {
     pub(super) found: Vec<String>,
     pub(super) unread: Option<String>,
     pub(super) hint: Option<String>,
-    /// What was done about times off a uniform grid.
+    /// Treatment of times off a uniform grid.
     pub(super) jitter: Option<String>,
-    /// Remark on samples that do not follow their neighbours, in a table that is used as it is.
+    /// Remark on samples that do not follow their neighbours, in a table that is used unchanged.
     pub(super) doubt: Option<String>,
-    /// Number of samples that were replaced by what their neighbours lead to.
+    /// Number of samples replaced by their neighbours' prediction.
     pub(super) dropped: usize,
 }
 
 impl Reading {
-    /// How the table was read, if anything in it was guessed.
+    /// Description of the reading, if any of it was a guess.
     pub fn note(&self) -> Option<String> {
         (!self.found.is_empty()).then(|| format!("read {}", self.found.join(", ")))
     }
 
-    /// What was done about times off a uniform grid, and what to do about them.
+    /// Treatment of times off a uniform grid, and a remedy.
     pub fn jitter(&self) -> Option<(&str, &str)> {
         Some((self.jitter.as_deref()?, "resample the file to a uniform step"))
     }
 
-    /// Number of samples that were far from what their neighbours lead to, which replaced them.
+    /// Number of samples far from their neighbours' prediction, which replaced them.
     pub fn dropped(&self) -> usize {
         self.dropped
     }
 
-    /// Which columns were not read, and what to do about them.
+    /// Unread columns, and a remedy.
     pub fn remark(&self) -> Option<(&str, &str)> {
         Some((self.unread.as_deref()?, self.hint.as_deref()?))
     }
 
-    /// All remarks on the table, each with what to do about it: columns that were not read, uneven times, and samples that do
-    /// not follow their neighbours.
+    /// All remarks on the table, each with a remedy: unread columns, uneven times, and samples that do not follow their
+    /// neighbours.
     pub fn remarks(&self) -> impl Iterator<Item = (&str, &str)> {
         let hint = "correct a bad reading; a pulse of one step may stay";
         let doubt = self.doubt.as_deref().map(|doubt| (doubt, hint));

@@ -1,4 +1,4 @@
-//! Motions and paths whose samples a program has as numbers: no file, no lines, the same checks, digits and remedies.
+//! Motions and paths from a program's numbers: without file and lines, but with the same checks, digits and remedies.
 
 use std::fmt::Write as _;
 
@@ -14,9 +14,9 @@ use crate::motion::{Ends, MotionColumns, PathColumns, Uncertainty};
 use crate::recording::{Change, Digits, Rounding};
 
 impl MotionTable {
-    /// The table of samples that a program has, with which it can do what it does with a file: make times uniform, say
-    /// what noise the samples carry. Errors call it `name`. Displacements have the decimals of the shortest text that
-    /// reads back to each, as in a file of these texts.
+    /// Makes a table of a program's samples, with all functions of a file's table: make times uniform, set the noise of
+    /// the samples. Errors call it `name`. Displacements have the decimals of the shortest text that reads back to
+    /// each, as in a file of these texts.
     ///
     /// ```
     /// use flexlink::csv::MotionTable;
@@ -59,10 +59,10 @@ impl MotionTable {
         }
     }
 
-    /// The same of the angle of the tip, whose arc is the displacement.
+    /// [`MotionTable::of_columns`] for the angle of the tip, whose arc is the displacement.
     ///
     /// # Errors
-    /// As [`MotionTable::of_columns`].
+    /// Those of [`MotionTable::of_columns`].
     pub fn of_angle(
         name: &str,
         time_s: Vec<f64>,
@@ -79,11 +79,10 @@ impl MotionTable {
 }
 
 impl PathTable {
-    /// The table of samples that a program has, with decimals as those of [`MotionTable::of_columns`]. Errors call it
-    /// `name`.
+    /// Makes a table of a program's samples, with decimals as in [`MotionTable::of_columns`]. Errors call it `name`.
     ///
     /// # Errors
-    /// As [`MotionTable::of_columns`].
+    /// Those of [`MotionTable::of_columns`].
     pub fn of_columns(name: &str, mut columns: PathColumns) -> Result<Self, TableError> {
         let given = columns.tip.iter().flatten().chain(columns.angles.iter().flatten());
         let given = given.map(|column| (column.name.as_str(), &column.values[..]));
@@ -97,13 +96,13 @@ impl PathTable {
     }
 }
 
-/// How places are rounded.
+/// Rounding of places.
 fn rounded(values: &[f64], metres_per_value: f64) -> Option<Uncertainty> {
     let Rounding { decimals, step } = rounding(values)?;
     Some(Uncertainty::Rounded { decimals, step_m: step * metres_per_value })
 }
 
-/// To which decimal numbers are rounded, by the shortest text of each that reads back to it.
+/// Rounding of numbers, from the shortest text of each that reads back to it.
 fn rounding(values: &[f64]) -> Option<Rounding> {
     let mut digits = Digits::default();
     let mut text = String::new();
@@ -116,7 +115,7 @@ fn rounding(values: &[f64]) -> Option<Rounding> {
     digits.rounding()
 }
 
-/// Refuses samples of which a reader of files would have refused the row.
+/// Refuses samples that a reader of files would have refused in a row.
 fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), TableError> {
     let place = Place { file: name, line: None };
     let refuse = |subject: String, found: String, must| Err(place.refuse(subject, found, must));

@@ -7,14 +7,14 @@ use crate::numeric::{Dimension, Unit, reads_as_unit};
 /// A quantity that a column may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Quantity {
-    /// The name, without prefix and unit.
+    /// Standard name, without prefix and unit.
     pub(super) word: &'static str,
-    /// Ending of a name that states the SI unit, as this program writes it.
+    /// Ending of a name with the SI unit, as this program writes it.
     suffix: &'static str,
     pub(super) dimension: Dimension,
     /// The SI unit, and another common one.
     pub(super) units: [&'static str; 2],
-    /// Other names that instruments and people give it, in lower case.
+    /// Other names used by instruments and people, in lower case.
     aliases: &'static [&'static str],
 }
 
@@ -69,17 +69,17 @@ pub(super) const HUB_ANGLE: Quantity =
 pub(super) const HUB_RATE: Quantity =
     quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
 
-/// Displacement of the tip beside other channels of a recording.
+/// Displacement of the tip besides other channels of a recording.
 pub(super) const TIP: Quantity = quantity("tip", "_m", Dimension::LENGTH, ["m", "cm"]);
-/// That from the hub's tangent line, behind the prefix of the tip.
+/// Tip deflection from the hub's tangent line, after the prefix of the tip.
 pub(super) const DEFLECTION: Quantity =
     quantity("deflection", "_m", Dimension::LENGTH, ["m", "cm"]);
 pub(super) const ROOT_STRAIN: Quantity =
     quantity("root_strain", "_1", Dimension::NONE, ["1", "um/m"]);
-/// No unit of the link's mechanics: V counts as a pure number here.
+/// Voltage, which is no unit of the link's mechanics: V counts as a pure number here.
 pub(super) const VOLTAGE: Quantity = quantity("voltage", "_v", Dimension::NONE, ["V", "mV"]);
 
-/// Place of an arm's tip.
+/// Places of an arm's tip.
 pub(super) const PATH_X: Quantity = quantity("x", "_m", Dimension::LENGTH, ["m", "mm"]);
 pub(super) const PATH_Y: Quantity = quantity("y", "_m", Dimension::LENGTH, ["m", "mm"]);
 /// Directions of an arm's links.
@@ -95,7 +95,7 @@ pub(super) const JOINT_TORQUES: [Quantity; 9] = nine(
     ],
     quantity("", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
 );
-/// A quantity of each link or joint.
+/// Copies a quantity for each link or joint.
 pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9] {
     let mut each = [of; 9];
     let mut number = 0;
@@ -106,7 +106,7 @@ pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9
     each
 }
 
-/// Every quantity that an option may name, beside [`ANGLES`].
+/// All quantities that an option may name, besides [`ANGLES`].
 pub(super) const QUANTITIES: [Quantity; 13] = [
     TIME,
     ACCELERATION,
@@ -134,17 +134,17 @@ impl Quantity {
     }
 }
 
-/// The columns that a kind of table may have.
+/// Possible columns of a kind of table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vocabulary {
     pub(super) quantities: &'static [Quantity],
-    /// May precede any name, without meaning.
+    /// Optional prefix of any name.
     pub(super) prefix: &'static str,
-    /// A row of names.
+    /// Example of a row of names.
     pub(super) example: &'static str,
-    /// What to do about two columns of one quantity.
+    /// Remedy for two columns of one quantity.
     pub(super) choice: Option<&'static str>,
-    /// The option that says which column is what.
+    /// Option that assigns columns.
     pub(super) by_option: &'static str,
 }
 
@@ -155,10 +155,10 @@ impl Vocabulary {
         lower.strip_prefix(self.prefix).map_or_else(|| lower.clone(), str::to_owned)
     }
 
-    /// How a heading names a quantity, if it does.
+    /// Spelling of a quantity in a heading, if it names the quantity.
     pub(super) fn spelling(&self, field: &str, quantity: Quantity) -> Option<Spelling> {
         let name = split_unit(field).0;
-        // The prefix may be the word itself: tip_m.
+        // The prefix may also be the word: tip_m.
         for plain in [self.plain(name), name.to_lowercase()] {
             match plain.strip_prefix(quantity.word) {
                 Some("") => return Some(Spelling::Exact),
@@ -176,7 +176,7 @@ impl Vocabulary {
         })
     }
 
-    /// The one column that names a quantity in one of these ways, with its spelling.
+    /// The only column that names a quantity in one of these spellings, with its spelling.
     ///
     /// # Errors
     /// [`TableError`] if there are two.
@@ -219,16 +219,16 @@ impl Vocabulary {
     }
 }
 
-/// How a heading names a quantity.
+/// Spelling of a quantity in a heading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Spelling {
-    /// The word itself, with or without a unit in square brackets.
+    /// The standard word, with or without a unit in square brackets.
     Exact,
-    /// The word with the suffix of the SI unit, `torque_n_m`.
+    /// The standard word with the suffix of the SI unit, `torque_n_m`.
     Suffixed,
-    /// The word with a unit in parentheses, or of words, `Hub angle (deg)`.
+    /// The standard word with a unit in parentheses, or in several words, `Hub angle (deg)`.
     Free,
-    /// Another name for it, `pos [mm]`.
+    /// Another name, `pos [mm]`.
     Alias,
 }
 
@@ -237,7 +237,7 @@ pub(super) fn find(headings: &[Heading], quantity: Quantity) -> Option<&Heading>
     headings.iter().find(|heading| heading.quantity == quantity)
 }
 
-/// Refuses a table that has no column of this quantity.
+/// Refuses a table without a column of this quantity.
 pub(super) fn require(
     headings: &[Heading],
     quantity: Quantity,
@@ -250,7 +250,7 @@ pub(super) fn require(
     }
 }
 
-/// What the user says of the numbers of a column.
+/// The user's unit and factor for the numbers of a column.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Measure<'a> {
     pub(super) unit: Option<&'a UnitName>,
@@ -268,13 +268,13 @@ pub(super) struct Heading {
     pub(super) name: String,
     /// The unit as written, or the SI unit.
     pub(super) unit_text: String,
-    /// `None`: SI.
+    /// Unit of the column; `None` for SI.
     unit: Option<Unit>,
     factor: Option<f64>,
 }
 
 impl Heading {
-    /// Reads the heading of a column of `quantity`; a `suffixed` name states the SI unit.
+    /// Reads the heading of a column of `quantity`; a `suffixed` name contains the SI unit.
     pub(super) fn of(
         index: usize,
         field: &str,
@@ -291,7 +291,7 @@ impl Heading {
         let unit_text = if suffixed { Some(quantity.units[0]) } else { unit_text };
         let own = unit_text.map(|text| read_unit(text, name, quantity, place)).transpose();
         let own = match own {
-            // Counts, which the user converts.
+            // An unknown unit, such as counts: the user's factor or unit converts it.
             Err(_) if measure.unit.is_some() || measure.factor.is_some() => None,
             own => own?,
         };
@@ -314,13 +314,13 @@ impl Heading {
         })
     }
 
-    /// A value of this column in SI.
+    /// Converts a value of this column to SI.
     pub(super) fn to_si(&self, value: f64) -> f64 {
         let value = self.factor.map_or(value, |factor| factor * value);
         self.unit.as_ref().map_or(value, |unit| unit.to_si(value))
     }
 
-    /// The column in a message: `column 2, "torque"`.
+    /// Description of the column in messages: `column 2, "torque"`.
     pub(super) fn named(&self) -> String {
         named(self.index, &self.name)
     }
@@ -348,8 +348,8 @@ fn read_unit(text: &str, name: &str, quantity: Quantity, place: Place) -> Result
     if unit.dimension() == quantity.dimension { Ok(unit) } else { Err(refuse(None)) }
 }
 
-/// The last word of a name without a unit in brackets, if that word reads like a unit other than the
-/// suffix of the SI unit: `torque_n_cm`, `pos_mm`. Such a column may not be in SI.
+/// The last word of a name without a unit in brackets, if it looks like a unit other than the suffix of the SI unit:
+/// `torque_n_cm`, `pos_mm`. Such a column may not be in SI.
 pub(super) fn unread_unit(field: &str, quantity: Quantity) -> Option<&str> {
     let (name, unit) = split_unit(field);
     if unit.is_some() || quantity.is_suffixed(name) {
@@ -362,7 +362,7 @@ pub(super) fn unread_unit(field: &str, quantity: Quantity) -> Option<&str> {
 
 /// Refuses a first row with other separators than commas.
 pub(crate) fn check_separator(fields: &[&str], place: Place) -> Result<(), TableError> {
-    // Such a row may have commas too, as decimal points.
+    // Such a row may also contain commas, as decimal signs.
     if let Some(field) = fields.iter().find(|field| field.contains([';', '\t'])) {
         let must = "must name columns that are separated by commas";
         let hint = "separate the columns with commas".to_owned();
@@ -376,7 +376,7 @@ pub(super) fn names<'a>(fields: &[&'a str]) -> Vec<&'a str> {
     fields.iter().map(|field| split_unit(field).0).collect()
 }
 
-/// Refuses columns without the `wanted` one; the hint names a column that may be that one misspelt.
+/// Error for columns without the `wanted` one; the hint names a column that may be a misspelling of it.
 pub(crate) fn refuse_missing(names: &[&str], wanted: &str, place: Place) -> TableError {
     let must = format!("must include {wanted}");
     // A slip changes a letter or two.
@@ -386,9 +386,9 @@ pub(crate) fn refuse_missing(names: &[&str], wanted: &str, place: Place) -> Tabl
     place.refuse("columns", quoted(&names.join(",")), must).with_hint(hint)
 }
 
-/// The word that is most similar to `name`, if one is similar.
+/// The word most similar to `name`, if one is similar.
 pub(super) fn nearest<'a>(name: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    /// Similarity, from 0 to 1, of a slip or an abbreviation.
+    /// Similarity, from 0 to 1, above which a word may be a slip or an abbreviation.
     const ALIKE: f64 = 0.7;
     let ranked = words.into_iter().map(|word| (strsim::jaro_winkler(name, word), word));
     let (best, word) = ranked.max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -10,7 +10,7 @@ use super::samples::{Samples, refuse_samples};
 use super::unit_name::{parse_unit, split_any_unit, split_unit};
 use crate::response::{HubReference, Torque};
 
-/// A torque at the hub.
+/// Names of a torque at the hub.
 const RECORDING: Vocabulary = Vocabulary {
     quantities: &[TIME, TORQUE],
     prefix: "hub_",
@@ -19,21 +19,21 @@ const RECORDING: Vocabulary = Vocabulary {
     by_option: "--columns time=1,torque=2 says which column is what",
 };
 
-/// The hub's motion.
+/// Names of the hub's motion.
 const HUB_MOTION: Vocabulary = Vocabulary {
     quantities: &[TIME, HUB_ANGLE, HUB_RATE],
     prefix: "",
     example: "time,hub_angle",
     choice: Some("rename one of them"),
-    // A reference is read without options.
+    // Options do not apply to a reference.
     by_option: "",
 };
 
 /// Reads a torque over time: a row of names, then a row for each sample.
 ///
-/// Without `column` the torque is the column `torque`, `torque_n_m`, `hub_torque` or
-/// `hub_torque_n_m`; with it, the column of that name, with or without the unit in brackets. The unit
-/// is N m unless one follows the name in brackets. Other columns than time and torque are ignored.
+/// Without `column` the torque is the column `torque`, `torque_n_m`, `hub_torque` or `hub_torque_n_m`; with it, the
+/// column of that name, with or without the unit in brackets. The unit is N m unless one follows the name in brackets.
+/// Other columns than time and torque are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_torque_table;
@@ -45,7 +45,7 @@ const HUB_MOTION: Vocabulary = Vocabulary {
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and the faulty line and column.
 pub fn read_torque_table(
     name: &str,
     bytes: &[u8],
@@ -55,11 +55,11 @@ pub fn read_torque_table(
     read.map(|(torque, _)| torque)
 }
 
-/// Reads a torque from a table in a form of which the user says something; returns what was found beyond
-/// the standard form, too.
+/// Reads a torque from a table with the user's options for its form; also returns its deviations from the standard
+/// form.
 ///
 /// # Errors
-/// As [`read_torque_table`], and for options that do not fit the table.
+/// Those of [`read_torque_table`]; also options that do not fit the table.
 pub fn read_torque_table_as(
     name: &str,
     bytes: &[u8],
@@ -75,8 +75,8 @@ pub fn read_torque_table_as(
     Ok((torque, reading))
 }
 
-/// Reads a motion of the hub, that a feedback follows or that is played: `hub_angle`, and `hub_rate` if it is
-/// given, as in the `hub_angle.csv` of `solve`. Other columns are ignored.
+/// Reads a motion of the hub, for a feedback or as an input: `hub_angle`, and optionally `hub_rate`, as in the
+/// `hub_angle.csv` of `solve`. Other columns are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_hub_reference;
@@ -88,16 +88,16 @@ pub fn read_torque_table_as(
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and the faulty line and column.
 pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, TableError> {
     read_hub_reference_as(name, bytes, &TableFormat::default()).map(|(reference, _)| reference)
 }
 
-/// Reads a hub reference from a table in a form of which the user says something; returns what was found
-/// beyond the standard form, too.
+/// Reads a hub reference from a table with the user's options for its form; also returns its deviations from the
+/// standard form.
 ///
 /// # Errors
-/// As [`read_hub_reference`], and for options that do not fit the table.
+/// Those of [`read_hub_reference`]; also options that do not fit the table.
 pub fn read_hub_reference_as(
     name: &str,
     bytes: &[u8],
@@ -123,7 +123,7 @@ fn hub_columns(header: Header) -> Result<(Columns, Reading), TableError> {
 
 const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
 
-/// Reads the time and the torque that is named `column` or, without it, `torque`.
+/// Finds the time and the torque named `column` or, without it, `torque`.
 fn torque_columns(header: Header, column: Option<&str>) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
     let Some(column) = column else {
@@ -142,7 +142,7 @@ fn torque_columns(header: Header, column: Option<&str>) -> Result<(Columns, Read
     Ok((columns, Reading::default()))
 }
 
-/// How to choose the torque of a table without a column of that name.
+/// Hint for choosing the torque in a table without a column of its name.
 fn where_torque_is(fields: &[&str]) -> String {
     match fields.iter().find(|field| field.to_lowercase().contains(TORQUE.word)) {
         Some(field) if unread_unit(field, TORQUE).is_some() => IN_BRACKETS.to_owned(),
@@ -151,7 +151,7 @@ fn where_torque_is(fields: &[&str]) -> String {
     }
 }
 
-/// The heading of the torque named `column`.
+/// Heading of the torque named `column`.
 fn chosen_torque(header: Header, column: &str) -> Result<Heading, TableError> {
     let Header { fields, format, place } = header;
     let refuse = |found: String, must| Err(place.refuse("--column", found, must));
@@ -171,15 +171,15 @@ fn chosen_torque(header: Header, column: &str) -> Result<Heading, TableError> {
         let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
         return Err(place.refuse_column(index, field, must).with_hint(IN_BRACKETS.to_owned()));
     }
-    // Parentheses may hold a remark, too.
+    // Parentheses may also contain a remark.
     let field = if round.is_some() && !is_unit { split_any_unit(field).0 } else { field };
     let suffixed = TORQUE.is_suffixed(split_unit(field).0);
     Heading::of(index, field, TORQUE, suffixed, measure, place)
 }
 
-/// Index of the one column whose heading is `column`, with or without its unit.
+/// Index of the only column with the heading `column`, with or without its unit.
 fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, TableError> {
-    // A comma too many leaves a column without a name.
+    // A surplus comma leaves a column without a name.
     if column.is_empty() {
         return Err(place.refuse("--column", "nothing", "must name a column"));
     }

@@ -1,4 +1,4 @@
-//! Input files, read whole within bounds.
+//! Input files, read whole and within bounds.
 
 use std::cell::OnceCell;
 use std::fmt::Write as _;
@@ -11,14 +11,14 @@ use thiserror::Error;
 
 use crate::system::available_memory;
 
-/// Longest line of an input in bytes: longer than in any table or link file, but soon reached by a
-/// device or a file that is not text.
+/// Longest line of an input in bytes: longer than in any table or link file, but soon reached by a device or a file
+/// that is not text.
 const LONGEST_LINE: usize = 1 << 24;
 
-/// Longest link file, or file of tolerances, in bytes: some million segments.
+/// Largest link file, or file of tolerances, in bytes: some million segments.
 const LONGEST_TOML: u64 = 1 << 28;
 
-/// Bytes that are read at a time.
+/// Number of bytes in one read.
 const CHUNK: usize = 1 << 20;
 
 /// An input file, read whole.
@@ -26,9 +26,9 @@ const CHUNK: usize = 1 << 20;
 pub struct InputFile {
     /// The file as the user named it, for messages.
     pub shown: String,
-    /// The file's own name, without its folder, for the record of a run.
+    /// Name of the file without its folder, for the record of a run.
     pub name: String,
-    /// Its bytes.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
@@ -41,7 +41,7 @@ pub struct InputError {
     hint: Option<&'static str>,
 }
 
-/// The system's text for an error, without the error's number.
+/// The system's text for an error, without its number.
 pub fn system_words(cause: &io::Error) -> String {
     let text = cause.to_string();
     text.split(" (os error").next().unwrap_or_default().to_owned()
@@ -52,12 +52,12 @@ impl InputError {
         Self { shown, cause, hint: None }
     }
 
-    /// A cause in words of this program.
+    /// Error with a cause in words of this program.
     fn because(shown: &str, cause: String, hint: Option<&'static str>) -> Self {
         Self { hint, ..Self::new(shown.to_owned(), io::Error::other(cause)) }
     }
 
-    /// What the user may do.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         self.hint
     }
@@ -67,8 +67,8 @@ impl InputFile {
     /// Reads a file, or standard input for `-`.
     ///
     /// # Errors
-    /// [`InputError`] with the system's text; also if more than a megabyte begins with bytes that are not
-    /// text, if a line is longer than 16 MiB, or if the content exceeds half the available memory.
+    /// [`InputError`] with the system's text; also for more than a megabyte that does not begin with text, for a line
+    /// longer than 16 MiB, and for content beyond half the available memory.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::read_within(path, u64::MAX)
     }
@@ -76,15 +76,15 @@ impl InputFile {
     /// Reads a link file or a file of tolerances, which are short.
     ///
     /// # Errors
-    /// As [`InputFile::read`], and for more than 256 MiB.
+    /// Those of [`InputFile::read`]; also more than 256 MiB.
     pub fn read_toml(path: &Path) -> Result<Self, InputError> {
         Self::read_within(path, LONGEST_TOML)
     }
 
-    /// Reads a file that another file names, in the folder of that file or below.
+    /// Reads a file named in another file, in its folder or below.
     ///
     /// # Errors
-    /// As [`InputFile::read`], for a name that leads elsewhere, and for what is no file, such as a pipe.
+    /// Those of [`InputFile::read`]; also a name that leads elsewhere, and anything but a file, such as a pipe.
     pub fn read_beside(file: &Path, name: &str) -> Result<Self, InputError> {
         let path = file.with_file_name(name);
         let shown = path.display().to_string();
@@ -93,7 +93,7 @@ impl InputFile {
             let cause = format!("must be in the folder of {} or below", file.display());
             return Err(InputError::because(&shown, cause, Some("move the file there")));
         }
-        // A pipe would be waited for when it is opened.
+        // Opening a pipe would wait for its writer.
         let about = fs::metadata(&path).map_err(|cause| InputError::new(shown.clone(), cause))?;
         if !about.is_file() {
             return Err(InputError::because(&shown, "must be a file".to_owned(), None));
@@ -119,10 +119,10 @@ impl InputFile {
         Ok(Self { shown, name, bytes })
     }
 
-    /// The bytes as text.
+    /// Content as text.
     ///
     /// # Errors
-    /// [`InputError`] if they are not UTF-8.
+    /// [`InputError`] if it is not UTF-8.
     pub fn text(&self) -> Result<&str, InputError> {
         std::str::from_utf8(&self.bytes).map_err(|error| {
             let cause = format!("not UTF-8 from byte {} on", error.valid_up_to() + 1);
@@ -130,12 +130,12 @@ impl InputFile {
         })
     }
 
-    /// What to do about the file if it seems to be another format than text in UTF-8.
+    /// Remedy for a file that seems to have another format than text in UTF-8.
     pub fn disguise(&self) -> Option<&'static str> {
         disguise(&self.bytes)
     }
 
-    /// SHA-256 of the bytes, in hexadecimal.
+    /// SHA-256 of the content, in hexadecimal.
     pub fn sha256(&self) -> String {
         sha256(&self.bytes)
     }
@@ -153,7 +153,7 @@ pub(crate) fn sha256(bytes: &[u8]) -> String {
 /// Refuses a long input whose beginning is not text.
 fn check_text(shown: &str, bytes: &[u8]) -> Result<(), InputError> {
     let nul = bytes.iter().position(|byte| *byte == 0);
-    // The beginning may end within a letter.
+    // The beginning may end inside a letter.
     let foreign = std::str::from_utf8(bytes).err().filter(|error| error.error_len().is_some());
     let foreign = foreign.map(|error| error.valid_up_to());
     nul.into_iter().chain(foreign).min().map_or(Ok(()), |at| {
@@ -162,11 +162,11 @@ fn check_text(shown: &str, bytes: &[u8]) -> Result<(), InputError> {
     })
 }
 
-/// Most lines of an input: more than a period may have samples.
+/// Largest number of lines of an input: more than the samples of any period.
 const MOST_LINES: usize = (1 << 24) + 1024;
 
-/// Reads all of an input of about `len` bytes. Refuses it as soon as a line, the number of lines or the
-/// content, `most` bytes, exceeds its bound: the input may never end.
+/// Reads all of an input of about `len` bytes. It refuses the input as soon as a line, the number of lines or the
+/// content exceeds its bound, `most` bytes for the content, because the input may never end.
 fn read_whole(
     shown: &str,
     mut input: impl Read,
@@ -176,7 +176,7 @@ fn read_whole(
     let refuse = |cause: String| Err(InputError::because(shown, cause, None));
     let room = OnceCell::new();
     let mut bytes = Vec::new();
-    // `len` may be huge without being true, as of a sparse file.
+    // `len` may be huge but untrue, as for a sparse file.
     bytes.reserve_exact(usize::try_from(len).unwrap_or(usize::MAX).min(LONGEST_LINE));
     let (mut lines, mut line_start) = (0_usize, 0);
     loop {
@@ -206,8 +206,7 @@ fn read_whole(
         if bytes.len() as u64 > most {
             return refuse(format!("longer than {} MiB", most >> 20));
         }
-        // The numbers read from the text take as much again, and a growing vector takes twice its
-        // size for a moment.
+        // The numbers read from the text need as much again, and a growing vector briefly needs twice its size.
         let room = *room.get_or_init(|| available_memory().map_or(u64::MAX, |bytes| bytes / 2));
         if bytes.len() as u64 > room {
             let megabytes = room / 1_000_000;
@@ -218,15 +217,15 @@ fn read_whole(
     }
 }
 
-/// Bytes that show whether letters take two bytes.
+/// Number of bytes that show whether letters take two bytes.
 const HEAD: usize = 32;
 
-/// What to do about bytes that are not UTF-8.
+/// Remedy for bytes that are not UTF-8.
 pub(super) fn remedy(bytes: &[u8]) -> &'static str {
     disguise(bytes).unwrap_or("save the file as text in UTF-8")
 }
 
-/// What the bytes seem to be if not a text in UTF-8, and what to do about it.
+/// Apparent format of bytes that are not a text in UTF-8, with a remedy.
 pub(super) fn disguise(bytes: &[u8]) -> Option<&'static str> {
     const UTF_16: &str = "it seems to be UTF-16: save the file as text in UTF-8";
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || is_utf_16(bytes) {
@@ -271,7 +270,7 @@ mod tests {
 
     #[test]
     fn an_input_without_end_that_is_no_text_is_told_from_its_first_block() {
-        /// Counts what is read of a stream that never ends.
+        /// Counts the bytes read from an endless stream.
         struct Endless<'a>(&'a [u8], usize);
         impl Read for Endless<'_> {
             fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {

@@ -17,7 +17,7 @@ const JOINTS: [Quantity; 9] = nine(
     ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7", "joint8", "joint9"],
     quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
 );
-/// Rates of its joints.
+/// Rates of an arm's joints.
 const JOINT_RATES: [Quantity; 9] = nine(
     [
         "joint1_rate",
@@ -33,7 +33,7 @@ const JOINT_RATES: [Quantity; 9] = nine(
     quantity("", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
 );
 
-/// The torques of an arm.
+/// Names of an arm's torques.
 const TORQUES: Vocabulary = Vocabulary {
     quantities: &[
         TIME,
@@ -53,7 +53,7 @@ const TORQUES: Vocabulary = Vocabulary {
     by_option: "",
 };
 
-/// The motion of its joints.
+/// Names of the joints' motion.
 const JOINT_MOTION: Vocabulary = Vocabulary {
     quantities: &[
         TIME,
@@ -82,7 +82,7 @@ const JOINT_MOTION: Vocabulary = Vocabulary {
     by_option: "",
 };
 
-/// The places of its tip.
+/// Names of the tip's places.
 const PLACES: Vocabulary = Vocabulary {
     quantities: &[TIME, PATH_X, PATH_Y],
     prefix: "tip_",
@@ -91,8 +91,8 @@ const PLACES: Vocabulary = Vocabulary {
     by_option: "",
 };
 
-/// Reads the torques of an arm of so many links: `time`, `torque1`, `torque2`, …, as `torques.csv` of `solve` has them. Other
-/// columns are ignored.
+/// Reads the torques of an arm with `links` links: `time`, `torque1`, `torque2`, …, as in `torques.csv` of `solve`.
+/// Other columns are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_joint_torques;
@@ -103,7 +103,7 @@ const PLACES: Vocabulary = Vocabulary {
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and the faulty line and column.
 pub fn read_joint_torques(
     name: &str,
     bytes: &[u8],
@@ -121,11 +121,11 @@ pub fn read_joint_torques(
     Ok((torques.map_err(|error| refused(name, &lines, &error))?, reading))
 }
 
-/// Reads the motion of the joints of an arm of so many links, that a feedback follows: `time`, `joint1`, `joint2`, …, and
-/// `joint1_rate`, … if they are given, as `joint_angles.csv` of `solve` has them. Other columns are ignored.
+/// Reads the motion of an arm's joints for a feedback: `time`, `joint1`, `joint2`, … up to `links`, and optionally
+/// `joint1_rate`, …, as in `joint_angles.csv` of `solve`. Other columns are ignored.
 ///
 /// # Errors
-/// As [`read_joint_torques`].
+/// Those of [`read_joint_torques`].
 pub fn read_joint_references(
     name: &str,
     bytes: &[u8],
@@ -149,11 +149,11 @@ pub fn read_joint_references(
     Ok((references.map_err(|error| refused(name, &lines, &error))?, reading))
 }
 
-/// Reads the places of a tip that a simulation is compared with: `time`, `x` and `y`, as `tip.csv` of `solve` has them. Other
+/// Reads the places of a tip for comparison with a simulation: `time`, `x` and `y`, as in `tip.csv` of `solve`. Other
 /// columns are ignored.
 ///
 /// # Errors
-/// As [`read_joint_torques`].
+/// Those of [`read_joint_torques`].
 pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading), TableError> {
     let columns = |header: Header| {
         let Header { fields, place, .. } = header;
@@ -173,7 +173,7 @@ pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading),
     Ok((TipPlaces { grid, at_m: at_m.map(Option::unwrap_or_default) }, reading))
 }
 
-/// Reads the time and the columns of so many joints.
+/// Finds the time and the columns of `links` joints.
 fn columns(
     vocabulary: &'static Vocabulary,
     each: &[Quantity; 9],

@@ -1,4 +1,4 @@
-//! CSV: reading, writing, and numbers as text; the name and the unit of every column once.
+//! CSV: reading, writing, and numbers as text; defines the name and the unit of every column once.
 
 mod bare_phase;
 mod between;

@@ -17,7 +17,7 @@ use crate::recording::{LARGEST_JITTER, Rounding, jitter};
 use crate::result::Remark;
 use crate::text::given;
 
-/// Most samples that a resampled motion may have.
+/// Largest number of samples of a resampled motion.
 const MAX_SAMPLES: f64 = 1e7;
 
 /// A tip motion read from a file, in SI, with the line of each sample.
@@ -27,26 +27,26 @@ pub struct MotionTable {
     pub(super) name: String,
     pub(super) lines: Vec<u64>,
     pub(super) reading: Reading,
-    /// What is known of the samples beside their values.
+    /// Quality of the samples.
     pub(super) recording: Recording,
-    /// The first angle in rad, where the displacement is from angles.
+    /// The first angle in rad, if the displacement comes from angles.
     pub(super) first_angle_rad: Option<f64>,
     pub(super) ends: Ends,
 }
 
 impl MotionTable {
-    /// What was found in the file beyond the standard form.
+    /// Deviations of the file from the standard form.
     pub fn reading(&self) -> &Reading {
         &self.reading
     }
 
-    /// Line of a sample in the file, from 1; in a resampled motion, the line of the last sample of the
-    /// file that is not later. None if there is no such sample.
+    /// Line of a sample in the file, from 1; for a resampled motion, the line of the file's last sample that is not
+    /// later. `None` if there is no such sample.
     pub fn line_of(&self, sample: usize) -> Option<u64> {
         self.lines.get(sample).copied()
     }
 
-    /// True if the displacement is made of angles, and so is that of one link.
+    /// True if the displacement comes from angles, and so belongs to one link.
     pub fn is_of_angle(&self) -> bool {
         self.first_angle_rad.is_some()
     }
@@ -56,7 +56,7 @@ impl MotionTable {
         &self.columns
     }
 
-    /// The displacement as a target to compare with.
+    /// The displacement as a target for comparison.
     ///
     /// A target need not be at rest at its ends. Other columns than the displacement are ignored.
     ///
@@ -90,8 +90,8 @@ impl MotionTable {
 
     /// The motion on a uniform grid from its first time to its last, by cubic splines.
     ///
-    /// The spline of the displacement is at rest at both ends; those of velocity and acceleration are
-    /// not-a-knot. A velocity alone is integrated first.
+    /// The spline of the displacement is at rest at both ends; the splines of velocity and acceleration are not-a-knot.
+    /// A velocity without other columns is integrated first.
     ///
     /// ```
     /// use flexlink::csv::read_motion_table;
@@ -102,8 +102,8 @@ impl MotionTable {
     /// ```
     ///
     /// # Errors
-    /// [`TableError`] unless the step is above 0, divides the motion's duration within a twentieth
-    /// of a step, and gives from 4 to 1e7 samples.
+    /// [`TableError`] unless the step is above 0, divides the motion's duration within a twentieth of a step, and gives
+    /// from 4 to 1e7 samples.
     pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
         self.with_integral().on_grid(step_s)
     }
@@ -118,7 +118,7 @@ impl MotionTable {
         Ok(self.at_steps(steps, step_s))
     }
 
-    /// The same of a tip that is not at rest at the ends.
+    /// Sets the ends of a tip that is not at rest there.
     #[must_use]
     pub fn with_ends(self, ends: Ends) -> Self {
         Self { ends, ..self }
@@ -132,9 +132,8 @@ impl MotionTable {
 
 /// Reads a tip trajectory: a row of names, then a row for each sample.
 ///
-/// An angle gives the displacement, `angle · link_length_m`, and so does the direction of places `x` and `y`, whose
-/// distance from the hub must be the link's length. Times must increase; they need not be
-/// uniform.
+/// An angle defines the displacement, `angle · link_length_m`; so does the direction of places `x` and `y`, whose
+/// distance from the hub must be the link's length. Times must increase, but need not be uniform.
 ///
 /// ```
 /// use flexlink::csv::read_motion_table;
@@ -146,7 +145,7 @@ impl MotionTable {
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and the faulty line and column.
 pub fn read_motion_table(
     name: &str,
     bytes: &[u8],
@@ -155,10 +154,10 @@ pub fn read_motion_table(
     read_motion_table_as(name, bytes, link_length_m, &TableFormat::default())
 }
 
-/// Reads a tip trajectory in a form of which the user says something.
+/// Reads a tip trajectory with the user's options for its form.
 ///
 /// # Errors
-/// As [`read_motion_table`], and for options that do not fit the table.
+/// Those of [`read_motion_table`]; also options that do not fit the table.
 pub fn read_motion_table_as(
     name: &str,
     bytes: &[u8],
@@ -203,12 +202,11 @@ pub fn read_motion_table_as(
     Ok(MotionTable { columns, name, lines, reading, recording, first_angle_rad, ends })
 }
 
-/// Reads a displacement to compare with, as [`MotionTable::into_target`] makes it of a trajectory; times up
-/// to a twentieth of a step off a uniform grid are interpolated as those of a motion are. With gravity angles are
-/// absolute.
+/// Reads a displacement for comparison, with [`MotionTable::into_target`]. Times up to a twentieth of a step off a
+/// uniform grid are interpolated like those of a motion. With gravity angles are absolute.
 ///
 /// # Errors
-/// As [`read_motion_table`], [`MotionTable::with_gravity`] and [`MotionTable::into_target`].
+/// Those of [`read_motion_table`], [`MotionTable::with_gravity`] and [`MotionTable::into_target`].
 pub fn read_target(
     name: &str,
     bytes: &[u8],
@@ -240,7 +238,10 @@ pub fn read_target(
     Ok((target.from_angle(table.recording.start_angle_rad), reading))
 }
 
-/// Number of steps in the duration; an error unless it is whole.
+/// Number of steps in the duration.
+///
+/// # Errors
+/// [`TableError`] unless it is whole.
 pub(super) fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
     let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
     if !(step_s.is_finite() && step_s > 0.0) {
@@ -265,7 +266,7 @@ pub(super) fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<
         let below = ratio.floor().max(fewest);
         let (long, short) = (duration_s / below, duration_s / (below + 1.0));
         let must = format!("must divide the motion's {} s into whole steps", given(duration_s));
-        // With all digits: the user copies one of them.
+        // With all digits, so that the user can copy one of them.
         let hint = format!("the nearest steps that do are {short} s and {long} s");
         return Err(refuse(must).with_hint(hint));
     }
@@ -277,8 +278,8 @@ pub(super) fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<
     Ok(steps as usize)
 }
 
-/// Writes a trajectory as [`read_motion_table`] reads it: the time, and acceleration, velocity and
-/// displacement as far as they are given, all in SI.
+/// Writes a trajectory in the form of [`read_motion_table`]: the time, and acceleration, velocity and displacement if
+/// present, all in SI.
 ///
 /// # Errors
 /// Those of `out`.

@@ -1,4 +1,4 @@
-//! The columns of a tip trajectory, and the angle that places of the tip give.
+//! Columns of a tip trajectory, and the angle from places of the tip.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -14,7 +14,7 @@ use super::unit_name::split_unit;
 use crate::recording::Rounding;
 use crate::text::significant;
 
-/// The tip's motion.
+/// Names of the tip's motion.
 const TRAJECTORY: Vocabulary = Vocabulary {
     quantities: &[TIME, ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE],
     prefix: "tip_",
@@ -23,7 +23,7 @@ const TRAJECTORY: Vocabulary = Vocabulary {
     by_option: "--columns time=1,displacement=2 says which column is what",
 };
 
-/// The tip's place, whose direction is the angle.
+/// Names of the tip's place, whose direction is the angle.
 const PLACES: Vocabulary = Vocabulary {
     quantities: &[TIME, PATH_X, PATH_Y],
     example: "time,x,y",
@@ -31,13 +31,13 @@ const PLACES: Vocabulary = Vocabulary {
     ..TRAJECTORY
 };
 
-/// Most columns that a remark names.
+/// Largest number of columns in a remark.
 const MOST_NAMED: usize = 8;
 
-/// The quantities of which a motion has at least one.
+/// Quantities that define a motion; it has at least one of them.
 const MOTIONS: [Quantity; 4] = [ACCELERATION, DISPLACEMENT, ANGLE, VELOCITY];
 
-/// Reads the first row, and checks that the columns describe a motion.
+/// Reads the first row, and checks that its columns describe a motion.
 pub(super) fn motion_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
     if is_of_places(header) {
@@ -69,8 +69,8 @@ pub(super) fn motion_columns(header: Header) -> Result<(Columns, Reading), Table
     Ok((columns, reading))
 }
 
-/// True of a table whose columns x and y are the tip's place: the user says so, or both stand in it, and neither the
-/// user nor a standard name says what else moves the tip.
+/// True if the columns x and y of a table are the tip's place: by the user's choice, or because both are present and
+/// neither the user nor a standard name defines another motion.
 fn is_of_places(header: Header) -> bool {
     let is_place = |quantity: Quantity| [PATH_X, PATH_Y].contains(&quantity);
     let chosen = || header.format.columns.iter().map(|choice| choice.quantity);
@@ -96,7 +96,7 @@ fn place_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     Ok((columns, Reading { found, unread, hint, ..Reading::default() }))
 }
 
-/// Refuses one of x and y without the other.
+/// Refuses x without y and y without x.
 pub(super) fn check_places(
     headings: &[Heading],
     Header { fields, place, format }: Header,
@@ -117,24 +117,24 @@ pub(super) fn check_places(
     Ok(())
 }
 
-/// What to do about a column that is not read.
+/// Remedy for an unread column.
 const OTHER: &str = "--columns QUANTITY=NUMBER reads one of them instead";
 
-/// A column that may be the one that is missing: the first one with a hint, else the first one unread.
+/// A column that may be the missing one: the first with a hint, else the first unread one.
 fn suspect(columns: &Columns, fields: &[&str]) -> Option<usize> {
     let is_near =
         |index: &&usize| absent_by(&TRAJECTORY, &columns.headings, fields[**index]).is_some();
     columns.unread.iter().find(is_near).or(columns.unread.first()).copied()
 }
 
-/// The quantity that a table lacks and that an unknown heading may mean.
+/// The absent quantity that an unknown heading may mean.
 fn absent_by(vocabulary: &Vocabulary, headings: &[Heading], field: &str) -> Option<&'static str> {
     let absent = vocabulary.quantities.iter().filter(|known| find(headings, **known).is_none());
     let name = vocabulary.plain(split_unit(field).0);
     nearest(&name, absent.map(|quantity| quantity.word))
 }
 
-/// The reading of a motion's columns: columns that are not read, and a velocity that is integrated.
+/// Reading of a motion's columns: unread columns, and an integrated velocity.
 fn reading_of(columns: &Columns, fields: &[&str]) -> Reading {
     let has = |quantity: Quantity| find(&columns.headings, quantity).is_some();
     let is_velocity_alone = !(has(ACCELERATION) || has(DISPLACEMENT) || has(ANGLE));
@@ -143,7 +143,7 @@ fn reading_of(columns: &Columns, fields: &[&str]) -> Reading {
     Reading { found: Vec::from_iter(integral), unread, hint, ..Reading::default() }
 }
 
-/// Which columns are not read, and what to do about them: a slip, or else the `other` hint.
+/// Unread columns, and a remedy: correcting a slip, or else the `other` hint.
 pub(super) fn unread(
     columns: &Columns,
     fields: &[&str],
@@ -174,7 +174,7 @@ fn unknown_column(index: usize, field: &str, place: Place) -> TableError {
         .or_hint(by_option)
 }
 
-/// What the user may have meant by an unknown name.
+/// Possible meaning of an unknown name.
 fn hint_for(name: &str) -> Option<String> {
     if name.is_empty() {
         return Some("a comma at the end of the row begins a column of its own".to_owned());
@@ -203,19 +203,19 @@ fn hint_for(name: &str) -> Option<String> {
 /// Largest distance of a tip from the circle about the hub, as a share of the link's length.
 const OFF_CIRCLE: f64 = 0.02;
 
-/// The other ways in which such a table may be meant.
+/// Other possible meanings of such a table.
 const OF_PLACES: &str = "x and y are places from the hub's axis; name their unit as in \"x [mm]\", or --columns displacement=N \
                     reads one column as the arc of the tip";
 
-/// Angles in rad, and to which decimal they are rounded.
+/// Angles in rad, and their rounding.
 type Angles = (Vec<f64>, Option<Rounding>);
 
-/// Takes the angle of the tip's place from a table that has it, in rad and continuous over turns, with what its digits
-/// are worth in rad.
+/// Takes the angle of the tip's place from a table that has it, in rad and continuous over turns, with its rounding in
+/// rad.
 ///
 /// # Errors
-/// [`TableError`] for a place that is not a length of the link from the hub, and for a tip that turns by more than a
-/// quarter in one step.
+/// [`TableError`] for a place whose distance from the hub is not the link's length, and for a tip that turns by more
+/// than a quarter in one step.
 pub(super) fn take_angle(
     samples: &mut Samples,
     file: &str,
@@ -273,7 +273,7 @@ mod tests {
         read_motion_table_as("p.csv", text.as_bytes(), LENGTH_M, &format)
     }
 
-    /// The tip at these angles, `radius_m` from the hub.
+    /// Places of the tip at these angles, `radius_m` from the hub.
     fn places(angles: impl Iterator<Item = f64>, radius_m: f64) -> String {
         let row = |(k, angle): (usize, f64)| {
             format!(

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::numeric::largest;
 use crate::text::excerpt;
 
-/// Digits of the numbers of a column group.
+/// Number of digits in a column group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Digits {
     /// The last digit is at most 10⁻ⁿ of the group's peak, n from 1 to 17.
@@ -25,10 +25,10 @@ impl Default for Digits {
 }
 
 impl Digits {
-    /// Format of a column group with this largest absolute value.
+    /// Format of a column group from its largest absolute value.
     ///
-    /// The number of decimals d is the smallest, 0 or above, with 10⁻ᵈ ≤ 10⁻ⁿ·peak. A peak of 0
-    /// gives n decimals, one that is not finite the shortest text.
+    /// The number of decimals d is the smallest, 0 or above, with 10⁻ᵈ ≤ 10⁻ⁿ·peak. A peak of 0 yields n decimals, one
+    /// that is not finite the shortest text.
     ///
     /// ```
     /// use flexlink::csv::{Digits, NumberFormat};
@@ -48,7 +48,7 @@ impl Digits {
         }
     }
 
-    /// The samples as they read back when they are written as a column.
+    /// The samples as they read back from a written column.
     pub fn as_written(&self, samples: &[f64]) -> Vec<f64> {
         let format = self.for_peak(largest(samples));
         let mut text = Vec::new();
@@ -61,16 +61,16 @@ impl Digits {
     }
 }
 
-/// Largest e with 10ᵉ ≤ |value|; none of what is not finite.
+/// Largest e with 10ᵉ ≤ |value|; `None` if the value is not finite.
 ///
-/// From the decimal text: a logarithm may miss a power of ten by one.
+/// It uses the decimal text, because a logarithm may miss a power of ten by one.
 fn decimal_exponent(value: f64) -> Option<i32> {
     let text = format!("{:e}", value.abs());
     let (_, exponent) = text.split_once('e')?;
     exponent.parse().ok()
 }
 
-/// A number of digits that is refused.
+/// An invalid number of digits.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("digits = {found}, but must be a whole number from 1 to 17, or full")]
 pub struct DigitsError {
@@ -91,7 +91,7 @@ impl FromStr for Digits {
     }
 }
 
-/// As [`FromStr`] reads it.
+/// Text as [`FromStr`] reads it.
 impl fmt::Display for Digits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -104,10 +104,9 @@ impl fmt::Display for Digits {
 /// Format of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NumberFormat {
-    /// With this many decimals, correctly rounded.
+    /// A fixed number of decimals, correctly rounded.
     Fixed(usize),
-    /// The shortest text that reads back to the same number; with an exponent below 1e-5 and from
-    /// 1e17.
+    /// The shortest text that reads back to the same number, with an exponent below 1e-5 and from 1e17.
     Shortest,
 }
 
@@ -130,7 +129,7 @@ impl NumberFormat {
 
 fn write_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
     let start = out.len();
-    // The formatter takes no more decimals; memory takes every number.
+    // The formatter takes no more decimals. Writing to memory cannot fail.
     let decimals = decimals.min(usize::from(u16::MAX));
     let _ = write!(out, "{value:.decimals$}");
     if let [b'-', digits @ ..] = &out[start..]
@@ -140,11 +139,11 @@ fn write_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
     }
 }
 
-/// Sizes whose shortest text has no exponent.
+/// Range of sizes whose shortest text has no exponent.
 const PLAIN: Range<f64> = 1e-5..1e17;
 
 fn write_shortest(out: &mut Vec<u8>, value: f64) {
-    // Memory takes every number.
+    // Writing to memory cannot fail.
     let _ = match value.abs() {
         0.0 => write!(out, "0"),
         size if PLAIN.contains(&size) => write!(out, "{value}"),
@@ -152,21 +151,21 @@ fn write_shortest(out: &mut Vec<u8>, value: f64) {
     };
 }
 
-/// Largest error of a time that is read back, in s.
+/// Largest error of a time after reading back, in s.
 const TOLERANCE_S: f64 = 1e-12;
-/// The same in steps, so that times at steps below 10 ns stay distinct.
+/// Largest error in steps, so that times at steps below 10 ns stay distinct.
 const TOLERANCE: f64 = 1e-4;
-/// Most decimals before the shortest text takes over.
+/// Largest number of decimals; beyond it the shortest text takes over.
 const MAX_DECIMALS: usize = 15;
-/// Below this every whole number is exact.
+/// Limit below which every whole number is exact.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
-/// Fewest times for a thread.
+/// Fewest times for a parallel task.
 const TIMES_AT_ONCE: usize = 1 << 14;
 
 /// Fewest decimals with which each of `len` times reads back within 1e-12 s and 1e-4 of their step.
 ///
-/// Too few decimals usually fail at one of the first times, so that all times are checked about once.
+/// Too few decimals usually fail at one of the first times, so that about one pass over all times suffices.
 pub(crate) fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> NumberFormat {
     let steps = len.saturating_sub(1);
     let mut tolerance_s = TOLERANCE_S;
@@ -179,8 +178,8 @@ pub(crate) fn time_format(time: impl Fn(usize) -> f64 + Sync, len: usize) -> Num
         let reads_back = |k: usize| {
             let time = time(k);
             let last_digits = (time * scale).round();
-            // A whole number below 2⁵³ divided by an exact power of ten is rounded once, as by a
-            // reader of the decimal text; larger ones are written and read.
+            // A whole number below 2⁵³ divided by an exact power of ten is rounded once, like a decimal text by its
+            // reader; larger ones are written and read back.
             let read = if last_digits.abs() < EXACT_INTEGERS {
                 last_digits / scale
             } else {
@@ -277,7 +276,7 @@ mod tests {
         }
     }
 
-    /// The definition: write all, read all.
+    /// By the definition: writes all times and reads them back.
     fn fits(grid: &TimeGrid, decimals: usize) -> bool {
         let allowed_s = 1e-12_f64.min(1e-4 * grid.duration_s() / (grid.len - 1) as f64);
         (0..grid.len).all(|k| {

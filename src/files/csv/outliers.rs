@@ -1,4 +1,4 @@
-//! Bad samples of a table: refused, or taken out and counted; told of where a table may hold pulses.
+//! Bad samples of a table: refused, replaced and counted, or remarked in a table that may contain pulses.
 
 use super::format::TableFormat;
 use super::heading::{
@@ -9,24 +9,24 @@ use super::samples::Samples;
 use crate::recording::{Change, Outlier, outliers};
 use crate::text::significant;
 
-/// The hint of a refused sample.
+/// Hint for a refused sample.
 const BY_OPTION: &str =
     "correct the sample; --drop-outliers puts what its neighbours lead to in its place";
 
 /// A column of a table over time, in SI.
 pub(super) struct Judged<'a> {
     pub(super) name: &'a str,
-    /// The unit that messages show, and how much of SI it is.
+    /// Unit in messages, and its size in SI.
     pub(super) unit: (&'a str, f64),
     pub(super) change: Change,
-    /// Whether it says what a motor shall do.
+    /// True if it commands a motor.
     pub(super) is_command: bool,
     pub(super) time_s: &'a [f64],
     pub(super) values: &'a [f64],
 }
 
 impl<'a> Judged<'a> {
-    /// The columns of a table beside the time.
+    /// All columns of a table except the time.
     fn all(samples: &'a Samples) -> impl Iterator<Item = Self> {
         let time = samples.time();
         let columns = samples.headings.iter().zip(&samples.values).enumerate();
@@ -42,18 +42,18 @@ impl<'a> Judged<'a> {
         )
     }
 
-    /// The samples that are far from what their neighbours lead to.
+    /// Samples far from their neighbours' prediction.
     fn outliers(&self) -> Vec<Outlier> {
         outliers(self.time_s, self.values, self.change)
     }
 
-    /// Refuses samples that are far from what their neighbours lead to.
+    /// Refuses samples far from their neighbours' prediction.
     pub(super) fn check(&self, file: &str, lines: &[u64]) -> Result<(), TableError> {
         let found = self.outliers();
         let Some(Outlier { sample, expected }) = found.first() else { return Ok(()) };
         let place = Place { file, line: lines.get(*sample).copied() };
         let value = self.values[*sample];
-        // Samples of no file have numbers.
+        // Samples without a file have numbers.
         let name = match place.line {
             Some(_) => self.name.to_owned(),
             None => format!("{}[{sample}]", self.name),
@@ -71,8 +71,8 @@ impl<'a> Judged<'a> {
         Err(place.refuse(name, self.shown(value, 6), must).with_hint(hint))
     }
 
-    /// Remark on samples that are far from what their neighbours lead to. A value that a command holds elsewhere for two
-    /// samples or more is a level, and a sample of it a pulse.
+    /// Remark on samples far from their neighbours' prediction. A value that a command also keeps for two samples or
+    /// more is a level; a single sample of it is a pulse.
     pub(super) fn doubt(&self, lines: &[u64]) -> Option<String> {
         let found = self.outliers();
         let is_level = |own: &Outlier| {
@@ -103,15 +103,15 @@ impl<'a> Judged<'a> {
     }
 }
 
-/// How the quantity of a column changes.
+/// Kind of change of a column's quantity.
 fn change(heading: &Heading) -> Change {
     let places = [DISPLACEMENT, ANGLE, PATH_X, PATH_Y];
     let is_place = places.contains(&heading.quantity) || ANGLES.contains(&heading.quantity);
     if is_place { Change::Continuous } else { Change::Jumping }
 }
 
-/// Refuses bad samples of a motion or a path, or, if they are to be dropped, puts what their neighbours lead to in their
-/// place and counts them.
+/// Refuses bad samples of a motion or a path, or, with the option to drop them, replaces them by their neighbours'
+/// prediction and counts them.
 pub(super) fn settle(
     samples: &mut Samples,
     file: &str,
@@ -133,8 +133,8 @@ pub(super) fn settle(
     Judged::all(samples).try_for_each(|own| own.check(file, &samples.lines))
 }
 
-/// Records a remark on samples of a torque, a reference or a record that do not follow their neighbours. They are not refused:
-/// a command may have a pulse of one step, and a record a shock.
+/// Records a remark on samples of a torque, a reference or a record that do not follow their neighbours. They are
+/// allowed, because a command may have a pulse of one step, and a record a shock.
 pub(super) fn doubt(samples: &mut Samples) {
     let all: Vec<String> =
         Judged::all(samples).filter_map(|own| own.doubt(&samples.lines)).collect();
@@ -147,7 +147,7 @@ mod tests {
     use super::super::motion::read_motion_table_as;
     use super::super::path::read_path_table;
 
-    /// A table of a wave, in which one sample of a column is off.
+    /// A table of a wave with a bad sample in one column.
     fn file(heading: &str, columns: usize, bad: Option<(usize, f64)>) -> String {
         let row = |k: usize| {
             let wave = |column: usize| {

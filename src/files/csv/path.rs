@@ -1,4 +1,4 @@
-//! The path of an arm: places of its tip, or directions of its links, over time.
+//! Path of an arm: places of its tip, or directions of its links, over time.
 
 use std::io::{self, Write};
 
@@ -31,7 +31,7 @@ const PATH: Vocabulary = Vocabulary {
     by_option: BY_OPTION,
 };
 
-/// What a choice of columns must name: where one quantity is chosen, the others are not looked for.
+/// Hint about a choice of columns: after a choice of one quantity, others are not searched.
 const BY_OPTION: &str = "--columns time=1,x=2,y=3 says which column is what";
 
 /// A path read from a file, in SI, with the line of each sample.
@@ -44,7 +44,7 @@ pub struct PathTable {
 }
 
 impl PathTable {
-    /// What was found in the file beyond the standard form.
+    /// Deviations of the file from the standard form.
     pub fn reading(&self) -> &Reading {
         &self.reading
     }
@@ -54,19 +54,19 @@ impl PathTable {
         &self.columns
     }
 
-    /// The path of an arm whose links have these lengths.
+    /// The path of an arm with links of these lengths.
     ///
     /// # Errors
-    /// [`TableError`] names the file, and line and column where they are at fault.
+    /// [`TableError`] names the file, and the faulty line and column.
     pub fn path(&self, lengths_m: &[f64]) -> Result<ArmPath, TableError> {
         ArmPath::new(self.columns.clone(), lengths_m)
             .map_err(|error| self.refused(error.sample(), &error, error.hint()))
     }
 
-    /// The same path with this factor on its duration, the first sample's time kept.
+    /// Multiplies the path's duration by a factor; the first sample's time stays.
     ///
     /// # Errors
-    /// As [`PathColumns::slowed`].
+    /// Those of [`PathColumns::slowed`].
     pub fn slowed(&self, factor: f64) -> Result<Self, MotionError> {
         Ok(Self { columns: self.columns.clone().slowed(factor)?, ..self.clone() })
     }
@@ -82,8 +82,8 @@ impl PathTable {
     /// ```
     ///
     /// # Errors
-    /// [`TableError`] as [`MotionTable::resampled`](super::MotionTable::resampled), and for an angle that jumps, through
-    /// which a spline would turn the link.
+    /// [`TableError`] like [`MotionTable::resampled`](super::MotionTable::resampled); also for an angle that jumps,
+    /// because a spline would turn the link through the jump.
     pub fn resampled(mut self, step_s: f64) -> Result<Self, TableError> {
         for column in self.columns.angles.iter().flatten() {
             refuse_jump(column)
@@ -105,13 +105,13 @@ impl PathTable {
         Ok(self)
     }
 
-    /// The same path of a file that errors call `name`.
+    /// Sets the file's name in errors.
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
     }
 
-    /// Refuses one of the samples, or all of them, for the reason `why`.
+    /// Error about one of the samples, or all of them, for the reason `why`.
     pub fn refused(
         &self,
         sample: Option<usize>,
@@ -134,7 +134,7 @@ impl PathTable {
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and the faulty line and column.
 pub fn read_path_table(
     name: &str,
     bytes: &[u8],
@@ -158,8 +158,8 @@ pub fn read_path_table(
     Ok(PathTable { columns, name: name.to_owned(), lines, reading })
 }
 
-/// Writes a path as [`read_path_table`] reads it: the time, x and y of the tip as far as they are given, and directions of
-/// the links, all in SI.
+/// Writes a path in the form of [`read_path_table`]: the time, x and y of the tip and directions of the links if
+/// present, all in SI.
 ///
 /// # Errors
 /// Those of `out`.
@@ -177,7 +177,7 @@ pub fn write_path(
     write_over_time(out, ("time", &columns.time_s), &groups, digits)
 }
 
-/// Reads the first row, and checks that the columns describe a path.
+/// Reads the first row, and checks that its columns describe a path.
 fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
     let Header { fields, place, .. } = header;
     let columns = Columns::find(&PATH, header)?;

@@ -4,36 +4,36 @@ use thiserror::Error;
 
 use crate::text::{excerpt, visible};
 
-/// Why a CSV file is refused.
+/// Error in a CSV file.
 ///
 /// The text reads `traj.csv:17: displacement = nan, but must be a finite number`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{place}: {message}")]
 pub struct TableError {
-    /// The file, and the line if one is at fault.
+    /// The file, and the faulty line if there is one.
     place: String,
     message: String,
     hint: Option<String>,
 }
 
 impl TableError {
-    /// What the user may do.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
 
-    /// Adds what the user may do.
+    /// Sets the hint.
     pub(crate) fn with_hint(self, hint: impl Into<Option<String>>) -> Self {
         let hint = hint.into().map(|hint| visible(&hint).into_owned());
         Self { hint, ..self }
     }
 
-    /// The same error of a table to which no option of the reader applies: it speaks of none.
+    /// Adapts the error to a table without options of the reader: removes mentions of options.
     pub(super) fn of_named_file(self, hint: &str) -> Self {
         let message = self.message.replace("--columns", "columns");
         let speaks_of_option = self.hint.as_deref().is_some_and(|hint| hint.contains("--"));
         let is_of_unit = message.contains("unit of") || message.contains("unit in brackets");
-        // What a unit must be instead helps here, too, and what speaks of no option.
+        // A hint about the required unit helps here too, as does any hint without an option.
         let helps = |own: &String| own.starts_with("write ") || !(is_of_unit || speaks_of_option);
         let own = self.hint.filter(helps);
         let hint = match own {
@@ -43,28 +43,28 @@ impl TableError {
         Self { place: self.place, message, hint }
     }
 
-    /// Adds what the user may do, unless there is a hint.
+    /// Sets the hint unless the error has one.
     pub(crate) fn or_hint(self, hint: String) -> Self {
         let hint = self.hint.clone().or(Some(hint));
         self.with_hint(hint)
     }
 }
 
-/// What to do about a file to which no option of the reader applies, for hints.
+/// Remedy for a file without options of the reader, for hints.
 pub(super) const BY_HEADINGS: &str =
     "this file is read by its headings alone: correct its names, with units in brackets";
 
-/// Where in a file something was found.
+/// Place in a file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place<'a> {
     /// The file, as the user named it.
     pub(crate) file: &'a str,
-    /// Line from 1; `None`: the file as a whole.
+    /// Line from 1; `None` for the whole file.
     pub(crate) line: Option<u64>,
 }
 
 impl Place<'_> {
-    /// *place: subject = found, but must*.
+    /// Error with the text *place: subject = found, but must*.
     pub(crate) fn refuse(
         &self,
         subject: impl Into<String>,
@@ -75,7 +75,7 @@ impl Place<'_> {
         self.refuse_whole(&message)
     }
 
-    /// *place: column N = "name", but must*, the first column being number 0.
+    /// Error with the text *place: column N = "name", but must*; `number` counts columns from 0.
     pub(crate) fn refuse_column(
         &self,
         number: usize,
@@ -85,7 +85,7 @@ impl Place<'_> {
         self.refuse(format!("column {}", number + 1), quoted(name), must)
     }
 
-    /// Refuses a row that has not as many fields as there are columns.
+    /// Refuses a row with another number of fields than columns.
     pub(crate) fn check_width(self, fields: usize, columns: usize) -> Result<(), TableError> {
         if fields == columns {
             return Ok(());
@@ -94,7 +94,8 @@ impl Place<'_> {
         Err(self.refuse("fields", fields.to_string(), must))
     }
 
-    /// *place: message*, with control characters escaped: a message may name columns of the file.
+    /// Error with the text *place: message*. Control characters are escaped, because a message may name columns of the
+    /// file.
     pub(crate) fn refuse_whole(&self, message: &str) -> TableError {
         let place = match self.line {
             Some(line) => format!("{}:{line}", self.file),
@@ -104,7 +105,7 @@ impl Place<'_> {
     }
 }
 
-/// An excerpt of the file in quotes, for a message, with its control characters escaped.
+/// A quoted excerpt of the file for a message, with escaped control characters.
 pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", excerpt(text).escape_debug())
 }

@@ -1,4 +1,4 @@
-//! What was measured of a link: records to be fitted, and a recording to be compared with a simulation.
+//! Measurements of a link: records for a fit, and a recording for comparison with a simulation.
 
 use super::columns::{Columns, Header};
 use super::format::{Reading, TableFormat};
@@ -17,7 +17,7 @@ use crate::model::Sensor;
 use crate::numeric::TimeGrid;
 use crate::result::{ChannelRecording, SimulatedChannel};
 
-/// What drives a link, and what sensors show of it.
+/// Inputs of a link, and quantities of its sensors.
 const RECORD: Vocabulary = Vocabulary {
     quantities: &[
         TIME,
@@ -35,7 +35,7 @@ const RECORD: Vocabulary = Vocabulary {
     by_option: "columns = [\"time=1\", \"torque=2\"] says which column is what",
 };
 
-/// What the file that names a record can say of it, for hints.
+/// Keys about a record in the file that names it, for hints.
 const CHOICES: &str = "columns = [\"time=1\", \"torque=2\"] chooses columns by number or heading; skip = 3 \
                        leaves lines out; scale = [\"hub_angle=0.0015\"] makes SI of counts; gain = \"free\" takes a sensor's numbers in any unit";
 
@@ -44,21 +44,21 @@ const CHOICES: &str = "columns = [\"time=1\", \"torque=2\"] chooses columns by n
 pub struct RecordTable {
     /// Step of the times in s.
     pub step_s: f64,
-    /// Samples of what drives the link.
+    /// Samples of the input that drives the link.
     pub input: Vec<f64>,
     /// Samples of each sensor.
     pub channels: Vec<Vec<f64>>,
-    /// The unit of each sensor's column in SI.
+    /// Unit of each sensor's column in SI.
     pub units: Vec<f64>,
-    /// What was found beyond the standard form.
+    /// Deviations of the table from the standard form.
     pub reading: Reading,
 }
 
-/// Reads recorded histories: `time`, what drives the link, and the columns of sensors, by their names or by
-/// the choice of `format`. Other columns are left.
+/// Reads recorded histories: `time`, the input that drives the link, and the columns of sensors, by their names or by
+/// the choice of `format`. Other columns are ignored.
 ///
-/// Times that are off the uniform grid by up to 5 % of the step are used as given: a cubic spline through each
-/// column gives the samples of the grid.
+/// Times may be off the uniform grid by up to 5 % of the step: a cubic spline through each column yields the samples of
+/// the grid.
 ///
 /// ```
 /// use flexlink::csv::{TableFormat, read_record};
@@ -72,8 +72,7 @@ pub struct RecordTable {
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the column that is missing, and the line of a field that is no finite number or of a
-/// time that is off.
+/// [`TableError`] names a missing column, and the line of a field that is not finite or of a time off the grid.
 pub fn read_record(
     name: &str,
     bytes: &[u8],
@@ -130,13 +129,13 @@ fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), Ta
     Ok((columns, Reading::default()))
 }
 
-/// The name of a quantity in messages.
+/// Name of a quantity in messages.
 pub(super) fn word_of(quantity: Quantity) -> String {
     let of_tip = [DEFLECTION, ACCELERATION].contains(&quantity);
     if of_tip { format!("tip_{}", quantity.word) } else { quantity.word.to_owned() }
 }
 
-/// All that a simulation gives.
+/// Names of all quantities that a simulation yields.
 const CHANNELS: Vocabulary = Vocabulary {
     quantities: &[
         TIME,
@@ -155,7 +154,7 @@ const CHANNELS: Vocabulary = Vocabulary {
     by_option: "",
 };
 
-/// The channel of each quantity.
+/// Channel of each quantity.
 const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
     (HUB_ANGLE, SimulatedChannel::HubAngle),
     (HUB_RATE, SimulatedChannel::HubRate),
@@ -168,7 +167,7 @@ const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
 ];
 
 /// Reads a recording: `time`, and any of `hub_angle`, `hub_rate`, `tip` or `displacement`, `velocity` and
-/// `acceleration` of the tip, `tip_deflection` and `torque`. Times must increase; they need not be uniform.
+/// `acceleration` of the tip, `tip_deflection` and `torque`. Times must increase, but need not be uniform.
 ///
 /// ```
 /// use flexlink::csv::read_recording;
@@ -181,17 +180,17 @@ const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the file, and line and column where they are at fault.
+/// [`TableError`] names the file, and the faulty line and column.
 pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Reading), TableError> {
     read_recording_as(name, bytes, &TableFormat::default())
         .map_err(|error| error.of_named_file(BY_HEADINGS))
 }
 
-/// Reads a recording in a form of which the user says something. Where columns are chosen, a common name such as `v`
-/// counts for nothing unless it is chosen, too.
+/// Reads a recording with the user's options for its form. After a choice of columns, a common name such as `v` counts
+/// only if it is chosen.
 ///
 /// # Errors
-/// As [`read_recording`], and for options that do not fit the table.
+/// Those of [`read_recording`]; also options that do not fit the table.
 pub fn read_recording_as(
     name: &str,
     bytes: &[u8],

@@ -1,4 +1,4 @@
-//! What is made of a table of a motion, by its noise, times, digits and ends, and its angles under gravity.
+//! Conversion of a motion's table by its noise, times, digits and ends, and of its angles under gravity.
 
 use std::f64::consts::TAU;
 
@@ -15,23 +15,23 @@ use crate::text::{plain, significant};
 /// Largest uncertainty of a displacement over its travel.
 const LEAST_WORTH: f64 = 0.1;
 
-/// Times that differ by less, in steps, are the same.
+/// Difference of times, in steps, below which they are equal.
 const SAME_TIME: f64 = 1e-6;
 
-/// Error of a slope that follows from four rows, over that of a row, and the largest that it may have over the largest
+/// Ratio of the error of a slope from four rows to the error of a row, and its largest allowed ratio to the largest
 /// step.
 const OF_FOUR_ROWS: f64 = 3.8;
 const LEAST_WORTH_OF_ENDS: f64 = 1e-3;
 
-/// Angles that differ by less are the same.
+/// Difference of angles below which they are equal.
 const SAME_ANGLE_RAD: f64 = 1e-3;
 
 impl MotionTable {
-    /// The motion of a link with gravity: angles are then absolute, and the first of them is the start angle, from
-    /// which the displacement counts.
+    /// Makes the angles absolute for a link with gravity. The first angle is the start angle, where the displacement is
+    /// 0.
     ///
     /// # Errors
-    /// [`TableError`] if the link's own start angle is another one.
+    /// [`TableError`] if the link has another start angle.
     pub fn with_gravity(
         mut self,
         gravity: &Gravity,
@@ -52,15 +52,15 @@ impl MotionTable {
         Ok(self)
     }
 
-    /// Checks the samples and makes a motion of them.
+    /// Checks the samples and makes them a motion.
     ///
-    /// A velocity alone is integrated: the displacement is the integral of its not-a-knot cubic spline.
+    /// A velocity without other columns is integrated: the displacement is the integral of its not-a-knot cubic spline.
     ///
     /// # Errors
-    /// What [`TipMotion::with_ends`] refuses, with file and line.
+    /// Those of [`TipMotion::with_ends`], with file and line.
     pub fn into_motion(self) -> Result<TipMotion, TableError> {
         let of_integral = self.with_integral();
-        // Beyond its ends a cycle is not what a spline makes of it.
+        // Beyond its ends a cycle differs from its spline.
         let uniform = match of_integral.ends {
             Ends::Periodic => of_integral,
             _ => of_integral.made_uniform(),
@@ -82,7 +82,7 @@ impl MotionTable {
         Ok(motion)
     }
 
-    /// Refuses velocities at the ends that would be those of rounded rows: these follow from four of them.
+    /// Refuses velocities at the ends from rounded rows, because they depend on only four rows.
     fn check_ends(&self) -> Result<(), TableError> {
         let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
             &self.columns;
@@ -109,11 +109,11 @@ impl MotionTable {
         Err(place.refuse("velocity", "nothing", must).with_hint(Some(hint.to_owned())))
     }
 
-    /// The same samples with normal noise of this standard deviation in m on the displacement: the rests at
-    /// the ends become their means.
+    /// Declares normal noise of this standard deviation in m on the displacement; the rests at the ends become their
+    /// means.
     ///
     /// # Errors
-    /// [`TableError`] if there is no displacement that the motion is made of, or no rest at an end.
+    /// [`TableError`] unless a displacement defines the motion and rests at both ends.
     pub fn with_noise(mut self, deviation_m: f64) -> Result<Self, TableError> {
         let place = Place { file: &self.name, line: None };
         let displacement_m = self.columns.displacement_m.as_deref();
@@ -132,14 +132,14 @@ impl MotionTable {
         Ok(self)
     }
 
-    /// The same samples with a cut-off in Hz that is not searched for.
+    /// Sets a cut-off in Hz in place of a search.
     #[must_use]
     pub fn with_lowpass(mut self, hertz: f64) -> Self {
         self.recording.lowpass_rad_s = Some(TAU * hertz);
         self
     }
 
-    /// The samples at so many steps from the first time on; the last one is that of the table.
+    /// The samples at `steps` steps from the first time on; the last one is the last of the table.
     pub(super) fn at_steps(self, steps: usize, step_s: f64) -> Self {
         let uniform = Uniform::of(&self.columns.time_s, steps, step_s);
         let on_grid = |values: &Option<Vec<f64>>, ends| {
@@ -177,7 +177,7 @@ impl MotionTable {
         }
     }
 
-    /// The same with the displacement in place of a velocity that is alone.
+    /// Replaces a velocity without other columns by its displacement.
     pub(super) fn with_integral(mut self) -> Self {
         let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
             self.columns;
@@ -188,7 +188,7 @@ impl MotionTable {
                 if ends != Ends::Periodic {
                     self.recording.between = between::of_velocity(&time_s, &velocity);
                 }
-                // What it says of the ends is not in the displacement.
+                // The displacement does not show the velocity's ends.
                 ((ends != Ends::AtRest).then_some(velocity), Some(integral))
             }
             given => given,
@@ -197,8 +197,8 @@ impl MotionTable {
         Self { columns, ..self }
     }
 
-    /// The samples on the uniform grid from the first time to the last, interpolated where the times are
-    /// off it by more than their digits explain and by no more than [`LARGEST_JITTER`] steps.
+    /// The samples on the uniform grid from the first time to the last. They are interpolated if the times are off the
+    /// grid by more than their digits explain, but by at most [`LARGEST_JITTER`] steps.
     fn made_uniform(self) -> Self {
         let MotionColumns { time_s, acceleration_m_s2, displacement_m, .. } = &self.columns;
         let decides = displacement_m.as_deref().filter(|_| acceleration_m_s2.is_none());
@@ -212,7 +212,7 @@ impl MotionTable {
     }
 }
 
-/// Times at even steps from the first of known ones on.
+/// Uniform times that start at the first of known times.
 #[expect(clippy::struct_field_names, reason = "their units end alike")]
 pub(super) struct Uniform<'a> {
     known_s: &'a [f64],
@@ -221,7 +221,7 @@ pub(super) struct Uniform<'a> {
 }
 
 impl<'a> Uniform<'a> {
-    /// From the first known time to the last, at a step that must divide what lies between them.
+    /// Times from the first known time to the last, with a step that must divide the duration.
     pub(super) fn dividing(
         known_s: &'a [f64],
         step_s: f64,
@@ -236,16 +236,16 @@ impl<'a> Uniform<'a> {
         Self { known_s, step_s, times_s }
     }
 
-    /// Values at the known times, by a cubic spline at these.
+    /// Interpolates values at the known times by a cubic spline.
     pub(super) fn interpolated(&self, values: &[f64], ends: SplineEnds) -> Vec<f64> {
         let spline = CubicSpline::new(self.known_s, values, ends);
         let (steps, last_s) = (self.times_s.len() - 1, self.known_s[self.known_s.len() - 1]);
-        // At the end the motion rests: a twentieth of a step more or less changes nothing.
+        // The motion rests at its end, so that a twentieth of a step does not matter.
         let at = |(k, t): (usize, &f64)| if k == steps { last_s } else { t.min(last_s) };
         self.times_s.iter().enumerate().map(|time| spline.value(at(time))).collect()
     }
 
-    /// Of each time, the line of the last known one that is not later; none where samples have no lines.
+    /// For each time, the line of the last known time that is not later; empty for samples without lines.
     pub(super) fn lines(&self, lines: &[u64]) -> Vec<u64> {
         let line = |time_s: &f64| {
             let is_not_later = |known_s: &f64| *known_s <= time_s + SAME_TIME * self.step_s;
@@ -255,7 +255,7 @@ impl<'a> Uniform<'a> {
     }
 }
 
-/// The displacement in m of a velocity.
+/// Displacement in m from a velocity.
 fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
     let (len, last) = (time_s.len(), time_s.len() - 1);
     if ends != Ends::Periodic {
@@ -268,7 +268,7 @@ fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
     all[len..2 * len].iter().map(|m| m - all[len]).collect()
 }
 
-/// Refuses a displacement that is hardly more than its uncertainty. What velocities or accelerations leave uncertain is an
+/// Refuses a displacement that hardly exceeds its uncertainty. The uncertainty from velocities or accelerations is an
 /// error of the solution, which warns of it.
 fn check_worth(motion: &TipMotion, name: &str) -> Result<(), TableError> {
     let uncertain = motion.recording().uncertainty.filter(|own| own.times() == 0);

@@ -10,16 +10,16 @@ use super::unit_name::split_any_unit;
 use crate::compare::{Cell, Table, TableColumn};
 use crate::numeric::magnitude;
 
-/// Factor of decibels to powers of ten.
+/// Factor from decibels to powers of ten.
 const DECIBELS: f64 = 0.05;
 
-/// Largest difference of a value below 0 Hz from the conjugate of the one above, over its size.
+/// Largest difference between a value below 0 Hz and the conjugate of the value above, over its size.
 const CONJUGATE: f64 = 0.01;
 
-/// Largest relative difference of frequencies that are the same but for the sign and rounding.
+/// Largest relative difference of frequencies that are equal except for sign and rounding.
 const SAME_FREQUENCY: f64 = 1e-4;
 
-/// A column of a measured response, with the factor that makes SI of its numbers.
+/// A column of a measured response, with the factor from its numbers to SI.
 struct Found<'a> {
     column: &'a TableColumn,
     factor: f64,
@@ -31,18 +31,18 @@ struct Found<'a> {
 pub struct ResponseTable {
     /// Frequencies in Hz, above 0.
     pub frequencies_hz: Vec<f64>,
-    /// The value at each.
+    /// Value at each frequency.
     pub values: Vec<Complex64>,
-    /// What was guessed, and which rows were left out.
+    /// Guesses and ignored rows.
     pub reading: Reading,
 }
 
 /// Reads a measured frequency response.
 ///
-/// Columns are `frequency` and either `real` and `imaginary`, or `gain` and `phase`; units in brackets or
-/// parentheses may be Hz, kHz, rad/s, dB, deg and rad. Without unit a number is SI, a phase in radians; phases
-/// that cannot be radians are degrees. Other columns are left. Rows below 0 Hz, as of a two-sided spectrum, are
-/// held against the conjugates of those above, and left out.
+/// Columns are `frequency` and either `real` and `imaginary`, or `gain` and `phase`; units in brackets or parentheses
+/// may be Hz, kHz, rad/s, dB, deg and rad. Numbers without a unit are in SI, phases in radians; phases that cannot be
+/// radians are degrees. Other columns are ignored. Rows below 0 Hz, as in a two-sided spectrum, are compared with the
+/// conjugates of those above, and removed.
 ///
 /// ```
 /// use flexlink::csv::read_frequency_response;
@@ -54,8 +54,8 @@ pub struct ResponseTable {
 /// ```
 ///
 /// # Errors
-/// [`TableError`] names the column that is missing, the line of a field that is no finite number, a row at 0 Hz,
-/// and a row below 0 Hz that is no conjugate of the row above.
+/// [`TableError`] names a missing column, the line of a field that is not finite, a row at 0 Hz, and a row below 0 Hz
+/// that is no conjugate of the row above.
 pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable, TableError> {
     let table = read_table(name, bytes)?;
     let place = Place { file: name, line: None };
@@ -65,7 +65,7 @@ pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable
         "rad/s" => Some(0.5 / PI),
         _ => None,
     };
-    // SI as the transfers have it; decibels are 20 lg of it.
+    // SI as in the transfers; decibels are 20 times its decimal logarithm.
     let si = |unit: &str| match unit {
         "" | "rad/(n m)" | "rad/n/m" | "1/(n m s)" | "1/(kg m)" | "1" | "1/n" | "1/(n m)" => {
             Some(1.0)
@@ -130,8 +130,8 @@ pub fn read_frequency_response(name: &str, bytes: &[u8]) -> Result<ResponseTable
 }
 
 impl ResponseTable {
-    /// Leaves out the rows below 0 Hz and returns what to say of it; refuses one that is no conjugate of the row above.
-    /// A row without one above, as at half the sampling rate, is left out, too.
+    /// Removes the rows below 0 Hz and returns a note on them; refuses a row that is no conjugate of the row above. It
+    /// also removes a row without one above, such as at half the sampling rate.
     fn leave_out_rows_below_0_hz(
         &mut self,
         refuse: impl Fn(usize, &str) -> TableError,
@@ -192,7 +192,7 @@ fn gains(table: &Table, found: &Found, place: Place) -> Result<Vec<f64>, TableEr
     }
 }
 
-/// The column of one of these names, in any case, and the factor of its unit.
+/// The column with one of these names, in any case, and the factor of its unit.
 fn found<'a>(
     table: &'a Table,
     names: &[&str],

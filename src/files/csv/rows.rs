@@ -10,11 +10,11 @@ pub use super::place::TableError;
 pub(crate) use super::place::{Place, quoted};
 use super::unit_name::in_brackets;
 
-/// Reads the CSV text `bytes` of `file`: `first` returns a value for the first row, `next` changes it for
-/// each further row. None for a text without rows.
+/// Reads the CSV text `bytes` of `file`: `first` makes a value from the first row, `next` updates it with each further
+/// row. `None` for a text without rows.
 ///
-/// Both get the line of the row and its trimmed fields; comments, blank lines and a byte order mark are
-/// skipped. Commas divide the fields.
+/// Both receive the line of the row and its trimmed fields; comments, blank lines and a byte order mark are skipped.
+/// Commas divide the fields.
 ///
 /// # Errors
 /// Those of `first` and `next`, and [`TableError`] for text that is not UTF-8 or not CSV.
@@ -28,10 +28,10 @@ pub(crate) fn read_rows<T>(
     read_rows_as(file, bytes, |_| Ok(Dialect::default()), first, next)
 }
 
-/// The same for a text in the dialect that `detect` finds; decimal commas arrive as points.
+/// [`read_rows`] for a text in the dialect that `detect` finds; decimal commas become points.
 ///
 /// # Errors
-/// As [`read_rows`], and those of `detect`.
+/// Those of [`read_rows`] and of `detect`.
 pub(super) fn read_rows_as<T>(
     file: &str,
     bytes: &[u8],
@@ -74,7 +74,7 @@ pub(crate) fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, TableErro
     })
 }
 
-/// Takes every row after the lines that the dialect leaves out.
+/// Takes every row after the lines that the dialect skips.
 fn each_row(
     file: &str,
     text: &str,
@@ -103,7 +103,7 @@ fn each_row(
     }
 }
 
-/// A number with a decimal comma, written with a point; any other field as it is.
+/// Rewrites a number with a decimal comma with a point; other fields stay unchanged.
 fn with_point<'a>(field: &'a str, place: Place) -> Result<Cow<'a, str>, TableError> {
     if !field.contains(['.', ',']) {
         return Ok(field.into());
@@ -118,8 +118,7 @@ fn with_point<'a>(field: &'a str, place: Place) -> Result<Cow<'a, str>, TableErr
     Ok(if is_number { point.into() } else { field.into() })
 }
 
-/// True if every line feed ends a line and every delimiter a field: such text is read several times
-/// faster.
+/// True if every line feed ends a line and every delimiter a field: reading such text is several times faster.
 fn is_plain(text: &str) -> bool {
     !text.as_bytes().contains(&b'"') && !has_lone_return(text)
 }
@@ -153,7 +152,7 @@ fn each_plain_row<const DELIMITER: u8>(
     Ok(())
 }
 
-/// Takes the rows of a text whose fields blanks divide.
+/// Takes the rows of a text with blanks between its fields.
 fn each_blank_row(
     file: &str,
     text: &str,
@@ -203,8 +202,8 @@ fn each_quoted_row(
     }
 }
 
-/// Index in `bytes` where a row begins. The position of the record is before the comments, blank lines
-/// and the rest of a line end that the reader skipped.
+/// Index in `bytes` of the start of a row. The record's position precedes the comments, blank lines and line ends that
+/// the reader skipped.
 fn start_of(record: &StringRecord, bytes: &[u8]) -> usize {
     let looked_from = record.position().map_or(0, csv::Position::byte);
     let mut start = usize::try_from(looked_from).unwrap_or(bytes.len());
@@ -217,7 +216,7 @@ fn start_of(record: &StringRecord, bytes: &[u8]) -> usize {
     }
 }
 
-/// Refuses comments in a file whose lines end in CR: the reader ends a comment only at LF.
+/// Refuses comments in a file with CR line ends, because the reader ends a comment only at LF.
 fn check_line_ends(file: &str, text: &str) -> Result<(), TableError> {
     let comments = text.split('\r').any(|line| line.starts_with('#'));
     if text.contains('\n') || !text.contains('\r') || !comments {
@@ -226,7 +225,7 @@ fn check_line_ends(file: &str, text: &str) -> Result<(), TableError> {
     Err(returns(file, "must be LF or CR LF where there are comments"))
 }
 
-/// Refuses line ends of the old Macintosh.
+/// Error for line ends of the old Macintosh.
 fn returns(file: &str, must: &str) -> TableError {
     let hint = "save the file with the line ends of Unix or Windows";
     Place { file, line: Some(1) }.refuse("line end", "CR", must).with_hint(hint.to_owned())
@@ -242,19 +241,19 @@ fn line_ends(bytes: &[u8], from: usize, to: usize) -> u64 {
     (from..to).filter(ends).map(|_| 1).sum()
 }
 
-/// A field without the quotes that the reader leaves after a blank.
+/// Removes quotes that the reader leaves after a blank.
 fn unquoted(field: &str) -> &str {
     let inner = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
     inner.map_or(field, str::trim)
 }
 
-/// The last column of a sweep that is not finished: the first digits of the SHA-256 of what is before
-/// it in the row, so that a number that was changed is noticed.
+/// Name of the last column of an unfinished sweep: the first digits of the SHA-256 of the row before it, which reveal a
+/// changed number.
 pub(crate) const CHECK: &str = "check";
 
 const CHECK_DIGITS: usize = 8;
 
-/// Rows with a check at the end of each; a row that is cut off gets none.
+/// Adds a check to the end of each row; an incomplete row gets none.
 pub fn checked_rows(rows: &str) -> String {
     let checked = |row: &str| match row.strip_suffix('\n') {
         Some(row) => format!("{row},{}\n", check_of(row)),
@@ -263,12 +262,12 @@ pub fn checked_rows(rows: &str) -> String {
     rows.split_inclusive('\n').map(checked).collect()
 }
 
-/// The names of the columns of checked rows, with the line end.
+/// Names of the columns of checked rows, with the line end.
 pub fn checked_header(header: &str) -> String {
     format!("{},{CHECK}\n", header.trim_end())
 }
 
-/// Lines without their last column, the check.
+/// Removes the last column, the check, from all lines.
 pub(crate) fn without_checks(text: &str) -> String {
     text.lines()
         .flat_map(|line| [line.rsplit_once(',').map_or(line, |(row, _)| row), "\n"])
@@ -281,7 +280,7 @@ fn check_of(row: &str) -> String {
     digits
 }
 
-/// Refuses a row whose check is not that of its content.
+/// Refuses a row whose check does not match its content.
 pub(crate) fn check_content(row: &str, check: &str, place: Place) -> Result<(), TableError> {
     let must = check_of(row);
     if check == must {

@@ -13,46 +13,46 @@ use crate::numeric::{CubicSpline, SplineEnds};
 use crate::recording::{Digits, Rounding, jitter};
 use crate::result::Remark;
 
-/// Fewest samples that a table may have.
+/// Fewest samples of a table.
 pub(super) const MIN_SAMPLES: usize = 4;
 
-/// Longest number that a message shows whole.
+/// Longest number that a message shows in full.
 const LONGEST_SHOWN: usize = 60;
 
-/// The notation of numbers, for hints.
+/// Notation of numbers, for hints.
 const NUMBERS: &str = "write a point before decimals, and nothing between thousands";
 
-/// The option for numbers with decimal commas, for hints.
+/// Option for numbers with decimal commas, for hints.
 const COMMAS: &str = "--decimal comma reads decimal commas";
 
-/// What to do about names beyond the fields of the rows, for hints.
+/// Remedy for names beyond the fields of the rows, for hints.
 const NO_FIELD: &str = "the rows have no field for the last names: --skip leaves the names out, and --columns \
                         time=1,displacement=2 says which column is what";
 
-/// What to do about names that blanks divide, for hints.
+/// Remedy for names divided by blanks, for hints.
 const WORDS: &str = "blanks divide names of several words, too: --skip leaves the names out, and --columns \
                      time=1,displacement=2 says which column is what";
 
-/// The columns of a table over time that the program reads, in SI, with the line of each sample.
+/// Columns of a table over time that the program uses, in SI, with the line of each sample.
 pub(super) struct Samples {
     /// Number of all columns of the table.
     width: usize,
     pub(super) headings: Vec<Heading>,
-    /// The values of each heading.
+    /// Values of each heading.
     pub(super) values: Vec<Vec<f64>>,
     pub(super) lines: Vec<u64>,
     /// True if blanks divide the fields.
     has_blanks: bool,
-    /// The last time as written.
+    /// Last time as written.
     time_text: String,
-    /// Of each heading, those of the quantities that are followed.
+    /// Digits of each heading, counted for prescribed quantities.
     digits: Vec<Digits>,
-    /// What was found beyond the standard form.
+    /// Deviations of the table from the standard form.
     pub(super) reading: Reading,
 }
 
 impl Samples {
-    /// Reads a table; `read_columns` finds the columns from its first row, one of them the time.
+    /// Reads a table; `read_columns` finds the columns, including the time, from its first row.
     pub(super) fn read(
         name: &str,
         bytes: &[u8],
@@ -101,23 +101,23 @@ impl Samples {
         self.headings.iter().position(|heading| heading.quantity == TIME)
     }
 
-    /// Takes the column of a quantity, if there is one.
+    /// Takes the column of a quantity, if present.
     pub(super) fn take(&mut self, quantity: Quantity) -> Option<Vec<f64>> {
         let index = self.headings.iter().position(|heading| heading.quantity == quantity)?;
         Some(std::mem::take(&mut self.values[index]))
     }
 
-    /// The unit of a quantity's column in SI; 1 without such a column.
+    /// Unit of a quantity's column in SI; 1 without such a column.
     pub(super) fn unit(&self, quantity: Quantity) -> f64 {
         let heading = self.headings.iter().find(|heading| heading.quantity == quantity);
         heading.map_or(1.0, |heading| heading.to_si(1.0))
     }
 
-    /// Takes all samples of a reader that needs uniform times: the times, then the column of each quantity.
+    /// Takes all samples for a reader that needs uniform times: the times, then the column of each quantity.
     ///
-    /// Where the times are off the uniform grid by more than their digits explain, and by no more than
-    /// [`LARGEST_JITTER`] steps, a spline through the samples is taken at uniform times from the first to the
-    /// last. Others are left as they are, to be refused.
+    /// If the times are off the uniform grid by more than their digits explain, but by at most [`LARGEST_JITTER`]
+    /// steps, a spline through the samples yields values at uniform times from the first to the last. Other times stay
+    /// as they are, and are refused later.
     ///
     /// [`LARGEST_JITTER`]: crate::recording::LARGEST_JITTER
     pub(super) fn take_uniform<const N: usize>(
@@ -130,7 +130,7 @@ impl Samples {
         (uniform_s, columns)
     }
 
-    /// Interpolates columns at uniform times, where their times are off the uniform grid; returns the times.
+    /// Interpolates columns at uniform times, if their times are off the uniform grid; returns the times.
     pub(super) fn make_uniform(
         &mut self,
         time_s: Vec<f64>,
@@ -151,11 +151,11 @@ impl Samples {
         uniform_s
     }
 
-    /// To which decimal a quantity that is followed is rounded, the step in SI.
+    /// Rounding of a prescribed quantity, with its step in SI.
     pub(super) fn rounding_of(&self, quantity: Quantity) -> Option<Rounding> {
         let is_meant = |(heading, _): &(&Heading, &Digits)| heading.quantity == quantity;
         let (heading, digits) = self.headings.iter().zip(&self.digits).find(is_meant)?;
-        // A factor of --scale may turn the sign.
+        // A negative factor of --scale turns the sign.
         digits.rounding().map(|own| Rounding { step: heading.to_si(own.step).abs(), ..own })
     }
 
@@ -194,13 +194,13 @@ impl Samples {
     }
 }
 
-/// True of what a motion or a path prescribes: the digits of its samples tell how far they are to be trusted.
+/// True for quantities that a motion or a path prescribes, whose digits show how exact they are.
 fn is_followed(quantity: Quantity) -> bool {
     let of_a_tip = [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, PATH_X, PATH_Y];
     of_a_tip.contains(&quantity) || ANGLES.contains(&quantity)
 }
 
-/// Refuses one of the samples whose `lines` these are, or all of them, for the reason `why`.
+/// Error about one of the samples with these `lines`, or all of them, for the reason `why`.
 pub(super) fn refuse_samples(
     file: &str,
     lines: &[u64],
@@ -208,12 +208,12 @@ pub(super) fn refuse_samples(
     why: &impl ToString,
     hint: Option<&str>,
 ) -> TableError {
-    // Samples of no file have no lines.
+    // Samples without a file have no lines.
     let place = Place { file, line: sample.and_then(|sample| lines.get(sample).copied()) };
     place.refuse_whole(&why.to_string()).with_hint(hint.map(str::to_owned))
 }
 
-/// One field of a column, in SI.
+/// Reads a field of a column in SI.
 fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, TableError> {
     let finite = "must be a finite number";
     if field.is_empty() {
@@ -231,12 +231,12 @@ fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, Tabl
     }
 }
 
-/// A number in a message: it may have millions of digits.
+/// Text of a number in a message: it may have millions of digits.
 fn shown(field: &str) -> String {
     if field.len() <= LONGEST_SHOWN { field.to_owned() } else { quoted(field) }
 }
 
-/// What the user may have meant by a field that is not a number.
+/// Possible meaning of a field that is not a number.
 fn hint_for(field: &str, heading: &Heading) -> Option<String> {
     let has_clock = field.contains(':') || field.matches(['-', '/', '.']).count() == 2;
     if heading.quantity == TIME && has_clock && field.starts_with(|c: char| c.is_ascii_digit()) {
@@ -249,7 +249,7 @@ fn hint_for(field: &str, heading: &Heading) -> Option<String> {
     })
 }
 
-/// True if a field could be a part of a number that commas divide.
+/// True if a field could be part of a number divided by commas.
 fn is_digits(field: &str) -> bool {
     let digits = field.strip_prefix(['-', '+']).unwrap_or(field);
     !digits.is_empty()
@@ -258,12 +258,12 @@ fn is_digits(field: &str) -> bool {
 
 /// Reads any CSV table: a row of names, then rows of numbers or words, `#` before comments.
 ///
-/// If the first row has only numbers, it is data, and the columns are called `column 1`, `column 2` and
-/// so on, as is a column without a name. Errors call the file `name`.
+/// If the first row has only numbers, it is data, and the columns are called `column 1`, `column 2` and so on; so is a
+/// column without a name. Errors call the file `name`.
 ///
 /// # Errors
-/// [`TableError`] names the line of a row with another number of fields than there are columns, of a
-/// name that occurs twice, and of text that is not CSV in UTF-8; it refuses an empty table, too.
+/// [`TableError`] names the line of a row with another number of fields than columns, of a repeated name, and of text
+/// that is not CSV in UTF-8; an empty table is an error, too.
 pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
     let whole = Place { file: name, line: None };
     let at = |line| Place { line: Some(line), ..whole };
@@ -277,7 +277,7 @@ pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
         .ok_or_else(|| whole.refuse("content", "nothing", "must hold a row of names or of numbers"))
 }
 
-/// The table whose first row this is, of names or of numbers.
+/// Starts a table with its first row, of names or of numbers.
 fn begun(fields: &[&str], line: u64, place: Place) -> Result<Table, TableError> {
     check_separator(fields, place)?;
     if fields.iter().any(|field| field.parse::<f64>().is_err()) {

@@ -10,10 +10,10 @@ use super::number::{Digits, NumberFormat, time_format};
 use crate::inverse::{NodalTable, Stage, Watch};
 use crate::numeric::ThinnedGrid;
 
-/// Numbers that a thread formats at a time: their text fits its cache.
+/// Count of numbers that a thread formats at a time: their text fits its cache.
 const BLOCK_NUMBERS: usize = 1 << 14;
 
-/// Blocks that each thread formats in a round.
+/// Number of blocks that each thread formats in a round.
 const BLOCKS_PER_THREAD: usize = 2;
 
 /// One column of a table.
@@ -21,11 +21,11 @@ const BLOCKS_PER_THREAD: usize = 2;
 pub struct Column<'a> {
     /// Heading: the word and its unit, `torque_n_m`.
     pub name: String,
-    /// One value a row. Where one is not finite, the field stays empty.
+    /// Values, one a row. The field of a value that is not finite stays empty.
     pub values: &'a [f64],
 }
 
-/// Columns of one unit, which share their peak and so their number of decimals.
+/// Columns of one unit, with a common peak and so a common number of decimals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnGroup<'a> {
     /// The columns, from the left.
@@ -40,7 +40,7 @@ impl ColumnGroup<'_> {
     }
 }
 
-/// Columns of one unit.
+/// Makes a group of columns of one unit.
 pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a [f64]); N]) -> ColumnGroup<'a> {
     let columns = columns.map(|(name, values)| Column { name: name.to_owned(), values });
     ColumnGroup { columns: columns.into() }
@@ -51,7 +51,7 @@ pub(crate) fn group<'a, const N: usize>(columns: [(&str, &'a [f64]); N]) -> Colu
 /// Rows are formatted in parallel; the bytes do not depend on the number of threads.
 ///
 /// # Errors
-/// Those of `out`, and one of invalid input if a column has not as many values as there are times.
+/// Those of `out`; invalid input if columns and times differ in length.
 pub fn write_csv(
     out: &mut (dyn Write + Send),
     time: &ThinnedGrid,
@@ -62,7 +62,7 @@ pub fn write_csv(
     write_over_time(out, ("time_s", &time_s), groups, digits)
 }
 
-/// [`write_csv`] with these times in s, and another heading of them.
+/// [`write_csv`] with times in s and their heading.
 pub(super) fn write_over_time(
     out: &mut (dyn Write + Send),
     (heading, time_s): (&str, &[f64]),
@@ -79,8 +79,8 @@ pub(super) fn write_over_time(
     write_table(out, Some((heading, time_s, format)), rows, groups, digits)
 }
 
-/// Writes columns of any length, each with decimals for its own peak, after one of whole numbers. Fields beyond the end of
-/// a column are empty.
+/// Writes columns of any length, each with decimals for its peak, after an optional column of whole numbers. Fields
+/// beyond the end of a column are empty.
 ///
 /// # Errors
 /// Those of `out`.
@@ -97,7 +97,7 @@ pub(crate) fn write_columns(
     write_table(out, first, rows, &groups, digits)
 }
 
-/// Writes a table of `rows` rows, its first column with a format of its own.
+/// Writes a table of `rows` rows; its first column has a separate format.
 fn write_table(
     out: &mut (dyn Write + Send),
     first: Option<(&str, &[f64], CellFormat)>,
@@ -128,8 +128,8 @@ fn write_table(
     out.write_all(b"\n")
 }
 
-/// Writes a quantity at the nodes of a link over time: a header, then one row a sample, `time_s`
-/// first and then a column a node, headed `letter`, its number and `unit`.
+/// Writes a quantity at the nodes of a link over time: a header, then one row a sample. `time_s` comes first, then a
+/// column for each node, headed `letter`, its number and `unit`.
 ///
 /// # Errors
 /// Those of `out`.
@@ -145,7 +145,7 @@ pub(crate) fn write_nodal(
     write_names(out, std::iter::once("time_s".to_owned()).chain(names))?;
     let times = CellFormat::new(time_format(|k| grid.time_s(k), grid.len()));
     let are_one = |found, bound| digits.for_peak(found) == digits.for_peak(bound);
-    // The shortest digits need no peak, which takes a pass through all nodes.
+    // The shortest digits need no peak, whose search takes a pass over all nodes.
     let peak = if digits == Digits::Full { 0.0 } else { table.peak(watch, are_one) };
     let values = CellFormat::new(digits.for_peak(peak));
     for number in 0..table.blocks() {
@@ -169,7 +169,7 @@ pub(crate) fn write_nodal(
     out.write_all(b"\n")
 }
 
-/// Writes the names of the columns without a line end: every row begins with that of the line before.
+/// Writes the names of the columns without a line end: every row begins with the line end of the row before.
 fn write_names<S: AsRef<str>>(
     out: &mut (dyn Write + Send),
     names: impl Iterator<Item = S>,
@@ -182,8 +182,7 @@ fn write_names<S: AsRef<str>>(
     Ok(())
 }
 
-/// Reserves memory for all rows of a block after the first of them, so that the text does not move
-/// while it grows.
+/// Reserves memory for all rows of a block after its first row, so that the text does not move while it grows.
 fn reserve_rows(text: &mut Vec<u8>, row: usize, rows: usize) {
     if row == 0 {
         text.reserve(text.len() * rows * 9 / 8);
@@ -204,11 +203,10 @@ fn write_blocks(
     })
 }
 
-/// Writes the text of `blocks` blocks in their order; `make` appends the text of one block to an empty
-/// buffer.
+/// Writes the text of `blocks` blocks in their order; `make` appends the text of one block to an empty buffer.
 ///
-/// All threads make a round of blocks while one of them writes the round before, so that two rounds at
-/// most are in memory.
+/// All threads make a round of blocks while one of them writes the round before, so that at most two rounds are in
+/// memory.
 ///
 /// # Errors
 /// Those of `out`.
@@ -363,7 +361,7 @@ mod tests {
         }
     }
 
-    /// A disk that is full after some writes.
+    /// A disk that becomes full after some writes.
     struct Full(usize);
 
     impl Write for Full {

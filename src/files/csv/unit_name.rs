@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use crate::numeric::{Dimension, Unit, UnitError, may_count_turns};
 
-/// A unit as it was written.
+/// A unit as written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitName {
     pub(super) text: String,
@@ -47,7 +47,7 @@ const SPELLINGS: [(&[&str], &str); 13] = [
     (&["microstrain", "µε", "με"], "um/m"),
 ];
 
-/// Reads a unit as headings spell it, `Nm` and `m/s2` included; refuses a rate that may count turns.
+/// Reads a unit as spelt in headings, including `Nm` and `m/s2`; refuses a rate that may count turns.
 pub(super) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     let known = SPELLINGS.iter().find(|(spellings, _)| spellings.contains(&text));
     let text = known.map_or(text, |(_, unit)| unit);
@@ -61,7 +61,7 @@ pub(super) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     Ok(unit)
 }
 
-/// The name in front of a unit in brackets, and that unit.
+/// The name before a unit in square brackets, and the unit.
 pub(super) fn split_unit(field: &str) -> (&str, Option<&str>) {
     match field.strip_suffix(']').and_then(|f| f.split_once('[')) {
         Some((name, unit)) => (name.trim(), Some(unit.trim())),
@@ -69,7 +69,7 @@ pub(super) fn split_unit(field: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// The name in front of a unit in square brackets or in parentheses, and that unit.
+/// The name before a unit in square brackets or parentheses, and the unit.
 pub(super) fn split_any_unit(field: &str) -> (&str, Option<&str>) {
     let round = || field.strip_suffix(')').and_then(|f| f.split_once('('));
     match split_unit(field) {
@@ -81,8 +81,8 @@ pub(super) fn split_any_unit(field: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// The fields of a row that blanks divide. What is in quotes or in brackets is not divided, and a unit in
-/// brackets belongs to the name before it: `Time (s)`.
+/// Fields of a row divided by blanks. Quotes and brackets are not divided, and a unit in brackets belongs to the name
+/// before it: `Time (s)`.
 pub(super) fn in_brackets(row: &str) -> Vec<&str> {
     let mut spans: Vec<(usize, usize)> = Vec::new();
     let (mut open, mut depth, mut in_quotes) = (None, 0_usize, false);

@@ -1,5 +1,5 @@
-//! Keys of the link file that exclude, replace or need each other: stiffness and mass, shapes of
-//! cross-sections, damping laws; and the JSON Schema of these alternatives.
+//! Keys of the link file that exclude, replace or need each other: stiffness and mass, shapes of cross-sections,
+//! damping laws; and their JSON Schema.
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 
 use crate::elastica::SecondOrder;
 
-/// A property along the segment, given as a whole or as a material's constant times a property of the
-/// cross-section, which is given itself or follows from `section`.
+/// A property along the segment: given as a whole, or as a material's constant times a property of the cross-section,
+/// which is a key or follows from `section`.
 pub(super) struct Property {
     pub(super) name: &'static str,
     pub(super) whole: &'static str,
@@ -28,7 +28,7 @@ pub(super) const MASS: Property = Property {
 
 pub(super) const PROPERTIES: [Property; 2] = [STIFFNESS, MASS];
 
-/// The schema of a segment: each property in one of its three ways; a section serves one of them.
+/// Adds the schema of a segment: each property in one of its three ways; a section serves one of them.
 pub(super) fn properties(schema: &mut Schema) {
     let ways = PROPERTIES.map(|Property { whole, material, shape, .. }| {
         json!({ "oneOf": [
@@ -50,7 +50,7 @@ pub(super) fn properties(schema: &mut Schema) {
     schema.insert("dependencies".into(), dependencies);
 }
 
-/// Matches a table that has one of the keys.
+/// Schema of a table with one of the keys.
 fn one_of(keys: &[&str]) -> Value {
     let required: Vec<Value> = keys.iter().map(|key| json!({ "required": [key] })).collect();
     json!({ "anyOf": required })
@@ -96,12 +96,12 @@ pub(super) enum Shape {
 impl Shape {
     const ALL: [Self; 4] = [Self::Rectangle, Self::Circle, Self::Tube, Self::Box];
 
-    /// Its word in the file.
+    /// Name of the shape in the file.
     pub(super) fn name(self) -> String {
         format!("{self:?}").to_lowercase()
     }
 
-    /// The dimensions that it takes.
+    /// Keys of the shape's dimensions.
     pub(super) fn dimensions(self) -> &'static [&'static str] {
         match self {
             Self::Rectangle => &["width", "thickness"],
@@ -112,7 +112,7 @@ impl Shape {
     }
 }
 
-/// The schema of a section: just the dimensions of its shape.
+/// Adds the schema of a section: exactly the dimensions of its shape.
 pub(super) fn dimensions(schema: &mut Schema) {
     let shapes = Shape::ALL.map(|shape| {
         let mut then = only(schema, "shape", shape.dimensions());
@@ -137,12 +137,12 @@ impl Model {
     pub(super) const ALL: [Self; 5] =
         [Self::Hysteretic, Self::Modal, Self::Rayleigh, Self::Caughey, Self::None];
 
-    /// Its word in the file.
+    /// Name of the law in the file.
     pub(super) fn name(self) -> String {
         format!("{self:?}").to_lowercase()
     }
 
-    /// Its keys besides `model`.
+    /// Keys of the law besides `model`.
     pub(super) fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Hysteretic => &["ratio"],
@@ -153,7 +153,7 @@ impl Model {
         }
     }
 
-    /// Which of its keys belong together, in words.
+    /// Combinations of its keys, in words.
     pub(super) fn takes(self) -> &'static str {
         match self {
             Self::Hysteretic => "ratio only",
@@ -164,7 +164,7 @@ impl Model {
         }
     }
 
-    /// The schema of the combinations of keys that it takes.
+    /// Schema of its combinations of keys.
     fn combinations(self) -> Value {
         let one_ratio_or_list = json!([{ "required": ["ratio"] }, { "required": ["ratios"] }]);
         match self {
@@ -193,7 +193,7 @@ impl Model {
     }
 }
 
-/// The schema of damping: just the keys of its model, in one of the combinations that the model takes.
+/// Adds the schema of damping: only the keys of its model, in one of the model's combinations.
 pub(super) fn combinations(schema: &mut Schema) {
     let laws = Model::ALL.map(|model| {
         let mut then = only(schema, "model", model.keys());
@@ -201,7 +201,7 @@ pub(super) fn combinations(schema: &mut Schema) {
             then.extend(combinations);
         }
         let mut condition = json!({ "properties": { "model": { "const": model.name() } } });
-        // A table that names no model is hysteretic.
+        // A table without a model is hysteretic.
         if model != Model::Hysteretic {
             condition["required"] = json!(["model"]);
         }
@@ -210,7 +210,7 @@ pub(super) fn combinations(schema: &mut Schema) {
     schema.insert("allOf".into(), json!(laws));
 }
 
-/// Refuses all keys of a schema but `name` and those that are taken.
+/// Schema that refuses all keys of a schema except `name` and `takes`.
 fn only(schema: &Schema, name: &str, takes: &[&str]) -> Map<String, Value> {
     let known = schema.get("properties").and_then(Value::as_object);
     let others = known.into_iter().flat_map(Map::keys);

@@ -17,17 +17,17 @@ use crate::result::{Limits, Remark};
 pub struct Specification {
     /// The physical link.
     pub link: Link,
-    /// How the link is meshed.
+    /// Mesh of the link.
     pub mesh: MeshPlan,
     /// Tolerances, window and modes of the inversion.
     pub analysis: Analysis,
-    /// Largest values that link and motor may reach.
+    /// Largest allowed values of link and motor.
     pub limits: Limits,
-    /// Values that are possible but rare, often a slip of units.
+    /// Possible but unusual values, often a slip of units.
     pub remarks: Vec<Remark>,
 }
 
-/// The specification that a tree describes.
+/// Reads the specification from a tree.
 pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
     convert(RawSpecification::deserialize(tree)?)
 }
@@ -43,7 +43,7 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
         let at = |key: &str| format!("segments.{index}.{key}");
         let modulus = segment.modulus.and_then(|e| Remark::on_modulus(&at("E"), e.si()));
         let density = segment.density.and_then(|rho| Remark::on_density(&at("density"), rho.si()));
-        // Who names the theory of thick links means a thick one.
+        // A named theory of thick links shows that the link is meant to be thick.
         let theory = segment.theory.or(raw.theory);
         let section = segment.section.as_ref().filter(|_| theory != Some(Theory::Timoshenko));
         let section = section.and_then(|section| {

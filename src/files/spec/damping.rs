@@ -4,7 +4,7 @@ use super::raw::RawDamping;
 use super::value::{Count, Si};
 use crate::link::{Damping, in_unit_interval};
 
-/// The damping law that `[damping]` gives.
+/// Damping law of `[damping]`.
 pub(super) fn damping(raw: &RawDamping) -> Result<Damping, Fault> {
     let model = match raw.model {
         Some(model) => model,
@@ -46,7 +46,7 @@ fn refuse_surplus(raw: &RawDamping, model: Model) -> Result<(), Fault> {
     })
 }
 
-/// A hint for a surplus key: mostly the model that takes it.
+/// Hint for a surplus key: mostly the model that it belongs to.
 fn instead(key: &str, model: Model) -> &'static str {
     match key {
         _ if model == Model::None => {
@@ -59,13 +59,13 @@ fn instead(key: &str, model: Model) -> &'static str {
     }
 }
 
-/// Refuses a law that no key gives.
+/// Error for a law without keys.
 fn neither(model: Model) -> Fault {
     let (name, takes) = (model.name(), model.takes());
     Fault::new("damping", format!("damping gives neither, but {name} must have {takes}"))
 }
 
-/// Refuses a law that is given in two ways; the error points at the last of its keys.
+/// Error for a law given in two ways; it points at the last of its keys.
 fn both(model: Model) -> Fault {
     let (name, takes) = (model.name(), model.takes());
     let paths = model.keys().iter().map(|key| format!("damping.{key}"));
@@ -83,7 +83,7 @@ fn by_modes(raw: &RawDamping, model: Model) -> Result<Damping, Fault> {
         (None, None, None) => Err(neither(model).hinting(USUAL_RATIO.to_owned())),
         (None, None, Some(_)) => Err(modes_alone()),
         (Some(ratio), None, None) => {
-            // The link has a list only; this error names `ratio`.
+            // The link has only a list; this error names `ratio`.
             in_unit_interval("damping.ratio", ratio)?;
             Ok(Damping::Modal { ratios: vec![ratio] })
         }

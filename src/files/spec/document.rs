@@ -1,4 +1,4 @@
-//! Files of a link, and of an arm: links one after the other, each with the keys of a link file.
+//! Files of a link, and of an arm: a chain of links, each with the keys of a link file.
 
 use std::mem;
 
@@ -15,10 +15,10 @@ use crate::inverse::Analysis;
 use crate::link::{Arm, ArmLink, ArmParts, Elbow};
 use crate::result::{Limits, Remark};
 
-/// Keys that an arm has once, which each of its links is read with.
+/// Keys that an arm has once, for all its links.
 pub(super) const SHARED: [&str; 2] = ["mesh", "analysis"];
 
-/// Keys of an arm that its only link takes from it, too.
+/// Further keys of an arm that apply to its link if it has only one.
 pub(super) const OF_ARM: [&str; 3] = ["title", "gravity", "start_angle"];
 
 /// The checked content of an arm file.
@@ -26,22 +26,22 @@ pub(super) const OF_ARM: [&str; 3] = ["title", "gravity", "start_angle"];
 pub struct ArmSpecification {
     /// The arm.
     pub arm: Arm,
-    /// How each link is meshed.
+    /// Mesh of each link.
     pub meshes: Vec<MeshPlan>,
     /// Tolerances and window of the inversion.
     pub analysis: Analysis,
-    /// Largest values that each joint, its link and its motor may reach.
+    /// Largest allowed values of each joint, its link and its motor.
     pub limits: Vec<Limits>,
-    /// Values that are possible but rare, often a slip of units.
+    /// Possible but unusual values, often a slip of units.
     pub remarks: Vec<Remark>,
-    /// Line of the file, from 1, at which each link begins; none where a `--set` wrote it.
+    /// Line of the file, from 1, at which each link begins; `None` if a `--set` wrote it.
     pub lines: Vec<Option<usize>>,
 }
 
-/// What a file describes.
+/// Content of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Described {
-    /// One link, in either form.
+    /// One link, in either form of file.
     Link(Box<Specification>),
     /// An arm of two links or more.
     Arm(Box<ArmSpecification>),
@@ -73,7 +73,7 @@ impl From<Described> for ArmSpecification {
     }
 }
 
-/// The keys of an arm file beside those of its links.
+/// Keys of an arm file besides its links.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 struct RawArm {
@@ -90,7 +90,7 @@ struct RawArm {
     _analysis: RawAnalysis,
 }
 
-/// What a link of an arm has beside the keys of a link file.
+/// Keys of an arm's link besides those of a link file.
 #[derive(Debug, Deserialize)]
 struct RawArmLink {
     name: Option<String>,
@@ -106,7 +106,7 @@ enum Side {
 
 /// Reads the text of a link file and applies the `overrides` in their order.
 ///
-/// `name` is what errors call the file.
+/// Errors call the file `name`.
 ///
 /// # Errors
 /// [`SpecError`] names the line, or the `--set`, and the wrong value.
@@ -118,14 +118,14 @@ pub fn read_specification(
     LinkDocument::read(name, text)?.specification(name, overrides)
 }
 
-/// The text of a link file, parsed once for many sets of overrides; nothing of it is checked yet.
+/// The text of a link file, parsed once for many sets of overrides, but not checked yet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkDocument {
     tree: Node,
 }
 
 impl LinkDocument {
-    /// Parses the text of a link file, which errors call `name`.
+    /// Parses the text of a link file; errors call the file `name`.
     ///
     /// # Errors
     /// [`SpecError`] names the line that is no TOML.
@@ -133,10 +133,10 @@ impl LinkDocument {
         Ok(Self { tree: Node::document(name, text)? })
     }
 
-    /// The specification with the `overrides` applied in their order.
+    /// The specification of a single link with the `overrides` applied in their order.
     ///
     /// # Errors
-    /// As [`read_specification`].
+    /// Those of [`read_specification`].
     pub fn specification(
         &self,
         name: &str,
@@ -154,7 +154,7 @@ impl LinkDocument {
         }
     }
 
-    /// What the file describes, with the `overrides` applied in their order.
+    /// The content of the file with the `overrides` applied in their order.
     ///
     /// # Errors
     /// [`SpecError`] names the line, or the `--set`, and the wrong value.
@@ -164,7 +164,7 @@ impl LinkDocument {
             let place = tree.last_place(&fault);
             fault.at(shown(place, name, overrides))
         })?;
-        // A value that was multiplied is in the unit of the value before, which alone is judged.
+        // A multiplied value keeps the unit of the value before, so that only the latter is judged.
         if overrides.iter().any(Override::is_factor) {
             let given: Vec<_> =
                 overrides.iter().filter(|change| !change.is_factor()).cloned().collect();
@@ -186,7 +186,7 @@ impl LinkDocument {
     }
 }
 
-/// A place as errors name it.
+/// Name of a place in errors.
 pub(super) fn shown(place: Place, name: &str, overrides: &[Override]) -> String {
     match place {
         Place::File => name.to_owned(),
@@ -195,7 +195,7 @@ pub(super) fn shown(place: Place, name: &str, overrides: &[Override]) -> String 
     }
 }
 
-/// What a tree describes.
+/// Reads a link or an arm from a tree.
 pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     if tree.get("links").is_none() {
         return specification_of(tree).map(|link| Described::Link(Box::new(link)));
@@ -205,7 +205,7 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     if count == 0 {
         return Err(Fault::new("links", "links = nothing, but must hold at least one [[links]]"));
     }
-    // Messages call a link as a `--set` may: by its name, or by its number.
+    // Messages name a link like a `--set`: by its name, or by its number.
     let called = |link: usize| raw.links[link].name.clone().unwrap_or_else(|| link.to_string());
     let read = |link: usize| {
         let node = link_node(tree, (link, &called(link)), count)?;
@@ -254,7 +254,7 @@ fn line_of(tree: &Node, link: usize) -> Option<usize> {
     }
 }
 
-/// A link of an arm as the tree of a link file.
+/// Makes a link of an arm the tree of a link file.
 fn link_node(tree: &Node, (link, called): (usize, &str), count: usize) -> Result<Node, Fault> {
     let list = tree.get("links").and_then(|node| node.get(&link.to_string()));
     let Some(Node { place, kind: Kind::Table(own) }) = list else {

@@ -10,7 +10,7 @@ use crate::text::{did_you_mean, excerpt, visible};
 /// Hint for a missing or wrong damping ratio.
 pub(super) const USUAL_RATIO: &str = "0.02 is usual for metal links";
 
-/// Why a link file, a `--set` on it, or a file of tolerances is refused.
+/// Error in a link file, a `--set` on it, or a file of tolerances.
 ///
 /// Reads `link.toml:14: damping.ratio = -0.02, but must lie in [0, 1)`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -22,23 +22,23 @@ pub struct SpecError {
 }
 
 impl SpecError {
-    /// What to write instead, if there is something to say.
+    /// Suggests a remedy, if there is one.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
 }
 
 impl SpecError {
-    /// The same refusal with another hint.
+    /// Replaces the hint.
     pub(super) fn hinting(self, hint: String) -> Self {
         Self { hint: Some(hint), ..self }
     }
 }
 
-/// A refusal with a dotted path, before its line is looked up.
+/// An error with a dotted path, before the search for its line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Fault {
-    /// Paths that it concerns; the error points at the one written last.
+    /// Paths concerned; the error points at the one written last.
     pub(super) paths: Vec<String>,
     message: String,
     hint: Option<String>,
@@ -58,10 +58,10 @@ impl Fault {
         self
     }
 
-    /// The refusal of what a link file holds, in a link of an arm.
+    /// Relates an error in a link file's content to a link of an arm.
     pub(super) fn of_link(mut self, (link, called): (usize, &str), is_last: bool) -> Self {
         if !is_last {
-            // What the tip of an inner link carries is read as a payload.
+            // The tip of an inner link is read as a payload.
             let renamed = |text: &str| match text.strip_prefix("payload") {
                 Some(rest) => format!("tip{rest}"),
                 None => text.replace(" payload", " tip"),
@@ -113,7 +113,7 @@ impl Fault {
         self
     }
 
-    /// The refusal, with its place as text. Control characters become visible: the texts quote the file.
+    /// Makes the error for a place. Control characters become visible, because the texts quote the file.
     pub(super) fn at(self, place: String) -> SpecError {
         let shown = |text: String| visible(&text).into_owned();
         SpecError { place, message: shown(self.message), hint: self.hint.map(shown) }
@@ -127,20 +127,20 @@ impl From<ParameterError> for Fault {
     }
 }
 
-/// Why a value does not fit the raw form.
+/// Mismatch of a value with the raw form.
 #[derive(Debug, Error)]
 #[error("{reason:?}")]
 pub(super) struct Misfit {
-    /// The path to the value, from the outside in.
+    /// Path to the value, outermost step first.
     steps: Vec<String>,
-    /// The value, as messages quote it.
+    /// The value as messages quote it.
     found: Option<String>,
     reason: Reason,
 }
 
 #[derive(Debug)]
 enum Reason {
-    /// `must be …`, or words that follow the value. A second line is the hint.
+    /// `must be …`, or words after the value. A second line is the hint.
     Value(String),
     NotTables,
     Unknown {
@@ -161,7 +161,7 @@ impl Misfit {
         Self::new(Reason::NotTables)
     }
 
-    /// Adds the step that led to the value, which messages quote as `found` unless an inner one is known.
+    /// Adds an outer step to the path; `found` quotes the value unless an inner quote exists.
     pub(super) fn below(mut self, step: String, found: impl FnOnce() -> String) -> Self {
         self.steps.insert(0, step);
         self.found.get_or_insert_with(found);

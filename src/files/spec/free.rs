@@ -1,4 +1,4 @@
-//! Values of a link file that a fit may change, and the file with the changed values in its own text.
+//! Values of a link file that a fit may change, and the file's text with the changed values.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::fit::{Free, FreeNumber, Replaced};
 use crate::numeric::{Unit, split_number};
 use crate::text::{excerpt, visible};
 
-/// Smallest and largest factor where no bounds are given.
+/// Smallest and largest factor without bounds.
 const USUAL_FACTORS: [f64; 2] = [1e-3, 1e3];
 
 /// Largest factor between the file's value and a bound.
@@ -21,7 +21,7 @@ const WIDEST: f64 = 1e12;
 /// Significant digits of a fitted value in its file: more than any measurement determines.
 const DIGITS: usize = 7;
 
-/// `PATH` or `PATH=LOW:HIGH` of the command line.
+/// Argument `PATH` or `PATH=LOW:HIGH` of the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeValue {
     place: String,
@@ -59,7 +59,7 @@ impl FreeValue {
     /// The change that multiplies the value by a factor.
     ///
     /// # Errors
-    /// [`SpecError`] if the path is none.
+    /// [`SpecError`] for an invalid path.
     pub fn times(&self, factor: f64) -> Result<Override, SpecError> {
         Override::placed(&self.place, &format!("{}*={factor:?}", self.path))
     }
@@ -76,7 +76,7 @@ impl FreeValue {
             let bound = Quantity::read(text)
                 .ok_or_else(|| self.refused(format!("{text:?} must be a number"), None))?;
             *factor = match value {
-                // A number without unit is in SI, in the file as here.
+                // A number without unit is in SI, as in the file.
                 Some(value)
                     if bound.unit.is_some()
                         && value.unit.is_some()
@@ -136,10 +136,10 @@ impl Quantity {
 }
 
 impl LinkDocument {
-    /// The bounds of a free value as factors on what the file gives.
+    /// The bounds of a free value as factors on the file's value.
     ///
     /// # Errors
-    /// [`SpecError`] where the path names no value above 0, and for bounds that do not enclose it.
+    /// [`SpecError`] if the path names no value above 0, and for bounds that do not enclose it.
     pub fn free(&self, value: &FreeValue, changes: &[Override]) -> Result<Free, SpecError> {
         let mut tree = self.changed(changes)?;
         let hint =
@@ -184,7 +184,7 @@ fn number(node: &Node) -> Option<FreeNumber> {
     Some(FreeNumber { value, unit: unit.trim().to_owned() })
 }
 
-/// The values below a node that a change has written.
+/// Collects the values below a node that a change has written.
 fn leaves_of<'a>(node: &'a Node, place: Place, found: &mut Vec<&'a Node>) {
     match &node.kind {
         Kind::Table(entries) => entries.iter().for_each(|(_, node)| leaves_of(node, place, found)),
@@ -194,11 +194,11 @@ fn leaves_of<'a>(node: &'a Node, place: Place, found: &mut Vec<&'a Node>) {
     }
 }
 
-/// The text of a link file with the values that the changes multiply replaced in place: comments, order and
-/// all else stay. Changes that add a key, or replace one, are not possible.
+/// Replaces the multiplied values in the text of a link file in place: comments, order and all else stay. Changes that
+/// add or replace a key are not possible.
 ///
 /// # Errors
-/// [`SpecError`] where a change does not fit the file.
+/// [`SpecError`] for a change that does not fit the file.
 pub fn rewrite(
     name: &str,
     text: &str,
@@ -231,8 +231,8 @@ pub fn rewrite(
     Ok((out, replaced))
 }
 
-/// True if two trees have the same keys and words, and numbers that differ in the digits alone that a fitted
-/// value is not written with.
+/// True if two trees have the same keys and words, and numbers that differ only beyond the written digits of a fitted
+/// value.
 fn is_close(a: &Node, b: &Node) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
     match (&a.kind, &b.kind) {
@@ -257,7 +257,7 @@ fn is_close(a: &Node, b: &Node) -> bool {
     }
 }
 
-/// Finds the values of the file that a change has written, with their new text.
+/// Collects the file's values that a change has written, with their new text.
 fn compare(
     path: &str,
     value: &DeValue<'_>,

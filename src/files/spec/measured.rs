@@ -30,23 +30,23 @@ struct RawMeasurements {
     motor: Option<RawMotor>,
 }
 
-/// What a file of measured values names.
+/// Content of a file of measured values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredFile {
-    /// Values.
+    /// Measured values.
     pub values: Vec<Measured>,
-    /// Frequency responses in files of their own.
+    /// Frequency responses in separate files.
     pub responses: Vec<ResponseFile>,
-    /// Recorded histories in files of their own.
+    /// Recorded histories in separate files.
     pub records: Vec<RecordFile>,
-    /// Free decays in files of their own.
+    /// Free decays in separate files.
     pub decays: Vec<DecayFile>,
     /// The motor at the hub.
     pub motor: Option<Motor>,
 }
 
-/// Reads the text of a file of measured values of an arm of so many `links`, or of one link; `name` is what errors
-/// call it.
+/// Reads the text of a file of measured values of an arm with this number of `links`, or of one link; errors call the
+/// file `name`.
 ///
 /// ```
 /// use flexlink::spec::read_measurements;
@@ -111,22 +111,22 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
     Ok(MeasuredFile { values, responses, records, decays, motor })
 }
 
-/// A frequency response in a file of its own.
+/// A frequency response in a separate file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseFile {
-    /// The file, relative to that which names it.
+    /// The file, relative to the file that names it.
     pub file: String,
-    /// What was measured.
+    /// Measured sensor.
     pub transfer: Sensor,
-    /// True if it was measured per volt at the motor, not per torque.
+    /// True if the response is per volt at the motor, not per torque.
     pub is_per_volt: bool,
-    /// Whether its scale is known.
+    /// Known or free scale of the response.
     pub gain: Gain,
     /// Distance of a strain gauge from the neutral axis in m, or 1.
     pub distance_m: f64,
-    /// Relative uncertainty of its values.
+    /// Relative uncertainty of the values.
     pub uncertainty: Option<f64>,
-    /// Number of the zero in its lowest dip, if it was measured in a closed loop: then its zeros alone are the
+    /// Number of the zero in the lowest dip, for a measurement in a closed loop, in which only the zeros are the
     /// link's.
     pub first_zero: Option<usize>,
 }
@@ -194,7 +194,7 @@ impl RawResponse {
                         no other sensor has the zeros of the clamped link";
             return refused("transfer", must);
         }
-        // A dip is where it is at any scale and behind any motor.
+        // A dip has the same place at any scale and behind any motor.
         let useless = [("per", self.per.is_some()), ("gain", self.gain.is_some())];
         if let Some((key, _)) = useless.into_iter().find(|(_, is_given)| *is_given) {
             return refused(

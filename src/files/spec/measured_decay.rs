@@ -1,4 +1,4 @@
-//! Free decays in files of their own.
+//! Free decays in separate files.
 
 use std::fmt;
 
@@ -11,24 +11,24 @@ use super::value::{Angle, Count, Si, Time};
 use crate::fit::{DecayValues, Observable};
 use crate::model::Sensor;
 
-/// A free decay in a file of its own.
+/// A free decay in a separate file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecayFile {
-    /// The file, relative to the one that names it.
+    /// The file, relative to the file that names it.
     pub file: String,
-    /// The frequencies of the modes that it shows.
+    /// Frequencies of the modes in the decay.
     pub frequencies: Vec<Observable>,
-    /// The values that are taken from it.
+    /// Values to take from the decay.
     pub values: DecayValues,
-    /// Relative uncertainty of each value from other causes than the noise of the samples.
+    /// Relative uncertainty of each value from other causes than noise of the samples.
     pub uncertainty: Option<f64>,
-    /// The sensor; may be missing where one column alone changes.
+    /// The sensor; `None` for a table in which only one column changes.
     pub sensor: Option<Sensor>,
-    /// Times in s of the first and the last sample that count.
+    /// Times in s of the first and the last sample to use.
     pub span_s: [Option<f64>; 2],
-    /// Lines to leave out at the beginning.
+    /// Number of lines to skip at the beginning.
     pub skip: usize,
-    /// Which column holds which quantity, as for `--columns`.
+    /// Columns of the quantities, as for `--columns`.
     pub columns: Vec<String>,
 }
 

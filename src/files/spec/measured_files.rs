@@ -1,4 +1,4 @@
-//! Recorded histories in files of their own, and what they share with frequency responses.
+//! Recorded histories in separate files, and the parts that they share with frequency responses.
 
 use super::error::Fault;
 use super::value::{Count, Length, Si, tables};
@@ -6,20 +6,20 @@ use crate::fit::{Gain, Motor, RecordedInput};
 use crate::model::Sensor;
 use crate::response::Interpolation;
 
-/// Recorded histories in a file of their own.
+/// Recorded histories in a separate file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordFile {
-    /// The file, relative to that which names it.
+    /// The file, relative to the file that names it.
     pub file: String,
-    /// What drives the link.
+    /// Input that drives the link.
     pub input: RecordedInput,
-    /// How a torque or a voltage goes on between its samples.
+    /// Course of a torque or a voltage between its samples.
     pub hold: Interpolation,
     /// True if the sensors may be late.
     pub is_delay_free: bool,
-    /// Lines to leave out at the beginning.
+    /// Number of lines to skip at the beginning.
     pub skip: usize,
-    /// Which column holds which quantity, as for `--columns`.
+    /// Columns of the quantities, as for `--columns`.
     pub columns: Vec<String>,
     /// Factors on the numbers of columns, as for `--scale`.
     pub scale: Vec<String>,
@@ -32,9 +32,9 @@ pub struct RecordFile {
 pub struct ChannelFile {
     /// The sensor.
     pub sensor: Sensor,
-    /// Whether its scale is known.
+    /// Known or free scale of the sensor.
     pub gain: Gain,
-    /// True if a constant may be added.
+    /// True if the sensor may have a constant offset.
     pub has_offset: bool,
     /// Distance of a strain gauge from the neutral axis in m, or 1.
     pub distance_m: f64,
@@ -131,8 +131,7 @@ impl RawSensor {
         }
     }
 
-    /// Distance of a strain gauge from the neutral axis in m; 1 of other sensors, and where a free gain
-    /// stands for it.
+    /// Distance of a strain gauge from the neutral axis in m; 1 for other sensors, and if a free gain includes it.
     pub(super) fn distance_m(
         self,
         path: &str,

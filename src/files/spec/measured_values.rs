@@ -11,17 +11,17 @@ use super::value::{Angle, Count, Si};
 use crate::fit::{ArmMode, HubEnd, Measured, Observable};
 use crate::numeric::split_number;
 
-/// Fewest peaks of a decay: two give one decrement.
+/// Fewest peaks of a decay: two yield one decrement.
 const FEWEST_PEAKS: usize = 2;
 
-/// What was measured: one link, or an arm of several.
+/// Object of the measurement: one link, or an arm of several.
 pub(super) struct MeasuredOf {
     links: usize,
-    /// The pose of values that give none.
+    /// Pose of values without a pose.
     at_rad: Option<Vec<f64>>,
 }
 
-/// The keys that say of which mode a value is.
+/// Keys that identify the mode of a value.
 #[derive(Clone)]
 pub(super) struct ModeKeys {
     pub(super) mode: usize,
@@ -41,7 +41,7 @@ impl MeasuredOf {
         self.links > 1
     }
 
-    /// Refuses a key that one link alone has.
+    /// Refuses a key that only a single link has.
     pub(super) fn refuse_for_arms(&self, path: &str, instead: &str) -> Result<(), Fault> {
         if !self.is_arm() {
             return Ok(());
@@ -84,7 +84,7 @@ impl MeasuredOf {
         self.mode(path, keys, of_link, Observable::ArmFrequency)
     }
 
-    /// The mode of a value: of the link by the first, of the arm by the second of two kinds.
+    /// The mode of a value, made by `of_link` for a link and by `of_arm` for an arm.
     fn mode(
         &self,
         path: &str,
@@ -113,10 +113,10 @@ impl MeasuredOf {
     }
 }
 
-/// Largest direction in rad: some thousand turns, of which the digits still tell a place.
+/// Largest direction in rad: some thousand turns, at which the digits still determine a place.
 const MOST_RAD: f64 = 1e4;
 
-/// Hint at how directions read.
+/// Hint about the form of directions.
 const AT: &str = "as in at = [\"30 deg\", \"75 deg\"]: from joint to joint, the inner link first; above all entries it \
                   is for those that have none";
 
@@ -162,7 +162,7 @@ impl RawHub {
     }
 }
 
-/// A frequency in Hz: a number, or text with Hz, kHz, rad/s or rpm. `Rate` takes a hertz for a radian.
+/// Frequency in Hz: a number, or text with Hz, kHz, rad/s or rpm. `Rate` would take a hertz for a radian.
 #[derive(Debug, Clone, Copy)]
 struct Hertz(f64);
 
@@ -264,8 +264,7 @@ impl RawDamping {
     }
 }
 
-/// Damping ratio of peaks one period apart: with the decrement δ, the slope of their logarithms,
-/// `ζ = δ/√(4π² + δ²)`.
+/// Damping ratio from peaks one period apart: with the decrement δ, the slope of their logarithms, `ζ = δ/√(4π² + δ²)`.
 fn of_decay(path: &str, peaks: &[f64]) -> Result<f64, Fault> {
     let falls = peaks.windows(2).all(|pair| pair[1] < pair[0]);
     if peaks.len() < FEWEST_PEAKS || !falls || peaks.iter().any(|peak| *peak <= 0.0) {

@@ -1,8 +1,7 @@
-//! From the text of a link file, and the `--set` of the command line, to a checked link.
+//! Conversion from the text of a link file, and the `--set` of the command line, to a checked link.
 //!
-//! The raw form mirrors the file key by key and knows no physics; the [`Specification`] is valid; one
-//! conversion leads from the first to the second. Its refusals name a dotted path. The line or the
-//! `--set` that wrote this path is looked up at the end.
+//! The raw form mirrors the file key by key without physics; one conversion makes it a valid [`Specification`]. Its
+//! errors name a dotted path. A final step finds the line or the `--set` that wrote this path.
 //!
 //! ```
 //! use flexlink::spec::{Override, read_specification};

@@ -6,21 +6,19 @@ use super::tree::{Kind, Node, Place};
 use crate::numeric::split_number;
 use crate::text::{did_you_mean, excerpt, visible};
 
-/// Most steps of a path; link files are less deep.
+/// Largest number of steps in a path; link files are less deep.
 const MOST_STEPS: usize = 16;
 
-/// Keys whose text is no quantity, even if it begins with a number: they cannot be multiplied.
+/// Keys whose text is no quantity, even if it begins with a number: they have no multiples.
 const WORDS: [&str; 4] = ["title", "name", "shape", "model"];
 
-/// One change of the link file from the command line: `PATH=VALUE` replaces a value,
-/// `PATH*=FACTOR` multiplies it.
+/// One change of the link file from the command line: `PATH=VALUE` replaces a value, `PATH*=FACTOR` multiplies it.
 ///
-/// PATH is the dotted TOML path; a segment is named, numbered from 0, or `*` for all. A value also
-/// replaces the keys that say the same in another way: EI replaces E and I, `mesh.elements` the
-/// elements of the segments.
+/// PATH is the dotted TOML path; a step names a segment, its number from 0, or `*` for all. A value also replaces the
+/// keys for the same property: EI replaces E and I, `mesh.elements` the elements of the segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
-    /// Its place, as errors name it.
+    /// Place of the change, as errors name it.
     pub(super) place: String,
     path: Vec<String>,
     change: Change,
@@ -33,7 +31,7 @@ enum Change {
 }
 
 impl Override {
-    /// Reads a change that errors call `place`.
+    /// Reads a change; errors call it `place`.
     ///
     /// # Errors
     /// [`SpecError`] if the text is no change.
@@ -124,7 +122,7 @@ struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// Walks from the `node` at `path` along the `rest` of the path, and changes the value there.
+    /// Walks from the `node` at `path` along the `rest` of the path, and changes its value.
     fn descend(self, node: &mut Node, path: &str, rest: &[String]) -> Result<(), Fault> {
         let Some((step, rest)) = rest.split_first() else {
             return match self.change {
@@ -148,7 +146,7 @@ impl Step<'_> {
             Kind::Table(entries) => {
                 let inner = below(path, step);
                 let at = |wanted: &str| entries.iter().position(|(key, _)| key == wanted);
-                // Four times EI is four times E, where the file gives E.
+                // Four times EI is four times E, if the file has E.
                 let is_factor = rest.is_empty() && matches!(self.change, Change::Multiply(_));
                 let product = PROPERTIES.iter().find(|product| product.whole == step && is_factor);
                 let factor = product.and_then(|product| at(product.material));
@@ -167,7 +165,7 @@ impl Step<'_> {
         }
     }
 
-    /// Adds an empty table at the absent key `step`, to be replaced or filled.
+    /// Adds an empty table at the absent key `step`, for replacing or filling.
     fn create(
         self,
         entries: &mut Entries,
@@ -214,7 +212,7 @@ impl Step<'_> {
     }
 }
 
-/// An integer if the product is whole, since elements are counted.
+/// An integer if the product is whole, for numbers of elements.
 fn whole_where_possible(product: f64) -> Kind {
     let exact = product.fract() == 0.0 && product.abs() < 9e15;
     #[expect(clippy::cast_possible_truncation, reason = "a whole number below 2^53")]
@@ -232,7 +230,7 @@ fn below(path: &str, step: &str) -> String {
     format!("{path}{dot}{step}")
 }
 
-/// Numbers of the list items that a step of the path names.
+/// Numbers of the list items that match a step of the path.
 fn chosen(items: &[Node], path: &str, step: &str) -> Result<Vec<usize>, Fault> {
     let name = |item: &Node| match item.get("name").map(|node| &node.kind) {
         Some(Kind::Text(name)) => Some(name.clone()),
@@ -262,8 +260,8 @@ type Entries = Vec<(String, Node)>;
 
 /// Removes the keys that a new value at `step` replaces.
 ///
-/// A product replaces its factors, and the section if no other key needs it; `ratio` and `ratios`
-/// replace each other, as shear stiffness and the constants that it follows from do.
+/// A product replaces its factors, and the section if no other key needs it. `ratio` and `ratios` replace each other;
+/// so do shear stiffness and the constants behind it.
 fn make_room(entries: &mut Entries, step: &str) {
     let given: Vec<String> = entries.iter().map(|(key, _)| key.clone()).collect();
     let is_given = |key: &str| given.iter().any(|other| other == key);

@@ -1,5 +1,5 @@
-//! The link file key by key, as it is written; conversion decides what is allowed together. The types of
-//! the keys, their comments and ranges make the JSON Schema.
+//! The link file key by key, as written; conversion decides which keys are allowed together. The types of the keys,
+//! their comments and ranges make the JSON Schema.
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
@@ -291,7 +291,7 @@ pub(super) struct RawAnalysis {
     pub(super) second_order: Option<Order>,
 }
 
-/// A list of numbers from 0 to below 1, at least one.
+/// Adds the schema of a list of numbers from 0 to below 1, at least one.
 fn shares(schema: &mut Schema) {
     schema.insert("minItems".into(), 1.into());
     let share = json!({ "type": "number", "minimum": 0, "exclusiveMaximum": 1 });

@@ -10,11 +10,11 @@ use super::raw::RawSpecification;
 use super::value::{IN_UNIT, describe};
 use crate::link::MOST_LINKS;
 
-/// JSON Schema (draft 7) of link files and arm files, as text: what editors complete and check them with.
+/// JSON Schema (draft 7) of link files and arm files, as text, for completion and checks in editors.
 ///
-/// It has every key with its meaning, unit, range and default, and the keys that go together. It cannot
-/// say the dimension of a unit or the sum of the elements; the reader checks these. It has no
-/// references: editors show no description through one.
+/// It contains every key with its meaning, unit, range and default, and the combinations of keys. It cannot express the
+/// dimension of a unit or the sum of the elements; the reader checks these. It has no references, because editors show
+/// no description through one.
 ///
 /// ```
 /// let schema: serde_json::Value = serde_json::from_str(&flexlink::spec::link_file_schema())?;
@@ -33,8 +33,8 @@ pub fn link_file_schema() -> String {
     format!("{schema:#}\n")
 }
 
-/// SI unit of a key of a link file or arm file, by its path: `N m^2` of `segments.beam.EI`; none of a key that has no unit, or
-/// that is not one.
+/// SI unit of a key of a link file or arm file, by its path: `N m^2` for `segments.beam.EI`; `None` for a key without a
+/// unit and for an unknown key.
 ///
 /// ```
 /// use flexlink::spec::unit_of_key;
@@ -47,7 +47,7 @@ pub fn unit_of_key(path: &str) -> Option<String> {
     let mut at = &schema;
     while let Some(part) = parts.next() {
         at = at["properties"].get(part)?;
-        // The number or the name of one of a list has no key.
+        // The number or name of a list item has no key.
         if at["items"]["properties"].is_object() {
             (at, _) = (&at["items"], parts.next()?);
         }
@@ -56,7 +56,7 @@ pub fn unit_of_key(path: &str) -> Option<String> {
     Some(unit.split_once(',')?.0.to_owned())
 }
 
-/// Adds the keys of an arm, whose links have those of a link file but those that the arm has once.
+/// Adds the keys of an arm; its links have the keys of a link file except those that the arm has once.
 fn with_arms(schema: &mut Schema) {
     let Some(Value::Object(keys)) = schema.get_mut("properties") else { return };
     let is_of_arm = |key: &String| SHARED.iter().chain(&OF_ARM).any(|own| own == key);
@@ -91,7 +91,8 @@ fn with_arms(schema: &mut Schema) {
     schema.insert("else".into(), of_one);
 }
 
-/// What an arm of each number of links refuses: a payload but on the last link, a tip there, and what the arm has once.
+/// Refusals for an arm of each number of links: a payload except on the last link, a tip there, and keys that the arm
+/// has once.
 fn by_count() -> Vec<Value> {
     let of = |count: usize| {
         let mut links = vec![json!({ "properties": { "payload": false } }); count - 1];
@@ -106,8 +107,7 @@ fn by_count() -> Vec<Value> {
     (1..=MOST_LINKS).map(of).collect()
 }
 
-/// Removes the `null` of optional keys, which TOML does not have, and the line ends that wrap a
-/// description.
+/// Removes the `null` of optional keys, which TOML does not have, and the line breaks of descriptions.
 fn tidied(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
         let paragraphs: Vec<String> = text.split("\n\n").map(|p| p.replace('\n', " ")).collect();
@@ -128,13 +128,13 @@ fn tidied(schema: &mut Schema) {
         if let [Value::Object(only)] = &mut choices[..] {
             let only = std::mem::take(only);
             schema.remove("anyOf");
-            // Keywords of the key come before those of its type.
+            // Keywords of the key precede those of its type.
             for (keyword, value) in only {
                 schema.ensure_object().entry(keyword).or_insert(value);
             }
         }
     }
-    // Where numbers have no default in the file, serde has one.
+    // Numbers without a default in the file have one in serde.
     if schema.get("default").is_some_and(Value::is_null) {
         schema.remove("default");
     }

@@ -7,8 +7,7 @@ use super::theory::{Known, timoshenko};
 use super::value::Si;
 use crate::link::{CrossSection, ParameterError, Section, Segment, Taper};
 
-/// The segment that a link file gives at `segments.{index}`.
-/// `theory` is that of the link.
+/// Reads the segment `segments.{index}` of a link file; `theory` is the theory of the link.
 pub(super) fn segment(
     index: usize,
     raw: RawSegment,
@@ -56,7 +55,7 @@ pub(super) fn segment(
     })
 }
 
-/// Refuses a value out of its range under the key that was written; [`Link::new`] knows products only.
+/// Refuses a value out of its range under its key in the file; [`Link::new`] only knows products.
 ///
 /// [`Link::new`]: crate::link::Link::new
 fn check_ranges(at: &str, raw: &RawSegment, stiffness: &Given, mass: &Given) -> Result<(), Fault> {
@@ -83,7 +82,7 @@ fn check_ranges(at: &str, raw: &RawSegment, stiffness: &Given, mass: &Given) -> 
     Ok(())
 }
 
-/// What a segment gives of a [`Property`], in SI.
+/// Keys of a segment for a [`Property`], in SI.
 struct Given {
     whole: Option<Taper>,
     material: Option<f64>,
@@ -92,7 +91,7 @@ struct Given {
 }
 
 impl Given {
-    /// The property by the one way in which it is given.
+    /// The property from its only combination of keys.
     fn value(&self, property: &Property, at: &str) -> Result<Taper, Fault> {
         match (self.whole, self.material, self.shape, self.section) {
             (Some(whole), None, None, _) => Ok(whole),
@@ -104,7 +103,7 @@ impl Given {
         }
     }
 
-    /// Names the keys that exclude each other, or the missing key.
+    /// Error that names the keys that exclude each other, or the missing key.
     fn refusal(&self, property: &Property, at: &str) -> Fault {
         let Property { name, whole, material, shape } = property;
         let given = [
@@ -135,7 +134,7 @@ impl Given {
     }
 }
 
-/// A cross-section with just the dimensions that its shape takes.
+/// Reads a cross-section with exactly the dimensions of its shape.
 fn section(path: &str, raw: &RawSection) -> Result<Section, Fault> {
     let takes = raw.shape.dimensions();
     let given = [

@@ -1,4 +1,4 @@
-//! Shear and rotary inertia of a segment: Timoshenko's theory, its keys, and what follows from a cross-section.
+//! Shear and rotary inertia of a segment: Timoshenko's theory, its keys, and the values from a cross-section.
 
 use super::choices::Theory;
 use super::error::Fault;
@@ -6,14 +6,14 @@ use super::raw::RawSegment;
 use super::value::Si;
 use crate::link::{CrossSection, ParameterError, Section, Taper, Timoshenko};
 
-/// What the other keys of a segment give.
+/// Results of a segment's other keys.
 pub(super) struct Known {
     pub(super) section: Option<Section>,
     pub(super) cross_section: Option<CrossSection>,
     pub(super) mass_per_length_kg_m: Taper,
 }
 
-/// Shear and rotary inertia of the segment at a path; none of a slender one.
+/// Shear and rotary inertia of the segment at a path; `None` for a slender segment.
 pub(super) fn timoshenko(
     at: &str,
     raw: &RawSegment,
@@ -31,7 +31,7 @@ pub(super) fn timoshenko(
         let rotary_inertia_per_length_kg_m = rotary_inertia_kg_m(at, raw, known)?;
         return Ok(Some(Timoshenko { shear_stiffness_n, rotary_inertia_per_length_kg_m }));
     }
-    // Where the file names the slender theory, the numbers of the other wait for it to be named again.
+    // If the file names the slender theory, numbers for the other theory may stay unused.
     let given = given(raw);
     if theory.is_some() && given[..3].iter().any(|(_, is_given)| *is_given) {
         shear_stiffness_n(at, raw, known.section.as_ref())?;
@@ -58,7 +58,7 @@ fn given(raw: &RawSegment) -> [(&'static str, bool); 4] {
     ]
 }
 
-/// Shear stiffness by the one way in which it is given.
+/// Shear stiffness from its only combination of keys.
 fn shear_stiffness_n(
     at: &str,
     raw: &RawSegment,
@@ -152,7 +152,7 @@ mod tests {
         };
         assert_eq!(thick(&[]), [true, false]);
         assert_eq!(thick(&["theory=euler-bernoulli"]), [false, false]);
-        // One way takes the place of the other.
+        // One combination replaces the other.
         let stiff = ["segments.0.shear_stiffness=3e7"];
         assert_eq!(thick(&stiff), [true, false]);
     }

@@ -28,7 +28,7 @@ struct RawColumnRule {
     ignore: Option<bool>,
 }
 
-/// Reads the text of a file of tolerances; `name` is what errors call it.
+/// Reads the text of a file of tolerances; errors call it `name`.
 ///
 /// ```
 /// use flexlink::compare::Rule;

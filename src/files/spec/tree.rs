@@ -1,5 +1,5 @@
-//! The link file as a tree of values, each with the line or `--set` that wrote it; serde reads the raw
-//! form from it.
+//! The link file as a tree of values, each with the line or `--set` that wrote it; serde reads the raw form from this
+//! tree.
 
 use std::ops::Range;
 
@@ -14,10 +14,10 @@ use toml::de::{DeTable, DeValue};
 use super::error::{Fault, Misfit, SpecError};
 use crate::text::excerpt;
 
-/// Where a value was written; later places are greater.
+/// Origin of a value; later places are greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
-    /// The file as a whole.
+    /// The whole file.
     File,
     /// Line of the file, from 1.
     Line(usize),
@@ -25,7 +25,7 @@ pub(super) enum Place {
     Override(usize),
 }
 
-/// A value of the link file and where it was written.
+/// A value of the link file, and its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Node {
     pub(super) place: Place,
@@ -41,15 +41,15 @@ pub(super) enum Kind {
     Boolean(bool),
     Date(String),
     List(Vec<Node>),
-    /// In the order of the file.
+    /// Entries in the order of the file.
     Table(Vec<(String, Node)>),
 }
 
 impl Node {
-    /// Reads a TOML document, which errors call `name`.
+    /// Reads a TOML document; errors call it `name`.
     ///
     /// # Errors
-    /// The line and the TOML parser's own words.
+    /// The line, and the message of the TOML parser.
     pub(super) fn document(name: &str, text: &str) -> Result<Self, SpecError> {
         let line_ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |span: Range<usize>| line_ends.partition_point(|at| *at < span.start) + 1;
@@ -65,7 +65,7 @@ impl Node {
         Ok(Self { place: Place::File, kind })
     }
 
-    /// Reads one TOML value, written at `place`; other text is a string, since a shell removes the quotes.
+    /// Reads one TOML value, written at `place`. Other text is a string, because a shell removes the quotes.
     pub(super) fn value(text: &str, place: Place) -> Self {
         let kind = DeValue::parse(text).map_or_else(
             |_| Kind::Text(text.to_owned()),
@@ -74,7 +74,7 @@ impl Node {
         Self { place, kind }
     }
 
-    /// The value at a key of a table or a number of a list.
+    /// The value at a key of a table or at a number of a list.
     pub(super) fn get(&self, step: &str) -> Option<&Self> {
         match &self.kind {
             Kind::Table(entries) => {
@@ -86,7 +86,7 @@ impl Node {
         }
     }
 
-    /// Where the value at a dotted path was written, or the innermost value that encloses it.
+    /// Origin of the value at a dotted path, or of the innermost value that encloses it.
     pub(super) fn place_of(&self, path: &str) -> Place {
         let mut node = self;
         for step in path.split('.') {
@@ -98,12 +98,12 @@ impl Node {
         node.place
     }
 
-    /// The last of the places that a refusal concerns.
+    /// Last of the places that an error concerns.
     pub(super) fn last_place(&self, fault: &Fault) -> Place {
         fault.paths.iter().map(|path| self.place_of(path)).max().unwrap_or(Place::File)
     }
 
-    /// The value as messages quote it.
+    /// Text of the value in messages.
     pub(super) fn shown(&self) -> String {
         match &self.kind {
             Kind::Text(text) => format!("{:?}", excerpt(text)),
@@ -137,7 +137,7 @@ fn kind(value: &DeValue<'_>, place: &impl Fn(Range<usize>) -> Place) -> Kind {
         DeValue::String(text) => Kind::Text(text.to_string()),
         DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix())
             .map_or_else(
-                // Beyond 64 bits: no count, and as a quantity its size suffices.
+                // Beyond 64 bits: no count, but a sufficient size of a quantity.
                 |_| Kind::Number(digits.as_str().parse().unwrap_or(f64::INFINITY)),
                 Kind::Integer,
             ),
@@ -176,7 +176,7 @@ impl<'de> Deserializer<'de> for &'de Node {
         visitor.visit_some(self)
     }
 
-    /// Accepts a table only, no list in the order of the fields.
+    /// Accepts only a table, not a list in the order of the fields.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _name: &'static str,
@@ -202,7 +202,7 @@ impl<'de> Deserializer<'de> for &'de Node {
         }
     }
 
-    /// Accepts an infinite number as `Unbounded`, and nothing but a list of tables as `Tables`.
+    /// Accepts an infinite number as `Unbounded`, and only a list of tables as `Tables`.
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
         name: &'static str,

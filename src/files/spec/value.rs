@@ -11,8 +11,8 @@ use crate::link::Taper;
 use crate::numeric::{Dimension, UnitError, parse_quantity, quantity_pattern};
 use crate::text::visible;
 
-/// A quantity in SI, which the file gives as a number or as text with its unit. The parameters are the
-/// exponents of mass, length and time.
+/// A quantity in SI; the file has a number or text with a unit. The parameters are the exponents of mass, length and
+/// time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Si<const M: i8, const L: i8, const T: i8>(f64);
 
@@ -46,7 +46,7 @@ pub(super) type RotaryInertiaPerLength = Tapered<1, 1, 0>;
 pub(super) type SecondMoment = Tapered<0, 4, 0>;
 pub(super) type Area = Tapered<0, 2, 0>;
 
-/// Reads a quantity, or two where `takes_two`.
+/// Reads a quantity, or two if `takes_two`.
 struct Ends<const M: i8, const L: i8, const T: i8> {
     takes_two: bool,
 }
@@ -114,7 +114,7 @@ impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Tapered<M,
     }
 }
 
-/// A torque that may be infinite; the reader knows this type by its name.
+/// A torque that may be infinite; the reader recognises this type by its name.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 pub(super) struct Unbounded(pub(super) Torque);
 
@@ -153,7 +153,7 @@ impl TryFrom<i64> for Count {
     }
 }
 
-/// Elements of the whole link: a total, or the word that leaves it to the program.
+/// Elements of the whole link: a total, or the word for an automatic number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(untagged, expecting = "must be a whole number from 1 to 100000, or \"auto\"")]
 pub(super) enum Elements {
@@ -167,12 +167,11 @@ pub(super) enum Auto {
     Auto,
 }
 
-/// Lists of tables; the reader knows this type by its name.
+/// List of tables; the reader recognises this type by its name.
 #[derive(serde::Deserialize)]
 struct Tables<T>(Vec<T>);
 
-/// Reads a list of tables, refusing `[segments]` for `[[segments]]`, an easy slip, in words of the link
-/// file.
+/// Reads a list of tables. It refuses `[segments]` in place of `[[segments]]`, an easy slip, in words of the link file.
 pub(super) fn tables<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
     D: Deserializer<'de>,
@@ -181,7 +180,7 @@ where
     Tables::deserialize(deserializer).map(|Tables(tables)| tables)
 }
 
-/// Keyword of a quantity's schema that holds its SI unit until [`describe`] removes it.
+/// Keyword of a quantity's schema that contains its SI unit until [`describe`] removes it.
 const UNIT: &str = "unit";
 
 impl<const M: i8, const L: i8, const T: i8> JsonSchema for Si<M, L, T> {
@@ -258,22 +257,21 @@ impl JsonSchema for Elements {
     }
 }
 
-/// A quantity above 0.
+/// Restricts the schema of a quantity to values above 0.
 pub(super) fn above_zero(schema: &mut Schema) {
     schema.insert("exclusiveMinimum".into(), json!(0));
 }
 
-/// A quantity of at least 0.
+/// Restricts the schema of a quantity to values of at least 0.
 pub(super) fn at_least_zero(schema: &mut Schema) {
     schema.insert("minimum".into(), json!(0));
 }
 
-/// What comes before the unit in the description of a quantity.
+/// Words before the unit in the description of a quantity.
 pub(super) const IN_UNIT: &str = "A number in ";
 
-/// Describes a quantity by its unit and range, if the schema is that of one: in words, and by the
-/// pattern of its text. A text of 0 passes even if the value must be above 0: the schema cannot know
-/// its value.
+/// Adds to a quantity's schema its unit and range: in words, and as the pattern of its text. A text of 0 passes even if
+/// the value must be above 0: the schema cannot know its value.
 pub(super) fn describe(schema: &mut Schema) {
     let Some(Value::String(unit)) = schema.remove(UNIT) else { return };
     let ranges = [("minimum", ", at least 0"), ("exclusiveMinimum", ", above 0")];
@@ -285,7 +283,7 @@ pub(super) fn describe(schema: &mut Schema) {
     let text = format!("{what}\n\n{IN_UNIT}{si}, or text with its unit{words}: \"{example}\".");
     schema.insert("description".into(), text.into());
     let pattern = quantity_pattern(if range.is_some() { r"\+?" } else { "[+-]?" });
-    // Each keyword applies to its own type only.
+    // Each keyword applies only to its type.
     if let Some(Value::Object(items)) = schema.get_mut("items") {
         items.insert("pattern".into(), pattern.clone().into());
         items.extend(range.map(|(keyword, _)| (keyword.into(), json!(0))));

@@ -14,7 +14,7 @@ pub struct Element {
     pub bending_stiffness_n_m2: Taper,
     /// Mass per length m̄ in kg/m.
     pub mass_per_length_kg_m: Taper,
-    /// Shear and rotary inertia; without them the element is one of Bernoulli and Euler.
+    /// Shear and rotary inertia; `None` for a Bernoulli-Euler element.
     pub timoshenko: Option<Timoshenko>,
 }
 
@@ -46,7 +46,7 @@ impl Element {
         absolute.transpose() * mass * absolute
     }
 
-    /// `(u_i, d)` of `(u_i, u_j)`, 4×4.
+    /// The matrix from `(u_i, u_j)` to `(u_i, d)`, 4×4.
     fn deformations(&self) -> Matrix4<f64> {
         let l = self.length_m;
         Matrix4::new(
@@ -57,7 +57,7 @@ impl Element {
         )
     }
 
-    /// Stiffness of bending alone, 4×4.
+    /// Bending stiffness, 4×4.
     ///
     /// ```text
     /// K_ab = ∫₀ˡ EI N_a'' N_b'' dx                                (Bayo 1987, eqs 7 and 10)
@@ -77,7 +77,7 @@ impl Element {
         ])
     }
 
-    /// Mass of Hermite's cubics, 4×4.
+    /// Mass of Hermite's cubic shapes, 4×4.
     ///
     /// ```text
     /// M_ab = ∫₀ˡ m̄ N_a N_b dx                                     (Bayo 1987, eqs 7 and 9)
@@ -100,15 +100,15 @@ impl Element {
         ])
     }
 
-    /// Force in N and moment in N m on the inner and the outer node that do the work of a force per length in
-    /// N/m, given at the ends: `∫ f N dx`, the force that a mass f per length needs for a unit acceleration.
+    /// Forces in N and moments in N m on the inner and the outer node that do the work of a linear force per length in
+    /// N/m: `∫ f N dx`, the force that a mass per length of size f needs for unit acceleration.
     pub fn load(&self, force_n_m: Taper) -> [[f64; 2]; 2] {
         let weighed = Self { mass_per_length_kg_m: force_n_m, ..*self };
         let load = weighed.mass() * Vector4::new(1.0, 0.0, 1.0, 0.0);
         [[load[0], load[1]], [load[2], load[3]]]
     }
 
-    /// The same element in relative coordinates.
+    /// This element in relative coordinates.
     pub fn relative(&self) -> RelativeElement {
         let l = self.length_m;
         let (stiffness, mass) = (self.bending_stiffness(), self.translational_mass());
@@ -118,7 +118,7 @@ impl Element {
             length_m: l,
             k_d: stiffness.fixed_view::<2, 2>(2, 2).into(),
             m_dd: mass.fixed_view::<2, 2>(2, 2).into(),
-            // M_ij + Rᵀ M_jj, summed by hand: no digit is lost to cancellation.
+            // M_ij + Rᵀ M_jj, summed by hand to avoid cancellation.
             m_ud: Matrix2::new(
                 l * (3.0 * p + 7.0 * q) / 20.0,
                 -l2 * (2.0 * p + 3.0 * q) / 60.0, //
@@ -136,7 +136,7 @@ impl Element {
         self.timoshenko.map_or(slender, |timoshenko| timoshenko.sheared(self, &slender))
     }
 
-    /// The two halves of the element.
+    /// Two halves of the element.
     pub fn halves(&self) -> [Self; 2] {
         [(0.0, 0.5), (0.5, 1.0)].map(|(from, to)| Self {
             length_m: 0.5 * self.length_m,
@@ -146,10 +146,10 @@ impl Element {
         })
     }
 
-    /// Frequency in rad/s up to which the element follows a bending wave: there the relative
-    /// error (βl)⁴/1440 of a natural frequency reaches 1 %; with shear, that and `ω² l² m̄/(24 κGA)`.
+    /// Frequency in rad/s up to which the element follows a bending wave: the relative error (βl)⁴/1440 of a natural
+    /// frequency reaches 1 % there; with shear, its sum with `ω² l² m̄/(24 κGA)`.
     ///
-    /// Infinite for an element without mass, which its shapes represent exactly.
+    /// Infinite for an element without mass, because its shapes are then exact.
     pub fn resolved_frequency_rad_s(&self) -> f64 {
         let stiffness = self.bending_stiffness_n_m2.inner.min(self.bending_stiffness_n_m2.outer);
         let mass = self.mass_per_length_kg_m.inner.max(self.mass_per_length_kg_m.outer);
@@ -163,10 +163,10 @@ impl Element {
     }
 }
 
-/// An element in relative coordinates: the motion `u_i = (v_i, φ_i)` of its inner end and the
-/// deformation `d = u_j − R u_i` of its outer end, seen from the inner end's tangent.
+/// An element in relative coordinates: the motion `u_i = (v_i, φ_i)` of its inner end and the deformation
+/// `d = u_j − R u_i` of its outer end, seen from the inner end's tangent.
 ///
-/// Stiffness acts on d alone, exactly, so that rigid motion costs no digit at low frequency.
+/// Stiffness acts on d alone, so that rigid motion at low frequency loses no digit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelativeElement {
     /// Length l in m; the rigid transfer is `R = [[1, l], [0, 1]]`.
@@ -194,7 +194,7 @@ mod tests {
         timoshenko: None,
     };
 
-    /// ∫₀ˡ f(x) dx by Gauss-Legendre with five points: exact to degree 9.
+    /// ∫₀ˡ f(x) dx by Gauss-Legendre with five points, exact to degree 9.
     fn integral(f: impl Fn(f64) -> Matrix4<f64>) -> Matrix4<f64> {
         let nodes = [
             (0.0, 128.0 / 225.0),
@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn a_wave_is_followed_up_to_one_per_cent_of_a_natural_frequency() {
         let omega_rad_s = ELEMENT.resolved_frequency_rad_s();
-        // It is shortest where the element is softest and heaviest.
+        // The wave is shortest where the element is softest and heaviest.
         let wave_number = (1.4 * omega_rad_s * omega_rad_s / 3.0).sqrt().sqrt();
         let error = (wave_number * 0.7).powi(4) / 1440.0;
         assert!((error / 0.01 - 1.0).abs() < 1e-14, "{error}");

@@ -3,19 +3,17 @@ use super::plan::{MeshPlan, pieces, root_m};
 use super::stations::nearest_node;
 use crate::link::{Link, ParameterError};
 
-/// Largest distance of a given node from the mesh's own, as a share of the link's length.
+/// Largest distance between a listed node and the mesh's node, as a share of the link's length.
 const NODE_TOLERANCE: f64 = 1e-6;
 
 impl MeshPlan {
-    /// The plan whose mesh has nodes at these distances from the axis in m, as tables give them with
-    /// a limited number of decimals.
+    /// The plan of a mesh with nodes at these distances from the axis in m, which may be rounded as in tables.
     ///
-    /// Every piece between segment borders, lumped masses and these stations gets one element between each
-    /// two neighbouring nodes.
+    /// Every piece between segment borders, lumped masses and stations gets one element between neighbouring nodes.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first station that is not on the link, or the first node that is more
-    /// than 1e-6 of the link's length away from that of every mesh.
+    /// [`ParameterError`] names the first station that is not on the link, or the first node more than 1e-6 of the
+    /// link's length away from the mesh's node.
     pub fn through(
         link: &Link,
         nodes_m: &[f64],
@@ -93,7 +91,7 @@ mod tests {
         .unwrap()
     }
 
-    /// Rounded as nodes.csv of a link of some metres has them.
+    /// Node positions rounded as in nodes.csv of a link of some metres.
     fn written(mesh: &Mesh) -> Vec<f64> {
         mesh.nodes_m().iter().map(|x_m| (x_m * 1e10).round() / 1e10).collect()
     }

@@ -1,5 +1,4 @@
-//! Apparent inertia, and the 2×2 system by which an element passes it on from its outer to its inner
-//! end.
+//! Apparent inertia, and the 2×2 system that passes it from an element's outer to its inner end.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -7,9 +6,9 @@ use nalgebra::Matrix2;
 
 use crate::numeric::{Scalar, Size};
 
-/// Symmetric 2×2 apparent inertia A on (v, φ): kg, kg m, kg m².
+/// Symmetric 2×2 apparent inertia A on (v, φ) of the part outboard of a node: kg, kg m, kg m².
 ///
-/// Minus the dynamic stiffness over the squared frequency of all that lies outboard of a node.
+/// It is minus the dynamic stiffness over the squared frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inertia<S> {
     /// Force per acceleration in kg.
@@ -21,13 +20,13 @@ pub struct Inertia<S> {
 }
 
 impl<S: Scalar> Inertia<S> {
-    /// Moment in N m that a motion with accelerations (v, φ) needs.
+    /// Moment in N m for a motion with accelerations (v, φ).
     #[inline(always)]
     pub fn moment(&self, v: S, phi: S) -> S {
         self.vp * v + self.pp * phi
     }
 
-    /// Rotary inertia about an axis that lies `arm` inboard, kg m².
+    /// Rotary inertia about an axis `arm` metres inboard, in kg m².
     #[inline(always)]
     pub fn about(&self, arm: f64) -> S {
         self.pp + (self.vp + self.vp + self.vv * arm) * arm
@@ -45,19 +44,19 @@ impl Inertia<f64> {
         Self { vv: mass, vp: mass * offset, pp: inertia + mass * offset * offset }
     }
 
-    /// As a matrix on (v, φ).
+    /// Matrix on (v, φ).
     pub fn matrix(&self) -> Matrix2<f64> {
         Matrix2::new(self.vv, self.vp, self.vp, self.pp)
     }
 
-    /// As an inertia over numbers of the kind of `like`.
+    /// Converts to numbers of the kind of `like`.
     #[inline(always)]
     pub(super) fn lift<S: Scalar>(self, like: S) -> Inertia<S> {
         Inertia { vv: like.lift(self.vv), vp: like.lift(self.vp), pp: like.lift(self.pp) }
     }
 }
 
-/// Deformation of an element per motion of its inner end: `d = G u_i` on (v, φ).
+/// Deformation of an element per motion (v, φ) of its inner end: `d = G u_i`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain<S> {
     /// `d_v` per `v_i`.
@@ -70,10 +69,10 @@ pub struct Gain<S> {
     pub pp: S,
 }
 
-/// Solves `P G = Bᵀ` by LDLᵀ, the larger of the two diagonal entries first, without the last step.
+/// Solves `P G = Bᵀ` by LDLᵀ, except for the last step; eliminates the larger of the two diagonal entries first.
 ///
-/// The entries are compared in one unit: φ counts as φl. Without this choice the error near a
-/// resonance of the outboard part would grow with |G|² instead of |G|.
+/// The comparison uses one unit: φ counts as φl. Without this choice the error near a resonance of the outboard part
+/// would grow with |G|² instead of |G|.
 #[inline(always)]
 pub(super) fn eliminate<S: Scalar>(
     p: &Inertia<S>,
@@ -93,7 +92,7 @@ pub(super) fn eliminate<S: Scalar>(
 
 /// `P G = Bᵀ` after `P = L D Lᵀ`, without the last step, which few callers need.
 ///
-/// Rows are those of B, the motion (v, φ) of the inner end; each has the unknown that was eliminated first,
+/// The rows are those of B, for the motion (v, φ) of the inner end; each contains first the unknown eliminated first,
 /// then the other.
 #[derive(Clone, Copy)]
 pub(super) struct Eliminated<S: Scalar> {
@@ -129,7 +128,7 @@ impl<S: Scalar> Eliminated<S> {
         self.order.of([first * pivots[0].reciprocal() - self.multiplier * second, second])
     }
 
-    /// G itself, by the last step: what L keeps of the second unknown is taken off the first.
+    /// The gain G, by the last step: subtracts the second unknown's share from the first.
     #[inline(always)]
     pub(super) fn gain(&self) -> Gain<S> {
         let [[v_first, v_second], [phi_first, phi_second]] = self.scaled;
@@ -138,8 +137,8 @@ impl<S: Scalar> Eliminated<S> {
         Gain { vv, vp, pv, pp }
     }
 
-    /// Upper bound of |G|, φ counted as φL with the link's length L in m: the sizes of all terms of the
-    /// last step together. `one` is the size of 1.
+    /// Upper bound of |G|, with φ counted as φL for the link's length L in m: the sum of the sizes of all terms in the
+    /// last step. `one` is the size of 1.
     #[inline(always)]
     pub(super) fn size(&self, one: S::Size, length_m: f64) -> S::Size {
         let [first, second] = self.order.of_sizes([one, one * length_m]);
@@ -164,13 +163,13 @@ struct Order<S: Scalar> {
 }
 
 impl<S: Scalar> Order<S> {
-    /// (v, φ) in the order of elimination, and back again.
+    /// Permutes (v, φ) to the order of elimination, or back.
     #[inline(always)]
     fn of(&self, [v, phi]: [S; 2]) -> [S; 2] {
         [S::choose(self.v, self.phi, v, phi), S::choose(self.v, self.phi, phi, v)]
     }
 
-    /// The same of sizes.
+    /// Permutes the sizes of (v, φ) to the order of elimination.
     #[inline(always)]
     fn of_sizes(&self, [v, phi]: [S::Size; 2]) -> [S::Size; 2] {
         [Size::choose(self.v, self.phi, v, phi), Size::choose(self.v, self.phi, phi, v)]
@@ -188,8 +187,8 @@ impl<S: Scalar> Order<S> {
 mod tests {
     use super::*;
 
-    /// What an elimination leaves in units of so many to the metre, the link being 1.5 m long and
-    /// the element 0.3 m: the entries of G, φ counted as φL, their solution's residual, and the size.
+    /// Result of an elimination in a unit of length with `per_metre` units to the metre, for a link of 1.5 m and an
+    /// element of 0.3 m: entries of G with φ counted as φL, residual, and size.
     fn solved([vv, vp, pp]: [f64; 3], b: [[f64; 2]; 2], per_metre: f64) -> ([f64; 4], f64, f64) {
         let unit = [1.0, per_metre];
         let p = Inertia { vv, vp: vp * per_metre, pp: pp * per_metre * per_metre };
@@ -215,7 +214,7 @@ mod tests {
     #[test]
     fn no_entry_of_a_gain_exceeds_its_size_and_the_size_has_no_unit() {
         let b = [[1.0, 0.2], [0.3, -0.4]];
-        // v first, φ first, neither diagonal entry of any use alone, and nearly singular.
+        // v first, φ first, both diagonal entries too small to use alone, and nearly singular.
         for p in [[4.0, 0.5, 0.1], [1.0, 0.5, 7.0], [1e-3, 0.4, 1e-5], [1.0, 0.3, 0.090_000_1]] {
             let (_, _, metres) = solved(p, b, 1.0);
             for per_metre in [1.0, 1e3, 1e-3] {

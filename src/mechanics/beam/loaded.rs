@@ -1,4 +1,4 @@
-//! The recursion with loads: beside the apparent inertia it carries a bias force.
+//! The recursion with loads: besides the apparent inertia it carries a bias force.
 
 use num_complex::Complex64;
 
@@ -8,13 +8,13 @@ use super::recursion::condense;
 use super::transfer::is_trusted;
 use crate::numeric::{Scalar, Size};
 
-/// Steps of λ, over λ, beside one at which the outboard part of a node resonates.
+/// Relative steps of λ away from a resonance of the part outboard of some node.
 const BESIDE: [f64; 4] = [-2e-5, -1e-5, 1e-5, 2e-5];
 
-/// Weights of the answers there: exact but for the fourth power of the step.
+/// Weights of the answers at these steps, exact up to the fourth power of the step.
 const WEIGHTS: [f64; 4] = [-1.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0];
 
-/// What moves and loads a link at one frequency beside the torque at its hub.
+/// Motions and loads of a link at one frequency, besides the torque at its hub.
 ///
 /// The chord runs from the axis to the tip. Forces act along its normal, moments counterclockwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,30 +23,30 @@ pub struct Loads<S> {
     pub axis_m_s2: S,
     /// Angular acceleration of the chord in rad/s².
     pub chord_rad_s2: S,
-    /// Force in N and moment in N m on nodes 0 … n, those of loads between nodes as
-    /// [`Element::load`](super::Element::load) shares them.
+    /// Force in N and moment in N m on nodes 0 … n; [`Element::load`](super::Element::load) distributes loads between
+    /// nodes.
     pub nodal: Vec<[S; 2]>,
 }
 
-/// How a link answers to [`Loads`] with its tip on the chord.
+/// Response of a link to [`Loads`] with its tip on the chord.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedMotion<S> {
-    /// Torque at the hub in N m, its inertia included, friction and drive not.
+    /// Torque at the hub in N m, including its inertia but not friction and drive.
     pub torque_n_m: S,
-    /// Angle of the hub's tangent line from the chord in rad.
+    /// Angle of the hub's tangent line relative to the chord in rad.
     pub hub_slope_rad: S,
     /// Deflection in m and slope in rad of nodes 0 … n from the chord.
     pub deflections: Vec<[S; 2]>,
 }
 
-/// The hub's torque and the nodes' deflections with which the tip stays on the chord, at one λ.
+/// Torque of the hub and deflections of the nodes that keep the tip on the chord, at one λ.
 ///
 /// Where an undamped link's outboard part resonates, the recursion loses its digits, but the whole link's answer is
-/// smooth unless the tip is blocked next to it: it is then that of four λ beside the one asked for, 1e-5 and 2e-5
-/// of it away (measured: torques to 1e-8, deflections to 1e-7).
+/// smooth unless a blocked tip is near. The answer is then interpolated from four neighbouring λ, at relative distances
+/// of 1e-5 and 2e-5 (measured: torques to 1e-8, deflections to 1e-7).
 ///
 /// # Panics
-/// If there are not as many loads as nodes.
+/// If loads and nodes differ in number.
 pub fn loaded_motion(
     mesh: &Mesh,
     lambda: Complex64,
@@ -69,11 +69,11 @@ pub fn loaded_motion(
     }
 }
 
-/// The same by the recursion alone, and an upper bound of |G|.
+/// [`loaded_motion`] by the recursion alone, and an upper bound of |G|.
 ///
-/// Mass times `mass` and stiffness times `stiffness` are the link's own at that frequency; λ is ω² times the
-/// first over the second. With the apparent inertia A and the elimination of [`condense`], the bias p of all
-/// that lies outboard is the force (v, φ) on its node that its loads need at rest:
+/// At this frequency the factors `mass` and `stiffness` multiply the mesh's mass and stiffness; λ is ω² times the first
+/// over the second. With the apparent inertia A and the elimination of [`condense`], the bias p of the outboard part is
+/// the force (v, φ) on its node that holds its loads at rest:
 ///
 /// ```text
 /// h   = (K_d/λ − (M_dd + A_j))⁻¹ p_j
@@ -82,9 +82,8 @@ pub fn loaded_motion(
 /// ψ   = −w_tip/(L + e_tip),      T = (A_0 a_0 + p_0)_φ + I_H a_φ         about the axis
 /// ```
 ///
-/// a is the whole acceleration, that of the axis included, so that nothing rigid is a load. The deflection
-/// is per 1/λ, and finite at ω = 0. Articulated bodies carry their bias force in the same way
-/// (Featherstone 1987).
+/// a is the whole acceleration including the axis, so that rigid motion is no load. The deflection is per 1/λ, and
+/// finite at ω = 0. Articulated bodies carry their bias force in the same way (Featherstone 1987).
 fn recursed<S: Scalar>(
     mesh: &Mesh,
     lambda: S,
@@ -99,8 +98,8 @@ fn recursed<S: Scalar>(
     let zero = lambda.lift(0.0);
     let mut answers = vec![(Gain { vv: zero, vp: zero, pv: zero, pp: zero }, [zero; 2]); elements];
     let mut bias = load(elements).map(|part| part * -1.0);
-    // The tip's motion per motion of the node: the whole, which keeps its digits where the tip hardly moves;
-    // less its rigid part, which keeps those of a deflection at rest; and what the loads add.
+    // Three parts of the tip's motion. The first, per motion of the node in full, has its digits where the tip hardly
+    // moves. The second, without the rigid part, has the digits of a deflection at rest. The third is due to the loads.
     let (mut whole, [mut e_v, mut e_phi], mut e_bias) = ([zero + 1.0, zero], [zero; 2], zero);
     let root = condense(mesh, lambda, |index, step| {
         let length_m = mesh.relative_elements()[index].length_m;
@@ -116,7 +115,7 @@ fn recursed<S: Scalar>(
         largest_gain = largest_gain.larger(step.eliminated.size(one, link_m));
     });
 
-    // A deflection is −1/ω² times the acceleration that bending adds.
+    // A deflection is −1/ω² times the acceleration due to bending.
     let per_square = mesh.per_lambda(lambda) * (mass * stiffness.reciprocal());
     let square = lambda * (stiffness * per_mass);
     let rigid = [loads.axis_m_s2 + loads.chord_rad_s2 * root_m, loads.chord_rad_s2];
@@ -177,7 +176,7 @@ mod tests {
         Loads { axis_m_s2: 0.0, chord_rad_s2: 0.0, nodal }
     }
 
-    /// A load per length at the axis and at the tip, linear between them.
+    /// A load per length, linear from the axis to the tip.
     fn distributed(mesh: &Mesh, force_n_m: Taper) -> Loads<f64> {
         let mut loads = none(mesh);
         for (k, element) in mesh.elements().iter().enumerate() {
@@ -191,7 +190,7 @@ mod tests {
         loads
     }
 
-    /// The motion at rest against the deflection of a cantilever, turned so that its tip lies on the chord.
+    /// Compares the motion at rest with the deflection of a cantilever, turned so that its tip lies on the chord.
     fn check(mesh: &Mesh, loads: &Loads<f64>, torque: f64, cantilever: impl Fn(f64) -> f64) {
         let (found, _) = recursed(mesh, 0.0, NO_FACTORS, loads);
         let turn = -cantilever(mesh.length_m()) / mesh.length_m();
@@ -203,7 +202,7 @@ mod tests {
         }
     }
 
-    /// Tables of cantilevers, as any book on the strength of materials has them.
+    /// Reference: tables of cantilevers in books on the strength of materials.
     #[test]
     fn at_rest_the_link_bends_as_tables_of_cantilevers_say() {
         let (l, ei) = (2.0, 6.0);
@@ -218,7 +217,7 @@ mod tests {
                 -3.0 * l * l / 2.0,
                 uniform(3.0),
             );
-            // Largest at the axis, none at the tip.
+            // Largest at the axis, zero at the tip.
             let triangle = |x: f64| {
                 let sum = 10.0 * l.powi(3) - 10.0 * l * l * x + 5.0 * l * x * x - x.powi(3);
                 5.0 * x * x / (120.0 * ei * l) * sum
@@ -230,7 +229,7 @@ mod tests {
             let at_tip =
                 |x: f64| 4.0 * x * x * (3.0 * l - x) / (6.0 * ei) - 1.5 * x * x / (2.0 * ei);
             check(&mesh, &tip, -4.0 * l + 1.5, at_tip);
-            // An axis that accelerates is a load of the mass.
+            // An accelerated axis acts as a load on the mass.
             let moved = Loads { axis_m_s2: 9.81, ..none(&mesh) };
             let weight = -0.7 * 9.81;
             check(&mesh, &moved, -weight * l * l / 2.0, uniform(weight));
@@ -310,7 +309,7 @@ mod tests {
         let at = |lambda: f64| recursed(&mesh, Complex64::from(lambda), [one; 2], &loads).1;
         let mut flagged = 0;
         for k in 1..600 {
-            // The largest gain near a multiple, where there is one.
+            // The largest gain near a multiple, if it has one.
             let mut lambda = (0.670_123 * f64::from(k)).powi(2);
             for step in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
                 let near = (-10..=10).map(|place| lambda * (1.0 + step * f64::from(place)));

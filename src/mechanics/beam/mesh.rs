@@ -8,13 +8,13 @@ use super::stations::nearest_node;
 use crate::link::{Link, ParameterError};
 use crate::numeric::Scalar;
 
-/// Most elements of a mesh refined for a frequency instead of a torque.
+/// Largest number of elements of a mesh refined for a frequency instead of a torque.
 const MOST_ELEMENTS: usize = 8192;
 
 /// The finite-element link: n elements between n + 1 nodes, node 0 at the root, node n at the tip.
 ///
-/// Total displacement of node i: `v_i = x_i θ + w_i`, with `w_0 = 0` (Bayo 1987, eq 1); so the
-/// degrees of freedom are θ and (w, w') of nodes 1 … n, 2n + 1 in all.
+/// Total displacement of node i: `v_i = x_i θ + w_i`, with `w_0 = 0` (Bayo 1987, eq 1). The degrees of freedom are θ
+/// and (w, w') of nodes 1 … n, 2n + 1 in all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     elements: Vec<Element>,
@@ -28,28 +28,28 @@ pub struct Mesh {
     pub(super) rigid_lambda: f64,
 }
 
-/// All inertia besides the elements' own.
+/// All inertia except the elements'.
 #[derive(Debug, Clone, PartialEq)]
 struct Bodies {
-    /// Lumped at each node, that of the tip left out.
+    /// Inertia lumped at each node except the tip.
     lumped: Vec<Option<Inertia<f64>>>,
     tip: Inertia<f64>,
     hub_inertia_kg_m2: f64,
 }
 
 impl Mesh {
-    /// Divides the link as `plan` says; an automatic plan gives its coarsest mesh.
+    /// Divides the link by `plan`; an automatic plan gives its coarsest mesh.
     ///
     /// Every segment border and every lumped mass has a node.
     ///
     /// # Errors
-    /// [`ParameterError`] if the plan was made for a link with other segments or masses elsewhere.
+    /// [`ParameterError`] if the plan belongs to a link with other segments or other places of masses.
     pub fn new(link: &Link, plan: &MeshPlan) -> Result<Self, ParameterError> {
         plan.check(link)?;
         Ok(Self::planned(link, plan))
     }
 
-    /// The same with a plan that was made for the link.
+    /// [`Mesh::new`] with a plan that is known to fit the link.
     pub(super) fn planned(link: &Link, plan: &MeshPlan) -> Self {
         let (mut elements, mut segments) = (Vec::new(), Vec::new());
         for (piece, count) in plan.shares() {
@@ -84,7 +84,7 @@ impl Mesh {
         Self { elements, relative, segments, nodes_m, bodies, rigid_lambda }
     }
 
-    /// The same link with every element cut into two halves.
+    /// The mesh with every element halved.
     #[must_use]
     pub fn refined(&self) -> Self {
         let elements: Vec<Element> = self.elements.iter().flat_map(Element::halves).collect();
@@ -97,11 +97,11 @@ impl Mesh {
         Self::assemble(elements, segments, nodes_m, Bodies { lumped, ..self.bodies })
     }
 
-    /// The mesh with elements halved until natural frequencies up to `omega_rad_s` are exact to
-    /// `tolerance`, or until it has thousands of elements.
+    /// Halves all elements until natural frequencies up to `omega_rad_s` are exact to `tolerance`, or the mesh has
+    /// thousands of elements.
     ///
-    /// The elements raise a natural frequency by `Δω/ω = (βh)⁴/1440` at most, with shear by
-    /// `ω²h² m̄/(24 κGA)` more; both grow with ω².
+    /// The elements raise a natural frequency by `Δω/ω = (βh)⁴/1440` at most, with shear by `ω²h² m̄/(24 κGA)` more;
+    /// both grow with ω².
     #[must_use]
     pub fn resolving(mut self, omega_rad_s: f64, tolerance: f64) -> Self {
         let error = |mesh: &Self| 0.01 * (omega_rad_s / mesh.resolved_frequency_rad_s()).powi(2);
@@ -116,12 +116,12 @@ impl Mesh {
         &self.elements
     }
 
-    /// The same elements in relative coordinates.
+    /// Elements in relative coordinates.
     pub fn relative_elements(&self) -> &[RelativeElement] {
         &self.relative
     }
 
-    /// Segment that each element belongs to.
+    /// Segment of each element.
     pub fn element_segments(&self) -> &[usize] {
         &self.segments
     }
@@ -136,7 +136,7 @@ impl Mesh {
         self.nodes_m[self.nodes_m.len() - 1]
     }
 
-    /// Refuses numbers of nodes that the mesh does not have.
+    /// Refuses node numbers that the mesh does not have.
     pub(crate) fn check_nodes(&self, nodes: &[usize]) -> Result<(), ParameterError> {
         let last = self.elements.len();
         let Some(node) = nodes.iter().find(|node| **node > last) else { return Ok(()) };
@@ -148,13 +148,13 @@ impl Mesh {
         ))
     }
 
-    /// Inertia lumped at a node, the payload and masses on the tip left out; none where there is no such
-    /// node.
+    /// Inertia lumped at a node, without payload and masses at the tip; `None` if the node does not exist or carries no
+    /// inertia.
     pub fn lumped_inertia(&self, node: usize) -> Option<Inertia<f64>> {
         self.bodies.lumped.get(node).copied().flatten()
     }
 
-    /// Payload and masses on the tip: the apparent inertia that the recursion starts from.
+    /// Payload and masses at the tip: the apparent inertia at the start of the recursion.
     ///
     /// ```text
     /// A_tip = [[m_t, m_t c], [m_t c, J_t + m_t c²]]
@@ -168,7 +168,7 @@ impl Mesh {
         self.bodies.hub_inertia_kg_m2
     }
 
-    /// A mass of the size of the link's own in kg, to compare forces with motions.
+    /// A mass in kg of the order of the link's mass, for comparing forces with motions.
     pub(super) fn reference_mass_kg(&self) -> f64 {
         let beam: f64 = self.relative.iter().map(|e| e.m_uu.m11).sum();
         let lumped: f64 = self.bodies.lumped.iter().flatten().map(|l| l.vv).sum();
@@ -176,9 +176,9 @@ impl Mesh {
         beam + lumped + self.bodies.tip.vv + hub
     }
 
-    /// Discretisation error over the change that halving all elements makes. The error falls with the fourth
-    /// power of the element length, so that the halved mesh has a sixteenth of it and the change is 15/16 of
-    /// it; with shear in any element it falls with the second power at worst.
+    /// Ratio of the discretisation error to the change from halving all elements. The error falls with the fourth power
+    /// of the element length: halving leaves a sixteenth, a change of 15/16. With shear in any element it falls with
+    /// the second power at worst.
     pub fn error_per_change(&self) -> f64 {
         if self.has_shear() { 4.0 / 3.0 } else { 16.0 / 15.0 }
     }
@@ -188,19 +188,19 @@ impl Mesh {
         self.elements.iter().any(|element| element.timoshenko.is_some())
     }
 
-    /// Frequency in rad/s up to which every element follows the bending waves (1 % of a natural
-    /// frequency there).
+    /// Frequency in rad/s up to which every element follows the bending waves; natural frequencies are off by 1 %
+    /// there.
     pub fn resolved_frequency_rad_s(&self) -> f64 {
         let resolved = self.elements.iter().map(Element::resolved_frequency_rad_s);
         resolved.fold(f64::INFINITY, f64::min)
     }
 
-    /// 1/λ in s², for the recursion. Where λ is so small that the link is rigid to the last digit,
-    /// at rest for one, 1/λ of the largest such λ: finite, and with the same answers.
+    /// 1/λ in s², for the recursion. If λ is so small that the link is rigid to the last digit, for example 0, it is
+    /// 1/λ of the largest such λ: finite, and with the same answers.
     #[inline(always)]
     pub fn per_lambda<S: Scalar>(&self, lambda: S) -> S {
         let least = lambda.lift(self.rigid_lambda).size();
-        // One reciprocal of the larger λ would not do: of a link next to rigid its square overflows.
+        // The reciprocal of the larger λ would not do: for a nearly rigid link its square overflows.
         let of_rigid = lambda.lift(1.0 / self.rigid_lambda);
         S::choose(least, lambda.size(), of_rigid, lambda.reciprocal())
     }
@@ -210,7 +210,7 @@ impl Bodies {
     fn of(link: &Link, nodes_m: &[f64]) -> Self {
         let mut lumped: Vec<Option<Inertia<f64>>> = vec![None; nodes_m.len()];
         for mass in link.masses() {
-            // The plan puts a node at every lumped mass, or takes one that is next to it.
+            // The plan puts a node at or next to every lumped mass.
             let there = &mut lumped[nearest_node(nodes_m, mass.at_m)];
             let there = there.get_or_insert(Inertia::rigid(0.0, 0.0, 0.0));
             there.vv += mass.mass_kg;
@@ -218,7 +218,7 @@ impl Bodies {
         }
         let payload = link.payload();
         let mut tip = Inertia::rigid(payload.mass_kg, payload.inertia_kg_m2, payload.offset_m);
-        // The recursion starts from what a mass on the tip and the payload are together.
+        // The recursion starts from the sum of payload and masses at the tip.
         if let Some(last) = lumped.last_mut().and_then(Option::take) {
             tip.vv += last.vv;
             tip.pp += last.pp;
@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(lumped(0), Some((0.1, 0.0, 0.02)));
         assert_eq!(lumped(2), Some((0.2, 0.0, 0.04)));
         assert_eq!([1, 3, 4, 5].map(lumped), [None; 4]);
-        // The mass on the tip joins the payload: 0.2 kg at 0.1 m, 0.01 + 0.02 kg m².
+        // The mass at the tip joins the payload: 0.2 kg at 0.1 m, 0.01 + 0.02 kg m².
         let Inertia { vv, vp, pp } = mesh.tip_inertia();
         assert!((vv - 0.3).abs() < 1e-15 && (vp - 0.02).abs() < 1e-15);
         assert!((pp - 0.032).abs() < 1e-15);

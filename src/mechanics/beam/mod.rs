@@ -41,8 +41,7 @@ pub(crate) use stations::nearest_node;
 pub use stations::node_at;
 pub use transfer::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
 
-/// A link for the tests of the recursion: with everything that a mesh can carry, and undamped, so that
-/// it resonates.
+/// Test link of the recursion: has every part of a mesh, and no damping, so that it resonates.
 #[cfg(test)]
 mod test_links {
     use super::{ElementCount, Mesh, MeshPlan};
@@ -51,14 +50,14 @@ mod test_links {
     };
 
     impl Mesh {
-        /// A link of one segment on this many elements, as unit tests mesh theirs.
+        /// A mesh of a link of one segment with this number of elements.
         pub(crate) fn on(link: &Link, elements: usize) -> Self {
             let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
             Self::planned(link, &plan.unwrap())
         }
     }
 
-    /// Segments of half a metre with these stiffnesses, and masses at these places in m.
+    /// A link with segments of half a metre of these stiffnesses, and masses at these places in m.
     pub(super) fn of_stiffnesses(stiffnesses: &[f64], masses_at_m: &[f64]) -> Link {
         let segment = |ei: &f64| Segment {
             length_m: 0.5,
@@ -73,20 +72,19 @@ mod test_links {
 
     const SI: Units = Units { length: 1.0, mass: 1.0 };
 
-    /// The link on this many elements.
+    /// The test link on this many elements.
     pub(super) fn mesh(elements: usize) -> Mesh {
         mesh_in(elements, SI)
     }
 
-    /// How many of other units a metre and a kilogram are, the second kept: powers of two, which cost no
-    /// digit.
+    /// Other units per metre and per kilogram, with the second unchanged: powers of two, which cost no digit.
     #[derive(Debug, Clone, Copy)]
     pub(super) struct Units {
         pub(super) length: f64,
         pub(super) mass: f64,
     }
 
-    /// The link on this many elements, measured in these units.
+    /// The test link on this many elements, in these units.
     pub(super) fn mesh_in(elements: usize, units: Units) -> Mesh {
         let (ei, per_length) = (Taper { inner: 6.0, outer: 4.0 }, Taper { inner: 0.9, outer: 0.7 });
         let Units { length, mass } = units;

@@ -1,10 +1,9 @@
 //! The recursion with row pivoting, for frequencies at which the outboard part resonates.
 //!
-//! There the apparent inertia A has a pole, and the plain recursion loses all digits. What stays finite
-//! is the set of pairs (motion u, reaction q = A u) that the outboard part allows: a plane in four
-//! dimensions. The recursion carries it inward as u = U c, q = Q c with two free coefficients c. After
-//! every element it takes as new coefficients those two rows of U and Q whose determinant is largest.
-//! At a resonance u is then small beside q, and no number is singular.
+//! There the apparent inertia A has a pole, and the plain recursion loses all digits. The set of possible pairs (motion
+//! u, reaction q = A u) of the outboard part stays finite: a plane in four dimensions. The recursion carries it inward
+//! as u = U c, q = Q c with two free coefficients c. After every element the new coefficients are the two rows of U and
+//! Q with the largest determinant. At a resonance u is then small beside q, and no matrix is singular.
 
 use nalgebra::{ComplexField, Matrix2, Vector2};
 use num_complex::Complex64;
@@ -12,7 +11,7 @@ use num_complex::Complex64;
 use super::element::RelativeElement;
 use super::mesh::Mesh;
 
-/// Numbers that the recursion with pivoting runs over: complex ones, and real ones for modes.
+/// Numbers of the recursion with pivoting: complex ones, and real ones for modes.
 pub(crate) trait PivotedScalar: ComplexField<RealField = f64> + Copy {}
 
 impl PivotedScalar for f64 {}
@@ -20,14 +19,14 @@ impl PivotedScalar for Complex64 {}
 
 type Block<S> = Matrix2<S>;
 
-/// Motions `U c` and reactions `Q c` that the part outboard of a node allows, for any c.
+/// Possible motions `U c` and reactions `Q c` of the part outboard of a node, for any c.
 #[derive(Clone, Copy)]
 struct Admitted<S> {
     motion: Block<S>,
     reaction: Block<S>,
 }
 
-/// What the pass from hub to tip needs of one element.
+/// Data of one element for the pass from hub to tip.
 struct ElementMotion<S> {
     /// Inner coefficients per outer ones: `c_i = change · c_j`.
     change: Block<S>,
@@ -37,7 +36,7 @@ struct ElementMotion<S> {
     reaction: Block<S>,
 }
 
-/// A motion of the whole link at one λ under a torque at the hub alone, its size arbitrary.
+/// Motion of the whole link at one λ under a torque at the hub only, of arbitrary size.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DrivenMotion<S> {
     /// Hub angle θ.
@@ -46,14 +45,14 @@ pub(crate) struct DrivenMotion<S> {
     pub torque: S,
     /// Deflection and slope (e, e') of nodes 0 … n from the hub's tangent line.
     pub deflections: Vec<Vector2<S>>,
-    /// Deformation of every element: motion of its outer end seen from its inner end's tangent. On fine
-    /// meshes it is a tiny difference of the deflections, which would lose its digits.
+    /// Deformation of every element: motion of its outer end relative to its inner end's tangent. On fine meshes the
+    /// difference of the deflections would be too small to keep its digits.
     pub deformations: Vec<Vector2<S>>,
-    /// Reaction (force, moment) over −ω² of what lies outboard of nodes 0 … n.
+    /// Reaction (force, moment) over −ω² of the parts outboard of nodes 0 … n.
     pub reactions: Vec<Vector2<S>>,
 }
 
-/// The motion that a torque at the hub causes at λ, also where the link or a part of it resonates.
+/// Motion due to a torque at the hub at λ, also where the link or a part of it resonates.
 pub(crate) fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenMotion<S> {
     let mut outer = Admitted {
         motion: Block::<S>::identity(),
@@ -71,7 +70,7 @@ pub(crate) fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenM
         motions.push(ElementMotion { change, deformation, reaction: renewed.reaction });
         outer = renewed;
     }
-    // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient, its size free.
+    // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient of free size.
     let root_m = mesh.nodes_m()[0];
     let held = outer.motion.row(0) - outer.motion.row(1) * S::from_real(root_m);
     let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm_squared().sqrt());
@@ -122,13 +121,13 @@ fn pass<S: PivotedScalar>(
     (deformation, Admitted { motion, reaction })
 }
 
-/// Takes the two rows of U and Q with the largest determinant as the new coefficients.
+/// Makes the two rows of U and Q with the largest determinant the new coefficients.
 fn renew<S: PivotedScalar>(
     admitted: &Admitted<S>,
     length_m: f64,
     mass_kg: f64,
 ) -> (Block<S>, Admitted<S>) {
-    // One unit for all four rows, so that their sizes can be compared.
+    // One unit for all four rows, so that their sizes are comparable.
     let rows = [
         admitted.motion.row(0).into_owned(),
         admitted.motion.row(1) * S::from_real(length_m),
@@ -158,10 +157,10 @@ fn lifted<S: PivotedScalar>(real: &Matrix2<f64>) -> Block<S> {
     real.map(S::from_real)
 }
 
-/// Gaussian elimination of a 2×2 matrix with partial pivoting. The solutions of a singular matrix are not
-/// finite; the caller checks its result for that.
+/// Gaussian elimination of a 2×2 matrix with partial pivoting. For a singular matrix the solutions are not finite; the
+/// caller checks for it.
 struct Elimination<S> {
-    /// Row that the first unknown is eliminated with.
+    /// Row of the first pivot.
     first: usize,
     per_pivot: S,
     beside_pivot: S,
@@ -200,8 +199,7 @@ mod tests {
     use crate::beam::transfer::pivoted_transfer;
     use crate::link::{Hub, Link, LinkParts, Taper, uniform, uniform_segment};
 
-    /// A uniform link whose lengths and masses are so many times as large, and the stiffness as
-    /// keeps the time it takes.
+    /// A uniform link with scaled lengths and masses; the stiffness scales so that times stay the same.
     fn mesh(lengths: f64, masses: f64) -> Mesh {
         let mut segment = uniform_segment();
         segment.length_m *= lengths;
@@ -212,7 +210,7 @@ mod tests {
         Mesh::on(&link, 12)
     }
 
-    /// Units that are powers of two leave every digit as it is; only lengths choose other pivots.
+    /// Units that are powers of two keep every digit; only other lengths could choose other pivots.
     #[test]
     fn a_transfer_is_the_same_in_all_units() {
         let one = mesh(1.0, 1.0);

@@ -3,9 +3,9 @@ use crate::link::{Link, POSITION_TOLERANCE, ParameterError, Segment};
 /// Number of elements of a link, all segments together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ElementCount {
-    /// Refined until the torque's discretisation error is below the tolerance.
+    /// Refinement until the torque's discretisation error is below the tolerance.
     Auto,
-    /// This many in all, at least 1.
+    /// Total number of elements, at least 1.
     Total(usize),
 }
 
@@ -14,13 +14,13 @@ pub enum ElementCount {
 pub struct Piece {
     /// Number of the segment.
     pub segment: usize,
-    /// Where the piece begins, 0 at the segment's inner end.
+    /// Start of the piece, 0 at the segment's inner end.
     pub from: f64,
-    /// Where it ends, 1 at the segment's outer end.
+    /// End of the piece, 1 at the segment's outer end.
     pub to: f64,
 }
 
-/// The number of elements of each part of a link, checked against the link.
+/// Number of elements of each part of a link, checked against the link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshPlan {
     pub(super) shares: Vec<(Piece, usize)>,
@@ -29,16 +29,16 @@ pub struct MeshPlan {
 }
 
 impl MeshPlan {
-    /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
+    /// Discretisation error of the torque, relative to its peak, at which `auto` stops refining.
     pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 
-    /// Largest number of elements of a link: more than any motion needs, and they fit in memory.
+    /// Largest number of elements of a link: more than any motion needs, and few enough for the memory.
     pub const MOST_ELEMENTS: usize = 100_000;
 
-    /// Smallest number of elements that an automatic mesh starts from.
+    /// Smallest number of elements at the start of an automatic mesh.
     const COARSEST: usize = 8;
 
-    /// As many elements as the torque needs for an error below [`MeshPlan::DEFAULT_TOLERANCE`].
+    /// The plan that refines until the torque's error is below [`MeshPlan::DEFAULT_TOLERANCE`].
     pub fn automatic(link: &Link) -> Self {
         let pieces = pieces(link);
         let shares = divide(link, &pieces, Self::COARSEST.max(pieces.len()));
@@ -47,13 +47,13 @@ impl MeshPlan {
 
     /// Checks the numbers against `link` and distributes the elements over its pieces.
     ///
-    /// `own[k]` is the number of elements given for segment k, `count` the number for the whole link.
-    /// Without `count` the mesh is automatic, unless every segment has its own number. Segments without
-    /// one share the remaining elements by length · (m̄/EI)^¼, so that every element spans about the same
-    /// part of a bending wave; every piece gets at least one.
+    /// `own[k]` is the number of elements of segment k, if set, `count` the number for the whole link. Without `count`
+    /// the mesh is automatic, unless every segment has a number. Segments without a number share the remaining elements
+    /// by length · (m̄/EI)^¼, so that every element spans about the same part of a bending wave; every piece gets at
+    /// least one.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first number that is not possible.
+    /// [`ParameterError`] names the first impossible number.
     pub fn new(
         link: &Link,
         own: &[Option<usize>],
@@ -69,7 +69,7 @@ impl MeshPlan {
             return Err(ParameterError::new("numbers of elements", own.len(), "", must));
         }
         let pieces = pieces(link);
-        // Every segment has a piece, and those of one follow each other.
+        // Every segment has a piece, and the pieces of a segment are adjacent.
         let of_segments = || pieces.chunk_by(|a, b| a.segment == b.segment).zip(own).enumerate();
         for (segment, (of_segment, count)) in of_segments() {
             let needed = of_segment.len();
@@ -94,7 +94,7 @@ impl MeshPlan {
         };
         let rest = match count {
             Some(ElementCount::Total(total)) => share_of_total(total, fixed, open.len())?,
-            // Segments that all have their own number leave nothing to share.
+            // If every segment has a number, nothing remains to share.
             _ if open.is_empty() => 0,
             _ => Self::COARSEST.saturating_sub(fixed).max(open.len()),
         };
@@ -112,22 +112,22 @@ impl MeshPlan {
         Ok(Self { shares, automatic, tolerance })
     }
 
-    /// A plan with these numbers of elements, not to be refined.
+    /// A fixed plan with these numbers of elements.
     pub(super) fn shared(shares: Vec<(Piece, usize)>) -> Self {
         Self { shares, automatic: false, tolerance: Self::DEFAULT_TOLERANCE }
     }
 
-    /// The plan's first mesh with its elements halved so many times, not to be refined.
+    /// A fixed plan: the first mesh of this plan with its elements halved this many times.
     #[must_use]
     pub(crate) fn halved(&self, times: u32) -> Self {
         let halved = |(piece, count): &(Piece, usize)| (*piece, count << times);
         Self { shares: self.shares.iter().map(halved).collect(), automatic: false, ..*self }
     }
 
-    /// Refuses a link whose pieces are not those that the plan divides.
+    /// Refuses a link whose pieces differ from the plan's.
     pub(super) fn check(&self, link: &Link) -> Result<(), ParameterError> {
         let mut own = self.shares.iter().map(|(piece, _)| piece);
-        // A piece may be divided at stations.
+        // Stations may divide a piece.
         let mut is_divided = |whole: &Piece| {
             let mut from = whole.from;
             while from < whole.to {
@@ -151,28 +151,28 @@ impl MeshPlan {
         Err(ParameterError::new("mesh plan", "that of another link", "", must))
     }
 
-    /// Pieces of the link from the hub outward, each with its number of elements.
+    /// Pieces of the link from the hub outward, with their numbers of elements.
     pub fn shares(&self) -> &[(Piece, usize)] {
         &self.shares
     }
 
-    /// Whether the mesh is to be refined until its error is below the tolerance.
+    /// True if the mesh is refined until its error is below the tolerance.
     pub fn is_automatic(&self) -> bool {
         self.automatic
     }
 
-    /// Discretisation error of the torque, relative to its peak, that `auto` refines to.
+    /// Discretisation error of the torque, relative to its peak, at which `auto` stops refining.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// The smallest tolerance of several plans, those of an arm's links.
+    /// Smallest tolerance of the plans of an arm's links.
     pub fn smallest_tolerance(plans: &[Self]) -> f64 {
         plans.iter().map(Self::tolerance).fold(1.0, f64::min)
     }
 }
 
-/// Elements of a total that remain for the open pieces.
+/// Number of elements that a total leaves for the open pieces.
 fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, ParameterError> {
     let refuse = |must: String| Err(ParameterError::new("mesh.elements", total, "", must));
     if total > MeshPlan::MOST_ELEMENTS {
@@ -196,7 +196,7 @@ pub(super) fn root_m(link: &Link, segment: usize) -> f64 {
     before.fold(link.hub().radius_m, |sum, segment| sum + segment.length_m)
 }
 
-/// Segments cut at the lumped masses inside them.
+/// Segments divided at the lumped masses inside them.
 pub(super) fn pieces(link: &Link) -> Vec<Piece> {
     let slack_m = POSITION_TOLERANCE * link.length_m();
     let mut pieces = Vec::new();
@@ -223,8 +223,8 @@ pub(super) fn pieces(link: &Link) -> Vec<Piece> {
 
 /// Distributes `total` elements over the pieces, at least one each, by their length in bending wavelengths.
 ///
-/// Each next element goes to the piece whose elements are longest in wavelengths; this makes the longest
-/// element as short as possible.
+/// Each next element goes to the piece with the longest elements in wavelengths, which makes the longest element as
+/// short as possible.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -234,14 +234,14 @@ fn divide(link: &Link, pieces: &[Piece], total: usize) -> Vec<(Piece, usize)> {
     let mut weights: Vec<f64> =
         pieces.iter().map(|p| wavelengths(&link.segments()[p.segment], p)).collect();
     if weights.iter().sum::<f64>() == 0.0 {
-        // Without mass there are no waves: then by length alone.
+        // Without mass there are no waves: only the length counts.
         weights =
             pieces.iter().map(|p| link.segments()[p.segment].length_m * (p.to - p.from)).collect();
     }
     let sum: f64 = weights.iter().sum();
     let spare = total - pieces.len();
-    // Most elements at once. Each is at least sum/spare long, unless it is the only one of its piece, so no
-    // piece gets more than by the rule.
+    // Most elements at once. Each is at least sum/spare long, unless it is alone in its piece, so no piece gets more
+    // than by the rule.
     let bulk = |weight: &f64| ((weight / sum * spare as f64).floor() as usize).max(1);
     let mut counts: Vec<usize> = weights.iter().map(bulk).collect();
     for _ in counts.iter().sum::<usize>()..total {
@@ -262,7 +262,7 @@ fn wavelengths(segment: &Segment, piece: &Piece) -> f64 {
     let middle = 0.5 * (piece.from + piece.to);
     let density =
         segment.mass_per_length_kg_m.at(middle) / segment.bending_stiffness_n_m2.at(middle);
-    // Square roots are rounded alike on every processor, powers are not; equal shares stay equal.
+    // Square roots round alike on every processor, powers do not; equal shares stay equal.
     segment.length_m * (piece.to - piece.from) * density.sqrt().sqrt()
 }
 
@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn a_total_is_shared_by_wavelengths_and_kept() {
-        // The fourth root of 16 is two: a wave on the stiff half is twice as long.
+        // The fourth root of 16 is 2: a wave on the stiff half is twice as long.
         let link = link(&[16.0, 1.0], &[]);
         for (total, shares) in [(2, [1, 1]), (3, [1, 2]), (30, [10, 20]), (31, [11, 20])] {
             let total = Some(ElementCount::Total(total));

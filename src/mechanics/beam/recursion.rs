@@ -1,5 +1,5 @@
-//! The recursion at one λ: from tip to hub every element condensed in turn, and from hub to tip the
-//! deflections and moments at the nodes.
+//! The recursion at one λ. From tip to hub it condenses each element; from hub to tip it computes deflections and
+//! moments at the nodes.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -13,27 +13,27 @@ use crate::numeric::{Scalar, Size, ThinnedGrid};
 /// Result of the recursion at one element.
 #[derive(Clone, Copy)]
 pub struct Step<S: Scalar> {
-    /// The element's gain, as the elimination leaves it.
+    /// The eliminated system of the element; yields its gain.
     pub(super) eliminated: Eliminated<S>,
-    /// Pivots of `K_d/λ − (M_dd + A_j)`; their signs count modes where λ is real and positive.
+    /// Pivots of `K_d/λ − (M_dd + A_j)`; for real, positive λ their signs count modes.
     pub pivots: [S; 2],
-    /// Apparent inertia at the element's inner node, the inertia lumped there included.
+    /// Apparent inertia at the element's inner node, including the inertia lumped there.
     pub inner: Inertia<S>,
 }
 
 impl<S: Scalar> Step<S> {
-    /// The element's gain.
+    /// Gain of the element.
     #[inline(always)]
     pub fn gain(&self) -> Gain<S> {
         self.eliminated.gain()
     }
 }
 
-/// Runs the recursion from tip to hub at λ, element by element, and shows every element's [`Step`] to
-/// `visit`, the outermost element first. Returns the apparent inertia at the link's root, node 0.
+/// Runs the recursion from tip to hub at λ and passes every element's [`Step`] to `visit`, the outermost element first.
+/// Returns the apparent inertia at the link's root, node 0.
 ///
-/// λ is the squared frequency over the relative complex stiffness: ω²/(1 + 2iξ) for the hysteretic
-/// law, ω² without damping, −σ² for the zeros of torque → tip. With `B = M_ud + Rᵀ A_j`:
+/// λ is the squared frequency over the relative complex stiffness: ω²/(1 + 2iξ) for the hysteretic law, ω² without
+/// damping, −σ² for the zeros of torque → tip. With `B = M_ud + Rᵀ A_j`:
 ///
 /// ```text
 /// G   = (K_d/λ − (M_dd + A_j))⁻¹ Bᵀ
@@ -51,8 +51,7 @@ pub fn condense<S: Scalar>(
     condense_part(mesh, per_lambda, elements, tip, visit)
 }
 
-/// [`condense`] over some elements: from the apparent inertia at the outermost node to that at the
-/// innermost.
+/// [`condense`] over some elements: from the apparent inertia at their outermost node to the one at their innermost.
 #[inline(always)]
 pub(super) fn condense_part<S: Scalar>(
     mesh: &Mesh,
@@ -74,12 +73,12 @@ pub(super) fn condense_part<S: Scalar>(
     outer
 }
 
-/// The step over one element, `a` being the apparent inertia at its outer end.
+/// The step over one element with the apparent inertia `a` at its outer end.
 #[inline(always)]
 fn condense_element<S: Scalar>(element: &RelativeElement, per_lambda: S, a: Inertia<S>) -> Step<S> {
     let RelativeElement { length_m: l, k_d, m_dd, m_ud, m_uu } = element;
     let l = *l;
-    // Rᵀ A, of which the first row is A's own.
+    // Rᵀ A, whose first row is the first row of A.
     let (ra_pv, ra_pp) = (a.vv * l + a.vp, a.vp * l + a.pp);
     let b = [[a.vv + m_ud.m11, a.vp + m_ud.m12], [ra_pv + m_ud.m21, ra_pp + m_ud.m22]];
     let pivot_block = Inertia {
@@ -100,21 +99,20 @@ fn condense_element<S: Scalar>(element: &RelativeElement, per_lambda: S, a: Iner
 /// Motion of the tip and moment at the axis per unit of hub angle, at one λ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HubResponse<S: Scalar> {
-    /// Apparent rotary inertia about the axis, the hub's included, in kg m²: torque per angular
-    /// acceleration.
+    /// Apparent rotary inertia about the axis including the hub, in kg m²: torque per angular acceleration.
     pub inertia_kg_m2: S,
-    /// The link's own part of it that acts at the root, node 0, in kg m².
+    /// Part of it from the link at the root, node 0, in kg m².
     pub root_inertia_kg_m2: S,
     /// Tip deflection `e_tip` per hub angle in m: the tip moves by `L + e_tip`.
     pub tip_deflection_m: S,
-    /// 1/λ in s², as [`Mesh::per_lambda`] has it.
+    /// 1/λ in s², from [`Mesh::per_lambda`].
     pub per_lambda_s2: S,
-    /// Upper bound of |G| over all elements, φ counted as φL.
+    /// Upper bound of |G| over all elements, with φ counted as φL.
     pub largest_gain: S::Size,
 }
 
 impl<S: Scalar> HubResponse<S> {
-    /// The apparent inertia at the root and the tip's deflection, seen from the axis.
+    /// Response about the axis, from the apparent inertia at the root and the tip's deflection.
     #[inline(always)]
     pub(super) fn at_axis(
         mesh: &Mesh,
@@ -139,12 +137,12 @@ impl<S: Scalar> HubResponse<S> {
     }
 }
 
-/// Response to a unit hub angle by the recursion alone: the tip's deflection is carried inward from
-/// node to node beside the apparent inertia.
+/// Response to a unit hub angle by the recursion alone. It carries the tip's deflection inward from node to node,
+/// beside the apparent inertia.
 #[inline(always)]
 pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     let (one, link_m) = (lambda.lift(1.0).size(), mesh.length_m());
-    // Tip displacement per motion (v, φ) of the node, less its rigid part (1, L − x).
+    // Tip displacement per motion (v, φ) of the node, without its rigid part (1, L − x).
     let [mut e_v, mut e_phi] = [lambda.lift(0.0); 2];
     let mut largest_gain = lambda.lift(0.0).size();
     let root = condense(
@@ -163,10 +161,10 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
     HubResponse::at_axis(mesh, lambda, (root, largest_gain), tip_deflection_m)
 }
 
-/// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m, where it is small beside L, too.
+/// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m, accurate also where it is small beside L.
 ///
-/// Where both grow as e^{zt} the tip hardly moves, and less the larger z: as a sum, `L + e_tip` would
-/// be rounding. So the whole displacement is carried from tip to hub.
+/// Where both terms grow as e^{zt} the tip hardly moves, and less for larger z: the sum `L + e_tip` would be rounding.
+/// So the recursion carries the whole displacement from tip to hub.
 #[inline(always)]
 pub fn tip_displacement_m<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
     // Tip displacement per motion (v, φ) of the node.
@@ -189,7 +187,7 @@ pub fn tip_displacement_m<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
 pub enum NodalQuantity {
     /// Deflection from the hub's tangent line.
     Deflection,
-    /// Moment of the inner on the outer part.
+    /// Moment of the inner part on the outer part.
     Moment,
 }
 
@@ -204,38 +202,37 @@ pub struct NodalHistories {
     pub samples: Vec<Vec<f64>>,
 }
 
-/// A node at which a pass begins, ends or is taken up again.
+/// A node at which a pass begins, ends or resumes.
 #[derive(Clone, Copy)]
 pub(super) struct Checkpoint<S: Scalar> {
     pub(super) node: usize,
-    /// Apparent inertia of all that is outboard, which the pass from tip to hub carries.
+    /// Apparent inertia of the outboard part, from the pass from tip to hub.
     pub(super) inertia: Inertia<S>,
-    /// Deflection and slope (e, e') per hub angle, which the pass from hub to tip carries.
+    /// Deflection and slope (e, e') per hub angle, from the pass from hub to tip.
     pub(super) deflection: [S; 2],
 }
 
 impl<S: Scalar> Checkpoint<S> {
-    /// Those of the whole mesh at some nodes, the root first and the tip last: at the tip the inertia is
-    /// known, at the root the deflection. `like` is of the kind of number that λ will be.
+    /// Checkpoints of the whole mesh at some nodes, the root first and the tip last: the inertia is known at the tip,
+    /// the deflection at the root. `like` has the kind of number of λ.
     pub(super) fn of_mesh(mesh: &Mesh, like: S, nodes: &[usize]) -> Vec<Self> {
         let (inertia, deflection) = (mesh.tip_inertia().lift(like), [like.lift(0.0); 2]);
         nodes.iter().map(|node| Self { node: *node, inertia, deflection }).collect()
     }
 }
 
-/// One quantity at the nodes between two checkpoints per unit of hub angle, and the memory of the two
-/// passes that compute it.
+/// One quantity at the nodes between two checkpoints per unit of hub angle, with the memory of the two passes.
 pub(super) struct NodalRecursion<S: Scalar> {
     first: usize,
     gains: Vec<Gain<S>>,
-    /// Apparent inertia at the nodes; empty unless moments are wanted.
+    /// Apparent inertia at the nodes; empty unless the quantity is the moment.
     inertias: Vec<Inertia<S>>,
     /// The quantity at the nodes per hub angle: deflections in m, or moments in kg m².
     values: Vec<S>,
 }
 
 impl<S: Scalar> NodalRecursion<S> {
-    /// Memory for the nodes at the ends of `elements`; `like` is of the kind of number that λ will be.
+    /// Memory for the nodes at the ends of `elements`; `like` has the kind of number of λ.
     pub(super) fn new(elements: &Range<usize>, like: S, quantity: NodalQuantity) -> Self {
         let (zero, nodes) = (like.lift(0.0), elements.len() + 1);
         let inertias = match quantity {
@@ -250,19 +247,19 @@ impl<S: Scalar> NodalRecursion<S> {
         }
     }
 
-    /// The quantity at the nodes, from the innermost on.
+    /// The quantity at all nodes, from the innermost on.
     pub(super) fn values(&self) -> &[S] {
         &self.values
     }
 
-    /// The quantity at a node.
+    /// The quantity at one node.
     #[inline(always)]
     pub(super) fn value(&self, node: usize) -> S {
         self.values[node - self.first]
     }
 
-    /// Both passes, from the inertia at the last checkpoint and the deflection at the first: computes the
-    /// values, and the rest of all checkpoints. Returns an upper bound of |G|.
+    /// Runs both passes, from the inertia at the last checkpoint and the deflection at the first; computes the values
+    /// and completes all checkpoints. Returns an upper bound of |G|.
     #[inline(always)]
     pub(super) fn run(
         &mut self,
@@ -276,7 +273,7 @@ impl<S: Scalar> NodalRecursion<S> {
         largest_gain
     }
 
-    /// From tip to hub; returns an upper bound of |G|.
+    /// Pass from tip to hub; returns an upper bound of |G|.
     #[inline(always)]
     fn inward(&mut self, mesh: &Mesh, lambda: S, checkpoints: &mut [Checkpoint<S>]) -> S::Size {
         let (one, per_lambda) = (lambda.lift(1.0).size(), mesh.per_lambda(lambda));
@@ -306,7 +303,7 @@ impl<S: Scalar> NodalRecursion<S> {
         largest_gain
     }
 
-    /// From hub to tip.
+    /// Pass from hub to tip.
     ///
     /// ```text
     /// e_0 = 0,  e_j = R e_i + G (e_i + (x_i, 1)ᵀ θ)                              for θ = 1
@@ -333,7 +330,7 @@ impl<S: Scalar> NodalRecursion<S> {
         self.set(node, mesh, quantity, deflection);
     }
 
-    /// Sets the quantity at a node, whose displacement and slope it returns.
+    /// Sets the quantity at a node; returns the node's displacement and slope.
     #[inline(always)]
     fn set(
         &mut self,

@@ -4,14 +4,14 @@ use super::element::{Element, RelativeElement};
 use super::inertia::Inertia;
 use crate::link::Taper;
 
-/// Share of a rigid link's motion that bending may add so that it is lost in the rounding of any sum.
+/// Ratio of bending to rigid motion below which rounding of any sum hides it.
 const NEGLIGIBLE: f64 = 1.0 / (1_u128 << 70) as f64;
 
-/// Largest `K_d/λ` in kg or kg m²: finite, with room for what is added to it.
+/// Largest `K_d/λ` in kg or kg m²: finite, with room for further terms.
 const STIFFEST: f64 = 1e280;
 
-/// λ in 1/s² up to which a link of length L is rigid: all inertia, at the distance L from the axis,
-/// would bend all elements, one after the other, by a negligible angle.
+/// λ in 1/s² up to which a link of length L is rigid: all inertia, placed at the distance L from the axis, bends all
+/// elements in series by a negligible angle.
 ///
 /// ```text
 /// λ Σ(|A_vv| L² + 2 |A_vφ| L + |A_φφ|) Σ(l/EI + l/(κGA L²)) = 2⁻⁷⁰
@@ -41,8 +41,8 @@ pub(super) fn rigid_lambda<'a>(
     if slowness_s2 > 0.0 { NEGLIGIBLE / slowness_s2 } else { 1.0 }
 }
 
-/// Lowers the stiffness of elements whose `K_d/λ` would overflow at the rigid limit: so stiff beside
-/// the others, they do not bend by any digit either way.
+/// Lowers the stiffness of elements whose `K_d/λ` would overflow at the rigid limit: beside the others they do not bend
+/// by any digit either way.
 pub(super) fn limit_stiffness(elements: &mut [RelativeElement], rigid_lambda: f64) {
     let most = STIFFEST * rigid_lambda;
     for element in elements {
@@ -63,8 +63,7 @@ mod tests {
         Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
     };
 
-    /// The transfers at rest are those of the lowest frequencies, to the last digits; and what bends
-    /// there at all is kept: the lags, which are per λ.
+    /// The transfers at rest equal those of the lowest frequencies to the last digits, also the lags, which are per λ.
     #[test]
     fn a_link_at_rest_answers_as_one_that_hardly_moves() {
         let mesh = mesh(17);
@@ -93,7 +92,7 @@ mod tests {
         }
     }
 
-    /// As slow as that, no node bends by any digit of its travel, wherever the inertia is.
+    /// At the rigid limit no node bends by any digit of its travel, wherever the inertia is.
     #[test]
     fn a_link_at_its_rigid_limit_bends_by_no_digit() {
         let light = Payload::default();

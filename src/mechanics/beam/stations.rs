@@ -1,14 +1,13 @@
-//! Places on a link where its mesh has nodes.
+//! Places on a link that its mesh has nodes at.
 
 use super::plan::{MeshPlan, Piece, root_m};
 use crate::link::{Link, POSITION_TOLERANCE, ParameterError};
 
-/// Largest distance of a node from a place where a mesh has one, as a share of the link's length.
+/// Largest distance between a place and its node, as a share of the link's length.
 const PLACE_TOLERANCE: f64 = 1e-8;
 
 impl MeshPlan {
-    /// The plan with a node at each of these distances from the axis in m: they divide its pieces as lumped
-    /// masses do.
+    /// Adds a node at each of these distances from the axis in m: the places divide pieces as lumped masses do.
     ///
     /// # Errors
     /// [`ParameterError`] names the first place that is not on the link.
@@ -30,7 +29,7 @@ impl MeshPlan {
     }
 }
 
-/// A piece and its number of elements, in two parts where a place lies in it. No element gets longer.
+/// Cuts a piece in two at a place inside it and shares its elements, so that no element gets longer.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -49,14 +48,14 @@ fn cut(
         return vec![(piece, count)];
     }
     let element = (piece.to - piece.from) / count as f64;
-    // Where a node is there already, every element stays as it is.
+    // If a node is there already, every element stays as it is.
     let elements = |from: f64, to: f64| ((to - from - slack) / element).ceil() as usize;
     let inner = Piece { to: at, ..piece };
     let outer = Piece { from: at, ..piece };
     [inner, outer].map(|own| (own, elements(own.from, own.to))).into()
 }
 
-/// Number of the node at a distance from the axis in m, if there is one.
+/// Number of the node at a distance from the axis in m, if the mesh has one.
 pub fn node_at(nodes_m: &[f64], at_m: f64) -> Option<usize> {
     let node = nearest_node(nodes_m, at_m);
     let tip_m = nodes_m.last()?;

@@ -6,12 +6,11 @@ use super::element::{Element, RelativeElement};
 use crate::link::{Taper, Timoshenko};
 
 impl Timoshenko {
-    /// A slender element in relative coordinates, with shear and rotary inertia.
+    /// Adds shear and rotary inertia to a slender element in relative coordinates.
     ///
-    /// The shear strain γ is constant along the element, the rotation ψ of the cross-section that of Hermite's
-    /// cubic h through what shear leaves of d. The least energy gives γ; of a uniform element these are its
-    /// exact static shapes (Przemieniecki, *Theory of Matrix Structural Analysis*, 1968, sections 5.6 and
-    /// 11.8).
+    /// The shear strain γ is constant along the element; the rotation ψ of the cross-section follows Hermite's cubic h
+    /// through d less the shear. The least energy gives γ; for a uniform element these are the exact static shapes
+    /// (Przemieniecki, *Theory of Matrix Structural Analysis*, 1968, sections 5.6 and 11.8).
     ///
     /// ```text
     /// v = v_i + s φ_i + hᵀ d' + s γ,   ψ = φ_i + h'ᵀ d',   h = (3t² − 2t³, l (t³ − t²)),   t = s/l
@@ -19,9 +18,8 @@ impl Timoshenko {
     /// M = ∫ m̄ v v + ρI ψ ψ ds
     /// ```
     ///
-    /// All static shapes have the shear force constant in an element. They miss the energy
-    /// `∫ (m̄ω²l)² v²/(24 κGA) ds`: frequencies converge with order 2. It is of order ω⁴; no K and M without
-    /// inner unknowns have it.
+    /// Static shapes have a constant shear force in an element. They miss the energy `∫ (m̄ω²l)² v²/(24 κGA) ds`:
+    /// frequencies converge with order 2. The energy is of order ω⁴; no K and M without inner unknowns can contain it.
     pub(super) fn sheared(&self, element: &Element, slender: &RelativeElement) -> RelativeElement {
         let l = element.length_m;
         let Taper { inner: p, outer: q } = element.bending_stiffness_n_m2;
@@ -29,7 +27,7 @@ impl Timoshenko {
         let (k, m_ud, m_uu) = (&slender.k_d, &slender.m_ud, &slender.m_uu);
         let shear = self.shear_stiffness_n.mean();
         let sum = shear + l * k.m11;
-        // det K by hand: of a short element it would cancel.
+        // det K by hand, to avoid cancellation in a short element.
         let determinant = 2.0 * (p * p + 4.0 * p * q + q * q) / l.powi(4);
         let k_d = Matrix2::new(
             k.m11 * (shear / sum),
@@ -85,12 +83,12 @@ mod tests {
         assert!((a - b).abs().max() < 1e-13 * a.abs().max(), "{a} is not {b}");
     }
 
-    /// Shapes of v and ψ over `(v_i, φ_i, v_j, φ_j)` at a share t of the length.
+    /// Shapes of v and ψ over `(v_i, φ_i, v_j, φ_j)` at a fraction t of the length.
     fn shapes(element: &Element, t: f64) -> [Vector4<f64>; 2] {
         let l = element.length_m;
         let k = element.bending_stiffness();
         let shear = element.timoshenko.unwrap().shear_stiffness_n.mean();
-        // γ minimises ½ (u − lγ e)ᵀ K (u − lγ e) + ½ S l γ², with e the outer end's displacement.
+        // γ minimises ½ (u − lγ e)ᵀ K (u − lγ e) + ½ S l γ², with e the displacement of the outer end.
         let strain = k.column(2) / (shear + l * k.m33);
         let cubic = Vector4::new(
             1.0 - 3.0 * t * t + 2.0 * t.powi(3),
@@ -138,7 +136,7 @@ mod tests {
         assert!((ELEMENT.stiffness() * rigid).abs().max() < 1e-13);
     }
 
-    /// Przemieniecki's matrix with Φ = 12 EI/(κGA l²), at values that no digit is lost of, thin and thick.
+    /// Przemieniecki's matrix with Φ = 12 EI/(κGA l²), thin and thick, at values without cancellation.
     #[test]
     fn stiffness_of_a_uniform_element_is_the_published_one() {
         for shear in [1e-3, 10.0, 1e9] {
@@ -159,7 +157,7 @@ mod tests {
         }
     }
 
-    /// `K_d⁻¹` is the flexibility of the clamped element: bending, and shear in the displacement alone.
+    /// `K_d⁻¹` is the flexibility of the clamped element: bending, plus shear in the displacement.
     #[test]
     fn a_short_element_keeps_its_digits() {
         let element =

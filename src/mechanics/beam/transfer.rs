@@ -1,5 +1,4 @@
-//! Transfers from the tip at one λ, by the recursion where it keeps its digits, else by the one with
-//! pivoting.
+//! Transfers from the tip at one λ: by the plain recursion where it keeps its digits, otherwise with pivoting.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -11,10 +10,10 @@ use super::pivoted::{PivotedScalar, driven_motion};
 use super::recursion::{Checkpoint, HubResponse, NodalQuantity, NodalRecursion, hub_response};
 use crate::numeric::Scalar;
 
-/// Largest gain |G| that the recursion is trusted with: it loses about ε·|G| of its digits.
+/// Largest gain |G| at which the recursion is trusted: it loses about ε·|G| of its digits.
 ///
-/// A frequency above it lies on a resonance of the part outboard of some node: with damping none does,
-/// without it a few in a thousand.
+/// A frequency with a larger gain lies on a resonance of the part outboard of some node: no frequency with damping, a
+/// few in a thousand without.
 const LARGEST_GAIN: f64 = 1e4;
 
 /// Transfers from the tip at one λ, per unit of tip motion.
@@ -22,28 +21,28 @@ const LARGEST_GAIN: f64 = 1e4;
 pub struct TipTransfer<S = Complex64> {
     /// `T/a_tip = (A_0[φφ] + I_H)/(L + e_tip)` in kg m (Bayo 1987, eq 20).
     pub inertia_kg_m: S,
-    /// Moment at the root, node 0, per tip acceleration in kg m: what the hub exerts on the link.
+    /// Moment at the root, node 0, per tip acceleration in kg m: the moment of the hub on the link.
     pub root_inertia_kg_m: S,
     /// `θ/v_tip = 1/(L + e_tip)` in rad/m (eq 21).
     pub angle_rad_m: S,
-    /// `e_tip/(λ (L + e_tip))` in s²: deflection of the tip per tip acceleration.
+    /// `e_tip/(λ (L + e_tip))` in s²: tip deflection per tip acceleration.
     pub deflection_s2: S,
 }
 
 /// Transfers from the tip to every node at one λ, per unit of tip motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodalTransfer {
-    /// Torque, hub angle and tip.
+    /// Transfers to torque, hub angle and tip.
     pub tip: TipTransfer,
     /// Deflection of nodes 0 … n per tip acceleration, `e_i/(λ (L + e_tip))`, in s² (eq 21).
     pub deflections_s2: Vec<Complex64>,
-    /// Moment in kg m per tip acceleration that the inner part of the link exerts on the outer
-    /// part at nodes 0 … n; the inertia lumped at the node counts as outer.
+    /// Moment of the inner on the outer part of the link at nodes 0 … n, per tip acceleration, in kg m; the inertia
+    /// lumped at a node belongs to the outer part.
     pub moments_kg_m: Vec<Complex64>,
 }
 
 impl<S: Scalar> TipTransfer<S> {
-    /// A response per hub angle, divided by the tip's displacement.
+    /// Divides a response per hub angle by the tip's displacement.
     #[inline(always)]
     pub(super) fn of(hub: &HubResponse<S>, mesh: &Mesh) -> Self {
         let angle_rad_m = hub.tip_displacement_m(mesh).reciprocal();
@@ -57,8 +56,8 @@ impl<S: Scalar> TipTransfer<S> {
 }
 
 impl TipTransfer {
-    /// True if the tip moves by rounding alone: `|L + e_tip|` is below `(64 + 2n) ε L` on n elements,
-    /// somewhat more than measured at blocked frequencies. The transfers are then meaningless.
+    /// True if the tip's motion is only rounding: `|L + e_tip|` is below `(64 + 2n) ε L` on n elements, somewhat above
+    /// the values measured at blocked frequencies. The transfers are then meaningless.
     pub fn is_blocked(&self, mesh: &Mesh) -> bool {
         let rounding = (64.0 + 2.0 * mesh.elements().len() as f64) * f64::EPSILON;
         self.angle_rad_m.norm_sqr() * (rounding * mesh.length_m()).powi(2) > 1.0
@@ -88,14 +87,14 @@ pub(super) fn per_tip<S: Scalar>(hub: &HubResponse<S>, mesh: &Mesh, quantity: No
 
 /// Transfers from the tip to torque and hub angle.
 ///
-/// Time in the number of elements. Nothing is singular at λ = 0, where the link is rigid.
+/// The time is linear in the number of elements. λ = 0, where the link is rigid, is not singular.
 pub fn tip_transfer(mesh: &Mesh, lambda: Complex64) -> TipTransfer {
     let by_recursion =
         if is_real(lambda) { recursed(mesh, lambda.re) } else { recursed(mesh, lambda) };
     by_recursion.unwrap_or_else(|| pivoted_transfer(mesh, lambda).tip)
 }
 
-/// Transfers from the tip to torque and hub angle by the recursion; none where it loses its digits.
+/// Transfers from the tip to torque and hub angle by the recursion; `None` where it loses its digits.
 fn recursed<S>(mesh: &Mesh, lambda: S) -> Option<TipTransfer>
 where
     S: Scalar<Size = f64> + Into<Complex64>,
@@ -114,7 +113,7 @@ pub fn nodal_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
     by_recursion.unwrap_or_else(|| pivoted_transfer(mesh, lambda))
 }
 
-/// Transfers from the tip to every node by the recursion; none where it loses its digits.
+/// Transfers from the tip to every node by the recursion; `None` where it loses its digits.
 fn recursed_nodes<S>(mesh: &Mesh, lambda: S) -> Option<NodalTransfer>
 where
     S: Scalar<Size = f64> + Into<Complex64>,
@@ -134,7 +133,7 @@ where
     Some(NodalTransfer { tip: complex(TipTransfer::of(&hub, mesh)), deflections_s2, moments_kg_m })
 }
 
-/// The response at the hub after both passes between root and tip; `gain` is their bound of |G|.
+/// Response at the hub after both passes between root and tip; `gain` is their bound of |G|.
 #[inline(always)]
 pub(super) fn response_between<S: Scalar>(
     mesh: &Mesh,
@@ -157,7 +156,7 @@ fn complex<S: Into<Complex64>>(tip: TipTransfer<S>) -> TipTransfer {
 
 /// Transfers from the tip to every node at λ ≠ 0, also where a part of the link resonates.
 ///
-/// Not finite only where no pivot is left at all, as at a zero of torque → tip on the real axis.
+/// Infinite or NaN only if no pivot remains, as at a zero of torque → tip on the real axis.
 pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer {
     if is_real(lambda) { driven_transfer(mesh, lambda.re) } else { driven_transfer(mesh, lambda) }
 }
@@ -181,13 +180,12 @@ fn driven_transfer<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -
     }
 }
 
-/// Whether λ is a real number, as it is without damping and at rest; the recursion over real numbers
-/// takes a third of the time.
+/// True if λ is real, as without damping or at rest; the real recursion takes a third of the time.
 pub(super) fn is_real(lambda: Complex64) -> bool {
     lambda.im == 0.0
 }
 
-/// Whether the recursion has kept its digits.
+/// True if the recursion has kept its digits.
 pub(super) fn is_trusted(largest_gain: f64) -> bool {
     largest_gain <= LARGEST_GAIN
 }
@@ -239,7 +237,7 @@ mod tests {
         }
     }
 
-    /// `T/a_tip` over numbers with more digits.
+    /// `T/a_tip` with more digits.
     fn exact_inertia<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
         let root = condense(mesh, lambda, |_, _| {});
         let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();

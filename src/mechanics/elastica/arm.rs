@@ -1,4 +1,4 @@
-//! Arms of several links: second-order terms as loads, iterated over a band of frequencies.
+//! Arms of several links: the iteration of second-order terms, as loads over a band of frequencies.
 
 use std::sync::Arc;
 
@@ -12,9 +12,10 @@ use super::reaction::{ArmMotion, Iteration};
 use crate::model::Model;
 use crate::numeric::FourierPair;
 
-/// Shares of the torques that are negligible of the loads, and of what links that shorten move the chords by, which grows
-/// with the square of the frequency; then how many times the bins up to there. What a link shortens by is a square of
-/// deflections, so that it reaches twice as far; what does not converge is tried with less.
+/// Levels of the iteration: negligible share of the torques for the loads, negligible share for the motion of chords by
+/// links that shorten, and a factor on the bins of this motion. The motion grows with the square of the frequency, and
+/// reaches twice as far because the shortening is a square of deflections. A level that does not converge is followed
+/// by one with less.
 const LEVELS: [(f64, f64, usize); 7] = [
     (1e-8, 1e-10, 2),
     (1e-8, 1e-10, 1),
@@ -25,39 +26,40 @@ const LEVELS: [(f64, f64, usize); 7] = [
     (1e-3, 1e-3, 1),
 ];
 
-/// The levels for torques that need not be exact.
+/// Levels for torques that need not be exact.
 const ESTIMATED: [(f64, f64, usize); 2] = [LEVELS[5], LEVELS[6]];
 
-/// Share of what the second order changes to which it is estimated.
+/// Relative accuracy of an estimate of the second-order change.
 const ESTIMATED_TO: f64 = 0.01;
 
-/// Share of what is negligible up to which chords are moved once, to see what that changes.
+/// Factor on the negligible share for a single wider motion of chords, which shows its effect.
 const BEYOND: f64 = 1e-4;
 
-/// When an iteration ends.
+/// Criterion for the end of an iteration.
 #[derive(Clone, Copy)]
 enum Until {
-    /// Further ones, and chords moved at more frequencies, change the torques by less than this share of them.
+    /// Further iterations, and chords moved at more frequencies, change the torques by less than this share of the
+    /// torques.
     Within(f64),
-    /// Further ones change them by less than this share of what the second order does.
+    /// Further iterations change the torques by less than this share of the second-order change.
     Share(f64),
 }
 
-/// What one iteration hands to the next.
+/// State from one iteration to the next.
 struct Iterate {
     answers: Answers,
     torques_n_m: Vec<Vec<f64>>,
 }
 
-/// Finds the torques with which the chords of an arm move as given, or its tip stays on its path.
+/// Finds the torques that move the chords of an arm as prescribed, or keep its tip on its path.
 ///
-/// Torque i turns link i counterclockwise, and its reaction link i − 1.
+/// Torque i turns link i counterclockwise, and its reaction turns link i − 1.
 ///
 /// # Errors
 /// [`ElasticaError`].
 ///
 /// # Panics
-/// If there are not as many models as chords.
+/// If models and chords differ in number.
 pub fn follow_arm(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
@@ -67,7 +69,8 @@ pub fn follow_arm(
     follow_arm_at(models, arm, (second_order, tolerance), None)
 }
 
-/// The same with histories of these nodes of each link alone: those of others are empty, but for the tip's slope.
+/// [`follow_arm`] with histories of these nodes of each link only. Histories of other nodes are empty, except for the
+/// tip's slope.
 pub(crate) fn follow_arm_at(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
@@ -94,7 +97,7 @@ pub(crate) fn follow_arm_at(
     })
 }
 
-/// The motion that `find` makes of the linear one, at as few samples of the period as tell it.
+/// The motion that `find` derives from the linear one, at the fewest samples of the period that resolve it.
 fn over_fewest_samples(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
@@ -109,13 +112,13 @@ fn over_fewest_samples(
                 return follower.motion(found, nodes);
             }
             Err(error) if !follower.needs_more(&error) => return Err(follower.placed(error)),
-            // What second-order terms reach is seen at more samples.
+            // More samples show the reach of second-order terms.
             _ => fewest = 2 * follower.arm.len(),
         }
     }
 }
 
-/// The torques with all terms, to about a hundredth of what these change; without histories of nodes.
+/// The torques with all terms, to about a hundredth of the second-order change, and without histories of nodes.
 pub(crate) fn estimate_arm(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
@@ -135,7 +138,7 @@ pub(crate) fn estimate_arm(
 }
 
 impl Follower<'_> {
-    /// The motion over the band of loads beyond which a share of the torques is negligible.
+    /// The motion with loads up to the frequency beyond which a share of the torques is negligible.
     fn iterated_over(
         &self,
         linear: &Linear,
@@ -159,7 +162,7 @@ impl Follower<'_> {
             let swept = self.swept(linear, &latest, (&pair, band, moving));
             let diverges = |error: ElasticaError, change| match error {
                 error if self.needs_more(&error) => error,
-                // The first iteration has the linear slopes; the path's own pose is possible.
+                // The first iteration has the linear slopes, for which the path's pose is possible.
                 error if iterations == 1 && !matches!(error, ElasticaError::Elbow { .. }) => error,
                 error => error.diverging(iterations, change),
             };
@@ -175,13 +178,13 @@ impl Follower<'_> {
             };
             let factor = factor_of([last_change, change], iterations, (tolerance, negligible))?;
             let contraction = (iterations > 1).then_some(factor);
-            // Of two changes the first has what stays as it is, a weight's sag, so that their factor is small: an estimate
-            // takes a third one; otherwise the wider sweep below adds a change of its own.
+            // The first of two changes includes constant parts, such as a weight's sag, so that their ratio is small.
+            // An estimate needs a third change; otherwise the wider sweep below adds another change.
             let fewest = if matches!(until, Until::Within(_)) { 2 } else { 3 };
             let mut error = further(change, factor.max(last_factor));
             if iterations >= fewest && error <= tolerance {
                 if matches!(until, Until::Within(_)) {
-                    // The chords moved at more frequencies, once.
+                    // One sweep that moves the chords at more frequencies.
                     let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
                     let wider = self.swept(linear, &latest, reach);
                     let (_, wider) = wider.map_err(|error| diverges(error, change))?;
@@ -202,8 +205,8 @@ impl Follower<'_> {
         Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change: last_change })
     }
 
-    /// One iteration: all links from the last inward, each with the loads of its last answer; links that shorten move the
-    /// chords in the first bins alone.
+    /// One iteration over all links from the last inward, each with the loads from its last answer. Links that shorten
+    /// move the chords only in the first bins.
     fn swept(
         &self,
         linear: &Linear,

@@ -1,4 +1,4 @@
-//! Arms of several links: each on its chord, from the last inward, with what the next one does to its tip.
+//! Arms of several links: each link on its chord, from the last inward, with the next link's load on its tip.
 
 use std::sync::Arc;
 
@@ -18,11 +18,11 @@ use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::{FourierPair, Size, magnitude};
 
-/// Round-off of the torque of one joint, over the largest amplitude of any.
+/// Round-off of the torque of one joint, over the largest torque amplitude of any joint.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Share of the torques, all added up, beyond the frequencies that samples must resolve: what the transfers of the links
-/// make of the accelerations that the period leaves out.
+/// Share of the torques, all added up, beyond the frequencies that samples must resolve: the answer of the links to
+/// accelerations that the period leaves out.
 const LEFT_OUT: f64 = 1e-12;
 
 /// Amplitudes of the answer of each link.
@@ -30,39 +30,39 @@ pub(super) type Answers = Vec<Vec<LoadedMotion<Complex64>>>;
 
 pub(super) struct Follower<'a> {
     pub(super) models: &'a [Arc<dyn Model>],
-    /// The period that the motion is wanted over.
+    /// Period of the wanted motion.
     whole: &'a ArmPeriod,
-    /// The same with every so many samples of it, which tell the motion.
+    /// The period with every `stride`-th sample, enough for the motion.
     pub(super) arm: ArmPeriod,
     pub(super) stride: usize,
     pub(super) second_order: SecondOrder,
-    /// Damping ratio and sag of each link, where hysteretic ones have weight.
+    /// Damping ratio and sag of each link, if hysteretic links have weight.
     pub(super) sags: Vec<(f64, Sag)>,
-    /// Amplitude of a torque in N m that may be round-off of the largest.
+    /// Amplitude of a torque in N m below which it may be round-off of the largest.
     pub(super) round_off_n_m: f64,
 }
 
-/// What moves each link over the period, and the force on its inner end along its chord and across it.
+/// Motion of each link over the period, and the force on its inner end along its chord and across it.
 pub(super) struct State {
     pub(super) chords: Vec<ChordPeriod>,
     pub(super) forces_n: Vec<[Vec<f64>; 2]>,
     shortened: Option<Shortened>,
 }
 
-/// How much shorter than its link each chord is.
+/// Shortening of each chord relative to its link.
 #[derive(Clone)]
 pub(super) struct Shortened {
-    /// In m at the samples of the pair.
+    /// Shortening in m at the samples of the pair.
     pub(super) by_m: Vec<Vec<f64>>,
     pub(super) pair: FourierPair,
-    /// Bins that count.
+    /// Number of bins in use.
     pub(super) bins: usize,
 }
 
-/// The bars of an arm at a sample, and the acceleration of the inner end of each along it and across it.
+/// The bars of an arm at one sample, with the acceleration of each inner end along the bar and across it.
 type Bars = Vec<(Bar, [f64; 2])>;
 
-/// What an iteration ends with.
+/// Result of an iteration.
 pub(super) struct Found {
     pub(super) state: State,
     pub(super) answers: Answers,
@@ -83,7 +83,7 @@ impl From<Linear> for Found {
 }
 
 impl State {
-    /// Stores the force on the inner end of a link, along its chord and across it, and gives it and the torque to the
+    /// Stores the force on the inner end of a link, along its chord and across it, and passes it and the torque to the
     /// link before.
     pub(super) fn hand_inward(
         &mut self,
@@ -109,8 +109,8 @@ impl State {
 }
 
 impl<'a> Follower<'a> {
-    /// Checks the links, and solves them without second-order terms, at `fewest` samples of the period or as many as tell
-    /// that, and loads beyond which a share of the torques is negligible.
+    /// Checks the links, and solves them without second-order terms. It uses `fewest` samples of the period, or more if
+    /// the solution or its loads need them, up to a negligible share of the torques.
     pub(super) fn of(
         models: &'a [Arc<dyn Model>],
         whole: &'a ArmPeriod,
@@ -136,12 +136,12 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// True if more samples may mend this.
+    /// True if more samples may remove the error.
     pub(super) fn needs_more(&self, error: &ElasticaError) -> bool {
         self.stride > 1 && error.is_of_step()
     }
 
-    /// The error with the number of its sample in the whole period.
+    /// Converts the sample number of an error to the whole period.
     pub(super) fn placed(&self, error: ElasticaError) -> ElasticaError {
         match error {
             ElasticaError::Elbow { sample, sine } => {
@@ -151,14 +151,14 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// True if the samples resolve these torques, and loads beyond which a share of them is negligible.
+    /// True if the samples resolve these torques, and loads up to a negligible share of the torques.
     fn resolves(&self, linear: &Linear, negligible: Option<f64>) -> bool {
         let most = resolved(&self.arm.pair);
         self.band(&linear.answers, LEFT_OUT) <= most
             && negligible.is_none_or(|share| REACH * self.band(&linear.answers, share) <= most)
     }
 
-    /// Bins beyond which a share of the torques is negligible.
+    /// Number of bins beyond which a share of the torques is negligible.
     pub(super) fn band(&self, answers: &Answers, negligible: f64) -> usize {
         let of = |(answers, model): (&Vec<LoadedMotion<Complex64>>, &Arc<dyn Model>)| {
             band(answers, negligible, (model.mesh(), self.round_off_n_m))
@@ -199,7 +199,7 @@ impl<'a> Follower<'a> {
         LinkOnChord { model, chord, sag, friction_n_m_s_rad: 0.0, round_off_n_m }
     }
 
-    /// The bars of an arm at each sample of a period, its links shortened.
+    /// The bars of an arm, with shortened links, at each sample of a period.
     fn bars(
         &self,
         arm: &ArmPeriod,
@@ -223,7 +223,7 @@ impl<'a> Follower<'a> {
         samples.into_iter().collect()
     }
 
-    /// The histories of every chord, of links that are shortened.
+    /// Histories of every chord, with shortened links.
     pub(super) fn chords(&self, shortened: Option<Shortened>) -> Result<State, ElasticaError> {
         let samples = self.bars(&self.arm, shortened.as_ref())?;
         let (pair, place) = (&self.arm.pair, self.arm.gravity_m_s2);
@@ -244,7 +244,7 @@ impl<'a> Follower<'a> {
         Ok(State { chords: chords.collect(), forces_n: Vec::new(), shortened })
     }
 
-    /// All links without second-order terms.
+    /// All links, solved without second-order terms.
     fn linear(&self, mut state: State) -> Result<Linear, ElasticaError> {
         let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
@@ -260,7 +260,7 @@ impl<'a> Follower<'a> {
         Ok(Linear { answers, torques_n_m, state })
     }
 
-    /// Largest difference of torques, each over its size.
+    /// Largest difference of torques, each relative to its size.
     pub(super) fn largest_change(&self, torques_n_m: &[Vec<f64>], others: &[Vec<f64>]) -> f64 {
         let pairs = torques_n_m.iter().zip(others).zip(self.models);
         let changes =
@@ -268,7 +268,7 @@ impl<'a> Follower<'a> {
         changes.fold(0.0, f64::larger)
     }
 
-    /// The histories of what was found, over the whole period; with `nodes`, of those of each link alone.
+    /// Histories of a result over the whole period; with `nodes`, only of these nodes of each link.
     ///
     /// # Errors
     /// [`ElasticaError::Elbow`] or [`ElasticaError::Diverges`] between the samples that resolved the motion.
@@ -280,7 +280,7 @@ impl<'a> Follower<'a> {
         let pair = &self.whole.pair;
         let Iteration { iterations, error, .. } = iteration;
         let bars = self.bars(self.whole, state.shortened.as_ref());
-        // What was possible before the links bent was the iteration's doing.
+        // If the pose was possible before the links bent, the iteration made it impossible.
         let bars = bars.map_err(|refused| match state.shortened {
             Some(_) => refused.diverging(iterations, error),
             None => refused,
@@ -297,7 +297,7 @@ impl<'a> Follower<'a> {
             let history = |of: &dyn Fn(&Bar) -> f64| -> Vec<f64> {
                 bars.iter().map(|bars| of(&bars[link].0)).collect()
             };
-            // Along x and y only here: chords that turn together make that faster than all else.
+            // Converts to x and y only here: chords that turn together make this conversion the fastest.
             let [along_n, across_n] = state.forces_n[link].each_ref().map(|few| self.at_whole(few));
             let parts = along_n.iter().zip(&across_n).zip(&bars);
             let forces_n: Vec<[f64; 2]> = parts
@@ -326,11 +326,11 @@ impl<'a> Follower<'a> {
         Ok(ArmMotion { links, iteration })
     }
 
-    /// A history over the whole period.
+    /// Interpolates a history to the whole period.
     fn at_whole(&self, few: &[f64]) -> Vec<f64> {
         match self.stride {
             1 => few.to_vec(),
-            // Without the Nyquist frequency, which lies within a longer spectrum.
+            // Omits the Nyquist frequency, which lies inside a longer spectrum.
             _ => self.whole.pair.samples(&self.arm.pair.amplitudes(few)[..self.arm.len() / 2]),
         }
     }

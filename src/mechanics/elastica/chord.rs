@@ -1,24 +1,24 @@
-//! The chord's motion over a period, and gravity seen from it.
+//! The chord's motion over a period, and gravity in its frame.
 
 use num_complex::Complex64;
 
 use super::error::{ElasticaError, FEWEST};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
-/// Share of the largest amplitude up to which the Nyquist frequency carries nothing.
+/// Share of the largest amplitude below which the amplitude at the Nyquist frequency counts as 0.
 const NOTHING: f64 = 1e-6;
 
-/// Round-off of a steady acceleration at other frequencies, over its size.
+/// Round-off of a steady acceleration at other frequencies, relative to its size.
 const STEADY: f64 = 1e-13;
 
-/// Amplitudes below this share of the largest are round-off of the transform.
+/// Share of the largest amplitude below which amplitudes are round-off of the transform.
 const ROUND_OFF: f64 = 1e-15;
 
 /// Half the duration of a return over `√2` standard deviations of its bell: `erfc(6) / 2` and `e^(−6²)` are round-off.
 const BELL: f64 = 6.0;
 
-/// The motion of a chord over a period of N samples, and the acceleration that the axis has in its frame: gravity
-/// as an upward one.
+/// The motion of a chord over a period of N samples, and the acceleration of the axis in its frame; gravity counts as
+/// an upward acceleration.
 #[derive(Debug, Clone)]
 pub struct ChordPeriod {
     pub(super) pair: FourierPair,
@@ -35,22 +35,22 @@ pub struct ChordPeriod {
     pub(super) turning: Vec<Complex64>,
     /// Amplitudes of the axis' acceleration across the chord in m/s².
     pub(super) across: Vec<Complex64>,
-    /// Amplitudes of what a further link does to the tip.
+    /// Amplitudes of the next link's load on the tip.
     pub(super) tip: Option<TipLoad<Vec<Complex64>>>,
 }
 
-/// What a further link does to the tip: histories, amplitudes or values at one instant.
+/// Load of the next link on the tip: histories, amplitudes or values at one instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TipLoad<T> {
     /// Force along the chord in N.
     pub(super) along_n: T,
     /// Force across the chord in N.
     pub(super) across_n: T,
-    /// Torque in N m that turns the further link; its reaction turns the tip.
+    /// Torque in N m that turns the next link; its reaction turns the tip.
     pub(super) torque_n_m: T,
 }
 
-/// The chord's motion in time, and what a further link does to the tip.
+/// The chord's motion in time, and the next link's load on the tip.
 #[derive(Debug, Clone)]
 pub(super) struct ChordHistories {
     /// Rate of the chord in rad/s.
@@ -72,7 +72,7 @@ impl TipLoad<Vec<f64>> {
 }
 
 impl<T> TipLoad<T> {
-    /// The same of each part.
+    /// Applies a function to each part.
     pub(super) fn each<U>(&self, of: impl Fn(&T) -> U) -> TipLoad<U> {
         TipLoad {
             along_n: of(&self.along_n),
@@ -86,8 +86,8 @@ impl ChordPeriod {
     /// The period of a chord with these angles in rad from the plane's x axis, rates in rad/s and accelerations in
     /// rad/s² at each `step_s`, in a plane with `gravity_m_s2` along its x and y axes.
     ///
-    /// Where the motion ends at another angle than it starts, the angle must [return](returning) within the period
-    /// at rest: only gravity's direction follows it, rates and accelerations are zero meanwhile.
+    /// If the motion ends at another angle than it starts, the angle must [return](returning) within the period at
+    /// rest: only gravity's direction follows it, while rates and accelerations are zero.
     ///
     /// # Errors
     /// [`ElasticaError`].
@@ -111,7 +111,7 @@ impl ChordPeriod {
         Ok(Self::of(pair, step_s, (angle_rad, gravity_m_s2), histories))
     }
 
-    /// The period of these histories, without a further link.
+    /// The period of these histories, without a next link.
     pub(super) fn of(
         pair: FourierPair,
         step_s: f64,
@@ -127,7 +127,7 @@ impl ChordPeriod {
         Self { pair, step_s, gravity_m_s2, angle_rad, histories, rate, along, turning, across, tip }
     }
 
-    /// A chord that rests in a direction in rad: a few equal samples.
+    /// A chord at rest in a direction in rad: a few equal samples.
     ///
     /// # Errors
     /// [`ElasticaError::Sample`].
@@ -135,7 +135,7 @@ impl ChordPeriod {
         Self::new(1.0, [angle_rad, 0.0, 0.0].map(|value| vec![value; FEWEST]), gravity_m_s2)
     }
 
-    /// Lets a further link act on the tip.
+    /// Applies the load of the next link to the tip.
     pub(super) fn load_tip(&mut self, load: TipLoad<Vec<f64>>) {
         self.tip = Some(load.each(|history| self.pair.amplitudes(history)));
         self.histories.tip = Some(load);
@@ -152,13 +152,13 @@ impl ChordPeriod {
             || self.across.iter().any(|a| a.re != 0.0)
     }
 
-    /// The pair with the fewest samples of the period that [resolve](resolved) products in so many bins.
+    /// The pair with the fewest samples of the period that [resolve](resolved) products in this number of bins.
     pub(super) fn pair_for(&self, bins: usize) -> FourierPair {
         let few = fast_length(resolving(bins));
         if few < self.len() { FourierPair::new(few) } else { self.pair.clone() }
     }
 
-    /// The motion at the samples of a pair over the same period; of fewer samples the band-limited one.
+    /// The motion at the samples of a pair over the same period; band-limited if there are fewer samples.
     pub(super) fn at(&self, pair: &FourierPair) -> ChordHistories {
         if pair.len() == self.len() {
             return self.histories.clone();
@@ -177,18 +177,18 @@ impl ChordPeriod {
         angular_frequency(bin, self.len(), self.step_s)
     }
 
-    /// True if the motion of a link of this length has more than round-off at the Nyquist frequency, of which
-    /// samples do not tell the phase.
+    /// True if the motion of a link of this length exceeds round-off at the Nyquist frequency, whose phase samples do
+    /// not show.
     pub(super) fn reaches_nyquist(&self, length_m: f64) -> bool {
         let sizes = self.sizes(length_m);
-        // Of what moves, not of a weight or a turn that is the same over any period, of which round-off is.
+        // Relative to the moving part; a steady weight or turn adds only its round-off.
         let moving = sizes[1..].iter().sum::<f64>();
         let rate = magnitude(self.rate[0]);
         let steady = sizes[0] + magnitude(self.along[0]) + rate * rate * length_m;
         sizes[sizes.len() - 1] > NOTHING * moving + STEADY * steady
     }
 
-    /// Number of bins from zero frequency on up to the last one above round-off, the Nyquist frequency left out.
+    /// Number of bins from zero frequency to the last one above round-off, without the Nyquist frequency.
     pub(super) fn band_len(&self, length_m: f64) -> usize {
         let mut parts = vec![self.sizes(length_m)];
         if let Some(tip) = &self.tip {
@@ -203,7 +203,7 @@ impl ChordPeriod {
         parts.iter().map(end).max().unwrap_or(1).min(self.len() / 2)
     }
 
-    /// What each bin moves a link of this length by, in m/s².
+    /// Acceleration of a link of this length in each bin, in m/s².
     fn sizes(&self, length_m: f64) -> Vec<f64> {
         let bins = self.turning.iter().zip(&self.across);
         bins.map(|(turning, across)| magnitude(*turning) * length_m + magnitude(*across)).collect()
@@ -238,7 +238,7 @@ pub(super) fn check_period(
     Ok(len)
 }
 
-/// Bins up to the last one that counts: the sizes beyond, all together, are no more than `least`.
+/// Number of bins up to the last one that counts: the sizes beyond add up to at most `least`.
 pub(super) fn counting(sizes: &[f64], least: f64) -> usize {
     let mut beyond = 0.0;
     let counts = |size: &f64| {
@@ -248,18 +248,18 @@ pub(super) fn counting(sizes: &[f64], least: f64) -> usize {
     sizes.iter().rposition(counts).map_or(1, |last| last + 1)
 }
 
-/// Number of bins that products of histories have no alias in: those of the fifth order are the first that do.
+/// Number of bins without aliases of products of histories, up to products of the fifth order.
 pub(super) fn resolved(pair: &FourierPair) -> usize {
     2 * pair.len() / 5
 }
 
-/// Fewest samples that [resolve](resolved) so many bins.
+/// Fewest samples that [resolve](resolved) this number of bins.
 pub(super) fn resolving(bins: usize) -> usize {
     (5 * bins).div_ceil(2)
 }
 
-/// So many angles between `from` and `to`, along the integral of a Gaussian bell: beyond its ends, and at angular
-/// frequencies above 146 over its duration, nothing is left of it but round-off.
+/// `count` angles between `from` and `to` along the integral of a Gaussian bell. Beyond its ends, and at angular
+/// frequencies above 146 over its duration, only round-off remains.
 pub fn returning(from: f64, to: f64, count: usize) -> Vec<f64> {
     let step = |x: f64| 0.5 * libm::erfc(BELL * (1.0 - 2.0 * x));
     let place = |k: usize| (k + 1) as f64 / (count + 1) as f64;

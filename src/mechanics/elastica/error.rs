@@ -1,4 +1,4 @@
-//! Why there is no motion of links that follow chords.
+//! Errors of the motion of links that follow chords.
 
 use thiserror::Error;
 
@@ -7,16 +7,16 @@ use crate::text::significant;
 /// Fewest samples of a period.
 pub(super) const FEWEST: usize = 8;
 
-/// Largest slope, the sine of an angle, that the iteration is tried with.
+/// Largest slope, the sine of an angle, at which the iteration is tried.
 pub(super) const STEEPEST: f64 = 0.95;
 
-/// Tolerance of the iteration below which round-off decides.
+/// Tolerance of the iteration below which round-off dominates.
 pub(super) const FINEST: f64 = 1e-13;
 
-/// Why there is no motion of a link that follows a chord.
+/// Reason why a link that follows a chord has no motion.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ElasticaError {
-    /// Columns of different lengths, or an odd number of samples.
+    /// Columns differ in length, or the number of samples is odd.
     #[error(
         "{angles} angles, {rates} rates and {accelerations} accelerations, but must be equally many, an even number and {FEWEST} or more"
     )]
@@ -28,23 +28,23 @@ pub enum ElasticaError {
         /// Number of accelerations.
         accelerations: usize,
     },
-    /// A number that is not finite.
+    /// A number is not finite.
     #[error("{column} of sample {sample} = {value}, but must be a finite number")]
     Sample {
-        /// What it is.
+        /// Name of the column.
         column: &'static str,
-        /// Number of the sample, from 0; of gravity 0 along x and 1 along y.
+        /// Number of the sample, from 0; for gravity 0 along x and 1 along y.
         sample: usize,
-        /// The number.
+        /// Value of the number.
         value: f64,
     },
-    /// A tolerance that no iteration meets.
+    /// No iteration can meet this tolerance.
     #[error("tolerance = {0}, but must be at least {FINEST} and below 1")]
     Tolerance(f64),
-    /// A step that is no positive number.
+    /// The step is not a positive number.
     #[error("step = {0} s, but must be a finite number above 0")]
     Step(f64),
-    /// Slopes that no iteration reaches.
+    /// The slopes are out of reach of any iteration.
     #[error(
         "slope of the link = {}, but must be below {STEEPEST}: it bends too far for the motion asked of it",
         significant(*slope, 3)
@@ -53,7 +53,7 @@ pub enum ElasticaError {
         /// Largest slope.
         slope: f64,
     },
-    /// Second-order terms that grow from one iteration to the next.
+    /// Second-order terms grow from one iteration to the next.
     #[error(
         "the second-order terms do not converge: iteration {iterations} changes the torque by {}",
         if change.is_finite() {
@@ -65,29 +65,29 @@ pub enum ElasticaError {
     Diverges {
         /// Iterations so far.
         iterations: usize,
-        /// Change of the torque, over its range.
+        /// Change of the torque relative to its range.
         change: f64,
     },
-    /// A link whose weight or second order is not derived.
+    /// The weight or second order of this kind of link is not derived.
     #[error("{what}, but weight and second-order terms are known for links {known}")]
     NotDerived {
-        /// What the link has.
+        /// Property of the link.
         what: &'static str,
-        /// What it may have.
+        /// Possible properties.
         known: &'static str,
     },
-    /// One link of an arm.
+    /// Error of one link of an arm.
     #[error("link {}: {error}", link + 1)]
     OfLink {
         /// Number of the link, from 0.
         link: usize,
-        /// Why.
+        /// Error of the link.
         error: Box<ElasticaError>,
     },
-    /// A tip to be kept on its path by one link, which cannot change its length.
+    /// A single link, which cannot change its length, must keep the tip on its path.
     #[error("the arm has one link, but must have two or more to keep its tip on a path")]
     OneLink,
-    /// An elbow so far stretched or folded that its links do not tell how they follow the tip.
+    /// The elbow is so stretched or folded that the links' rates do not follow from the tip.
     #[error(
         "the sine of the elbow's angle at sample {sample} = {}, but must be at least 0.05 in size: the arm is stretched, \
          folded, or does not reach the tip",
@@ -96,16 +96,16 @@ pub enum ElasticaError {
     Elbow {
         /// Number of the sample, from 0.
         sample: usize,
-        /// The sine; 0 where links of their bent lengths do not reach the tip.
+        /// The sine; 0 if the bent links do not reach the tip.
         sine: f64,
     },
-    /// A weight that bends the link otherwise in every direction.
+    /// The sag under the weight varies too fast with the direction.
     #[error(
         "the sag of the link under its weight changes too fast with its direction, but must be smooth where damping is \
          hysteretic"
     )]
     Sag,
-    /// Samples too far apart for products of deflections.
+    /// Samples are too far apart for products of deflections.
     #[error(
         "step = {} s, but must be shorter, about {} s where the motion is smooth: it has content at the Nyquist frequency, or \
          above half of it, and second-order terms reach farther than the deflections that they are made of",
@@ -114,10 +114,10 @@ pub enum ElasticaError {
     LongStep {
         /// The step in s.
         step_s: f64,
-        /// A step in s that resolves the terms, about.
+        /// A step in s that about resolves the terms.
         most_s: f64,
     },
-    /// A frequency at which nothing is finite.
+    /// No number is finite at a frequency.
     #[error("the torque at {} Hz = not a finite number, but must be one", significant(*frequency_hz, 6))]
     NotFinite {
         /// The frequency in Hz.
@@ -126,12 +126,13 @@ pub enum ElasticaError {
 }
 
 impl ElasticaError {
-    /// The same of one link of an arm.
+    /// Attributes the error to one link of an arm.
     pub(super) fn of_link(self, link: usize) -> Self {
         Self::OfLink { link, error: Box::new(self) }
     }
 
-    /// The same of an iteration after the first: what was possible before the links bent and is no more was its doing.
+    /// Turns the error of an iteration after the first into divergence, if the motion was possible before the links
+    /// bent.
     pub(super) fn diverging(self, iterations: usize, change: f64) -> Self {
         let own = if let Self::OfLink { error, .. } = &self { error } else { &self };
         match own {
@@ -142,7 +143,7 @@ impl ElasticaError {
         }
     }
 
-    /// True if more samples of the same motion may do without it.
+    /// True if more samples of the motion may remove the error.
     pub(super) fn is_of_step(&self) -> bool {
         match self {
             Self::OfLink { error, .. } => error.is_of_step(),
@@ -150,7 +151,7 @@ impl ElasticaError {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::OfLink { error, .. } => return error.hint(),

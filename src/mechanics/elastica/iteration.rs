@@ -1,4 +1,4 @@
-//! The link's motion with its tip on the chord: linear, and with second-order terms as loads, iterated.
+//! The link's motion with its tip on the chord: linear, and iterated with second-order terms as loads.
 
 use num_complex::Complex64;
 
@@ -13,59 +13,59 @@ use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
 use crate::numeric::FourierPair;
 
-/// Iterations after which one that still converges is given up.
+/// Limit of iterations, even if they still converge.
 pub(super) const MOST_ITERATIONS: usize = 100;
 
-/// Shares of the torque's amplitudes, all added up, of the high frequencies whose deflections are no part of the
-/// second-order terms: what these gain grows with the square of the frequency, so that a larger share may converge where a
+/// Shares of the torque's amplitudes, all added up, at high frequencies whose deflections are left out of the
+/// second-order terms. These terms grow with the square of the frequency, so that a larger share may converge where a
 /// smaller one does not.
 const NEGLIGIBLE: [f64; 5] = [1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// Those shares where second-order terms are estimated.
+/// The same shares for an estimate of second-order terms.
 const ESTIMATED: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
-/// Change by the second iteration, over that by the first, up to which the second is nearer.
+/// Ratio of the second iteration's change to the first's up to which the second is nearer.
 const CONVERGES: f64 = 0.5;
 
-/// Change by an iteration, over that by the one before, from which on a narrower band is tried: that may converge.
+/// Ratio of an iteration's change to the change before, above which a narrower band is tried, which may converge.
 const SLOW: f64 = 0.9;
 
-/// Bins that the loads are solved at over those whose deflections they are made of: products of three reach as far.
+/// Number of bins of the loads over the number of bins of their deflections: products of three reach as far.
 pub(super) const REACH: usize = 3;
 
-/// Share of the longest resolved step that a refusal names: with more samples, faster parts of the motion appear. With 0.7,
-/// most of 60 coarse paths were refused again.
+/// Share of the longest resolved step that an error message suggests: more samples show faster parts of the motion.
+/// With 0.7, most of 60 coarse paths were refused again.
 const FINER: f64 = 0.2;
 
-/// Share of a refused step that is named where the motion reaches the Nyquist frequency: a least-jerk motion of 25 samples
-/// needs it.
+/// Share of a refused step that an error message suggests if the motion reaches the Nyquist frequency: a least-jerk
+/// motion of 25 samples needs it.
 const OF_NYQUIST: f64 = 0.1;
 
-/// Amplitudes of a link's answer, bin by bin.
+/// Amplitudes of a link's answer, one for each bin.
 type Answers = Vec<LoadedMotion<Complex64>>;
 
-/// The motion of a link on its chord, and how it was found.
+/// The motion of a link on its chord, and the course of its iteration.
 #[derive(Debug)]
 pub struct Followed {
     /// The motion.
     pub motion: ElasticaMotion,
-    /// How its second-order terms were found.
+    /// Course of the iteration of second-order terms.
     pub iteration: Iteration,
     second_order: SecondOrder,
     answers: Answers,
-    /// Other approximations, and by how many times their distance from this one further ones would change it: the
-    /// iteration before the last, and, where terms of high frequencies are left out, the motion without more of them.
+    /// Other approximations: the iteration before the last and, if terms of high frequencies are neglected, the motion
+    /// without more of them. The factor on the distance from this motion gives the change by further terms.
     others: Vec<(Answers, f64)>,
 }
 
 impl Followed {
-    /// What of the second order is counted.
+    /// Second-order terms in this motion.
     pub(crate) fn second_order(&self) -> SecondOrder {
         self.second_order
     }
 
-    /// Other approximations of the motion of this model on this chord, and by how many times their distance from it further
-    /// iterations, or terms of more frequencies, would change it.
+    /// Other approximations of the motion of this model on this chord. The factor on the distance from this motion
+    /// gives the change by further iterations, or by terms of more frequencies.
     pub fn others<'a>(
         &'a self,
         model: &'a dyn Model,
@@ -79,9 +79,9 @@ impl Followed {
     }
 }
 
-/// Finds the torque with which the tip of a link stays on a chord that moves as given.
+/// Finds the torque that keeps the tip of a link on a moving chord.
 ///
-/// The iteration ends where further ones would change the torque by less than `tolerance` of its range.
+/// The iteration ends when further ones would change the torque by less than `tolerance` of its range.
 ///
 /// # Errors
 /// [`ElasticaError`].
@@ -116,12 +116,12 @@ pub fn follow(
     )
 }
 
-/// The linear motion of a link whose tip stays on a chord, another motion, and a factor: about so many times their difference
-/// is what all second-order terms change. Histories are those of some nodes.
+/// The linear motion of a link whose tip stays on a chord, another motion, and a factor. The factor times their
+/// difference estimates the change by all second-order terms. The histories cover `nodes`.
 ///
-/// The other motion is the second iteration, with the factor 1. Where the second iteration changes the torque by more than
-/// half of what the first did, it is the first. Its change alternates where the terms stiffen the link: if each iteration
-/// changes r times what the one before did, `1/(1 + r)` of the first change is left.
+/// The other motion is the second iteration, with the factor 1. If the second iteration changes the torque by more than
+/// half of the first change, it is the first iteration. Its change alternates if the terms stiffen the link: if each
+/// change is r times the one before, `1/(1 + r)` of the first change remains.
 ///
 /// # Errors
 /// [`ElasticaError`].
@@ -135,7 +135,7 @@ pub(crate) fn estimate(
     let linear = link.linear()?;
     let bent = BentLink::of(model, SecondOrder::Full);
     let bands = ESTIMATED.map(|level| link.band_of_loads(&linear, level));
-    // Products that the samples do not resolve would be taken for slower ones.
+    // Unresolved products would alias to lower frequencies.
     let is_resolved = |band: &usize| REACH * band <= resolved(&chord.pair);
     let long = long_step(chord.step_s, OF_NYQUIST);
     let band = bands.into_iter().flatten().find(is_resolved).ok_or(long)?;
@@ -166,9 +166,9 @@ pub(crate) fn estimate(
     Ok((followed, share))
 }
 
-/// The motion over the widest band of loads that converges and that the samples resolve, of those on levels from the widest
-/// to the narrowest. What the next narrower one changes is added to its error; of the widest of all nothing is. Errors that
-/// are not `of_band` are no reason for a narrower one.
+/// The motion over the widest band of loads that converges and that the samples resolve, with levels from the widest to
+/// the narrowest. Its error includes the change to the next narrower band, except for the widest level. Errors that are
+/// not `of_band` do not lead to a narrower band.
 pub(super) fn over_widest_band<L: Copy, T>(
     levels: &[L],
     iterated: impl Fn(L) -> Result<T, ElasticaError>,
@@ -197,10 +197,10 @@ pub(super) fn over_widest_band<L: Copy, T>(
     Err(refused)
 }
 
-/// Change by an iteration over that by the one before.
+/// Ratio of an iteration's change to the change before.
 ///
 /// # Errors
-/// [`ElasticaError::Diverges`] where the changes do not fall, or not fast enough for this band.
+/// [`ElasticaError::Diverges`] if the changes do not fall, or not fast enough for this band.
 pub(super) fn factor_of(
     [last, change]: [f64; 2],
     iterations: usize,
@@ -214,13 +214,13 @@ pub(super) fn factor_of(
     Ok(factor)
 }
 
-/// What all further iterations would change, if each changes so many times what the one before does.
+/// Sum of the changes by all further iterations, if each is `factor` times the one before.
 pub(super) fn further(change: f64, factor: f64) -> f64 {
     change * factor / (1.0 - factor).max(0.01)
 }
 
-/// Refuses samples too far apart, and links that are not derived: with weight, second order or further links, which are
-/// `is_exact`, fewer are.
+/// Refuses samples too far apart, and links that are not derived. `is_exact` means weight, second order or further
+/// links, for which fewer links are derived.
 pub(super) fn check(
     model: &dyn Model,
     chord: &ChordPeriod,
@@ -249,7 +249,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The refusal of a step of which about this share would do.
+/// Error for a step, with about this share of it as a remedy.
 fn long_step(step_s: f64, share: f64) -> ElasticaError {
     ElasticaError::LongStep { step_s, most_s: share * step_s }
 }
@@ -273,7 +273,7 @@ fn sag_of(
 }
 
 impl<'a> LinkOnChord<'a> {
-    /// A link by itself.
+    /// A single link, without sag and round-off.
     fn of(model: &'a dyn Model, chord: &'a ChordPeriod) -> Self {
         let friction_n_m_s_rad = model.link().joint().friction_n_m_s_rad;
         Self { model, chord, sag: None, friction_n_m_s_rad, round_off_n_m: 0.0 }
@@ -281,10 +281,10 @@ impl<'a> LinkOnChord<'a> {
 }
 
 impl LinkOnChord<'_> {
-    /// Bins up to the last one whose torque counts for the second order.
+    /// Number of bins up to the last one whose torque counts for the second order.
     ///
     /// # Errors
-    /// [`ElasticaError::LongStep`] where there are more.
+    /// [`ElasticaError::LongStep`] if the samples do not resolve them.
     pub(super) fn band_of_loads(
         &self,
         answers: &[LoadedMotion<Complex64>],
@@ -296,7 +296,7 @@ impl LinkOnChord<'_> {
         if band < most { Ok(band) } else { Err(long_step(self.chord.step_s, share)) }
     }
 
-    /// The answers with the second-order terms of `latest` ones as loads, and the largest slope of these.
+    /// The answers with the second-order terms of the `latest` answers as loads, and the largest slope of the latter.
     fn iterated(
         &self,
         linear: &Answers,
@@ -308,7 +308,7 @@ impl LinkOnChord<'_> {
         Ok((self.with_loads(linear, &nodal, pair), largest_slope))
     }
 
-    /// The motion over the band of loads beyond which a share of the torque is negligible.
+    /// The motion with loads up to the frequency beyond which a share of the torque is negligible.
     fn iterated_over(
         &self,
         linear: &Answers,

@@ -1,4 +1,5 @@
-//! Chords of an arm: bars of given lengths from joint to joint, as a rigid arm has them or with the tip kept on its path.
+//! Chords of an arm: bars of changing length from joint to joint, in the directions of a rigid arm or with the tip on
+//! its path.
 
 use std::f64::consts::TAU;
 
@@ -9,24 +10,24 @@ use super::chord::{check_period, counting, resolving};
 use super::error::{ElasticaError, FEWEST};
 use crate::numeric::{FourierPair, angular_frequency, magnitude};
 
-/// A value with its first and second derivative in time.
+/// A value with its first and second time derivative.
 pub(super) type Moving = [f64; 3];
 
 /// Histories of an angle in rad, its rate and its acceleration.
 pub type AngleHistories = [Vec<f64>; 3];
 
-/// Sine of the elbow's angle below which the rates of two bars do not follow from that of their end.
+/// Sine of the elbow's angle below which the rates of two bars do not follow from the motion of their end.
 pub(crate) const STRETCHED: f64 = 0.05;
 
 /// Share of the accelerations, all added up, beyond the frequencies that samples must resolve.
 const LEFT_OUT: f64 = 1e-10;
 
-/// What stays as a rigid arm has it while the links bend.
+/// Part of the rigid arm's motion that stays while the links bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kept {
     /// The direction of every chord.
     Angles,
-    /// The path of the tip, and the directions of all chords but the first two.
+    /// The path of the tip, and the directions of all chords from the third on.
     Tip,
 }
 
@@ -36,23 +37,23 @@ pub struct ArmPeriod {
     pub(super) pair: FourierPair,
     pub(super) step_s: f64,
     pub(super) gravity_m_s2: [f64; 2],
-    /// Those of a rigid arm.
+    /// Angles of the rigid arm's chords.
     pub(super) rigid: Vec<AngleHistories>,
     kept: Kept,
-    /// Fewest samples that resolve what moves links of equal length.
+    /// Fewest samples that resolve the accelerations of links of equal length.
     pub(super) fewest: usize,
 }
 
 impl ArmPeriod {
-    /// The period of an arm whose chords have these directions from the plane's x axis at each `step_s` as long as its
-    /// links do not bend, the inner link first.
+    /// The period of an arm whose chords, with unbent links, have these directions from the plane's x axis at each
+    /// `step_s`, the inner link first.
     ///
-    /// Where the motion ends with other directions than it starts, these must [return](super::returning) within the
-    /// period at rest: only the directions of weights and forces follow them, rates and accelerations are zero meanwhile.
+    /// If the motion ends with other directions than it starts, they must [return](super::returning) within the period
+    /// at rest. Only the directions of weights and forces follow them, while rates and accelerations are zero.
     ///
     /// # Errors
-    /// [`ElasticaError::Lengths`], [`ElasticaError::Sample`], [`ElasticaError::Step`], and
-    /// [`ElasticaError::OneLink`] or [`ElasticaError::Elbow`] of a tip that cannot be kept.
+    /// [`ElasticaError::Lengths`], [`ElasticaError::Sample`], [`ElasticaError::Step`], and [`ElasticaError::OneLink`]
+    /// or [`ElasticaError::Elbow`] for an impossible tip path.
     pub fn new(
         step_s: f64,
         rigid: Vec<AngleHistories>,
@@ -80,7 +81,7 @@ impl ArmPeriod {
         self.pair.len()
     }
 
-    /// Bins beyond which the amplitudes of each of these histories, all added up, are a negligible share.
+    /// Number of bins beyond which the amplitudes of each history, all added up, are a negligible share.
     fn band(&self, negligible: f64, histories: impl ParallelIterator<Item = Vec<f64>>) -> usize {
         let bands = histories.map(|history| {
             let amplitudes = self.pair.amplitudes(history);
@@ -97,14 +98,16 @@ impl ArmPeriod {
         })
     }
 
-    /// Every how many samples tell the directions of the chords; the rest of their amplitudes is a negligible share.
+    /// Largest stride of samples that resolves the directions of the chords, up to a negligible share of their
+    /// amplitudes.
     pub(super) fn stride(&self, negligible: f64) -> usize {
-        // Twice the band for what bends, which is no line of the directions.
+        // Twice the band, because bending is not linear in the directions.
         self.stride_to(4 * (self.band(negligible, self.directions()) - 1))
     }
 
-    /// Fewest samples that resolve what moves links of equal length: how each chord turns, its centripetal acceleration, and
-    /// that of its inner end along it and across it, with gravity; the rest of their amplitudes is a negligible share.
+    /// Fewest samples that resolve the accelerations of links of equal length, up to a negligible share of their
+    /// amplitudes. The accelerations are each chord's turning, its centripetal acceleration, and the acceleration of
+    /// its inner end along it and across it, with gravity.
     fn resolving(&self) -> usize {
         let bars_of = |sample: usize| {
             let bar = |link: usize| Bar {
@@ -124,8 +127,8 @@ impl ArmPeriod {
         resolving(self.band(LEFT_OUT, histories))
     }
 
-    /// Each bar with the acceleration of its inner end along it and across it. Gravity is an upward acceleration of the first
-    /// axis.
+    /// Each bar with the acceleration of its inner end along it and across it. Gravity counts as an upward acceleration
+    /// of the first axis.
     pub(super) fn carried(
         &self,
         bars: impl IntoIterator<Item = Bar>,
@@ -140,13 +143,13 @@ impl ArmPeriod {
         })
     }
 
-    /// The longest stride that leaves so many samples or more, an even number; 1 if none does.
+    /// The longest stride that leaves at least `fewest` samples, an even number; 1 if none does.
     pub(super) fn stride_to(&self, fewest: usize) -> usize {
         let longest = self.len() / fewest.max(FEWEST);
         (1..=longest).rev().find(|stride| self.len().is_multiple_of(2 * stride)).unwrap_or(1)
     }
 
-    /// The same period with every so many of its samples.
+    /// This period with every `stride`-th sample.
     pub(super) fn thinned(&self, stride: usize) -> Self {
         let few = |history: &Vec<f64>| history.iter().copied().step_by(stride).collect();
         Self {
@@ -157,13 +160,13 @@ impl ArmPeriod {
         }
     }
 
-    /// True if no chord has another direction at one sample than at another.
+    /// True if all chords have the same direction at two samples.
     pub(super) fn rests(&self, sample: usize, other: usize) -> bool {
         self.rigid.iter().all(|[angles, ..]| angles[sample].to_bits() == angles[other].to_bits())
     }
 
-    /// A history at the samples of a pair, or a derivative of it, at all samples of the period; of its amplitudes the
-    /// first ones count.
+    /// A history at the samples of a pair, or a derivative of it, interpolated to all samples of the period from its
+    /// first `bins` amplitudes.
     pub(super) fn at_all(
         &self,
         pair: &FourierPair,
@@ -202,7 +205,7 @@ impl ArmPeriod {
         Ok(sine)
     }
 
-    /// The bars from joint to joint at a sample, their lengths given.
+    /// The bars from joint to joint at a sample, with these lengths.
     ///
     /// # Errors
     /// [`ElasticaError::Elbow`].
@@ -219,7 +222,7 @@ impl ArmPeriod {
         let bits = |length_m: &Moving| length_m.map(f64::to_bits);
         let are_rigid = rigid_m.iter().zip(lengths).all(|(rigid, own)| bits(rigid) == bits(own));
         if self.kept == Kept::Tip && !are_rigid {
-            // Where the first two lead: as in the rigid arm, and what the others are shorter by.
+            // End of the first two bars: the one of the rigid arm, plus the shortening of the others.
             let mut end = [[0.0; 2]; 3];
             for (link, own) in bars.iter().enumerate() {
                 let (rigid, axes) = (bar(link, rigid_m), own.axes());
@@ -257,7 +260,7 @@ impl Bar {
         axes(self.angle_rad[0])
     }
 
-    /// From its inner end to its outer end: place, velocity and acceleration; `axes` are its own.
+    /// Vector from the inner to the outer end: place, velocity and acceleration; the argument is [`Self::axes`].
     ///
     /// ```text
     /// r = ℓ e,   ṙ = ℓ̇ e + ℓ θ̇ n,   r̈ = (ℓ̈ − ℓ θ̇²) e + (2 ℓ̇ θ̇ + ℓ θ̈) n
@@ -271,8 +274,8 @@ impl Bar {
     }
 }
 
-/// Turns two bars so that the second ends at a point that moves, the elbow on the side of the sign; the first stays within
-/// half a turn of its own angle. None where the bars do not reach it, or only stretched.
+/// Turns two bars so that the second ends at a moving point, with the elbow on the side of the sign; the first bar
+/// stays within half a turn of its angle. `None` if the bars do not reach the point, or only stretched.
 fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]> {
     let [place, velocity, acceleration] = end;
     let [l1, l2] = bars.map(|bar| bar.length_m[0]);
@@ -283,7 +286,7 @@ fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]>
         return None;
     }
     let first = libm::atan2(place[1], place[0]) - libm::atan2(l2 * sine, l1 + l2 * cosine);
-    // The elbow stays within half a turn on its side.
+    // The elbow stays within half a turn of its side.
     let near = bars[0].angle_rad[0];
     let first = near + libm::remainder(first - near, TAU);
     let angles = [first, first + libm::atan2(sine, cosine)];
@@ -292,7 +295,7 @@ fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]>
     }
     let axes = bars.map(|bar| bar.axes());
     let [n1, n2] = axes.map(|[_, across]| across);
-    // Σ ℓ θ̇ n is what is left of the velocity with all rates zero; the same of the acceleration with these rates.
+    // Σ ℓ θ̇ n is the velocity minus its value at zero rates; the accelerations follow likewise with these rates.
     for (order, wanted) in [(1, velocity), (2, acceleration)] {
         let without = [0, 1].map(|link: usize| bars[link].vector(axes[link])[order]);
         let left = [0, 1].map(|axis| wanted[axis] - without[0][axis] - without[1][axis]);
@@ -303,15 +306,15 @@ fn reach(end: &[[f64; 2]; 3], mut bars: [Bar; 2], side: f64) -> Option<[Bar; 2]>
     Some(bars)
 }
 
-/// Directions, rates and accelerations of the chords of a rigid arm whose tip moves as given: place in m, velocity and
-/// acceleration along x and y at each sample. The chords from the third on are given; the second link turns left of the
-/// first where `is_left`.
+/// Directions, rates and accelerations of the chords of a rigid arm for a prescribed tip: place in m, velocity and
+/// acceleration along x and y at each sample. `outer` contains the chords from the third on; with `is_left` the second
+/// link turns left of the first.
 ///
 /// # Errors
-/// [`ElasticaError::Elbow`] where the arm does not reach the tip, or only stretched.
+/// [`ElasticaError::Elbow`] if the arm does not reach the tip, or only stretched.
 ///
 /// # Panics
-/// If there are not two lengths more than given chords.
+/// Unless there are two more lengths than `outer` chords.
 pub fn reaching(
     tip: &[[[f64; 2]; 3]],
     lengths_m: &[f64],

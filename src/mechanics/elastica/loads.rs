@@ -1,4 +1,4 @@
-//! What the linear link leaves out at one instant, as loads on its nodes.
+//! Nonlinear terms at one instant, as loads on the nodes of the linear link.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -10,19 +10,19 @@ use crate::modal::DampingLaw;
 use crate::model::Model;
 use crate::numeric::Size;
 
-/// Instants that a thread computes at a time.
+/// Number of instants in one parallel task.
 const BLOCK: usize = 64;
 
-/// What is counted of the second order in deflections and rates.
+/// Second-order terms in deflections and rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SecondOrder {
-    /// Nothing: the link is linear along its chord.
+    /// No terms: the link is linear along its chord.
     #[default]
     None,
-    /// The axial force that a slope turns, and centripetal and Coriolis accelerations of the deflection.
+    /// Axial force turned by a slope, and centripetal and Coriolis accelerations of the deflection.
     First,
-    /// All: the inextensible elastica.
+    /// All terms: the inextensible elastica.
     Full,
 }
 
@@ -31,7 +31,7 @@ pub enum SecondOrder {
 pub(super) struct Instant<'a> {
     pub(super) w: &'a [f64],
     pub(super) rate: &'a [f64],
-    /// Not read for terms of first order.
+    /// Second derivatives, unused for terms of first order.
     pub(super) acceleration: &'a [f64],
     pub(super) chord_rate_rad_s: f64,
     pub(super) chord_acceleration_rad_s2: f64,
@@ -46,18 +46,18 @@ pub(super) struct Place {
     pub(super) x: f64,
     x_rate: f64,
     x_acceleration: f64,
-    /// x − s, which first order leaves out.
+    /// x − s, neglected at first order.
     pub(super) shortened: f64,
     pub(super) w: f64,
     w_rate: f64,
 }
 
-/// Slope w' with its derivatives, and what follows of it: the shortening u' = cos ψ − 1.
+/// Slope w' with its derivatives and the resulting shortening u' = cos ψ − 1.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Slope {
     sine: f64,
     cosine: f64,
-    /// One over the cosine.
+    /// 1/cos ψ.
     secant: f64,
     rate: f64,
     pub(super) acceleration: f64,
@@ -87,19 +87,19 @@ impl Slope {
     }
 }
 
-/// A link that bends in its plane: all that its loads depend on but its motion.
+/// A link that bends in its plane: everything that determines its loads except its motion.
 #[derive(Debug, Clone)]
 pub(super) struct BentLink {
     pub(super) points: Points,
     pub(super) nodes_m: Vec<f64>,
-    /// From the axis outward.
+    /// Bodies from the axis outward.
     pub(super) bodies: Vec<Body>,
     /// β in s: share of the curvature's rate in the bending moment.
     beta_s: f64,
     pub(super) second_order: SecondOrder,
 }
 
-/// Memory for one instant.
+/// Working memory for one instant.
 #[derive(Default)]
 pub(super) struct Scratch {
     slopes: Vec<[Slope; POINTS]>,
@@ -109,13 +109,13 @@ pub(super) struct Scratch {
     pub(super) shortened: Vec<f64>,
 }
 
-/// Histories of what a link's second-order terms do.
+/// Histories of the loads of a link's second-order terms.
 pub(super) struct LoadHistories {
     /// Force in N and moment in N m on each node in turn.
     pub(super) nodal: Vec<Vec<f64>>,
-    /// Axial force at the root in N: all that the masses and the tip need along the chord.
+    /// Axial force at the root in N, which accelerates the masses and the tip along the chord.
     pub(super) axial_n: Vec<f64>,
-    /// What the masses need across the chord in N besides what those of the linear link do.
+    /// Force across the chord in N that accelerates the masses, beyond the force of the linear link.
     pub(super) left_n: Vec<f64>,
     pub(super) largest_slope: f64,
 }
@@ -136,8 +136,8 @@ impl BentLink {
         }
     }
 
-    /// What `write` makes of each instant: so many histories, and the largest that it returns. The state is a history
-    /// for each of (w, w') of each node, then for their derivatives.
+    /// Evaluates `write` at each instant: returns histories of `columns` numbers, and the largest return value. The
+    /// state is a history for each of (w, w') of each node, then for their derivatives.
     pub(super) fn at_each_instant(
         &self,
         columns: usize,
@@ -146,7 +146,7 @@ impl BentLink {
     ) -> (Vec<Vec<f64>>, f64) {
         let width = 2 * self.nodes_m.len();
         let (len, stride) = (chord.rate_rad_s.len(), histories.len());
-        // All derivatives of one instant side by side.
+        // All derivatives of one instant are adjacent.
         let mut states = vec![0.0; len * stride];
         for (column, history) in histories.iter().enumerate() {
             states.iter_mut().skip(column).step_by(stride).zip(history).for_each(|(s, h)| *s = *h);
@@ -177,12 +177,12 @@ impl BentLink {
         ((0..columns).map(history).collect(), largest)
     }
 
-    /// Number of histories that the loads need: the deflections and their derivatives.
+    /// Number of histories for the loads: the deflections and their derivatives.
     pub(super) fn orders(&self) -> usize {
         if self.second_order == SecondOrder::Full { 3 } else { 2 }
     }
 
-    /// What the second-order terms do, from the histories that [`Self::at_each_instant`] takes.
+    /// Loads of the second-order terms, from the histories for [`Self::at_each_instant`].
     ///
     /// # Errors
     /// [`ElasticaError::TooSteep`].
@@ -200,23 +200,23 @@ impl BentLink {
         Ok(LoadHistories { nodal, axial_n, left_n, largest_slope })
     }
 
-    /// Columns that [`Self::write`] writes.
+    /// Number of columns that [`Self::write`] fills.
     pub(super) fn columns(&self) -> usize {
         2 * self.nodes_m.len() + 2
     }
 
-    /// Writes force and moment on nodes 0 … n, then the axial force at the root and the force across the chord that the
-    /// masses need besides that of the linear link; returns the largest slope.
+    /// Writes force and moment on nodes 0 … n, then the axial force at the root and the force across the chord that
+    /// accelerates the masses beyond the linear link's; returns the largest slope.
     pub(super) fn write(&self, now: &Instant<'_>, scratch: &mut Scratch, row: &mut [f64]) -> f64 {
         row.fill(0.0);
         let (loads, root_n) = row.split_at_mut(2 * self.nodes_m.len());
         let largest = self.place(now, scratch);
         let [axial_n, left_n] = self.bend(now, scratch, loads);
         root_n.copy_from_slice(&[axial_n, left_n]);
-        // The hub's radius is a rigid piece along the slope of the root.
+        // The hub's radius is a rigid piece along the root's slope.
         let [root, tip] = [0, self.nodes_m.len() - 1].map(|node| self.slope_at(now, node));
         loads[1] -= self.nodes_m[0] * axial_n * root.sine * root.secant;
-        // A torque turns the tip by the angle of its slope.
+        // A torque acts on the angle of the tip's slope.
         loads[2 * self.nodes_m.len() - 1] -= now.tip.torque_n_m * (tip.secant - 1.0);
         largest
     }
@@ -228,14 +228,14 @@ impl BentLink {
         Slope::of(self.second_order, [now.w[at], now.rate[at], acceleration])
     }
 
-    /// Slopes and places of all points and bodies, from the axis outward.
+    /// Writes slopes and places of all points and bodies, from the axis outward; returns the largest slope.
     pub(super) fn place(&self, now: &Instant<'_>, scratch: &mut Scratch) -> f64 {
         let root = self.slope_at(now, 0);
         let mut u = root.u.map(|part| part * self.nodes_m[0]);
         scratch.shortened.clear();
         scratch.shortened.push(u[0]);
         let mut largest = root.sine.abs();
-        // Written in place: arrays of them are long.
+        // Written in place, because the arrays are long.
         scratch.slopes.resize_with(self.points.elements.len(), <_>::default);
         scratch.places.resize_with(self.points.elements.len(), <_>::default);
         scratch.body_places.clear();
@@ -285,7 +285,7 @@ impl BentLink {
         now.w.iter().skip(1).step_by(2).map(|slope| slope.abs()).fold(largest, Size::larger)
     }
 
-    /// Place of a body at the end of its arm, its node being shortened by `u`.
+    /// Place of a body at the end of its arm, with its node shortened by `u`.
     fn body_place(&self, now: &Instant<'_>, body: &Body, u: [f64; 3]) -> Place {
         let (slope, at) = (self.slope_at(now, body.node), 2 * body.node);
         let [shortened, x_rate, x_acceleration] =
@@ -300,8 +300,8 @@ impl BentLink {
         }
     }
 
-    /// Loads of all points and bodies, from the tip inward; returns the axial force at the root, and what all masses need
-    /// across the chord besides what the linear link's do.
+    /// Adds loads of all points and bodies, from the tip inward; returns the axial force at the root, and the force
+    /// across the chord that accelerates all masses beyond the linear link's.
     ///
     /// ```text
     /// a_x = a·e − θ̇²(s + u) − θ̈ w − 2 θ̇ ẇ + ü,     N = −∫ m̄ a_x ds outboard
@@ -357,7 +357,7 @@ impl BentLink {
         [axial, left]
     }
 
-    /// Loads of a body on its node; returns its force along the chord and across it.
+    /// Adds the loads of a body on its node; returns its force along the chord and across it.
     fn load_body(
         &self,
         now: &Instant<'_>,
@@ -392,7 +392,7 @@ pub(super) fn along(now: &Instant<'_>, place: &Place) -> f64 {
         + place.x_acceleration
 }
 
-/// The part of a place's acceleration across the chord that the linear link leaves out.
+/// Part of a place's acceleration across the chord that the linear link neglects.
 pub(super) fn left_across(now: &Instant<'_>, place: &Place) -> f64 {
     let (rate, acceleration) = (now.chord_rate_rad_s, now.chord_acceleration_rad_s2);
     -rate * rate * place.w + 2.0 * rate * place.x_rate + acceleration * place.shortened

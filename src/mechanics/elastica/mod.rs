@@ -1,15 +1,16 @@
-//! Links under gravity and at large angles, and arms of them: the inextensible elastica, its second-order terms as loads.
+//! Links under gravity and at large angles, and arms of them: the inextensible elastica, with second-order terms as
+//! loads.
 //!
-//! The link is seen from its chord, the line from the axis to the tip, whose motion is given. The recursion
-//! answers to loads at every frequency ([`Model::loaded_motion`](crate::model::Model::loaded_motion)); what the
-//! linear link leaves out, centripetal terms, axial force, large slopes, is computed in time from the last answer
-//! and given back as loads. The fixed point is the exact motion of the inextensible elastica on the mesh.
+//! The reference of a link is its chord, the line from the axis to the tip, with a prescribed motion. The recursion
+//! answers to loads at every frequency ([`Model::loaded_motion`](crate::model::Model::loaded_motion)). Terms that the
+//! linear link neglects (centripetal terms, axial force, large slopes) are computed in time from the last answer, and
+//! act as loads on the next one. The fixed point is the exact motion of the inextensible elastica on the mesh.
 //!
 //! ```text
 //! r(s) = e (s + u) + n w,   w(0) = w(L) = 0,   u' = √(1 − w'²) − 1,   ψ = asin w'
 //! ```
 //!
-//! e and n are unit vectors along the chord and across it. Gravity is an upward acceleration of the axis.
+//! e and n are unit vectors along the chord and across it. Gravity counts as an upward acceleration of the axis.
 //!
 //! ```
 //! use flexlink::beam::{Mesh, MeshPlan};
@@ -33,7 +34,7 @@
 //!
 //! # Arms
 //!
-//! In an arm every link has its chord from joint to joint, and the chords are where a rigid arm would have its links:
+//! In an arm every link has its chord from joint to joint, in the place of a rigid arm's link:
 //!
 //! ```text
 //!         ⌒⌒ link 2
@@ -44,9 +45,9 @@
 //!     o
 //! ```
 //!
-//! The motion of each link's tip is known, and what the next link does to it: the links are solved from the last inward,
-//! each as one link ([`follow_arm`]). Where a link that bends pulls its ends together, the first two chords turn so that the tip stays
-//! on its path ([`Kept::Tip`]).
+//! The motion of each link's tip and the next link's load on it are known: the links are solved from the last inward,
+//! each as a single link ([`follow_arm`]). When bending links pull their ends together, the first two chords turn so
+//! that the tip stays on its path ([`Kept::Tip`]).
 //!
 //! ```
 //! use flexlink::beam::{Mesh, MeshPlan};

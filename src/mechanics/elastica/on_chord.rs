@@ -1,4 +1,4 @@
-//! One link whose tip stays on its chord: what it answers to the chord's motion, to loads, and to a further link.
+//! One link whose tip stays on its chord: its answers to the chord's motion, to loads, and to a next link.
 
 use std::f64::consts::TAU;
 
@@ -19,20 +19,20 @@ use crate::system::end_if_stopped;
 /// Share of the torque's amplitudes, all added up, that is round-off in shapes and moments.
 const ROUND_OFF: f64 = 1e-12;
 
-/// A link whose tip stays on a chord, and what acts on it.
+/// A link whose tip stays on a chord, and the influences on it.
 pub(super) struct LinkOnChord<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) chord: &'a ChordPeriod,
-    /// Damping ratio ξ and sag, where a hysteretic link has weight.
+    /// Damping ratio ξ and sag, if a hysteretic link has weight.
     pub(super) sag: Option<(f64, &'a Sag)>,
-    /// Friction of a hub that turns against what rests, in N m s/rad.
+    /// Friction of a hub against a fixed base, in N m s/rad.
     pub(super) friction_n_m_s_rad: f64,
-    /// Amplitude of a torque in N m that may be round-off of what a further link does.
+    /// Amplitude of a torque in N m below which it may be round-off of the next link's load.
     pub(super) round_off_n_m: f64,
 }
 
 impl LinkOnChord<'_> {
-    /// What moves the link at a bin, and forces on its nodes, those of its sag added.
+    /// Motion of the link at a bin, and forces on its nodes, including those of its sag.
     pub(super) fn moved(&self, bin: usize, mut nodal: Vec<[Complex64; 2]>) -> Loads<Complex64> {
         let axis_m_s2 = self.chord.across[bin];
         if let Some(tip) = &self.chord.tip {
@@ -46,7 +46,7 @@ impl LinkOnChord<'_> {
         Loads { axis_m_s2, chord_rad_s2: self.chord.turning[bin], nodal }
     }
 
-    /// The answer at each bin to what moves the link, without loads.
+    /// Linear answer to the motion at each bin, without loads.
     pub(super) fn linear(&self) -> Result<Vec<LoadedMotion<Complex64>>, ElasticaError> {
         let nodes = self.model.mesh().nodes_m().len();
         let band = self.chord.band_len(self.model.mesh().length_m());
@@ -59,7 +59,7 @@ impl LinkOnChord<'_> {
             })
             .collect();
         let mesh = self.model.mesh();
-        // Damped, no frequency of a payload's inertia is blocked altogether.
+        // With damping a payload's inertia blocks no frequency completely.
         let is_undamped = matches!(
             self.model.law(),
             DampingLaw::Hysteretic { ratio: 0.0 }
@@ -110,7 +110,7 @@ impl LinkOnChord<'_> {
         pair.samples(amplitudes.collect::<Vec<_>>())
     }
 
-    /// The linear answers, with those to loads where these have no alias.
+    /// The linear answers plus the answers to loads, where the loads have no alias.
     pub(super) fn with_loads(
         &self,
         linear: &[LoadedMotion<Complex64>],
@@ -128,8 +128,8 @@ impl LinkOnChord<'_> {
         answers
     }
 
-    /// Torque, and angle of the hub from the chord, at the samples of a pair; with all terms, the hub turns by the
-    /// angle of its slope.
+    /// Torque, and angle of the hub from the chord, at the samples of a pair. With all terms, the hub turns by the
+    /// angle of its slope:
     ///
     /// ```text
     /// T = (T_l − I_H(θ̈ + ẅ'_0)) cos ψ + I_H(θ̈ + ψ̈) + b(θ̇ + ψ̇),       ψ = asin w'_0
@@ -169,7 +169,7 @@ impl LinkOnChord<'_> {
         (torque_n_m, hub_slope_rad)
     }
 
-    /// Force on the root along the chord and across it in N, without second order, at the chord's own samples.
+    /// Force on the root along the chord and across it in N, without second order, at the chord's samples.
     ///
     /// ```text
     /// F_e = m a·e − S θ̇² − P_e,       S = Σ m s
@@ -187,7 +187,7 @@ impl LinkOnChord<'_> {
         [along.collect(), self.chord.pair.samples(self.across_n(&link, answers))]
     }
 
-    /// Force on the root across the chord in N, of the linear link that bends so, at each bin.
+    /// Force on the root across the chord in N at each bin, for the linear link with these answers.
     ///
     /// ```text
     /// F_n = m a·n + S θ̈ + Σ m ẅ − P_n
@@ -209,8 +209,8 @@ impl LinkOnChord<'_> {
         answers.iter().enumerate().map(at).collect()
     }
 
-    /// The histories of these answers at the samples of a pair over the chord's period; with `nodes`, those of others are
-    /// empty, but for the tip's slope. Without a node there are no shapes, and no largest slope is looked for.
+    /// Histories of these answers at the samples of a pair over the chord's period. With `nodes`, histories of other
+    /// nodes are empty, except for the tip's slope. Without a node, shapes and largest slope are not computed.
     pub(super) fn motion(
         &self,
         answers: &[LoadedMotion<Complex64>],
@@ -240,8 +240,8 @@ impl LinkOnChord<'_> {
         }
     }
 
-    /// Shortening and bending moment of each node in turn, empty where they are not wanted, and the largest slope: at as
-    /// many samples as products of what bends need, then at those of a pair.
+    /// Shortening and bending moment of each node in turn, empty if not wanted, and the largest slope. They are
+    /// computed at as many samples as products of deflections need, then interpolated to the samples of a pair.
     pub(super) fn shapes(
         &self,
         answers: &[LoadedMotion<Complex64>],
@@ -261,7 +261,7 @@ impl LinkOnChord<'_> {
         let all = |(column, few): (usize, Vec<f64>)| match pair.len() {
             _ if !is_wanted(column / 2) => Vec::new(),
             len if len == whole.len() => few,
-            // A link that only bends a little is not shortened.
+            // A link that bends very little has no shortening.
             _ if few.iter().all(|own| *own == 0.0) => vec![0.0; whole.len()],
             _ => whole.samples(pair.amplitudes(few)),
         };

@@ -3,10 +3,10 @@
 use crate::beam::{Inertia, Mesh};
 use crate::link::Payload;
 
-/// Points of an element.
+/// Number of points in an element.
 pub(super) const POINTS: usize = 5;
 
-/// Places of Gauss and Legendre's five points in (0, 1).
+/// Places of the five Gauss-Legendre points in (0, 1).
 const PLACES: [f64; POINTS] = [
     0.046_910_077_030_668_0,
     0.230_765_344_947_158_45,
@@ -15,7 +15,7 @@ const PLACES: [f64; POINTS] = [
     0.953_089_922_969_332,
 ];
 
-/// Their weights, 1 in sum.
+/// Weights of the points, with sum 1.
 const WEIGHTS: [f64; POINTS] = [
     0.118_463_442_528_094_54,
     0.239_314_335_249_683_23,
@@ -29,7 +29,7 @@ const WEIGHTS: [f64; POINTS] = [
 pub(super) struct Point {
     /// Distance from the axis along the link in m.
     pub(super) s_m: f64,
-    /// Length of the link that the point stands for, in m.
+    /// Length in m that the point represents.
     pub(super) weight_m: f64,
     /// Mass per length in kg/m.
     pub(super) mass_kg_m: f64,
@@ -53,14 +53,14 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// Those of a mesh with this payload, from the axis outward.
+    /// All bodies of a mesh with this payload, from the axis outward.
     pub(super) fn all_of(mesh: &Mesh, payload: &Payload) -> Vec<Self> {
         let last = mesh.elements().len();
         let lumped = (0..last).filter_map(|node| {
             let Inertia { vv, pp, .. } = mesh.lumped_inertia(node)?;
             Some(Self { node, mass_kg: vv, inertia_kg_m2: pp, arm_m: 0.0 })
         });
-        // A mass on the tip is no part of the payload's offset.
+        // The payload's offset does not apply to a mass on the tip.
         let Inertia { vv, pp, .. } = mesh.tip_inertia();
         let arm_m = payload.offset_m;
         let carried = payload.mass_kg * arm_m * arm_m + payload.inertia_kg_m2;
@@ -80,12 +80,13 @@ impl Body {
     }
 }
 
-/// The points of a mesh, and how a function given at those of an element is integrated within it.
+/// The points of a mesh, and the integration of functions within an element from their values at its points.
 #[derive(Debug, Clone)]
 pub(super) struct Points {
-    /// Those of each element.
+    /// Points of each element.
     pub(super) elements: Vec<[Point; POINTS]>,
-    /// Integral from an element's inner end to each point over its length, per value at each point.
+    /// Weights of the values at the points in the integral from an element's inner end to each point, relative to its
+    /// length.
     within: [[f64; POINTS]; POINTS],
 }
 
@@ -125,8 +126,8 @@ impl Points {
         Self { elements: points.collect(), within: within() }
     }
 
-    /// The integral of a function up to each point of an element, from its integral up to the element's inner end;
-    /// moves that to the outer end.
+    /// Integral of a function up to each point of an element, from its integral up to the element's inner end, which it
+    /// advances to the outer end.
     #[inline]
     pub(super) fn integrated(
         &self,
@@ -142,9 +143,9 @@ impl Points {
         up_to
     }
 
-    /// The transpose of [`Self::integrated`]: the sum of `forces` at the points that lie outboard of each point, as
-    /// the integral weighs them, so that force and displacement do the same work; `outer` is the sum beyond the
-    /// element, and becomes that beyond its inner end.
+    /// Transpose of [`Self::integrated`]: the sum of `forces` outboard of each point, with the weights of the integral,
+    /// so that force and displacement do the same work. `outer` is the sum beyond the element, and becomes the sum
+    /// beyond its inner end.
     #[inline]
     pub(super) fn outboard(
         &self,
@@ -169,7 +170,7 @@ fn within() -> [[f64; POINTS]; POINTS] {
         let others = (0..POINTS).filter(|j| *j != k);
         others.map(|j| (x - PLACES[j]) / (PLACES[k] - PLACES[j])).product()
     };
-    // The same five points are exact for the polynomials of fourth order.
+    // The five points are exact for polynomials of fourth order.
     PLACES.map(|end| {
         [0, 1, 2, 3, 4].map(|k| {
             let inner = PLACES.iter().zip(WEIGHTS);

@@ -1,5 +1,5 @@
-//! A bent link's motion as it is found: what it differs by, and what each part needs of the part inboard, forces and
-//! bending moments by equilibrium.
+//! Results for a bent link: measures of its changes, and forces and bending moments by equilibrium of the outboard
+//! part.
 
 use super::chord::{TipLoad, counting};
 use super::error::{ElasticaError, STEEPEST};
@@ -13,71 +13,73 @@ use num_complex::Complex64;
 use crate::beam::{LoadedMotion, Mesh};
 use crate::numeric::{Size, extremes, magnitude};
 
-/// Range of a torque over its largest value below which the link is at rest.
+/// Range of a torque over its largest value below which the link counts as at rest.
 const AT_REST: f64 = 1e-6;
 
-/// Bending by less than this angle in rad counts as none.
+/// Bending angle in rad below which a link counts as straight.
 const STRAIGHT: f64 = 1e-6;
 
 /// A link whose tip stays on the chord, over a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticaMotion {
-    /// Torque at the hub in N m, its inertia and friction included, its drive not.
+    /// Torque at the hub in N m, including its inertia and friction but not its drive.
     pub torque_n_m: Vec<f64>,
     /// Angle of the hub from the chord in rad.
     pub hub_slope_rad: Vec<f64>,
     /// Deflection in m and slope w' of nodes 0 … n from the chord: a history for each, in turn.
     pub deflections: Vec<Vec<f64>>,
-    /// How much farther along the chord than along the link nodes 0 … n are, x − s ≤ 0 in m; zero without all terms.
+    /// Advance of nodes 0 … n along the chord relative to the link, x − s ≤ 0 in m; zero without all terms.
     pub shortenings_m: Vec<Vec<f64>>,
-    /// Bending moment in N m at nodes 0 … n, which the part of the link towards the hub exerts on the part towards
-    /// the tip; a body on a node counts as outer.
+    /// Bending moment in N m at nodes 0 … n, exerted by the part of the link towards the hub on the part towards the
+    /// tip. A body on a node belongs to the outer part.
     pub moments_n_m: Vec<Vec<f64>>,
     /// Largest slope |w'| of the link from its chord.
     pub largest_slope: f64,
 }
 
-/// How the second-order terms were found.
+/// Course of the iteration of second-order terms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Iteration {
     /// Number of iterations; 0 without second order.
     pub iterations: usize,
-    /// Largest change of a torque by the last iteration over that by the one before; none before the second.
+    /// Ratio of the last iteration's largest change of a torque to the change before; `None` before the second
+    /// iteration.
     pub contraction: Option<f64>,
-    /// Estimate of what further iterations, and frequencies at which no second-order terms are counted, would change of
-    /// the torques, each over its range. It exceeds the tolerance where the terms of high frequencies do not converge.
+    /// Estimated change of the torques, each relative to its range, by further iterations and by second-order terms of
+    /// neglected frequencies. It exceeds the tolerance if the terms of high frequencies do not converge.
     pub error: f64,
-    /// What the second order changed of the torques at most, each over its range; in an arm without friction.
+    /// Largest change of the torques by the second order, each relative to its range; for an arm without friction.
     pub second_order_change: f64,
-    /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change them.
+    /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change
+    /// them.
     pub exceeds_step: bool,
 }
 
 /// The motion of one link of an arm over a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmLinkMotion {
-    /// Torque of its joint, its friction included, and how the link bends.
+    /// Torque of its joint, including friction, and the bending of the link.
     pub bent: ElasticaMotion,
-    /// Angle of its chord in rad, its rate and its acceleration.
+    /// Angle of the chord in rad, its rate and its acceleration.
     pub chord: [Vec<f64>; 3],
     /// Length of the chord in m.
     pub chord_length_m: Vec<f64>,
     /// Angle of the tip's tangent line from the chord in rad.
     pub tip_slope_rad: Vec<f64>,
-    /// Force in N on its inner end along the plane's x and y axes, of the frequencies at which loads are solved.
+    /// Force in N on the inner end along the plane's x and y axes, at the frequencies of the loads.
     pub force_n: [Vec<f64>; 2],
 }
 
 /// The motion of an arm over a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmMotion {
-    /// Its links, the inner one first.
+    /// Links, the inner one first.
     pub links: Vec<ArmLinkMotion>,
-    /// How its second-order terms were found.
+    /// Course of the iteration of second-order terms.
     pub iteration: Iteration,
 }
 
-/// Force along the chord and across it, and moment about a node, that move all that lies outboard.
+/// Force along the chord and across it, and moment about a node, that accelerate the part outboard.
 #[derive(Clone, Copy, Default)]
 struct Reaction {
     along_n: f64,
@@ -86,7 +88,7 @@ struct Reaction {
 }
 
 impl Reaction {
-    /// The same about a place that lies inward by these distances.
+    /// The reaction about a place that lies inward by these distances.
     fn moved(self, x_m: f64, w_m: f64) -> Self {
         let moment_n_m = self.moment_n_m + x_m * self.across_n - w_m * self.along_n;
         Self { moment_n_m, ..self }
@@ -101,7 +103,7 @@ impl Reaction {
     }
 }
 
-/// What the force on the root of a straight link is made of.
+/// Coefficients of the force on the root of a straight link.
 pub(super) struct Straight {
     pub(super) mass_kg: f64,
     /// Mass times distance from the axis.
@@ -111,8 +113,8 @@ pub(super) struct Straight {
 }
 
 impl BentLink {
-    /// Writes the shortening x − s in m of nodes 0 … n, and the bending moment in N m there, which the part towards
-    /// the hub exerts on the part towards the tip, into pairs of `shape`; returns the largest slope.
+    /// Writes pairs into `shape`: the shortening x − s in m of nodes 0 … n, and the bending moment in N m there of the
+    /// part towards the hub on the part towards the tip. Returns the largest slope.
     ///
     /// ```text
     /// F_i = F_j + Σ m a,     M_i = M_j + (r_j − r_i) × F_j + Σ ((r − r_i) × m a + J φ̈)
@@ -156,7 +158,7 @@ impl BentLink {
         largest
     }
 
-    /// How much shorter than the link its chord is at each sample, in m; the histories are those of (w, w') of each node.
+    /// Shortening of the chord relative to the link at each sample, in m, from histories of (w, w') of each node.
     ///
     /// ```text
     /// Δ = ∫ (1 − cos ψ) ds,       ψ = asin w'
@@ -181,7 +183,7 @@ impl BentLink {
         if slope < STEEPEST { Ok(by_m) } else { Err(ElasticaError::TooSteep { slope }) }
     }
 
-    /// What the force on the root of a straight link is made of.
+    /// Coefficients of the force on the root of a straight link.
     pub(super) fn straight(&self) -> Straight {
         let across_kg = vec![[0.0; 2]; self.nodes_m.len()];
         let mut straight = Straight { mass_kg: 0.0, moment_kg_m: 0.0, across_kg };
@@ -204,7 +206,7 @@ impl BentLink {
         straight
     }
 
-    /// Acceleration of a mass along the chord and across it; without second order that of a straight link along it.
+    /// Acceleration of a mass along the chord and across it; without second order, of a straight link along the chord.
     pub(super) fn acceleration(
         &self,
         now: &Instant<'_>,
@@ -221,7 +223,7 @@ impl BentLink {
         }
     }
 
-    /// What an axial force does to the bending of the link: nothing without second order.
+    /// Effect of an axial force on the link's bending: 0 without second order.
     fn borne(&self, axial_n: f64) -> f64 {
         if self.second_order == SecondOrder::None { 0.0 } else { axial_n }
     }
@@ -231,7 +233,7 @@ impl BentLink {
         (self.nodes_m[node] + scratch.shortened[node], now.w[2 * node])
     }
 
-    /// What moves a mass, about a node.
+    /// Reaction about a node that accelerates a mass.
     fn needed(
         &self,
         now: &Instant<'_>,
@@ -250,13 +252,13 @@ impl BentLink {
     }
 }
 
-/// Largest difference of two histories; NaN where one is.
+/// Largest difference of two histories; NaN if any difference is.
 pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)
 }
 
-/// What changes of a torque are compared with: largest less smallest value, or the largest where it is at rest; none
-/// counts that bends the link by less than [`STRAIGHT`].
+/// Reference for changes of a torque: largest minus smallest value, or the largest if the link is at rest; at least the
+/// torque that bends the link by [`STRAIGHT`].
 pub(super) fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
     let [low, high] = extremes(torque_n_m);
     let (range, most) = (high - low, low.abs().max(high.abs()));
@@ -264,15 +266,15 @@ pub(super) fn size(torque_n_m: &[f64], mesh: &Mesh) -> f64 {
     size.max(unfelt_n_m(mesh))
 }
 
-/// Bins up to the last one whose torque counts: all beyond together are a negligible share, or each is no larger than
+/// Number of bins up to the last one whose torque counts: those beyond add up to a negligible share, or each is at most
 /// `round_off_n_m`.
 pub(super) fn band(
     answers: &[LoadedMotion<Complex64>],
     negligible: f64,
     (mesh, round_off_n_m): (&Mesh, f64),
 ) -> usize {
-    // Of all together, not of the largest: that of the weight at rest is the same over any period, those of the motion
-    // are the smaller the longer it is.
+    // Relative to the sum, not the largest: the amplitude of the weight at rest is the same over any period, while
+    // those of the motion fall with its length.
     let size = |answer: &LoadedMotion<Complex64>| magnitude(answer.torque_n_m);
     let least = negligible * answers.iter().map(size).sum::<f64>().max(unfelt_n_m(mesh));
     let felt = |answer| Some(size(answer)).filter(|size| *size > round_off_n_m).unwrap_or(0.0);

@@ -1,8 +1,8 @@
-//! The sag of a link under its weight, as if at rest, which hysteretic damping leaves alone.
+//! Sag of a link under its weight, as if at rest, which is exempt from hysteretic damping.
 //!
-//! Its complex part has the sign of ω: a weight that changes its direction from one rest to another would leave a
-//! logarithm of time, and the link would never settle. So that part acts on what the link bends beyond its sag, by the
-//! loads `2iξ K w_sag` beside its weight.
+//! The complex part of the stiffness has the sign of ω: a weight whose direction changes from one rest to another would
+//! leave a logarithm of time, and the link would never settle. So this part acts only on the bending beyond the sag, by
+//! the loads `2iξ K w_sag` besides the weight.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -20,26 +20,26 @@ use crate::model::Model;
 use crate::numeric::{FourierPair, Size, extremes};
 use crate::system::end_if_stopped;
 
-/// Directions of the chord at which the sag is computed, until the polynomial through them is exact between them; the
-/// sag is the same after a whole turn, so that more is not needed.
+/// Numbers of directions of the chord for the sag, increased until the polynomial through them is exact between them.
+/// The sag repeats after a whole turn, so that no more are needed.
 const DIRECTIONS: [usize; 3] = [32, 64, 128];
 
-/// Largest error of the sag's loads between two directions, over the largest of them; they act times 2ξ.
+/// Largest error of the sag's loads between two directions, relative to the largest load; the loads have the factor 2ξ.
 const EXACT: f64 = 1e-6;
 
-/// A chord that turns by less is at rest.
+/// Turn of a chord below which it is at rest.
 const AT_REST_RAD: f64 = 1e-9;
 
 /// Tolerance of the sag's iteration.
 pub(super) const TOLERANCE: f64 = 1e-9;
 
-/// Iterations after which an arm has no rest.
+/// Limit of iterations for an arm at rest.
 const MOST_ITERATIONS: usize = 100;
 
-/// Samples of an arm's period whose sags are found one after the other, each from the one before.
+/// Number of samples of an arm's period whose sags are computed in sequence, each from the one before.
 const CHUNK: usize = 32;
 
-/// Share of the amplitudes of the chords' directions, all added up, that no sample is needed for.
+/// Negligible share of the amplitudes of the chords' directions, all added up.
 const UNSEEN: f64 = 1e-9;
 
 /// Amplitudes of `K w_sag` at every bin: force in N and moment in N m for each node in turn.
@@ -48,11 +48,11 @@ pub(super) struct Sag {
 }
 
 impl Sag {
-    /// None for a chord at rest, whose loads have no frequency but zero. `rest` gives the deflection in m and slope of
-    /// each node where the chord rests.
+    /// Sag on a moving chord; `None` for a chord at rest, whose loads have only zero frequency. `rest` computes
+    /// deflection in m and slope of each node on a chord at rest.
     ///
     /// # Errors
-    /// [`ElasticaError`] of a link that has no rest.
+    /// [`ElasticaError`] for a link without a rest position.
     pub(super) fn of(
         mesh: &Mesh,
         chord: &ChordPeriod,
@@ -92,11 +92,11 @@ impl Sag {
         }
     }
 
-    /// Those of the links of an arm, each with its chord in the direction that it has in the rigid arm, and with what the
-    /// next link does to it at rest.
+    /// Sags of the links of an arm, each with its chord in the direction of the rigid arm, and with the next link's
+    /// load at rest.
     ///
     /// # Errors
-    /// [`ElasticaError`] of an arm that has no rest.
+    /// [`ElasticaError`] for an arm without a rest position.
     pub(super) fn of_arm(
         models: &[Arc<dyn Model>],
         arm: &ArmPeriod,
@@ -143,7 +143,7 @@ struct RestingArm<'a> {
 }
 
 impl RestingArm<'_> {
-    /// Finds (w, w') of all nodes of each link, from those given on.
+    /// Finds (w, w') of all nodes of each link, starting from `bent`.
     fn settle(&self, sample: usize, bent: &mut [Vec<f64>]) -> Result<(), ElasticaError> {
         let mut change = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
@@ -165,7 +165,7 @@ impl RestingArm<'_> {
         Err(ElasticaError::Diverges { iterations: MOST_ITERATIONS, change })
     }
 
-    /// One link under its weight and a force (along x and y) and torque that hold the next one.
+    /// One link under its weight and the force (along x and y) and torque that support the next link.
     fn rested(
         &self,
         link: usize,
@@ -213,7 +213,7 @@ impl RestingArm<'_> {
     }
 }
 
-/// What a link at rest needs of the one before, and how it bends.
+/// Load of a link at rest on the one before, and its bending.
 struct Rested {
     load: ([f64; 2], f64),
     bent: Vec<f64>,
@@ -231,10 +231,10 @@ fn bending_loads(mesh: &Mesh, dofs: &[f64]) -> Vec<f64> {
     loads
 }
 
-/// Loads as polynomials through Chebyshev's points of the second kind in [−1, 1].
+/// Loads as polynomials through Chebyshev points of the second kind in [−1, 1].
 struct Interpolation {
     places: Vec<f64>,
-    /// At each place those of all nodes.
+    /// Loads of all nodes at each place.
     loads: Vec<Vec<f64>>,
 }
 
@@ -249,7 +249,7 @@ impl Interpolation {
         Ok(Self { places, loads })
     }
 
-    /// Largest error in the middle between two points in the widest gap, and in one beside it, over the largest load.
+    /// Largest error in the middle of the widest gap between points and of the next gap, relative to the largest load.
     fn error(&self, at: LoadsAt<'_>) -> Result<f64, ElasticaError> {
         let largest = self.loads.iter().flatten().map(|load| load.abs()).fold(0.0, f64::max);
         let middle = self.places.len() / 2;
@@ -279,7 +279,7 @@ impl Interpolation {
     }
 }
 
-/// What each of the values at some places counts at another place in [−1, 1].
+/// Weights of the values at some places for interpolation at another place in [−1, 1].
 fn weights(places: &[f64], at: f64) -> Vec<f64> {
     if let Some(same) = places.iter().position(|place| (place - at).abs() < f64::MIN_POSITIVE) {
         return (0..places.len()).map(|k| f64::from(u8::from(k == same))).collect();

@@ -1,25 +1,25 @@
-//! An arm: links one after the other, in one plane.
+//! An arm: a chain of links in one plane.
 
 use serde::{Deserialize, Serialize};
 
 use super::link::Link;
 use super::parts::{Gravity, ParameterError};
 
-/// Most links: a path names their angles with one digit.
+/// Largest number of links: a path names their angles with one digit.
 pub(crate) const MOST_LINKS: usize = 9;
 
-/// On which side of the first link the second one lies.
+/// Side of the first link on which the second one lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Elbow {
     /// The second link turns left of the first: 0 < θ₂ − θ₁ < π.
     Left,
-    /// It turns right: −π < θ₂ − θ₁ < 0.
+    /// The second link turns right of the first: −π < θ₂ − θ₁ < 0.
     Right,
 }
 
 impl Elbow {
-    /// Its word in an arm file.
+    /// Keyword in an arm file.
     pub fn word(self) -> &'static str {
         match self {
             Self::Left => "left",
@@ -31,13 +31,13 @@ impl Elbow {
 /// One link of an arm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmLink {
-    /// Its name, if it has one; unique within the arm.
+    /// Name of the link, unique within the arm.
     pub name: Option<String>,
-    /// The link. Its payload is what its tip carries: on an inner link the body of the next joint.
+    /// The link. Its payload is the load of its tip: on an inner link the body of the next joint.
     pub link: Link,
 }
 
-/// All that makes an arm, before it is checked.
+/// Parts of an arm before they are checked.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ArmParts {
     /// Title for people.
@@ -46,11 +46,11 @@ pub struct ArmParts {
     pub links: Vec<ArmLink>,
     /// Gravity in m/s² along the plane's x and y axes.
     pub gravity_m_s2: [f64; 2],
-    /// Side of the elbow; needed by a path of the tip.
+    /// Side of the elbow; a path of the tip needs it.
     pub elbow: Option<Elbow>,
 }
 
-/// A valid arm of up to nine links, of which each turns against the tip of the one before.
+/// A valid arm of up to nine links; each turns relative to the tip of the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     parts: ArmParts,
@@ -84,7 +84,7 @@ impl Arm {
         Ok(Self { parts })
     }
 
-    /// Title for people, empty when none was given.
+    /// Title for people, empty by default.
     pub fn title(&self) -> &str {
         &self.parts.title
     }
@@ -104,12 +104,12 @@ impl Arm {
         self.parts.gravity_m_s2.iter().any(|part| *part != 0.0)
     }
 
-    /// Side of the elbow, where it was given.
+    /// Side of the elbow, if set.
     pub fn elbow(&self) -> Option<Elbow> {
         self.parts.elbow
     }
 
-    /// A link as messages name it: by its name, or by its number from 1.
+    /// Name of a link in messages: its name, or its number from 1.
     pub fn name_of(&self, link: usize) -> String {
         match &self.parts.links[link].name {
             Some(name) => format!("link {name}"),
@@ -117,14 +117,14 @@ impl Arm {
         }
     }
 
-    /// Largest moment in N m that its weight may have about the first joint.
+    /// Upper bound of the weight's moment about the first joint in N m.
     pub fn weight_moment_n_m(&self) -> f64 {
         let [x, y] = self.gravity_m_s2();
         let masses_kg: f64 = self.links().iter().map(|own| own.link.mass_kg()).sum();
         masses_kg * self.length_m() * (x * x + y * y).sqrt()
     }
 
-    /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
+    /// Stiffness of each joint between rotor and hub in N m/rad; infinite for a rigid joint.
     pub fn joint_stiffnesses_n_m_rad(&self) -> Vec<f64> {
         self.links().iter().map(|own| own.link.joint_stiffness_n_m_rad()).collect()
     }
@@ -155,7 +155,7 @@ impl From<Link> for Arm {
 }
 
 impl Link {
-    /// Mass in kg of all that turns about the axis but the hub.
+    /// Mass in kg of all that turns about the axis, without the hub.
     pub fn mass_kg(&self) -> f64 {
         let segments = self.segments().iter();
         let beam: f64 = segments.map(|s| s.length_m * s.mass_per_length_kg_m.mean()).sum();

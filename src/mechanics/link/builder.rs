@@ -1,4 +1,4 @@
-//! A link put together from numbers.
+//! Builder of a link.
 
 use super::damping::Damping;
 use super::link::{Link, LinkParts};
@@ -6,13 +6,13 @@ use super::parts::{Drive, Gravity, Hub, LumpedMass, ParameterError, Payload};
 use super::segment::Segment;
 
 impl LinkParts {
-    /// The title that people read.
+    /// Title for people.
     pub fn title(mut self, title: &str) -> Self {
         title.clone_into(&mut self.title);
         self
     }
 
-    /// The next segment outward.
+    /// Adds the next segment outward.
     pub fn segment(mut self, segment: Segment) -> Self {
         self.segments.push(segment);
         self
@@ -30,13 +30,13 @@ impl LinkParts {
         self
     }
 
-    /// A lumped mass on the link.
+    /// Adds a lumped mass.
     pub fn mass(mut self, mass: LumpedMass) -> Self {
         self.masses.push(mass);
         self
     }
 
-    /// What the tip carries: mass, inertia and offset.
+    /// Payload of the tip: mass, inertia and offset.
     pub fn payload(mut self, payload: Payload) -> Self {
         self.payload = payload;
         self
@@ -64,15 +64,15 @@ impl LinkParts {
         self
     }
 
-    /// Gravity along the plane's x and y axes in m/s², and the direction in rad of the chord, from the axis to the
-    /// tip, where the tip's displacement is 0.
+    /// Gravity along the plane's x and y axes in m/s², and the direction in rad of the chord, from the axis to the tip,
+    /// at tip displacement 0.
     pub fn gravity(mut self, acceleration_m_s2: [f64; 2], start_angle_rad: f64) -> Self {
         let start_angle_rad = Some(start_angle_rad);
         self.gravity = Some(Gravity { acceleration_m_s2, start_angle_rad });
         self
     }
 
-    /// The link.
+    /// Checks the parts and builds the link.
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range, by its path in a link file.

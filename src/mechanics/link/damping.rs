@@ -1,4 +1,4 @@
-//! Damping of the link itself.
+//! Damping of the link's material.
 
 use std::fmt::Debug;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::parts::{ParameterError, not_negative};
 
-/// The link's own damping law (Bayo 1987, eqs 12, 15 and 16).
+/// Damping law of the link, without its joint (Bayo 1987, eqs 12, 15 and 16).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Damping {
@@ -19,14 +19,14 @@ pub enum Damping {
         /// Material damping ratio ξ, in [0, 1).
         ratio: f64,
     },
-    /// C = αM + βK on every mass and every stiffness.
+    /// C = αM + βK for every mass and every stiffness.
     Rayleigh {
         /// α in 1/s, at least 0.
         alpha_per_s: f64,
         /// β in s, at least 0.
         beta_s: f64,
     },
-    /// C = αM + βK with α and β such that two flexible modes get the given ratios.
+    /// C = αM + βK with α and β such that two flexible modes get these ratios.
     #[serde(rename = "rayleigh through modes")]
     RayleighThroughModes {
         /// Numbers of the two flexible modes, from 1, ascending.
@@ -40,20 +40,20 @@ pub enum Damping {
         /// higher modes.
         ratios: Vec<f64>,
     },
-    /// The Caughey series through the given ratios (Bayo 1987, eq 12), rigid motion left free:
+    /// Caughey series through the ratios of these modes (Bayo 1987, eq 12); rigid motion is free:
     ///
     /// ```text
     /// ζ(ω) = ½ Σ_b a_b ω^(2b − 1),  b = 0 … p − 1,  ζ(ω_mode) = ratio for each of the p modes
     /// ```
     Caughey {
-        /// Numbers of the flexible modes, from 1, strictly ascending, 1 to 8 of them.
+        /// Numbers of 1 to 8 flexible modes, from 1, strictly ascending.
         modes: Vec<usize>,
         /// Viscous ratio of each, in [0, 1).
         ratios: Vec<f64>,
     },
 }
 
-/// Reads a law without numbers: a unit variant alone would take any further key.
+/// Reads a law without numbers. A plain unit variant would accept any further key.
 fn no_more_keys<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(), D::Error> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -62,11 +62,11 @@ fn no_more_keys<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(), D::Err
 }
 
 impl Damping {
-    /// Terms of a Caughey series at most: the last power, ω¹³, spans twenty decades over the first
-    /// eight modes of a beam.
+    /// Largest number of terms of a Caughey series: the last power, ω¹³, spans twenty decades over the first eight
+    /// modes of a beam.
     const MOST_TERMS: usize = 8;
 
-    /// The law's name, as the link file spells it.
+    /// Name of the law in a link file.
     pub fn name(&self) -> &'static str {
         match self {
             Self::None => "none",
@@ -113,7 +113,7 @@ fn check_series(modes: &[usize], ratios: &[f64]) -> Result<(), ParameterError> {
     all_in_unit_interval(ratios)
 }
 
-/// Refuses modes unless each number is above the one before it and the first above 0.
+/// Refuses mode numbers that do not ascend from 1 or above.
 fn ascending(modes: &[usize], must: &str) -> Result<(), ParameterError> {
     if modes.first() != Some(&0) && modes.is_sorted_by(|lower, higher| lower < higher) {
         Ok(())
@@ -126,7 +126,7 @@ fn all_in_unit_interval(ratios: &[f64]) -> Result<(), ParameterError> {
     ratios.iter().try_for_each(|&ratio| in_unit_interval("damping.ratios", ratio))
 }
 
-/// Refuses a damping ratio below 0 or from 1 on.
+/// Refuses a damping ratio outside [0, 1).
 pub(crate) fn in_unit_interval(parameter: &str, ratio: f64) -> Result<(), ParameterError> {
     if (0.0..1.0).contains(&ratio) {
         Ok(())

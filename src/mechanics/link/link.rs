@@ -1,4 +1,4 @@
-//! The whole link.
+//! The link.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::parts::{
 };
 use super::segment::Segment;
 
-/// All that makes a link, before it is checked. What is not named is left out.
+/// Parts of a link before they are checked; unset parts are absent.
 ///
 /// ```
 /// use flexlink::link::{Link, Segment};
@@ -39,7 +39,7 @@ pub struct LinkParts {
     pub payload: Payload,
     /// The damping law.
     pub damping: Damping,
-    /// What sits between motor and hub, if anything does.
+    /// Gear and elastic joint between motor and hub.
     pub drive: Option<Drive>,
     /// Gravity in the plane of motion.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,7 @@ pub struct LinkParts {
 
 /// A valid link.
 ///
-/// Stored, it is its [`LinkParts`]; what is read is checked.
+/// It is stored as its [`LinkParts`], and checked again when read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LinkParts", into = "LinkParts")]
 pub struct Link {
@@ -70,12 +70,12 @@ impl From<Link> for LinkParts {
 }
 
 impl Link {
-    /// A link without segments, mass at its ends or damping, to be put together.
+    /// Starts a link without segments, mass at its ends or damping.
     pub fn builder() -> LinkParts {
         LinkParts::default()
     }
 
-    /// Checks every range and puts the lumped masses in order from the hub outward.
+    /// Checks every range and sorts the lumped masses from the hub outward.
     ///
     /// # Errors
     /// [`ParameterError`] names the first parameter out of its range.
@@ -115,7 +115,7 @@ impl Link {
         Ok(Self { parts })
     }
 
-    /// A finite, positive rigid inertia: else no torque would be needed, or none would do.
+    /// Refuses a rigid inertia that is not finite and positive: a torque of 0 would move the link, or no torque could.
     fn check_movable(&self) -> Result<(), ParameterError> {
         let inertia = self.rigid_inertia_kg_m2();
         if inertia.is_finite() && inertia > 0.0 {
@@ -125,7 +125,7 @@ impl Link {
         Err(ParameterError::new("segments", format!("a total of {inertia}"), "kg m^2", must))
     }
 
-    /// Title for people, empty when none was given.
+    /// Title for people, empty by default.
     pub fn title(&self) -> &str {
         &self.parts.title
     }
@@ -155,17 +155,17 @@ impl Link {
         &self.parts.damping
     }
 
-    /// What sits between motor and hub, if anything does.
+    /// Gear and elastic joint between motor and hub, if the link has a drive.
     pub fn drive(&self) -> Option<&Drive> {
         self.parts.drive.as_ref()
     }
 
-    /// Stiffness in N m/rad between rotor and hub; infinite where the joint is stiff or has no drive.
+    /// Stiffness in N m/rad between rotor and hub; infinite for a rigid joint or without a drive.
     pub fn joint_stiffness_n_m_rad(&self) -> f64 {
         self.drive().map_or(f64::INFINITY, |drive| drive.joint_stiffness_n_m_rad)
     }
 
-    /// Gravity in the plane of motion, if it was given.
+    /// Gravity in the plane of motion, if set.
     pub fn gravity(&self) -> Option<&Gravity> {
         self.parts.gravity.as_ref()
     }
@@ -187,8 +187,10 @@ impl Link {
         self.parts.hub.radius_m + beam
     }
 
+    /// Checks that `at_m`, a distance from the axis in m, lies on the link.
+    ///
     /// # Errors
-    /// [`ParameterError`] if the distance `name` from the axis in m is that of no point of the link.
+    /// [`ParameterError`] about the parameter `name` if it does not.
     pub fn check_place(&self, name: &str, at_m: f64) -> Result<(), ParameterError> {
         let (root_m, tip_m) = (self.hub().radius_m, self.length_m());
         let slack_m = POSITION_TOLERANCE * tip_m;
@@ -197,7 +199,7 @@ impl Link {
         is_there.then_some(()).ok_or_else(|| ParameterError::new(name, at_m, "m", must))
     }
 
-    /// First moment of mass about the axis in kg m: gravity across the link times it holds the link.
+    /// First moment of mass about the axis in kg m. Times the gravity across the link, it is the holding torque.
     pub fn mass_moment_kg_m(&self) -> f64 {
         let (mut root_m, mut moment) = (self.parts.hub.radius_m, 0.0);
         for segment in &self.parts.segments {
@@ -219,7 +221,7 @@ impl Link {
         let Hub { inertia_kg_m2: mut inertia, radius_m: mut root_m, .. } = self.parts.hub;
         for segment in &self.parts.segments {
             let (l, m) = (segment.length_m, segment.mass_per_length_kg_m);
-            // ∫₀ˡ m̄(s) (x + s)² ds with m̄ linear in s, each power of s by itself.
+            // ∫₀ˡ m̄(s) (x + s)² ds with m̄ linear in s, one term for each power of s.
             inertia += l
                 * (m.mean() * root_m * root_m
                     + (m.inner + 2.0 * m.outer) / 3.0 * root_m * l
@@ -236,13 +238,13 @@ impl Link {
     }
 }
 
-/// The link of many unit tests: Bayo's without its stiff root, undamped, its rigid inertia 1 kg m².
+/// Link of many unit tests: Bayo's link without its stiff root, undamped, with rigid inertia 1 kg m².
 #[cfg(test)]
 pub(crate) fn uniform() -> LinkParts {
     Link::builder().segment(uniform_segment()).hub_inertia_kg_m2(0.1)
 }
 
-/// Its one segment.
+/// The only segment of this link.
 #[cfg(test)]
 pub(crate) fn uniform_segment() -> Segment {
     Segment::uniform(1.5, 5.0, 0.8)

@@ -1,7 +1,7 @@
 //! The physical link: segments, hub, lumped masses, payload and damping, checked at construction.
 //!
-//! A [`Link`] that exists is valid, so nothing downstream checks it again. It knows no file; a
-//! refusal names the parameter by its dotted path; the reader of the file adds the line.
+//! A [`Link`] that exists is valid, so nothing downstream checks it again. It knows no file: an error names the
+//! parameter by its dotted path, and the reader of the file adds the line.
 
 mod arm;
 mod builder;

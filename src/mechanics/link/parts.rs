@@ -1,4 +1,4 @@
-//! What a link carries and what turns it, and how a value out of its range is refused.
+//! Parts at the ends and at the axis of a link, and the error for a value out of its range.
 
 use std::fmt;
 
@@ -7,29 +7,29 @@ use thiserror::Error;
 
 use crate::text::plain;
 
-/// Positions closer than this share of the link's length are one: a sum of segment lengths is
-/// not always the decimal number that a user writes for `at`.
+/// Positions closer than this share of the link's length coincide: a sum of segment lengths can differ in its last
+/// digits from a user's decimal for `at`.
 pub(crate) const POSITION_TOLERANCE: f64 = 1e-9;
 
-/// Characters of a number that is written with all its digits.
+/// Longest text of a number that is shown with all its digits.
 const LONGEST_NUMBER: usize = 12;
 
 /// A physical parameter outside its range.
 ///
-/// The text reads `parameter = found unit, but must …`, as every refusal of this program does.
+/// The text has the form of all errors of this program: `parameter = found unit, but must …`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{parameter} = {found}, but {must}")]
 pub struct ParameterError {
     /// Dotted path of the parameter, as in the link file: `segments.1.length`.
     pub parameter: String,
-    /// What was found, with its unit.
+    /// The wrong value, with its unit.
     pub found: String,
-    /// What must be.
+    /// Condition that the value breaks.
     pub must: String,
 }
 
 impl ParameterError {
-    /// Refuses `parameter`, found to be `value` in `unit` (empty for a pure number).
+    /// Error for `parameter` with `value` in `unit` (empty for a pure number).
     pub(crate) fn new(
         parameter: impl Into<String>,
         value: impl fmt::Display,
@@ -38,7 +38,7 @@ impl ParameterError {
     ) -> Self {
         let space = if unit.is_empty() { "" } else { " " };
         let text = value.to_string();
-        // One far from 1 has up to three hundred digits.
+        // A number far from 1 has up to three hundred digits.
         let is_long = text.len() > LONGEST_NUMBER;
         let value = if is_long { text.parse().map_or(text, plain) } else { text };
         Self {
@@ -49,14 +49,14 @@ impl ParameterError {
     }
 }
 
-/// Refuses a value that is not finite and above zero.
+/// Refuses a value unless it is finite and above zero.
 pub(crate) fn positive(parameter: &str, value: f64, unit: &str) -> Result<(), ParameterError> {
     let is_positive = value.is_finite() && value > 0.0;
     let refused = || ParameterError::new(parameter, value, unit, "must be finite and above 0");
     if is_positive { Ok(()) } else { Err(refused()) }
 }
 
-/// Refuses a value that is not finite and zero or above.
+/// Refuses a value unless it is finite and at least zero.
 pub(crate) fn not_negative(parameter: &str, value: f64, unit: &str) -> Result<(), ParameterError> {
     let is_possible = value.is_finite() && value >= 0.0;
     let refused = || ParameterError::new(parameter, value, unit, "must be finite and at least 0");
@@ -83,23 +83,23 @@ impl Hub {
     }
 }
 
-/// What the joint at the axis adds to the dynamics of the link itself.
+/// Friction and drive at the axis, added to the dynamics of the link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     /// Viscous friction b in N m s/rad.
     pub friction_n_m_s_rad: f64,
-    /// Gear and elastic joint between motor and hub, if there are any.
+    /// Gear and elastic joint between motor and hub, if there is a drive.
     pub drive: Option<Drive>,
 }
 
-/// What sits between motor and hub: a gear and an elastic joint.
+/// Gear and elastic joint between motor and hub.
 ///
-/// The rotor turns on the motor side of the gear; the joint's spring on the link's side carries
-/// the torque that the hub receives.
+/// The rotor turns on the motor side of the gear. The joint's spring sits on the link's side and carries the hub's
+/// torque.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
-    /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a stiff joint.
+    /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a rigid joint.
     #[serde(deserialize_with = "null_is_stiff")]
     pub joint_stiffness_n_m_rad: f64,
     /// Rotary inertia of the rotor about its own axis in kg m², from 0 to 1e30.
@@ -108,7 +108,7 @@ pub struct Drive {
     pub gear_ratio: f64,
 }
 
-/// Reads a joint stiffness: JSON has no infinity and writes null for it.
+/// Reads a joint stiffness; null is infinite, because JSON has no infinity.
 fn null_is_stiff<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
@@ -130,7 +130,7 @@ impl Drive {
             ("gear_ratio", self.gear_ratio, 1e-6..=1e6, "", "must lie from 1e-6 to 1e6"),
         ] {
             if !range.contains(&value) {
-                // In the exponent's notation: 1e200 has 200 digits.
+                // In scientific notation: 1e200 has 200 digits.
                 let value = format!("{value:?}");
                 return Err(ParameterError::new(format!("drive.{key}"), value, unit, must));
             }
@@ -139,14 +139,14 @@ impl Drive {
     }
 }
 
-/// Gravity in the plane that the link moves in, and the pose from which displacements are counted.
+/// Gravity in the plane of motion, and the pose where displacements start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gravity {
     /// Acceleration of gravity along the plane's x and y axes in m/s².
     pub acceleration_m_s2: [f64; 2],
-    /// Direction in rad of the chord, from the axis to the tip, where the tip's displacement is 0:
-    /// counterclockwise from x. `None` where motions give their angles.
+    /// Direction in rad of the chord, from the axis to the tip, at tip displacement 0: counterclockwise from x. `None`
+    /// if motions contain angles.
     pub start_angle_rad: Option<f64>,
 }
 
@@ -161,12 +161,12 @@ impl Gravity {
         })
     }
 
-    /// True if gravity has a part in the plane.
+    /// True if gravity has a component in the plane.
     pub fn acts(&self) -> bool {
         self.acceleration_m_s2.iter().any(|part| *part != 0.0)
     }
 
-    /// The part of gravity across a direction, positive where it turns clockwise: `g_x sin θ − g_y cos θ`.
+    /// Component of gravity across a direction, positive if it turns the link clockwise: `g_x sin θ − g_y cos θ`.
     pub fn across_m_s2(&self, angle_rad: f64) -> f64 {
         let [along_x, along_y] = self.acceleration_m_s2;
         along_x * libm::sin(angle_rad) - along_y * libm::cos(angle_rad)
@@ -181,19 +181,19 @@ pub struct LumpedMass {
     pub at_m: f64,
     /// Mass in kg.
     pub mass_kg: f64,
-    /// Rotary inertia about its own centre in kg m².
+    /// Rotary inertia about its centre in kg m².
     pub inertia_kg_m2: f64,
 }
 
-/// What the tip carries.
+/// Payload at the tip.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
     /// Mass m_t in kg.
     pub mass_kg: f64,
-    /// Rotary inertia J_t about its own centre of mass in kg m².
+    /// Rotary inertia J_t about its centre of mass in kg m².
     pub inertia_kg_m2: f64,
-    /// Offset c of that centre beyond the tip in m; negative towards the hub.
+    /// Offset c of its centre of mass beyond the tip in m; negative towards the hub.
     pub offset_m: f64,
 }
 

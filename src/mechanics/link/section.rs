@@ -2,16 +2,16 @@ use std::f64::consts::PI;
 
 use super::parts::{ParameterError, positive};
 
-/// A cross-section, from which area and second moment of area follow.
+/// A cross-section; area and second moment of area follow from it.
 ///
-/// Width is measured across the plane of motion, thickness and height in it.
+/// Width is measured across the plane of motion, thickness and height in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Section {
     /// Solid rectangle.
     Rectangle {
-        /// Across the plane of motion, m.
+        /// Width across the plane of motion, m.
         width_m: f64,
-        /// In the plane of motion, m.
+        /// Thickness in the plane of motion, m.
         thickness_m: f64,
     },
     /// Solid circle.
@@ -62,7 +62,7 @@ impl Section {
             Self::Rectangle { width_m, thickness_m } => rectangle(width_m, thickness_m),
             Self::Circle { diameter_m } => disc(diameter_m),
             Self::Tube { diameter_m, wall_m } => {
-                // Factored, so that a thin wall does not cancel.
+                // Factored, so that a thin wall loses no digits.
                 let inner_m = diameter_m - 2.0 * wall_m;
                 PI / 16.0 * wall_m * (diameter_m - wall_m) * (diameter_m.powi(2) + inner_m.powi(2))
             }
@@ -73,8 +73,8 @@ impl Section {
         }
     }
 
-    /// Cowper's shear coefficient κ for the Poisson's ratio ν: the mean shear strain over the section is
-    /// Q/(κGA) (J. Applied Mechanics 33, 1966, table 1; of a box with thin walls).
+    /// Cowper's shear coefficient κ for the Poisson's ratio ν: the mean shear strain over the section is Q/(κGA) (J.
+    /// Applied Mechanics 33, 1966, table 1; a box counts as thin-walled).
     pub fn shear_coefficient(&self, poisson_ratio: f64) -> f64 {
         let nu = poisson_ratio;
         match *self {
@@ -86,7 +86,7 @@ impl Section {
                 6.0 * (1.0 + nu) * sum / ((7.0 + 6.0 * nu) * sum + (20.0 + 12.0 * nu) * m)
             }
             Self::Box { width_m, height_m, wall_m } => {
-                // Between the middles of the walls, which are of one thickness.
+                // Between the middles of the walls, which have one thickness.
                 let n = (width_m - wall_m) / (height_m - wall_m);
                 let polynomial = |[a, b, c, d]: [f64; 4]| a + n * (b + n * (c + n * d));
                 let flanges = 10.0 * n * n * n * (3.0 + nu + 3.0 * n);
@@ -98,10 +98,10 @@ impl Section {
         }
     }
 
-    /// Refuses dimensions that make no section, naming them below `parameter`.
+    /// Checks the dimensions; an error names them below `parameter`.
     ///
     /// # Errors
-    /// A dimension that is not above zero, or a wall thicker than half the section.
+    /// [`ParameterError`] for a dimension that is not above zero, or a wall thicker than half the section.
     pub fn check(&self, parameter: &str) -> Result<(), ParameterError> {
         let (sizes, wall_m) = match *self {
             Self::Rectangle { width_m, thickness_m } => {

@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::parts::{ParameterError, not_negative, positive};
 use super::section::Section;
 
-/// A property that varies linearly along a segment, from its inner to its outer end; stored as the list of
-/// both.
+/// A property that varies linearly along a segment; stored as the list of its values at the inner and the outer end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(from = "[f64; 2]", into = "[f64; 2]")]
 pub struct Taper {
@@ -29,26 +28,26 @@ impl From<Taper> for [f64; 2] {
 }
 
 impl Taper {
-    /// The same value all along.
+    /// The same value along the whole segment.
     pub fn constant(value: f64) -> Self {
         Self { inner: value, outer: value }
     }
 
-    /// Whether it is the same value all along.
+    /// True if the value is the same along the whole segment.
     pub fn is_constant(&self) -> bool {
         *self == Self::constant(self.inner)
     }
 
     /// Value at a fraction of the length, 0 at the inner end and 1 at the outer.
     pub fn at(&self, fraction: f64) -> f64 {
-        // Not by the sum, whose last digit would change from element to element.
+        // The sum's last digit would change from element to element.
         if self.is_constant() {
             return self.inner;
         }
         self.inner * (1.0 - fraction) + self.outer * fraction
     }
 
-    /// The piece between two fractions of the length.
+    /// The property between two fractions of the length.
     #[must_use]
     pub fn between(&self, from: f64, to: f64) -> Self {
         Self { inner: self.at(from), outer: self.at(to) }
@@ -59,7 +58,7 @@ impl Taper {
         0.5 * (self.inner + self.outer)
     }
 
-    /// What follows at both ends from those of two properties.
+    /// Combines the values of two properties at each end.
     pub(crate) fn of_ends(a: Self, b: Self, value: impl Fn(f64, f64) -> f64) -> Self {
         Self { inner: value(a.inner, b.inner), outer: value(a.outer, b.outer) }
     }
@@ -81,9 +80,9 @@ impl Taper {
     }
 }
 
-/// The numbers of a segment that shear and rotary inertia depend on, besides stiffness and mass.
+/// Properties of a segment that determine shear and rotary inertia, besides stiffness and mass.
 ///
-/// A segment without [`Timoshenko`] leaves both out; these numbers give the error of that.
+/// A segment without [`Timoshenko`] neglects both effects; these numbers give the resulting error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossSection {
@@ -94,13 +93,13 @@ pub struct CrossSection {
 }
 
 impl CrossSection {
-    /// Poisson's ratio ν that is assumed of every material; κG varies by 6 % from 0.2 to 0.4.
+    /// Poisson's ratio ν assumed for every material; κG varies by 6 % from 0.2 to 0.4.
     pub const POISSON_RATIO: f64 = 0.3;
 
-    /// κ of a section of unknown shape: that of a rectangle.
+    /// κ of a section of unknown shape: the value of a rectangle.
     pub const USUAL_SHEAR_COEFFICIENT: f64 = 0.85;
 
-    /// That of a section of known shape.
+    /// Properties of a section of known shape.
     pub fn of(section: &Section) -> Self {
         let radius_m = (section.second_moment_m4() / section.area_m2()).sqrt();
         Self {
@@ -109,7 +108,7 @@ impl CrossSection {
         }
     }
 
-    /// That of a section of which I in m⁴ and A in m² are known.
+    /// Properties of a section of known I in m⁴ and A in m².
     pub fn of_moment_and_area(second_moment_m4: Taper, area_m2: Taper) -> Self {
         let radius_m = |i: f64, a: f64| (i / a).sqrt();
         Self {
@@ -118,7 +117,7 @@ impl CrossSection {
         }
     }
 
-    /// E/(κG) = 2(1 + ν)/κ: shear compliance over that of a bar pulled at its end.
+    /// E/(κG) = 2(1 + ν)/κ: ratio of the shear compliance to the compliance of a bar in tension.
     pub fn shear_flexibility(&self) -> f64 {
         2.0 * (1.0 + Self::POISSON_RATIO) / self.shear_coefficient
     }
@@ -142,7 +141,7 @@ pub struct Timoshenko {
 }
 
 impl Timoshenko {
-    /// The piece between two fractions of the length.
+    /// The values between two fractions of the length.
     #[must_use]
     pub fn between(&self, from: f64, to: f64) -> Self {
         Self {
@@ -158,7 +157,7 @@ impl Timoshenko {
     }
 }
 
-/// One piece of the link with its own stiffness and mass, from the hub outward.
+/// One piece of the link with uniform or tapered stiffness and mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -170,17 +169,17 @@ pub struct Segment {
     pub bending_stiffness_n_m2: Taper,
     /// Mass per length m̄ in kg/m, at least 0.
     pub mass_per_length_kg_m: Taper,
-    /// How thick it is, where that is known.
+    /// Properties for shear and rotary inertia, if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cross_section: Option<CrossSection>,
-    /// Shear and rotary inertia; none of a segment by the theory of Bernoulli and Euler.
+    /// Shear and rotary inertia; `None` for a Bernoulli-Euler segment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timoshenko: Option<Timoshenko>,
 }
 
 impl Segment {
-    /// A segment alike from end to end: length in m, bending stiffness EI in N m², mass per length in
-    /// kg/m. [`Link::new`](super::Link::new) checks the ranges.
+    /// A uniform segment: length in m, bending stiffness EI in N m², mass per length in kg/m.
+    /// [`Link::new`](super::Link::new) checks the ranges.
     pub fn uniform(length_m: f64, bending_stiffness_n_m2: f64, mass_per_length_kg_m: f64) -> Self {
         Self {
             name: None,
@@ -192,7 +191,7 @@ impl Segment {
         }
     }
 
-    /// The cross-section if shear and rotary inertia are left out.
+    /// The cross-section of a segment that neglects shear and rotary inertia.
     pub(crate) fn slender_section(&self) -> Option<CrossSection> {
         self.cross_section.filter(|_| self.timoshenko.is_none())
     }
@@ -223,7 +222,7 @@ impl Segment {
     }
 }
 
-/// Refuses a name that reads as a number, a wildcard or a path.
+/// Refuses a name that looks like a number, a wildcard or a path.
 fn check_name(name: &str, parameter: &str) -> Result<(), ParameterError> {
     let number = name.chars().all(|c| c.is_ascii_digit());
     if number || name.contains(['.', '*', '=']) || name.trim() != name {

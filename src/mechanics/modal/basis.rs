@@ -1,4 +1,4 @@
-//! The first modes of a mesh from the recursion, or all of them by dense algebra.
+//! The first modes of a mesh by the recursion, or all modes by dense algebra.
 
 use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
@@ -11,13 +11,13 @@ use crate::numeric::SymmetricEigen;
 /// Share of the static shape below which the residual is round-off.
 const NOTHING_LEFT: f64 = 1e-10;
 
-/// Largest relative difference between twice the strain energy of a residual shape and the work of its
-/// unit torque; for round-off the two are unrelated.
+/// Largest relative difference between twice the strain energy of a residual shape and the work of its unit torque. In
+/// round-off the two are unrelated.
 const ENERGY_TOLERANCE: f64 = 1e-3;
 
 /// The rigid rotation and flexible modes of the link on its free hub, mass-normalised.
 ///
-/// In these coordinates a torque T at the hub drives each mode by itself:
+/// In these coordinates a torque T at the hub drives each mode independently:
 ///
 /// ```text
 /// q̈ + 2ζω q̇ + ω² q = p T,    p the mode's hub angle            (Bayo 1987, eqs 11 and 12)
@@ -31,14 +31,14 @@ pub struct ModalBasis {
 }
 
 impl ModalBasis {
-    /// The rigid rotation and the first `count` flexible modes, fewer where the mesh has fewer.
+    /// The rigid rotation and the first `count` flexible modes, or all if the mesh has fewer.
     pub fn lowest(mesh: &Mesh, count: usize) -> Self {
         let rigid = Self::rigid(mesh);
         let mut modes: Vec<Mode> = Vec::new();
         for omega_rad_s in natural_frequencies(mesh, count) {
             let found = mode(mesh, omega_rad_s).shape;
-            // The recursion gives neighbours the less precisely, the closer they lie, and leaves a
-            // little of slow heavy motions in fast ones.
+            // The recursion separates close neighbours less precisely, and leaves a little of slow heavy motions in
+            // fast ones.
             let known = modes.iter().map(|mode| &mode.shape).chain([&rigid]);
             let own = known.fold(found, |shape, known| {
                 let share = known.mass_product(mesh, &shape);
@@ -53,26 +53,25 @@ impl ModalBasis {
         Shape::rigid(mesh).mass_normalised(mesh)
     }
 
-    /// What a constant unit torque bends the freely turning link to, less the part of these modes:
-    /// the static residual of the modes left out, in m and rad per N m.
+    /// Static residual: the shape of the freely turning link under a constant unit torque, less the part of these
+    /// modes, in m and rad per N m.
     ///
     /// ```text
-    /// Σ φ_k p_k/ω_k²  over the modes left out
+    /// Σ φ_k p_k/ω_k²  over all other modes
     /// ```
     pub(crate) fn static_residual(&self, mesh: &Mesh) -> Shape {
         self.left_over(static_shape(mesh, &self.rigid))
     }
 
-    /// What these modes leave over of the whole link's static shape.
+    /// Subtracts these modes from the link's static shape.
     fn left_over(&self, all: Shape) -> Shape {
         self.modes.iter().fold(all, |rest, Mode { omega_rad_s, shape }| {
             rest.less(shape.hub_angle / omega_rad_s.powi(2), shape)
         })
     }
 
-    /// The static residual made a mode of its own, at the frequency that its stiffness and mass
-    /// give it: with it a truncated basis answers slow torques as the whole link does, and stays
-    /// orthogonal. None where the residual is round-off or moves no mass.
+    /// The static residual as a mode, at the frequency from its stiffness and mass: with it a truncated, orthogonal
+    /// basis answers slow torques as the whole link does. `None` if the residual is round-off or moves no mass.
     pub(crate) fn residual_mode(&self, mesh: &Mesh) -> Option<Mode> {
         let all = static_shape(mesh, &self.rigid);
         let rest = self.left_over(all.clone());
@@ -87,8 +86,8 @@ impl ModalBasis {
     }
 }
 
-/// What a constant unit torque bends the freely turning link to, relative to its rigid motion, in
-/// m and rad per N m: the recursion at rest, made orthogonal to the rigid rotation.
+/// Shape of the freely turning link under a constant unit torque, relative to its rigid motion, in m and rad per N m:
+/// the recursion at rest, made orthogonal to the rigid rotation.
 fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     let zero = Gain { vv: 0.0, vp: 0.0, pv: 0.0, pp: 0.0 };
     let mut gains = vec![zero; mesh.elements().len()];
@@ -97,7 +96,7 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     let mut deflections: Vec<Vector2<f64>> = vec![Vector2::zeros()];
     for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(mesh.nodes_m()) {
         let e = deflections[deflections.len() - 1];
-        // Per λ, which leaves what a constant acceleration bends.
+        // Per λ: the bending due to a constant acceleration.
         let d = Vector2::new(gain.vv * x_m + gain.vp, gain.pv * x_m + gain.pp) * per_lambda;
         deflections.push(Vector2::new(e[0] + element.length_m * e[1], e[1]) + d);
     }
@@ -107,32 +106,31 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     bent.less(share, rigid)
 }
 
-/// Most elements whose modes are all computed: the work grows with the cube of their number, and
-/// is a matter of seconds here.
+/// Largest number of elements for all modes: the work grows with the cube of the number, and takes seconds here.
 pub const MOST_ELEMENTS_OF_ALL_MODES: usize = 500;
 
-/// Why not all modes of a mesh are found.
+/// Reason why the modes of a mesh cannot all be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum AllModesError {
-    /// A mesh too large.
+    /// The mesh is too large.
     #[error(
         "the mesh has {elements} elements, but all modes are computed of at most \
          {MOST_ELEMENTS_OF_ALL_MODES}: dense algebra grows with the cube of their number"
     )]
     TooManyElements {
-        /// Elements of the mesh.
+        /// Number of elements of the mesh.
         elements: usize,
     },
-    /// Numbers beyond double precision.
+    /// Numbers exceed double precision.
     #[error("the modes of the mesh are not finite numbers, but must be")]
     NotFinite,
 }
 
-/// The link in the deformations d of its elements, the rotation eliminated.
+/// The link in terms of the deformations d of its elements, without the rotation.
 struct Deformations {
     /// Lower Cholesky factors of the stiffness blocks, `K_d = C Cᵀ`.
     factors: Vec<Matrix2<f64>>,
-    /// Rotary inertia that each deformation couples to the hub's rotation, `m_e`.
+    /// Rotary inertia `m_e` that couples each deformation to the hub's rotation.
     coupling: Vec<Vector2<f64>>,
     /// Rigid inertia I about the axis.
     inertia_kg_m2: f64,
@@ -141,11 +139,11 @@ struct Deformations {
 impl ModalBasis {
     /// The rigid rotation and every flexible mode of the mesh.
     ///
-    /// Solved for 1/ω² in the elements' own deformations, where stiffness is block diagonal: so
-    /// the low modes are exact to round-off, and of the high ones that on which responses depend.
+    /// Solves for 1/ω² in the deformations of the elements, where stiffness is block diagonal: the low modes are exact
+    /// to round-off, and the high ones as far as responses depend on them.
     ///
     /// # Errors
-    /// [`AllModesError`], beyond [`MOST_ELEMENTS_OF_ALL_MODES`] for one.
+    /// [`AllModesError`], for example beyond [`MOST_ELEMENTS_OF_ALL_MODES`].
     pub fn complete(mesh: &Mesh) -> Result<Self, AllModesError> {
         let elements = mesh.elements().len();
         if elements > MOST_ELEMENTS_OF_ALL_MODES {
@@ -167,14 +165,14 @@ impl ModalBasis {
 }
 
 impl Deformations {
-    /// The link, and `C⁻¹ (M − m mᵀ/I) C⁻ᵀ`, of which the eigenvalues are 1/ω²: rows of the lower triangle,
-    /// in a square. Element e moves all that is outboard of it rigidly.
+    /// The link, and the matrix `C⁻¹ (M − m mᵀ/I) C⁻ᵀ` with the eigenvalues 1/ω²: rows of the lower triangle, in a
+    /// square. Element e moves the part outboard of it rigidly.
     ///
     /// ```text
     /// M_ee = M_dd + C_j,   M_ef = B_eᵀ R(x_e − x_f)  for f inboard of e,   B = M_ud + Rᵀ C_j
     /// ```
     ///
-    /// with `C_j` the rigid inertia of all outboard of the element's outer node.
+    /// with `C_j` the rigid inertia outboard of the element's outer node.
     fn of(mesh: &Mesh) -> (Self, Vec<f64>) {
         let root = mesh.nodes_m()[0];
         let elements = mesh.relative_elements();
@@ -266,8 +264,8 @@ mod tests {
         Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, uniform, uniform_segment,
     };
 
-    /// Two like spans between three bodies so heavy that each span vibrates by itself: every mode
-    /// comes twice but for a share of span over body.
+    /// Two equal spans between three bodies so heavy that each span vibrates by itself: every mode comes twice, up to
+    /// the mass ratio of span and body.
     fn twins(body_kg: f64) -> Mesh {
         let inertia_kg_m2 = 10.0 * body_kg;
         let link = Link::new(LinkParts {
@@ -288,7 +286,7 @@ mod tests {
             let mesh = twins(body_kg);
             let (lowest, all) =
                 (ModalBasis::lowest(&mesh, 16), ModalBasis::complete(&mesh).unwrap());
-            // Clamped at both ends: cos b cosh b = 1. Four slow modes are those of the bodies.
+            // Clamped at both ends: cos b cosh b = 1. Four slow modes belong to the bodies.
             let exact = 4.730_040_744_862_704_f64.powi(2) * (5.0_f64 / 0.8).sqrt();
             let pair: Vec<f64> = lowest
                 .modes
@@ -341,7 +339,7 @@ mod tests {
             assert_eq!(counted.modes.len(), 2 * elements);
             let first = counted.modes[0].omega_rad_s;
             for (k, (a, b)) in all.modes.iter().zip(&counted.modes).enumerate() {
-                // Absolute in 1/ω²: what responses depend on.
+                // Absolute in 1/ω², the quantity in responses.
                 let per_squared = |omega: f64| (first / omega).powi(2);
                 let error = per_squared(a.omega_rad_s) - per_squared(b.omega_rad_s);
                 assert!(error.abs() < 1e-13, "mode {} of {elements}: {error:e}", k + 1);

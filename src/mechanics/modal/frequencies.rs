@@ -1,4 +1,4 @@
-//! Natural frequencies with a free, a sprung and a clamped hub: modes below a frequency are counted.
+//! Natural frequencies with a free, a sprung and a clamped hub, by counting the modes below a frequency.
 
 use std::cmp::Ordering;
 
@@ -9,36 +9,36 @@ use crate::link::Link;
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 use crate::system::end_if_stopped;
 
-/// Natural frequencies that a solution or a simulation reports.
+/// Number of natural frequencies in the report of a solution or a simulation.
 pub const REPORTED_MODES: usize = 5;
 
-/// Largest relative error of a frequency found by counting.
+/// Largest relative error of a frequency from counting.
 const LOST_DIGITS: f64 = 1e-8;
 
-/// Relative step of a frequency that is round-off.
+/// Relative change of a frequency that is round-off.
 const SETTLED: f64 = 1e-13;
 
-/// Highest angular frequency that is searched, in rad/s, far above any link's.
+/// Upper limit of searches, an angular frequency in rad/s far above any link's.
 pub(super) const SEARCH_LIMIT_RAD_S: f64 = 1e15;
 
 /// A torsional spring between hub and ground, its stiffness k in N m/rad.
 ///
-/// k = 0 is a free hub, k = ∞ a clamped one, so that one count and one search serve all three.
+/// k = 0 is a free hub, k = ∞ a clamped one: one count and one search serve all three cases.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub(super) struct HubSpring(pub(super) f64);
 
 impl HubSpring {
     /// No spring: the hub is free to turn.
     pub(super) const FREE: Self = Self(0.0);
-    /// A spring that does not yield.
+    /// A rigid spring: the hub is clamped.
     pub(super) const CLAMPED: Self = Self(f64::INFINITY);
 
-    /// Number of modes below each ω > 0, the rigid rotation of a free hub included.
+    /// Number of modes below each ω > 0, including the rigid rotation of a free hub.
     ///
-    /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness
-    /// (Wittrick and Williams), here of the blocks `K_d − λ(M_dd + A)`, over λ, and of the hub's
-    /// `k − λ(A_0[φφ] + I_H)`; so none is missed, however close two of them lie. For k = ∞ the
-    /// hub's pivot is never negative, which leaves the modes of the clamped link.
+    /// By Sylvester's law of inertia it is the number of negative pivots of the dynamic stiffness (Wittrick and
+    /// Williams): of the blocks `K_d − λ(M_dd + A)`, over λ, and of the hub's `k − λ(A_0[φφ] + I_H)`. The count misses
+    /// no mode, however close two of them lie. For k = ∞ the hub's pivot is never negative, and the modes of the
+    /// clamped link remain.
     pub(super) fn modes_below(
         self,
         mesh: &Mesh,
@@ -49,9 +49,8 @@ impl HubSpring {
             .map(|Pivots { negative, hub_n_m }| negative + usize::from(hub_n_m > self.0))
     }
 
-    /// Two frequencies in rad/s around mode number `sought`: fewer modes lie below the first, as many or
-    /// more below the second, which is `from_rad_s` times a power of two. None where the search passes
-    /// its limit.
+    /// Two frequencies in rad/s around mode number `sought`: fewer than `sought` modes lie below the first, at least
+    /// `sought` below the second, which is `from_rad_s` times a power of two. `None` if the search passes its limit.
     pub(super) fn bracket(self, mesh: &Mesh, sought: usize, from_rad_s: f64) -> Option<(f64, f64)> {
         let (below, above) = self.crossed(mesh, sought, geometric_scan(from_rad_s, 2.0), true)?;
         if below.is_some() {
@@ -61,7 +60,7 @@ impl HubSpring {
         Some(below).zip(above)
     }
 
-    /// The first place of a scan that lies above mode number `sought`, or below it, and the place before.
+    /// The first place of a scan above mode number `sought`, or below it if `is_above` is false, and the place before.
     fn crossed(
         self,
         mesh: &Mesh,
@@ -84,9 +83,9 @@ impl HubSpring {
         }
     }
 
-    /// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
+    /// The first `count` natural frequencies in rad/s, ascending, without the rigid rotation.
     fn natural_frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
-        // The rigid rotation of a free hub is always below.
+        // The rigid rotation of a free hub lies below every frequency.
         let rigid = usize::from(self == Self::FREE);
         let count = count.min(self.modes(mesh).saturating_sub(rigid));
         let mut found: Vec<f64> = Vec::with_capacity(count);
@@ -101,9 +100,8 @@ impl HubSpring {
         found.into_iter().map(|omega| self.polished(mesh, omega)).collect()
     }
 
-    /// A function of ω that is negative below mode number `sought` and positive above it, in N m: minus
-    /// the hub's pivot, between the two poles of it that the mode has as neighbours, and infinite
-    /// elsewhere.
+    /// A function of ω, negative below mode number `sought` and positive above it, in N m. It is minus the hub's pivot
+    /// between the two neighbouring poles of the mode, and infinite elsewhere.
     fn surplus_n_m(
         self,
         mesh: &Mesh,
@@ -114,19 +112,17 @@ impl HubSpring {
             let surplus_n_m = -(self.0 - hub_n_m);
             match (negative + 1).cmp(&sought) {
                 Ordering::Greater => f64::INFINITY,
-                // Zero counts as below, and so does NaN.
+                // Zero and NaN count as below.
                 Ordering::Equal if !surplus_n_m.is_nan() => surplus_n_m,
                 _ => f64::NEG_INFINITY,
             }
         })
     }
 
-    /// The frequency with the digits that counting loses where an outboard part of a fine mesh
-    /// resonates near a mode.
+    /// Restores the digits that counting loses where an outboard part of a fine mesh resonates near a mode.
     ///
-    /// Rayleigh's quotient is a Newton step on the hub's dynamic stiffness. A mode that hardly
-    /// moves the hub has a pole of that stiffness as its neighbour, and steps that lead nowhere:
-    /// they do not settle, and the counted frequency is returned.
+    /// Rayleigh's quotient is a Newton step on the hub's dynamic stiffness. A mode that hardly moves the hub is next to
+    /// a pole of that stiffness; the steps then do not settle, and the function returns the counted frequency.
     fn polished(self, mesh: &Mesh, omega_rad_s: f64) -> f64 {
         let first = self.rayleigh_quotient(mesh, omega_rad_s);
         let second = self.rayleigh_quotient(mesh, first);
@@ -135,7 +131,7 @@ impl HubSpring {
         if has_settled { second } else { omega_rad_s }
     }
 
-    /// The frequency in rad/s at which the motion that the hub drives at ω would vibrate freely.
+    /// Frequency in rad/s at which the shape driven by the hub at ω would vibrate freely.
     ///
     /// ```text
     /// ω² = (Σ dᵀ K_d d + k θ²) / (uᵀ M u)
@@ -149,8 +145,7 @@ impl HubSpring {
         ((bent + sprung) / shape.mass_product(mesh, &shape)).sqrt()
     }
 
-    /// How many modes the mesh has, the rigid rotation of a free hub included: a clamped hub moves
-    /// no mass.
+    /// Number of modes of the mesh, including the rigid rotation of a free hub; a clamped hub moves no mass.
     fn modes(self, mesh: &Mesh) -> usize {
         let hub = self != Self::CLAMPED && hub_moves_mass(mesh);
         outboard_degrees_of_freedom(mesh) + usize::from(hub)
@@ -159,8 +154,8 @@ impl HubSpring {
 
 /// Negative pivots at each ω > 0.
 pub(super) fn counted(mesh: &Mesh, omegas_rad_s: &[f64; SECTIONS]) -> [Pivots; SECTIONS] {
-    // Exactly on a pole of the apparent inertia no number is finite, and a hair beside it all are;
-    // numbers beyond double precision stay infinite, so the hairs are few.
+    // On a pole of the apparent inertia no number is finite, but slightly beside it all are. Numbers beyond double
+    // precision stay infinite, so the attempts are few.
     let mut found = [Pivots { negative: 0, hub_n_m: f64::NAN }; SECTIONS];
     for hairs in 0..4 {
         let beside = 1.0 + 4.0 * f64::from(hairs) * f64::EPSILON;
@@ -174,44 +169,43 @@ pub(super) fn counted(mesh: &Mesh, omegas_rad_s: &[f64; SECTIONS]) -> [Pivots; S
     found
 }
 
-/// Number of modes below `omega_rad_s` > 0 of the link on its free hub, the rigid rotation
-/// included.
+/// Number of modes below `omega_rad_s` > 0 of the link on its free hub, including the rigid rotation.
 pub fn modes_below(mesh: &Mesh, omega_rad_s: f64) -> usize {
     HubSpring::FREE.modes_below(mesh, &[omega_rad_s; SECTIONS])[0]
 }
 
-/// The first `count` natural frequencies in rad/s, ascending, the rigid rotation left out.
+/// The first `count` natural frequencies in rad/s, ascending, without the rigid rotation.
 ///
-/// Torque-free hub: what vibrates when the motor lets go. Undamped. Fewer than `count` where the
-/// mesh has fewer.
+/// They are undamped, with a torque-free hub: the vibrations after the motor lets go. Fewer than `count` if the mesh
+/// has fewer.
 pub fn natural_frequencies(mesh: &Mesh, count: usize) -> Vec<f64> {
     HubSpring::FREE.natural_frequencies(mesh, count)
 }
 
-/// The first `count` natural frequencies in rad/s, ascending, of the link behind a held rotor.
+/// The first `count` natural frequencies in rad/s, ascending, of the link with a locked rotor.
 ///
-/// The joint of a drive is then a spring of `joint_stiffness_n_m_rad` between hub and ground; an
-/// infinite one clamps the hub, and one of 0 or below leaves it free. Undamped. The k-th lies below the k-th
-/// of [`natural_frequencies`] and above the one before it. Fewer than `count` where the mesh has fewer.
+/// The joint of a drive is then a spring of `joint_stiffness_n_m_rad` between hub and ground; an infinite one clamps
+/// the hub, and one of 0 or below leaves it free. Undamped. The k-th frequency lies below the k-th of
+/// [`natural_frequencies`] and above the one before it. Fewer than `count` if the mesh has fewer.
 pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize) -> Vec<f64> {
     HubSpring(joint_stiffness_n_m_rad.max(0.0)).natural_frequencies(mesh, count)
 }
 
-/// Weights of deflection and rate in what changes of the torque that the tip's motion needs, rounded up from random links.
+/// Weights of deflection and rate in the change of torque for a prescribed tip motion, rounded up from random links.
 pub(crate) const OF_TORQUE: [f64; 2] = [0.7, 0.35];
 
-/// The same in what changes of deflections where the torque is given.
+/// Weights of deflection and rate in the change of deflections for a prescribed torque.
 pub(crate) const OF_DEFLECTION: [f64; 2] = [0.3, 0.1];
 
-/// About what terms of second order, which a linear link leaves out, change of its bending, as a share up to 1.
+/// Estimated effect of second-order terms, which a linear link neglects, on its bending, as a share up to 1.
 ///
 /// ```text
 /// a (d/l)² + s/(1 + s),    s = b (1 + 8 r/l) (Ω/ω₁)²
 /// ```
 ///
-/// d is the tip's largest deflection from the hub's tangent line, l the length that bends, r the hub's radius, Ω its largest
-/// rate, and ω₁ the first natural frequency of the link clamped at the hub. Of a uniform cantilever that turns in its plane
-/// the square of that frequency grows by `0.19 (1 + 8 r/l) Ω²` (R. Southwell's coefficients). The weights a and b are
+/// d is the tip's largest deflection from the hub's tangent line, l the bending length, r the hub's radius, Ω its
+/// largest rate, and ω₁ the first natural frequency of the link clamped at the hub. For a uniform cantilever that turns
+/// in its plane, ω₁² grows by `0.19 (1 + 8 r/l) Ω²` (R. Southwell's coefficients). The weights a and b are
 /// [`OF_TORQUE`] or [`OF_DEFLECTION`]. The share is a function of d in m and of the weights.
 pub(crate) fn second_order_share(
     mesh: &Mesh,
@@ -225,7 +219,7 @@ pub(crate) fn second_order_share(
     move |deflection_m, [of_bending, of_rate]| {
         let stiffened = of_rate * (1.0 + 8.0 * radius_m / length_m) * turns.powi(2);
         let bent = of_bending * (deflection_m / length_m).powi(2);
-        // At most all of it; a rate beyond all numbers stiffens it wholly.
+        // At most 1; an infinite rate stiffens the link completely.
         (bent + 1.0 - (1.0 + stiffened).recip()).min(1.0)
     }
 }
@@ -253,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_massless_beam_between_two_bodies_has_their_one_mode() {
-        // A spring 3EI/L³ at the tip, and the hub that yields as I_H/L².
+        // A spring 3EI/L³ at the tip, and the free hub as a mass I_H/L².
         let found = natural_frequencies(&massless(0.1, 0.1), 5);
         let stiffness = 3.0 * 5.0 / 1.5_f64.powi(3);
         let (hub, tip) = (0.1 / 1.5_f64.powi(2), 0.1);
@@ -272,15 +266,14 @@ mod tests {
                 assert!((omega * omega / square - 1.0).abs() < 1e-12, "{omega} is not √{square}");
             }
         };
-        // Clamped, the hub moves no mass; behind a spring and without inertia it is one more
-        // spring in the row.
+        // A clamped hub moves no mass; a sprung hub without inertia is one more spring in series.
         for hub in [0.0, 0.1] {
             let found = held_frequencies(&massless(hub, 0.4), f64::INFINITY, 5);
             close(&found, &[beam / 0.4]);
         }
         let row = 1.0 / (1.0 / beam + 1.5_f64.powi(2) / joint);
         close(&held_frequencies(&massless(0.0, 0.4), joint, 5), &[row / 0.4]);
-        // With inertia there are two masses and two springs; the hub's as seen at the tip.
+        // With inertia there are two masses and two springs, with the hub's referred to the tip.
         let (m, hub, k) = (0.4, 0.1 / 1.5_f64.powi(2), joint / 1.5_f64.powi(2));
         let (half, product) = (0.5 * (beam / m + (beam + k) / hub), beam * k / (m * hub));
         let root = (half * half - product).sqrt();

@@ -1,11 +1,11 @@
 use crate::beam::{Element, Inertia, Mesh};
 use crate::link::Taper;
 
-/// What rounding may leave of a body's resistance to its second motion, as a share.
+/// Round-off in a body's resistance to its second motion, as a share.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
-/// Whether zeros of torque → tip may leave the real axis: by a lumped rotary inertia outboard of the hub, an
-/// offset payload, or a beam with shear and rotary inertia. Points of mass on slender beams keep them there.
+/// True if zeros of torque → tip may leave the real axis, because of a lumped rotary inertia outboard of the hub, an
+/// offset payload, or a beam with shear and rotary inertia. With point masses on slender beams they stay there.
 pub(super) fn zeros_may_leave_the_real_axis(mesh: &Mesh) -> bool {
     let lumped = (0..mesh.elements().len()).filter_map(|node| mesh.lumped_inertia(node));
     mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0) || mesh.has_shear()
@@ -16,8 +16,7 @@ pub(crate) fn flexible_modes(mesh: &Mesh) -> usize {
     (outboard_degrees_of_freedom(mesh) + usize::from(hub_moves_mass(mesh))).saturating_sub(1)
 }
 
-/// Degrees of freedom outboard of the hub that move any mass: as many modes the mesh has while the
-/// hub is clamped.
+/// Degrees of freedom outboard of the hub that move mass: the number of modes of the mesh with a clamped hub.
 pub(super) fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
     let elements = mesh.elements();
     let last = elements.len();
@@ -29,7 +28,7 @@ pub(super) fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
     (1..=last).map(at_node).sum()
 }
 
-/// Whether the hub's rotation moves any mass of its own: one mode more where it is not clamped.
+/// True if the hub's rotation alone moves mass, which adds a mode unless the hub is clamped.
 pub(crate) fn hub_moves_mass(mesh: &Mesh) -> bool {
     // The root only turns: its mass counts if the hub's radius gives it an arm.
     let root = mesh.lumped_inertia(0).is_some_and(|body| body.about(mesh.nodes_m()[0]) > 0.0);
@@ -41,7 +40,7 @@ fn has_mass(element: &Element) -> bool {
     inner > 0.0 || outer > 0.0
 }
 
-/// Motions of a body that move mass: a point beyond its node turns and shifts in one.
+/// Number of motions of a body that move mass: a point beyond its node turns and shifts as one.
 fn rank(body: &Inertia<f64>) -> usize {
     let (both, coupled) = (body.vv * body.pp, body.vp * body.vp);
     match (body.vv > 0.0, body.pp > 0.0) {
@@ -60,7 +59,7 @@ mod tests {
     };
     use crate::modal::{ModalBasis, natural_frequencies};
 
-    /// A link of twenty elements that has these bodies and a beam of this mass.
+    /// A link of twenty elements with these bodies and this mass per length.
     fn mesh(beam: Taper, hub: Hub, masses: Vec<LumpedMass>, payload: Payload) -> Mesh {
         meshed(20, beam, hub, masses, payload)
     }
@@ -129,7 +128,7 @@ mod tests {
     #[test]
     fn a_beam_with_mass_at_one_end_alone_has_mass() {
         for beam in [Taper { inner: 0.8, outer: 0.0 }, Taper { inner: 0.0, outer: 0.8 }] {
-            // One element ends in nothing exactly, the last of twenty but for rounding.
+            // One element tapers to exactly zero, the last of twenty only up to rounding.
             for elements in [1, 20] {
                 let mesh = meshed(elements, beam, HUB, vec![], Payload::default());
                 assert_eq!(flexible_modes(&mesh), 2 * elements, "{beam:?}");

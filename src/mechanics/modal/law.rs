@@ -1,4 +1,4 @@
-//! Damping laws over frequency and mode by mode.
+//! Damping laws as functions of frequency and of the mode.
 
 use num_complex::Complex64;
 use thiserror::Error;
@@ -11,16 +11,15 @@ use crate::numeric::Scalar;
 
 /// A damping law with all its numbers.
 ///
-/// The local laws are one complex number at each frequency: stiffness K κ(ω) and mass
-/// M (1 + α/(iω)) act together only through
+/// The local laws are one complex number at each frequency: stiffness K κ(ω) and mass M (1 + α/(iω)) act only through
 ///
 /// ```text
 /// λ = ω² (1 + α/(iω)) / κ = (ω² − iωα)/κ
 /// κ = 1 + 2iξ  (hysteretic, Bayo 1987, eq 16)      κ = 1 + iωβ  (Rayleigh)
 /// ```
 ///
-/// and the torque answers to the acceleration that the mass feels, â + αv̂. The modal laws give
-/// each mode a ratio of its own (eq 12), the rigid rotation none; λ = ω² and κ = 1 then.
+/// and the torque follows the effective acceleration of the mass, â + αv̂. The modal laws give each flexible mode a
+/// ratio (eq 12), and leave the rigid rotation undamped; then λ = ω² and κ = 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DampingLaw {
     /// κ = 1 + 2iξ; ξ = 0 is the undamped link.
@@ -28,7 +27,7 @@ pub enum DampingLaw {
         /// ξ.
         ratio: f64,
     },
-    /// κ = 1 + iωβ, and α on every mass.
+    /// κ = 1 + iωβ, and α for every mass.
     Rayleigh {
         /// α in 1/s.
         alpha_per_s: f64,
@@ -37,25 +36,25 @@ pub enum DampingLaw {
     },
     /// Viscous ratio of every flexible mode.
     Modal {
-        /// ζ of modes 1, 2, …; the last one is that of all higher modes.
+        /// ζ of modes 1, 2, …; the last one also applies to all higher modes.
         ratios: Vec<f64>,
     },
     /// Viscous ratios from a series.
     Caughey(CaugheySeries),
 }
 
-/// Why a link's damping is refused.
+/// Reason why a link's damping is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DampingError {
-    /// A law through modes that the mesh does not have.
+    /// A law refers to a mode that the mesh does not have.
     #[error("damping.modes asks for mode {asked}, but the mesh has only {found} modes")]
     NoSuchMode {
         /// Number of the mode.
         asked: usize,
-        /// Flexible modes of the mesh.
+        /// Number of flexible modes of the mesh.
         found: usize,
     },
-    /// Rayleigh damping through two modes that would feed energy in.
+    /// Rayleigh damping through two modes adds energy.
     #[error(
         "damping.ratios give alpha = {alpha_per_s:.3e} 1/s and beta = {beta_s:.3e} s, but both must \
          be at least 0"
@@ -66,7 +65,7 @@ pub enum DampingError {
         /// β in s.
         beta_s: f64,
     },
-    /// A Caughey series that would feed energy into a mode.
+    /// A Caughey series adds energy to a mode.
     #[error(
         "damping.ratios give mode {mode} ({frequency_hz:.4} Hz) a ratio of {ratio:.3e}, but it must \
          be at least 0 in modes 1 to {modes}"
@@ -76,15 +75,15 @@ pub enum DampingError {
         mode: usize,
         /// Its frequency in Hz.
         frequency_hz: f64,
-        /// The ratio that the series gives it.
+        /// Ratio of the mode from the series.
         ratio: f64,
-        /// Flexible modes of the mesh.
+        /// Number of flexible modes of the mesh.
         modes: usize,
     },
 }
 
 impl DampingError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::NoSuchMode { .. } => "name lower modes, or give the mesh more elements",
@@ -100,18 +99,18 @@ impl DampingError {
 }
 
 impl DampingLaw {
-    /// The law of a link; ratios given for modes become coefficients with the modes of `mesh`.
+    /// The law of a link; ratios for certain modes become coefficients from the modes of `mesh`.
     ///
     /// # Errors
-    /// [`DampingError`]: modes that the mesh does not have, or damping that feeds energy in.
+    /// [`DampingError`]: modes that the mesh does not have, or damping that adds energy.
     pub fn of(link: &Link, mesh: &Mesh) -> Result<Self, DampingError> {
         let law = Self::on_finer(link, mesh)?;
         law.check(mesh)?;
         Ok(law)
     }
 
-    /// The law on a mesh that refines one whose law is checked. Its further modes lie above all that is
-    /// solved for, so that it does not matter what a series gives them.
+    /// The law on a mesh that refines one with a checked law. The additional modes lie above all frequencies of
+    /// interest, so that their ratios from a series do not matter.
     ///
     /// # Errors
     /// [`DampingError::NoSuchMode`].
@@ -133,7 +132,7 @@ impl DampingLaw {
         }
     }
 
-    /// Refuses a law that feeds energy in.
+    /// Refuses a law that adds energy.
     fn check(&self, mesh: &Mesh) -> Result<(), DampingError> {
         match *self {
             Self::Rayleigh { alpha_per_s, beta_s } if alpha_per_s < 0.0 || beta_s < 0.0 => {
@@ -155,7 +154,7 @@ impl DampingLaw {
         }
     }
 
-    /// Whether the law is diagonal in the modes only, so that responses need all of them.
+    /// True if the law is diagonal only in the modes, so that responses need all modes.
     pub fn is_modal(&self) -> bool {
         matches!(self, Self::Modal { .. } | Self::Caughey(_))
     }
@@ -169,7 +168,7 @@ impl DampingLaw {
         }
     }
 
-    /// α in 1/s: the rate at which the law drags every mass, the rigid rotation included.
+    /// α in 1/s: the law's drag rate on every mass, including the rigid rotation.
     pub fn mass_rate_per_s(&self) -> f64 {
         match *self {
             Self::Rayleigh { alpha_per_s, .. } => alpha_per_s,
@@ -177,8 +176,8 @@ impl DampingLaw {
         }
     }
 
-    /// Factors of mass and stiffness at ω ≥ 0, `1 + α/(iω)` and κ. At rest a constant load meets neither drag
-    /// nor damping: both are 1.
+    /// Factors of mass and stiffness at ω ≥ 0, `1 + α/(iω)` and κ. Both are 1 at ω = 0, because a constant load meets
+    /// neither drag nor damping.
     pub(crate) fn factors(&self, omega_rad_s: f64) -> [Complex64; 2] {
         if omega_rad_s == 0.0 {
             return [Complex64::ONE; 2];
@@ -187,7 +186,7 @@ impl DampingLaw {
         [mass, self.stiffness_factor(omega_rad_s)]
     }
 
-    /// 1/κ at ω ≥ 0, found once where it is the same at all of them.
+    /// 1/κ at ω ≥ 0, computed once if it does not depend on ω.
     pub(crate) fn compliance_factor(&self) -> impl Fn(f64) -> Complex64 {
         let at = |omega_rad_s| self.stiffness_factor(omega_rad_s).reciprocal();
         let at_all = if matches!(self, Self::Rayleigh { .. }) { None } else { Some(at(0.0)) };
@@ -200,7 +199,7 @@ impl DampingLaw {
         self.lambdas()(omega_rad_s)
     }
 
-    /// The same for many ω, one after the other.
+    /// [`Self::lambda`] as a function, for many ω.
     pub fn lambdas(&self) -> impl Fn(f64) -> Complex64 {
         let (compliance, mass_rate_per_s) = (self.compliance_factor(), self.mass_rate_per_s());
         move |omega_rad_s| {
@@ -209,8 +208,8 @@ impl DampingLaw {
         }
     }
 
-    /// Viscous ratio of flexible mode `number`, counted from 1, at its natural frequency ω: ξ, or
-    /// α/(2ω) + βω/2, or the mode's own.
+    /// Viscous ratio of flexible mode `number`, counted from 1, at its natural frequency ω: ξ, α/(2ω) + βω/2, or the
+    /// ratio of the mode.
     pub fn modal_ratio(&self, number: usize, omega_rad_s: f64) -> f64 {
         match self {
             Self::Hysteretic { ratio } => *ratio,
@@ -225,14 +224,14 @@ impl DampingLaw {
         }
     }
 
-    /// Viscous ratios of the first flexible modes, whose frequencies in rad/s are given.
+    /// Viscous ratios of the first flexible modes, with these frequencies in rad/s.
     pub fn modal_ratios(&self, frequencies_rad_s: &[f64]) -> Vec<f64> {
         let modes = frequencies_rad_s.iter().enumerate();
         modes.map(|(k, omega)| self.modal_ratio(k + 1, *omega)).collect()
     }
 
-    /// What divides the torque's share in flexible mode `number` of natural frequency `mode_rad_s`
-    /// at ω: `ω_k² − λ`, or `ω_k² − ω² + 2iζω_kω`, in 1/s².
+    /// Denominator of the torque's share in flexible mode `number`, of natural frequency `mode_rad_s`, at ω:
+    /// `ω_k² − λ`, or `ω_k² − ω² + 2iζω_kω`, in 1/s².
     pub(crate) fn modal_denominator(
         &self,
         number: usize,
@@ -269,7 +268,7 @@ fn rayleigh(frequencies_rad_s: &[f64], ratios: [f64; 2]) -> DampingLaw {
     DampingLaw::Rayleigh { alpha_per_s, beta_s }
 }
 
-/// Modes at which a Caughey series is checked: those of the largest mesh that it is summed on.
+/// Number of modes checked in a Caughey series: those of the largest mesh that it is summed on.
 const MOST_CHECKED: usize = 2 * MOST_ELEMENTS_OF_ALL_MODES;
 
 /// A Caughey series through chosen modes (Bayo 1987, eq 12).
@@ -278,7 +277,7 @@ const MOST_CHECKED: usize = 2 * MOST_ELEMENTS_OF_ALL_MODES;
 /// C = M Σ a_b (M⁻¹K)ᵇ,   2ζω = Σ a_b ω²ᵇ,   b = 0 … p − 1
 /// ```
 ///
-/// Kept in Newton's form over ω², in which neighbouring modes cost no digits.
+/// Stored in Newton's form over ω², which loses no digits for neighbouring modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaugheySeries {
     /// ω² of the chosen modes in rad²/s².
@@ -288,7 +287,7 @@ pub struct CaugheySeries {
 }
 
 impl CaugheySeries {
-    /// The series that gives modes of these ascending frequencies in rad/s these ratios.
+    /// The series through these ratios at these ascending frequencies in rad/s.
     pub(super) fn through(frequencies: &[f64], ratios: &[f64]) -> Self {
         let squares: Vec<f64> = frequencies.iter().map(|omega| omega * omega).collect();
         let mut differences: Vec<f64> =
@@ -332,7 +331,7 @@ mod tests {
         for (omega, ratio) in frequencies.iter().zip(ratios) {
             assert!((series.rate_per_s(*omega) / (2.0 * omega) - ratio).abs() < 1e-15);
         }
-        // Between them the cubic in ω² through the four points, here by Lagrange's formula.
+        // Between the modes it is the cubic in ω² through the four points, here by Lagrange's formula.
         let omega: f64 = 50.0;
         let lagrange: f64 = (0..4)
             .map(|i| {

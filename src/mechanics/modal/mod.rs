@@ -1,5 +1,5 @@
-//! Natural frequencies and modes of the link, from the recursion at real λ or all at once by dense
-//! algebra, and zeros of torque → tip.
+//! Natural frequencies and modes of the link, by the recursion at real λ or all at once by dense algebra, and zeros of
+//! torque → tip.
 
 mod basis;
 mod frequencies;

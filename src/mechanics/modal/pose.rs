@@ -1,12 +1,12 @@
-//! Modes of a link whose weight pulls along it: small motions about its straight shape, by dense algebra.
+//! Modes of a link with gravity along it: small motions about its straight shape, by dense algebra.
 //!
-//! A link that is bent by w loses the height `∫ w'²/2` at each point, so that gravity adds to its stiffness
+//! A deflection w lowers each point by `∫ w'²/2`, so that gravity adds to the stiffness
 //!
 //! ```text
 //! K_g = ∫ N v'² ds,   N(s) = g_e ∫ m̄ ds outboard of s,
 //! ```
 //!
-//! `g_e` being gravity outward along the link. It is the whole of a pendulum's stiffness, too.
+//! with `g_e`, the gravity outward along the link. `K_g` is also the entire stiffness of a pendulum.
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
@@ -14,10 +14,10 @@ use super::frequencies::{held_frequencies, natural_frequencies};
 use crate::beam::{Element, Inertia, Mesh};
 use crate::numeric::SymmetricEigen;
 
-/// Most elements whose modes are computed all at once.
+/// Largest number of elements for a computation of all modes at once.
 pub const MOST_ELEMENTS_OF_A_POSE: usize = 250;
 
-/// Places and weights of Gauss and Legendre's four points in (0, 1).
+/// Places and weights of the four Gauss-Legendre points in (0, 1).
 const POINTS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -25,18 +25,18 @@ const POINTS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// What turns a hub in its modes.
+/// Restraint of a hub in its modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PoseHub {
-    /// Nothing: it is free.
+    /// No restraint: the hub is free.
     Free,
-    /// A spring of this stiffness in N m/rad; infinite where the hub is clamped.
+    /// A spring of this stiffness in N m/rad; infinite for a clamped hub.
     Spring(f64),
 }
 
 impl PoseHub {
-    /// The first `count` natural frequencies in rad/s without gravity, the rigid rotation left out; fewer where the mesh has
-    /// fewer.
+    /// The first `count` natural frequencies in rad/s without gravity and without the rigid rotation; fewer if the mesh
+    /// has fewer.
     pub fn frequencies(self, mesh: &Mesh, count: usize) -> Vec<f64> {
         match self {
             Self::Free => natural_frequencies(mesh, count),
@@ -45,12 +45,12 @@ impl PoseHub {
     }
 }
 
-/// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it, ascending, and
-/// the displacements of the nodes in each mode, in 1/√kg. The swing of a free hub is the first. A square below 0 is that of
-/// a link that leaves its pose as e^{√(−ω²) t}. A free hub turns counterclockwise in each mode; with a clamped hub
-/// the tip moves counterclockwise.
+/// Squares ω² in 1/s² of the first `count` natural frequencies of a link with gravity `outward_m_s2` along it,
+/// ascending, and the displacements of the nodes in each mode, in 1/√kg. The swing of a free hub is the first. A
+/// negative square means that the link leaves its pose as e^{√(−ω²) t}. In each mode a free hub turns counterclockwise;
+/// with a clamped hub the tip moves counterclockwise.
 ///
-/// None where there are more than [`MOST_ELEMENTS_OF_A_POSE`] elements, or a motion moves no mass.
+/// `None` for more than [`MOST_ELEMENTS_OF_A_POSE`] elements, or if a motion moves no mass.
 pub fn pose_modes(
     mesh: &Mesh,
     outward_m_s2: f64,
@@ -94,8 +94,8 @@ pub fn pose_modes(
     (0..size.min(count)).map(mode).collect()
 }
 
-/// A symmetric matrix on the hub angle θ in place of the root's (v, φ) = (root, 1) θ. Not by products of matrices,
-/// whose sums are in another order on other processors.
+/// Replaces the root's (v, φ) = (root, 1) θ by the hub angle θ in a symmetric matrix. It avoids products of matrices,
+/// whose order of summation depends on the processor.
 fn with_root_on_hub(full: DMatrix<f64>, root_m: f64) -> DMatrix<f64> {
     let turned: Vec<f64> =
         full.row(0).iter().zip(full.row(1).iter()).map(|(v, phi)| v * root_m + phi).collect();
@@ -107,13 +107,13 @@ fn with_root_on_hub(full: DMatrix<f64>, root_m: f64) -> DMatrix<f64> {
     matrix
 }
 
-/// Mass and stiffness on (v, φ) of all nodes, the hub left out.
+/// Mass and stiffness on (v, φ) of all nodes, without the hub.
 fn assembled(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
     let size = 2 * mesh.nodes_m().len();
     let [mut mass, mut stiffness] = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
     let Inertia { vv, vp, pp } = mesh.tip_inertia();
     add_inertia(&mut mass, size - 2, [vv, vp, pp]);
-    // What hangs beyond the tip is a rigid piece along its slope, as the hub's radius is one along its own.
+    // The payload beyond the tip is a rigid piece along the tip's slope, as the hub's radius is along the hub's.
     stiffness[(size - 1, size - 1)] += outward_m_s2 * vp;
     let mut outboard_kg = vv;
     for (k, element) in mesh.elements().iter().enumerate().rev() {
@@ -139,12 +139,12 @@ fn add_inertia(mass: &mut DMatrix<f64>, at: usize, [vv, vp, pp]: [f64; 3]) {
     mass[(at + 1, at + 1)] += pp;
 }
 
-/// `∫ N v'² ds` of an element that a mass lies outboard of.
+/// `∫ N v'² ds` of an element with the mass `outboard_kg` outboard of it.
 fn pull(element: &Element, outward_m_s2: f64, outboard_kg: f64) -> Matrix4<f64> {
     let (l, mass) = (element.length_m, element.mass_per_length_kg_m);
     let mut stiffness = Matrix4::zeros();
     for (x, weight) in POINTS {
-        // Mass per length is linear: its mean over what is left is that in the middle.
+        // Mass per length is linear: the mean over the rest is the value in its middle.
         let beyond_kg = l * (1.0 - x) * 0.5 * (mass.at(x) + mass.outer);
         let tension_n = outward_m_s2 * (outboard_kg + beyond_kg);
         let slope = Vector4::new(
@@ -165,7 +165,7 @@ mod tests {
 
     const CLAMPED: PoseHub = PoseHub::Spring(f64::INFINITY);
 
-    /// 2 m and 0.7 kg/m from the axis on, without payload.
+    /// A beam of 2 m and 0.7 kg/m from the axis on, without payload.
     fn beam(stiffness_n_m2: f64, elements: usize) -> Mesh {
         let parts = LinkParts {
             segments: vec![Segment::uniform(2.0, stiffness_n_m2, 0.7)],
@@ -180,7 +180,7 @@ mod tests {
         pose_modes(mesh, outward_m_s2, hub, 1).unwrap()[0].0
     }
 
-    /// A. G. Greenhill, Proc. Cambridge Phil. Soc. 4, 1881: m̄ g L³/EI = 7.83735.
+    /// Reference: A. G. Greenhill, Proc. Cambridge Phil. Soc. 4, 1881: m̄ g L³/EI = 7.83735.
     #[test]
     fn an_upright_link_with_its_hub_held_buckles_under_its_own_weight() {
         let mesh = beam(3.0, 20);
@@ -226,7 +226,7 @@ mod tests {
         for ((square, _), omega) in found[1..].iter().zip(natural_frequencies(&mesh, 3)) {
             assert!((square.sqrt() / omega - 1.0).abs() < 1e-9, "{square} {omega}");
         }
-        // Mass-normalised, the pendulum turns by 1/√I; a clamped hub does not.
+        // Mass-normalised, the pendulum turns by 1/√I; a clamped hub does not turn.
         let rigid = link.rigid_inertia_kg_m2().sqrt();
         let shape = &pose_modes(&mesh, 9.81, PoseHub::Free, 1).unwrap()[0].1;
         for (across, at_m) in shape.iter().zip(mesh.nodes_m()) {
@@ -234,7 +234,7 @@ mod tests {
         }
         let shape = &pose_modes(&mesh, 9.81, CLAMPED, 1).unwrap()[0].1;
         assert!(shape[0] == 0.0 && shape.windows(2).all(|pair| pair[0] < pair[1]), "{shape:?}");
-        // On a spring at the hub the rigid link swings as k/I.
+        // On a spring at the hub, ω² of the rigid link is k/I.
         let spring = first(&mesh, 0.0, PoseHub::Spring(2.0));
         assert!((spring * link.rigid_inertia_kg_m2() / 2.0 - 1.0).abs() < 1e-4, "{spring}");
         assert_eq!(pose_modes(&Mesh::on(&link, 251), 0.0, PoseHub::Free, 1), None);

@@ -30,12 +30,12 @@ pub fn mode(mesh: &Mesh, omega_rad_s: f64) -> Mode {
 }
 
 impl Shape {
-    /// The motion at a real λ.
+    /// Shape of a motion at real λ.
     pub(super) fn of(motion: &DrivenMotion<f64>) -> Self {
         Self { hub_angle: motion.theta, deflections: motion.deflections.clone() }
     }
 
-    /// The rotation of the rigid link by a unit angle.
+    /// Rotation of the rigid link by a unit angle.
     pub(super) fn rigid(mesh: &Mesh) -> Self {
         Self { hub_angle: 1.0, deflections: vec![Vector2::zeros(); mesh.nodes_m().len()] }
     }
@@ -56,13 +56,13 @@ impl Shape {
         self.displacement(mesh, self.deflections.len() - 1)
     }
 
-    /// Displacement and slope (v, φ) of a node.
+    /// Total displacement and slope (v, φ) of a node.
     pub(crate) fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
         let angle = self.hub_angle;
         self.deflections[node] + Vector2::new(mesh.nodes_m()[node] * angle, angle)
     }
 
-    /// Deformation of an element: motion of its outer end seen from its inner end's tangent.
+    /// Deformation of an element: motion of its outer end relative to its inner end's tangent.
     fn deformation(&self, mesh: &Mesh, element: usize) -> Vector2<f64> {
         let (inner, outer) = (self.deflections[element], self.deflections[element + 1]);
         let length_m = mesh.relative_elements()[element].length_m;
@@ -88,7 +88,7 @@ impl Shape {
         hub + elements.sum::<f64>() + bodies.sum::<f64>()
     }
 
-    /// `∫ EI w₁'' w₂'' dx` of two shapes: twice the strain energy of a shape with itself.
+    /// `∫ EI w₁'' w₂'' dx` for two shapes; for equal shapes it is twice the strain energy.
     pub(crate) fn stiffness_product(&self, mesh: &Mesh, other: &Self) -> f64 {
         let elements = mesh.relative_elements().iter().enumerate();
         let products = elements.map(|(k, element)| {
@@ -97,8 +97,8 @@ impl Shape {
         products.sum()
     }
 
-    /// Moment at nodes 0 … n that gives what lies outboard, the node's own lump included, this
-    /// shape as its acceleration: `∫ m̄ v (x − x_i) dx + …`.
+    /// Moment at nodes 0 … n that accelerates the part outboard, including the node's lump, by this shape:
+    /// `∫ m̄ v (x − x_i) dx + …`.
     pub(crate) fn moments(&self, mesh: &Mesh) -> Vec<f64> {
         let last = self.deflections.len() - 1;
         let mut moments = vec![0.0; last + 1];
@@ -107,22 +107,22 @@ impl Shape {
         moments
     }
 
-    /// Force along the normal that gives the whole link this shape as its acceleration: `∫ m̄ v dx + Σ m v`.
+    /// Force along the normal that accelerates the whole link by this shape: `∫ m̄ v dx + Σ m v`.
     pub(crate) fn force(&self, mesh: &Mesh) -> f64 {
         let mut at_root = Vector2::zeros();
         self.inward(mesh, |node, _, inner| at_root = self.with_lump(mesh, node, inner));
         at_root[0]
     }
 
-    /// Shear force at the inner and the outer end of each element that gives what lies outboard this
-    /// shape as its acceleration: `∫ m̄ v dx + …`.
+    /// Shear force at the inner and the outer end of each element that accelerates the part outboard by this shape:
+    /// `∫ m̄ v dx + …`.
     pub(super) fn shear_forces(&self, mesh: &Mesh) -> Vec<[f64; 2]> {
         let mut forces = vec![[0.0; 2]; self.deflections.len() - 1];
         self.inward(mesh, |node, outer, inner| forces[node] = [inner[0], outer[0]]);
         forces
     }
 
-    /// Force and moment at the outer and the inner end of each element, from the tip inward.
+    /// Passes force and moment at the outer and the inner end of each element to `each`, from the tip inward.
     fn inward(&self, mesh: &Mesh, mut each: impl FnMut(usize, Vector2<f64>, Vector2<f64>)) {
         let last = self.deflections.len() - 1;
         let mut outer = mesh.tip_inertia().matrix() * self.total(mesh, last);
@@ -135,13 +135,13 @@ impl Shape {
         }
     }
 
-    /// Force and moment with those of the inertia lumped at a node.
+    /// Force and moment, including the inertia lumped at a node.
     fn with_lump(&self, mesh: &Mesh, node: usize, inner: Vector2<f64>) -> Vector2<f64> {
         let lump = mesh.lumped_inertia(node).map(|own| own.matrix() * self.total(mesh, node));
         lump.map_or(inner, |lump| inner + lump)
     }
 
-    /// `Σ factor · shape`, at least one of them.
+    /// `Σ factor · shape`, of at least one shape.
     pub(crate) fn sum(factors: &[f64], shapes: &[Self]) -> Self {
         let nothing = shapes[0].clone().scaled(0.0);
         let terms = factors.iter().zip(shapes);
@@ -158,7 +158,7 @@ impl Shape {
         self
     }
 
-    /// The shape less `factor` times another.
+    /// The shape minus `factor` times another.
     pub(crate) fn less(mut self, factor: f64, other: &Self) -> Self {
         self.hub_angle -= factor * other.hub_angle;
         for (w, other) in self.deflections.iter_mut().zip(&other.deflections) {
@@ -167,7 +167,7 @@ impl Shape {
         self
     }
 
-    /// The shape with unit modal mass, the tip's displacement positive.
+    /// The shape scaled to unit modal mass and positive tip displacement.
     pub(super) fn mass_normalised(self, mesh: &Mesh) -> Self {
         let scale = self.mass_product(mesh, &self).sqrt().recip();
         let sign = if self.tip_displacement(mesh) < 0.0 { -1.0 } else { 1.0 };
@@ -212,8 +212,8 @@ mod tests {
         let mesh = mesh(600, hub, masses, payload);
         let shapes: Vec<Shape> =
             natural_frequencies(&mesh, 4).iter().map(|w| mode(&mesh, *w).shape).collect();
-        // Simpson's rule on nodes 0, 2, 4, … needs a node pattern that the mass does not disturb:
-        // the trapezoid on all nodes is within 1e-4 here.
+        // Simpson's rule on nodes 0, 2, 4, … would need a node pattern undisturbed by the mass; the trapezoid on all
+        // nodes is exact to 1e-4 here.
         let x = mesh.nodes_m();
         let mass = x.iter().position(|x| (x - 0.8).abs() < 1e-9).unwrap();
         for (i, a) in shapes.iter().enumerate() {

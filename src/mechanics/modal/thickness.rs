@@ -10,20 +10,20 @@ use crate::beam::{Element, Mesh};
 use crate::link::{CrossSection, Link, Segment, Taper};
 use crate::numeric::Scalar as _;
 
-/// Share of a natural frequency, or of a torque, from which on there is a warning: of a frequency it is
-/// as much as 2 % of stiffness, more than what a maker's data of section and material leave open.
+/// Share of a natural frequency or of a torque above which a warning is due. For a frequency it equals 2 % of
+/// stiffness, more than the uncertainty of a maker's data of section and material.
 pub const NOTICEABLE: f64 = 1e-2;
 
-/// √(E/ρ) in m/s that is assumed where the section is unknown: that of steel, aluminium and wood.
+/// √(E/ρ) in m/s assumed for an unknown section: the value of steel, aluminium and wood.
 const USUAL_SPEED_M_S: f64 = 5e3;
 
-/// κ that is assumed there: that of a thin tube, the least of the usual ones.
+/// κ assumed for an unknown section: the value of a thin tube, the smallest of the usual ones.
 const LEAST_SHEAR_COEFFICIENT: f64 = 0.5;
 
-/// How much shear and rotary inertia, where the theory leaves them out, would lower natural frequencies.
+/// Estimate of how much neglected shear and rotary inertia would lower natural frequencies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thickness {
-    /// Cross-section of each segment; none where it is unknown.
+    /// Cross-section of each segment; `None` if unknown.
     sections: Vec<Option<CrossSection>>,
 }
 
@@ -36,16 +36,16 @@ pub struct Thickness {
 pub struct ThickLink {
     /// The lowest such mode.
     pub lowest: LoweredMode,
-    /// The highest such mode of those looked at.
+    /// The highest such mode of those examined.
     pub highest: LoweredMode,
 }
 
-/// A mode and how much lower its frequency is.
+/// A mode and the share by which its frequency is lower.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LoweredMode {
     /// Number of the flexible mode, from 1.
     pub number: usize,
-    /// Share of the frequency that is missing in a thick link.
+    /// Share of the frequency that a thick link lacks.
     pub share: f64,
 }
 
@@ -59,27 +59,26 @@ fn range(lowest: &LoweredMode, highest: &LoweredMode) -> String {
 }
 
 impl ThickLink {
-    /// Name of the kind, for machines.
+    /// Machine-readable name of the kind.
     pub fn kind(&self) -> &'static str {
         "thick_link"
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "theory = \"timoshenko\" computes them; solve tells what a torque feels of it"
     }
 }
 
 impl Thickness {
-    /// By the sections that are known; the others count as slender.
+    /// Uses the known sections; other segments count as slender.
     pub fn known(link: &Link) -> Self {
         Self { sections: link.segments().iter().map(Segment::slender_section).collect() }
     }
 
-    /// With a guess in place of sections that are unknown; none where all are known.
+    /// Guesses the unknown sections; `None` if all are known.
     ///
-    /// Stiffness and mass give the radius of gyration but for the speed of sound:
-    /// `EI/m̄ = r² E/ρ`.
+    /// Stiffness and mass give the radius of gyration up to the speed of sound: `EI/m̄ = r² E/ρ`.
     pub fn guessed(link: &Link) -> Option<Self> {
         let segments = link.segments();
         let is_unknown =
@@ -94,10 +93,10 @@ impl Thickness {
         Some(Self { sections: segments.iter().map(section).collect() })
     }
 
-    /// Whether the first `modes` modes cannot be lowered noticeably: judged quickly by the radii alone.
+    /// True if the first `modes` modes cannot be lowered noticeably, by a quick test of the radii alone.
     ///
-    /// Mode n bends in n + 1 half waves at most, in a piece that is softer than the rest in shorter
-    /// ones, for which four times their energy allows.
+    /// Mode n bends in n + 1 half waves at most. In a softer piece the half waves are shorter; a factor of four on
+    /// their energy allows for it.
     pub fn is_slender(&self, mesh: &Mesh, modes: usize) -> bool {
         let nodes_m = mesh.nodes_m();
         let length_m = nodes_m[nodes_m.len() - 1] - nodes_m[0];
@@ -110,8 +109,7 @@ impl Thickness {
         self.sections.iter().flatten().all(|section| share(section) < NOTICEABLE)
     }
 
-    /// The modes of these natural frequencies, the first ones of the link, that are lowered by more
-    /// than 1 %.
+    /// Modes lowered by more than 1 %, from the link's first natural frequencies.
     pub fn noticeable(&self, mesh: &Mesh, omegas_rad_s: &[f64]) -> Option<ThickLink> {
         if self.sections.iter().all(Option::is_none) {
             return None;
@@ -122,9 +120,9 @@ impl Thickness {
         Some(ThickLink { lowest: *modes.first()?, highest: *modes.last()? })
     }
 
-    /// Share by which shear and rotary inertia lower a natural frequency, about.
+    /// Estimated share by which shear and rotary inertia lower a natural frequency.
     ///
-    /// By the energies of the slender link's own mode, of unit mass and added up as Dunkerley does:
+    /// It uses the energies of the slender link's mode, of unit mass, and adds them up as Dunkerley does:
     ///
     /// ```text
     /// 1/ω_thick² = (1 + R + S)/ω²,   R = ∫ m̄ r² φ² dx,   S = ω² ∫ Q²/(κGA) dx,   κGA = EI/(r² g)
@@ -135,8 +133,7 @@ impl Thickness {
         1.0 - (1.0 + self.slowing(mesh, &mode(mesh, omega_rad_s))).sqrt().recip()
     }
 
-    /// R + S, by which 1/ω² of a mode grows; of the rigid rotation, at ω = 0, the share of the inertia
-    /// about the hub.
+    /// R + S, the growth of 1/ω² of a mode; for the rigid rotation, at ω = 0, the share of the inertia about the hub.
     fn slowing(&self, mesh: &Mesh, mode: &Mode) -> f64 {
         let Mode { omega_rad_s, shape } = mode;
         let forces = shape.shear_forces(mesh);
@@ -147,7 +144,7 @@ impl Thickness {
             let square_m2 = section.radius_of_gyration_m.mean().powi(2);
             let Element { length_m, bending_stiffness_n_m2, mass_per_length_kg_m, .. } = element;
             let (inner, outer) = (shape.total(mesh, k), shape.total(mesh, k + 1));
-            // The slope of the cubic in the middle.
+            // Slope of the cubic in the middle.
             let middle = 1.5 * (outer[0] - inner[0]) / length_m - 0.25 * (inner[1] + outer[1]);
             let slopes = (inner[1].powi(2) + 4.0 * middle.powi(2) + outer[1].powi(2)) / 6.0;
             rotary += length_m * mass_per_length_kg_m.mean() * square_m2 * slopes;
@@ -160,17 +157,16 @@ impl Thickness {
         rotary + square * shear
     }
 
-    /// R + S of a zero at a real frequency, about: by the energies of the link that the hub moves at it, the
-    /// hub's own left out, as a zero does not depend on the hub's inertia. (A zero is no eigenvalue of a
-    /// symmetric problem: its exact derivative takes a second motion, that by a force on the tip.)
+    /// Estimate of R + S for a zero at a real frequency, from the energies of the link's motion under a torque at the
+    /// hub. The hub's energy is excluded, because a zero does not depend on the hub's inertia. A zero is no eigenvalue
+    /// of a symmetric problem: its exact derivative needs a second motion, under a force on the tip.
     fn slowing_of_zero(&self, mesh: &Mesh, zero_rad_s: f64) -> f64 {
         let motion = mode(mesh, zero_rad_s);
         let hub = mesh.hub_inertia_kg_m2() * motion.shape.hub_angle.powi(2);
         self.slowing(mesh, &motion) / (1.0 - hub)
     }
 
-    /// Share by which shear and rotary inertia change a torque, about: root mean square over root
-    /// mean square.
+    /// Estimated share by which shear and rotary inertia change a torque: root mean square over root mean square.
     ///
     /// The transfer from the tip is a product over modes and zeros; the rigid rotation is mode 0:
     ///
@@ -179,13 +175,12 @@ impl Thickness {
     /// Δ(T/a_tip) / (T/a_tip) ≈ R₀ − Σ_k (R + S)_k ω²/(ω_k² − λ) + Σ_z (R + S)_z ω²/(ω_z² − λ)
     /// ```
     ///
-    /// with ω² for λ in the numerators: they differ by the damping alone. Zeros at real frequencies `ω_z`,
-    /// where no torque moves the tip, come from rotary inertia: the torque peaks there. The others, z,
-    /// change little. Far below the first mode only the section's own inertia about the hub is left,
-    /// R₀ = ∫ m̄r² dx / I.
+    /// with ω² for λ in the numerators: only damping makes them differ. Zeros at real frequencies `ω_z`, where no
+    /// torque moves the tip, come from rotary inertia: the torque peaks there. The other zeros, z, change little. Far
+    /// below the first mode only the section's inertia about the hub remains, R₀ = ∫ m̄r² dx / I.
     ///
-    /// `omegas_rad_s` are the natural frequencies of the first modes; the torque has an amplitude at
-    /// each of the frequencies `of_torque_rad_s`.
+    /// `omegas_rad_s` are the natural frequencies of the first modes; the torque has an amplitude at each of the
+    /// frequencies `of_torque_rad_s`.
     pub fn torque_change(
         &self,
         mesh: &Mesh,
@@ -200,7 +195,7 @@ impl Thickness {
         let mut factors: Vec<_> = omegas_rad_s.iter().enumerate().map(of_mode).collect();
         let limit_rad_s = of_torque_rad_s.last().copied().unwrap_or(0.0);
         for zero in real_frequency_zeros(mesh, limit_rad_s) {
-            // Damped as the mode above it.
+            // Damped like the mode above it.
             let number = 1 + omegas_rad_s.iter().filter(|mode| **mode < zero).count();
             factors.push((number, zero, -self.slowing_of_zero(mesh, zero)));
         }
@@ -215,7 +210,7 @@ impl Thickness {
         for (omega, amplitude) in of_torque_rad_s.iter().zip(torque) {
             let power = amplitude.norm_sqr();
             let share = change(*omega).norm_sqr();
-            // Without damping there is no torque at a natural frequency, and none that is finite at a zero.
+            // Without damping the torque is 0 at a natural frequency and infinite at a zero.
             changed += if share.is_finite() { share * power } else { 0.0 };
             whole += power;
         }
@@ -223,10 +218,10 @@ impl Thickness {
     }
 }
 
-/// What the section of a segment of a usual material would be; none of one without mass.
+/// Section of a segment if its material is usual; `None` for a segment without mass.
 fn guess(segment: &Segment) -> Option<CrossSection> {
     let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
-    // Stiffness without end is how a rigid piece is written: no section is as long as its segment.
+    // A very large stiffness stands for a rigid piece: no section is as long as its segment.
     let radius_m = |ei: f64, m: f64| ((ei / m).sqrt() / USUAL_SPEED_M_S).min(segment.length_m);
     (mass.inner > 0.0 && mass.outer > 0.0).then(|| CrossSection {
         radius_of_gyration_m: Taper::of_ends(stiffness, mass, radius_m),

@@ -3,37 +3,37 @@ use super::inertia::{outboard_degrees_of_freedom, zeros_may_leave_the_real_axis}
 use crate::beam::{Mesh, hub_response, tip_displacement_m, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 
-/// Zeros that a solution reports.
+/// Number of zeros in the report of a solution.
 pub const REPORTED_ZEROS: usize = 3;
 
-/// Neighbouring points of the scan for zeros are this factor apart; neighbouring zeros of a
-/// uniform link are a factor 5.4, 2.5, 1.9, … apart.
+/// Ratio of neighbouring points in the scan for zeros; neighbouring zeros of a uniform link are a factor 5.4, 2.5, 1.9,
+/// … apart.
 const SCAN_RATIO: f64 = 1.02;
 
-/// The scan begins at this share of the first clamped mode.
+/// Start of the scan as a share of the first clamped mode.
 const SCAN_START: f64 = 0.01;
 
-/// The scan ends this factor above where it begins.
+/// End of the scan as a multiple of its start.
 const SCAN_RANGE: f64 = 1e8;
 
-/// A zero of a beam with shear is one of the link, not of its mesh alone, if halved elements have it within this
-/// share: those of the mesh move by a factor of about two.
+/// Relative change on halved elements below which a zero of a beam with shear belongs to the link. Zeros of the mesh
+/// alone change by a factor of about two.
 const SETTLED: f64 = 0.2;
 
-/// Where zeros are real, the scan begins at this share of a bound that lies below the first: a mesh of
-/// few elements may have others, which take a little off their sum.
+/// Start of the scan for real zeros as a share of a lower bound of the first zero. A mesh of few elements may have
+/// other zeros, which reduce the sum slightly.
 const NEAR: f64 = 0.5;
 
-/// That scan ends this factor above where it begins.
+/// End of the scan for real zeros as a multiple of its start.
 const NEAR_RANGE: f64 = 1e6;
 
 /// The first `count` real zeros z of torque → tip in 1/s, ascending: the transfer vanishes at ±z.
 ///
-/// They are the roots of `L + e_tip` at λ = −z². The torque that moves the tip grows as e^{z₁t}
-/// before the motion and decays as e^{−z₁t} after it; that is why it must start early. Fewer than
-/// `count` where the mesh has fewer. Rotary inertia on the link or at the tip can move zeros off
-/// the real axis in pairs ±a ± ib; those are not among them. A beam with shear has but a few real zeros: faster
-/// than its cut-off it decays without a wave. Its mesh has others, which halved elements do not have.
+/// They are the roots of `L + e_tip` at λ = −z². The torque for a tip motion must start early: it grows as e^{z₁t}
+/// before the motion and decays as e^{−z₁t} after it. Fewer than `count` if the mesh has fewer. Rotary inertia on the
+/// link or at the tip can move zeros off the real axis in pairs ±a ± ib; the list excludes such pairs. A beam with
+/// shear has few real zeros: faster than its cut-off it decays without a wave. Further zeros of its mesh vanish when
+/// the elements are halved.
 pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
     if outboard_degrees_of_freedom(mesh) == 0 {
         return Vec::new();
@@ -58,14 +58,13 @@ fn displacements_m(mesh: &Mesh, exponents_per_s: &[f64; SECTIONS]) -> [f64; SECT
 
 /// Zeros of torque → tip at real frequencies below `limit_rad_s`, in rad/s, ascending.
 ///
-/// Rotary inertia at the tip or on the link, or an offset payload, causes them: at such a frequency
-/// no torque moves the tip, and the torque that the inversion asks for grows as 1/ξ. They are the
-/// roots of `L + e_tip` at λ = ω². Its sign flips at every mode of the link clamped at the hub too;
-/// the number of these below ω is known from the pivots, so that only the zeros remain as changes
-/// of parity.
+/// Rotary inertia at the tip or on the link, or an offset payload, causes them: at such a frequency no torque moves the
+/// tip, and the torque of the inversion grows as 1/ξ. They are the roots of `L + e_tip` at λ = ω². The sum's sign also
+/// flips at every mode of the link clamped at the hub; the pivots count these modes below ω, so that only the zeros
+/// remain as changes of parity.
 pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
     if !zeros_may_leave_the_real_axis(mesh) || outboard_degrees_of_freedom(mesh) == 0 {
-        // Points of mass keep all zeros off the real frequencies; without mass there are none.
+        // Point masses keep all zeros off the real frequencies; without mass there are no zeros.
         return Vec::new();
     }
     let Some(start) = scan_start(mesh) else { return Vec::new() };
@@ -107,8 +106,8 @@ fn changes(
     }
 }
 
-/// Where the scan for zeros of torque → tip may begin, in 1/s, if points of mass leave them all real:
-/// they and the modes of the clamped link determine how far inertia bends the tip at rest.
+/// Start of the scan for zeros of torque → tip in 1/s, if point masses leave them all real. These zeros and the modes
+/// of the clamped link determine how far inertia bends the tip at rest:
 ///
 /// ```text
 /// L + e_tip = L ∏ (1 + λ/z_k²)/(1 − λ/ω_k²),   at rest  e_tip/(λL) = Σ 1/z_k² + Σ 1/ω_k² > 1/z₁²
@@ -124,8 +123,8 @@ fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
     Some(start).filter(|start| start.is_finite() && is_below)
 }
 
-/// Where scans for zeros begin, in 1/s: far below the first mode of the link clamped at its hub,
-/// which no zero is near. None where that cannot be found.
+/// Start of other scans for zeros in 1/s: far below the first mode of the link clamped at its hub, where no zero is
+/// near. `None` if the search for that mode fails.
 fn scan_start(mesh: &Mesh) -> Option<f64> {
     let first = HubSpring::CLAMPED.bracket(mesh, 1, 1.0)?.0;
     Some(SCAN_START * first)
@@ -158,7 +157,7 @@ mod tests {
         assert_eq!(HubSpring::CLAMPED.bracket(&mesh, 9, 1.0), None, "eight modes are all");
     }
 
-    /// The scan from near finds the zeros that the one from far below finds, and begins next to them.
+    /// The near scan finds the same zeros as the scan from far below, and begins next to them.
     #[test]
     fn real_zeros_are_sought_from_little_below_the_first() {
         let segment = |length_m, bending_stiffness, mass_per_length| Segment {
@@ -222,7 +221,7 @@ mod tests {
         }
     }
 
-    /// The tip moves by less than 1e-13 of L around the last of these.
+    /// The tip moves by less than 1e-13 of L around the last of these zeros.
     #[test]
     fn high_zeros_have_their_digits_where_the_tip_hardly_moves() {
         let link = Link::new(uniform()).unwrap();
@@ -242,8 +241,8 @@ mod tests {
         }
     }
 
-    /// A body of 3 kg on a beam without mass and 3EI/L³ = 3 N/m: behind a held hub it swings at
-    /// 1 rad/s, exactly, and on a free one of 1 kg m² at √(1 + 3) rad/s.
+    /// A body of 3 kg on a massless beam with 3EI/L³ = 3 N/m: it vibrates at exactly 1 rad/s behind a clamped hub, and
+    /// at √(1 + 3) rad/s on a free hub of 1 kg m².
     #[test]
     fn modes_are_counted_where_what_the_hub_feels_is_infinite() {
         let segment = Segment {

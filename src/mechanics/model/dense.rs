@@ -8,32 +8,31 @@ use crate::beam::{
 };
 use crate::modal::{ModalBasis, Shape};
 
-/// Most elements that are assembled and factorised: the work grows with the cube of their number.
+/// Largest number of elements for assembly and factorisation: the work grows with the cube of the number.
 pub const MOST_ELEMENTS_OF_DENSE_SOLVE: usize = 200;
 
-/// What an estimate of round-off is taken times.
+/// Safety factor of an estimate of round-off.
 const CAUTION: f64 = 100.0;
 
-/// The paper's own solve: assembled matrices on θ and (v, φ) of nodes 1 … n, and a factorisation with
-/// pivoting.
+/// The paper's solution: assembled matrices on θ and (v, φ) of nodes 1 … n, and a factorisation with pivoting.
 ///
 /// ```text
 /// H x = e_h T,   H = M − K*/ω²  (+ C/(iω) of modal damping)      (Bayo 1987, eqs 15-17)
 /// ```
 ///
-/// faer multiplies by other instructions on each processor: last digits of the transfers differ.
+/// The last digits of the transfers differ between processors, because faer uses other instructions on each.
 #[derive(Debug, Clone)]
 pub struct Dense {
     link: LinkOnMesh,
     mass: Mat<f64>,
     stiffness: Mat<f64>,
-    /// Mass times each mode and its 2ζω, of a modal law.
+    /// Mass times each mode and its 2ζω, for a modal law.
     modes: Vec<(Col<f64>, f64)>,
 }
 
 impl Dense {
-    /// Assembles the link; none beyond [`MOST_ELEMENTS_OF_DENSE_SOLVE`], or where the modes of a modal
-    /// law are no finite numbers.
+    /// Assembles the link; `None` beyond [`MOST_ELEMENTS_OF_DENSE_SOLVE`], or if the modes of a modal law are not
+    /// finite.
     pub fn assemble(link: LinkOnMesh) -> Option<Self> {
         let mesh = link.mesh();
         let count = mesh.elements().len();
@@ -65,10 +64,10 @@ impl Dense {
         Some(Self { link, mass, stiffness, modes })
     }
 
-    /// `H⁻¹` times loads on the unknowns: their accelerations.
+    /// `H⁻¹` times loads on the unknowns: the accelerations of the unknowns.
     fn accelerations(&self, omega_rad_s: f64, loads: &Mat<Complex64>) -> Mat<Complex64> {
         let found = self.solved(omega_rad_s, loads);
-        // Exactly on a pole of an undamped link nothing is finite, and a hair beside it all is.
+        // On a pole of an undamped link no number is finite, but slightly beside it all are.
         if found.col_iter().all(|column| column.iter().all(|a| a.is_finite())) {
             found
         } else {
@@ -76,7 +75,7 @@ impl Dense {
         }
     }
 
-    /// A torque at the hub, and loads on all nodes, as loads on the unknowns.
+    /// Two columns of loads on the unknowns: a unit torque at the hub, and loads on all nodes.
     fn torque_and_loads(&self, nodal: &[[Complex64; 2]]) -> Mat<Complex64> {
         let root_m = self.mesh().nodes_m()[0];
         Mat::from_fn(self.mass.nrows(), 2, |row, column| match (row, column) {
@@ -105,14 +104,14 @@ impl Dense {
         h.partial_piv_lu().solve(loads)
     }
 
-    /// Accelerations (v, φ) of nodes 0 … n from those of the unknowns: the root sits on the hub.
+    /// Accelerations (v, φ) of nodes 0 … n from the accelerations of the unknowns: the root sits on the hub.
     fn nodes(&self, unknowns: &[Complex64]) -> Vec<[Complex64; 2]> {
         let root = [unknowns[0] * self.mesh().nodes_m()[0], unknowns[0]];
         let outer = unknowns[1..].chunks(2).map(|node| [node[0], node[1]]);
         std::iter::once(root).chain(outer).collect()
     }
 
-    /// Moments at nodes 0 … n of all that is outboard of each, from accelerations (v, φ) of the nodes.
+    /// Moments at nodes 0 … n from the part outboard of each, for accelerations (v, φ) of the nodes.
     fn moments(&self, accelerations: &[[Complex64; 2]]) -> Vec<Complex64> {
         let mesh = self.mesh();
         let load = |Inertia { vv, vp, pp }: Inertia<f64>, [v, phi]: [Complex64; 2]| {
@@ -136,8 +135,8 @@ impl Dense {
         moments
     }
 
-    /// Relative error that round-off may cause at ω: K annihilates rigid motion only up to ε times
-    /// its largest entry, and what is left is divided by ω² and by the rigid inertia.
+    /// Estimate of the relative error from round-off at ω: K annihilates rigid motion only up to ε times its largest
+    /// entry, and the remainder is divided by ω² and by the rigid inertia.
     pub fn round_off(&self, omega_rad_s: f64) -> f64 {
         let mesh = self.mesh();
         let rigid = column(mesh, &ModalBasis::lowest(mesh, 0).rigid);
@@ -159,7 +158,7 @@ impl Model for Dense {
         self.nodal_transfer(omega_rad_s).tip
     }
 
-    /// [`Dense::round_off`] is what round-off may cost. At ω = 0, where K/ω² is no number, the link is rigid.
+    /// [`Dense::round_off`] estimates the error of round-off. At ω = 0, where K/ω² is infinite, the link is rigid.
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer {
         if omega_rad_s == 0.0 {
             return nodal_transfer(self.mesh(), Complex64::ZERO);
@@ -167,7 +166,7 @@ impl Model for Dense {
         let (nodes_m, lambda) = (self.mesh().nodes_m(), self.law().lambda(omega_rad_s));
         let torque = self.torque_and_loads(&vec![[Complex64::ZERO; 2]; nodes_m.len()]);
         let accelerations = self.accelerations(omega_rad_s, &torque);
-        // The tip's displacement is the last unknown but one.
+        // The tip's displacement is the second to last unknown.
         let inertia_kg_m = accelerations[(accelerations.nrows() - 2, 0)].inv();
         let per_tip: Vec<_> = accelerations.col(0).iter().map(|a| a * inertia_kg_m).collect();
         let angle_rad_m = per_tip[0];
@@ -185,7 +184,7 @@ impl Model for Dense {
         NodalTransfer { tip, deflections_s2, moments_kg_m }
     }
 
-    /// At ω = 0, where K/ω² is no number, the recursion's own.
+    /// At ω = 0, where K/ω² is infinite, the recursion answers.
     fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
         let (mesh, lambda) = (self.mesh(), self.law().lambda(omega_rad_s));
         let factors = self.law().factors(omega_rad_s);
@@ -214,7 +213,7 @@ impl Model for Dense {
     }
 }
 
-/// Force and moment on each node that a unit acceleration of all of the link along its normal needs.
+/// Force and moment on each node for a unit acceleration of the whole link along its normal.
 fn shifted_masses(mesh: &Mesh) -> Vec<[f64; 2]> {
     let mut masses = vec![[0.0; 2]; mesh.nodes_m().len()];
     for (k, element) in mesh.elements().iter().enumerate() {
@@ -230,7 +229,7 @@ fn shifted_masses(mesh: &Mesh) -> Vec<[f64; 2]> {
     masses
 }
 
-/// Mass times each mode and its 2ζω, of a modal law: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
+/// Mass times each mode and its 2ζω, for a modal law: `C = Σ 2ζω (M φ)(M φ)ᵀ`.
 fn damped_modes(link: &LinkOnMesh, mass: &Mat<f64>) -> Option<Vec<(Col<f64>, f64)>> {
     let (mesh, law) = (link.mesh(), link.law());
     if !law.is_modal() {
@@ -244,7 +243,7 @@ fn damped_modes(link: &LinkOnMesh, mass: &Mat<f64>) -> Option<Vec<(Col<f64>, f64
     Some(damped.collect())
 }
 
-/// A matrix on (v, φ) of all nodes, held at the hub: the root sits on it, `v_0 = x_0 θ`, `φ_0 = θ`.
+/// Reduces a matrix on (v, φ) of all nodes to the unknowns: the root sits on the hub, `v_0 = x_0 θ`, `φ_0 = θ`.
 fn held(mesh: &Mesh, free: &Mat<f64>) -> Mat<f64> {
     let root_m = mesh.nodes_m()[0];
     let arm_m = |index| if index == 0 { root_m } else { 0.0 };
@@ -254,13 +253,13 @@ fn held(mesh: &Mesh, free: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// A shape on θ and (v, φ) of nodes 1 … n.
+/// A shape as a column of θ and (v, φ) of nodes 1 … n.
 fn column(mesh: &Mesh, shape: &Shape) -> Col<f64> {
     Col::from_fn(2 * mesh.nodes_m().len() - 1, |row| {
         if row % 2 == 1 {
             shape.displacement(mesh, row.div_ceil(2))
         } else {
-            // The root has no slope of its own: θ alone.
+            // At the root the slope is θ.
             shape.deflections[row / 2][1] + shape.hub_angle
         }
     })
@@ -318,7 +317,7 @@ mod tests {
                 ] {
                     assert!(off < 1e-8, "{:?} at {omega}: {off:e}", link.damping());
                 }
-                // Damping through modes has no other model than all of them.
+                // Damping through modes has only the model of all modes.
                 let modes = Superposition::new(model.on_mesh().clone(), KeptModes::All).unwrap();
                 let at_rest = Complex64::ZERO;
                 let loads = Loads {

@@ -1,4 +1,4 @@
-//! A link at one frequency: its transfers, and what sensors show.
+//! A link at one frequency: its transfers, and the response of sensors.
 
 use std::f64::consts::TAU;
 
@@ -10,10 +10,10 @@ use crate::beam::TipTransfer;
 use crate::numeric::{magnitude, relative_change};
 use crate::system::end_if_stopped;
 
-/// Frequencies at which the finer mesh is solved at a time, so that many take little memory.
+/// Number of frequencies solved at a time on the finer mesh, which limits the memory.
 const AT_A_TIME: usize = 4096;
 
-/// Frequencies that are solved without a look whether the work is stopped; the vectors of every processor divide it.
+/// Number of frequencies solved between two checks for a stop; a multiple of every processor's vectors.
 const UNSTOPPED: usize = 256;
 
 /// Transfers of a link at one frequency, for e^{+iωt}.
@@ -21,7 +21,7 @@ const UNSTOPPED: usize = 256;
 pub struct FrequencyResponse {
     /// Frequency in Hz.
     pub frequency_hz: f64,
-    /// `T/a_tip` in kg m (Bayo 1987, eq 20), joint friction included.
+    /// `T/a_tip` in kg m (Bayo 1987, eq 20), including joint friction.
     pub torque_per_tip_acceleration_kg_m: Complex64,
     /// `θ/v_tip` in rad/m (eq 21).
     pub hub_angle_per_tip_displacement_rad_m: Complex64,
@@ -41,7 +41,7 @@ impl FrequencyResponse {
         Self::of(model.tip_transfer(frequency_hz * TAU), model, frequency_hz)
     }
 
-    /// [`FrequencyResponse::at`] many frequencies, as many at a time as the processor's vectors hold.
+    /// [`FrequencyResponse::at`] for many frequencies, one for each lane of the processor's vectors at a time.
     pub fn at_all(model: &dyn Model, frequencies_hz: &[f64]) -> Vec<Self> {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
         for frequencies_hz in frequencies_hz.chunks(UNSTOPPED) {
@@ -67,13 +67,13 @@ impl FrequencyResponse {
     }
 }
 
-/// What halved elements change of the transfers of `rows`: for each the larger of the changes of
-/// `T/a_tip` and `θ/v_tip`, over the larger of the two magnitudes that it lies between.
+/// Changes of the transfers of `rows` on halved elements: for each row the larger change of `T/a_tip` and `θ/v_tip`,
+/// over the larger of the magnitudes before and after.
 ///
-/// Over the larger, so that it is a number at a pole or zero without damping, too.
+/// Dividing by the larger keeps the change finite at an undamped pole or zero.
 ///
 /// # Errors
-/// [`ModelError::TooManyElements`] where damping needs all modes of the finer mesh.
+/// [`ModelError::TooManyElements`] if damping needs all modes of the finer mesh.
 pub fn changes_on_halves(
     model: &dyn Model,
     rows: &[FrequencyResponse],
@@ -96,7 +96,7 @@ fn change(found: &FrequencyResponse, half: &FrequencyResponse) -> f64 {
         .max(relative(|row| row.hub_angle_per_tip_displacement_rad_m))
 }
 
-/// What a sensor shows of a link.
+/// Quantity that a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sensor {
@@ -108,12 +108,12 @@ pub enum Sensor {
     TipDeflection,
     /// Acceleration of the tip in m/s².
     TipAcceleration,
-    /// Curvature `w''` at the root in 1/m: strain over the gauge's distance from the neutral axis.
+    /// Curvature `w''` at the root in 1/m: strain over the distance of the gauge from the neutral axis.
     RootStrain,
 }
 
 impl Sensor {
-    /// Its name in files.
+    /// Name in files.
     pub fn word(self) -> &'static str {
         match self {
             Self::HubAngle => "hub_angle",
@@ -124,7 +124,7 @@ impl Sensor {
         }
     }
 
-    /// What it measures, in words.
+    /// Measured quantity in words.
     pub fn quantity(self) -> &'static str {
         match self {
             Self::HubAngle => "hub angle",
@@ -135,7 +135,7 @@ impl Sensor {
         }
     }
 
-    /// The SI unit of that.
+    /// SI unit of the quantity.
     pub fn unit(self) -> &'static str {
         match self {
             Self::HubAngle => "rad",
@@ -146,7 +146,7 @@ impl Sensor {
         }
     }
 
-    /// The unit over N m.
+    /// Unit of the quantity per N m.
     pub fn unit_per_torque(self) -> &'static str {
         match self {
             Self::HubAngle => "rad/(N m)",
@@ -157,7 +157,7 @@ impl Sensor {
         }
     }
 
-    /// Its response per torque at the hub, joint friction included, at angular frequencies above 0.
+    /// Response per torque at the hub, including joint friction, at angular frequencies above 0.
     ///
     /// ```text
     /// θ/T = −(θ/v_tip)/(ω² T/a_tip),   w''/T = −(M_root/a_tip)/(EI κ T/a_tip)

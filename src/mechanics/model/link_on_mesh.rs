@@ -20,7 +20,7 @@ pub struct LinkOnMesh {
 }
 
 impl LinkOnMesh {
-    /// Computes the numbers of the link's damping law with the modes of `mesh`.
+    /// Computes the numbers of the link's damping law from the modes of `mesh`.
     ///
     /// # Errors
     /// [`ModelError::Damping`].
@@ -29,8 +29,8 @@ impl LinkOnMesh {
         Ok(Self { link: Arc::new(link.clone()), mesh, law })
     }
 
-    /// The same link on elements of half the length. Damping through modes follows the modes of the
-    /// finer mesh, so that the mesh error counts what its coefficients change.
+    /// This link on elements of half the length. Damping through modes follows the modes of the finer mesh, so that the
+    /// mesh error includes the change of its coefficients.
     ///
     /// # Errors
     /// [`ModelError::Damping`].
@@ -56,10 +56,10 @@ impl LinkOnMesh {
     }
 }
 
-/// Modes of the mesh that a model is made of.
+/// Modes of the mesh that a model contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeptModes {
-    /// All of them.
+    /// All modes.
     All,
     /// The rigid rotation and the first flexible ones (Bayo 1987, section 5).
     First(usize),
@@ -67,12 +67,12 @@ pub enum KeptModes {
 
 /// Transfers from the tip of a link at a frequency ω ≥ 0 in rad/s, for e^{+iωt}.
 ///
-/// Friction and drive of the joint are no part of them: they act on the hub's motion, which they give.
+/// The transfers exclude friction and drive of the joint, which act on the hub's motion.
 pub trait Model: Debug + Send + Sync {
     /// The link, its mesh and its damping.
     fn on_mesh(&self) -> &LinkOnMesh;
 
-    /// Modes that the model is made of.
+    /// Modes that the model contains.
     fn kept_modes(&self) -> KeptModes {
         KeptModes::All
     }
@@ -83,10 +83,10 @@ pub trait Model: Debug + Send + Sync {
     /// Transfers from the tip to every node at ω.
     fn nodal_transfer(&self, omega_rad_s: f64) -> NodalTransfer;
 
-    /// Torque and deflections with the tip on the chord under loads at ω.
+    /// Torque and deflections that keep the tip on the chord under loads at ω.
     ///
     /// # Panics
-    /// If there are not as many loads as nodes.
+    /// If loads and nodes differ in number.
     fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64>;
 
     /// [`Model::tip_transfer`] at many ω.
@@ -94,12 +94,13 @@ pub trait Model: Debug + Send + Sync {
         omegas_rad_s.iter().map(|omega| self.tip_transfer(*omega)).collect()
     }
 
-    /// [`Model::nodal_transfer`] at many ω: a row for each of `nodes`, in it a value for each ω.
-    /// With the same checkpoints, further calls at the same ω pass through a part of the mesh alone.
+    /// [`Model::nodal_transfer`] at many ω: a row for each of `nodes` with a value for each ω. With the same
+    /// checkpoints, further calls at the same ω pass only through a part of the mesh. Only this crate can construct
+    /// checkpoints, and so call this method.
     ///
     /// # Panics
-    /// If a node is not one of the mesh, a row is shorter than `omegas_rad_s`, or the checkpoints do not
-    /// know the nodes of a further call. Only this crate makes checkpoints, so that no other calls it.
+    /// If the mesh lacks a node, a row is shorter than `omegas_rad_s`, or the nodes of a further call are not in the
+    /// checkpoints.
     fn nodal_transfers(
         &self,
         omegas_rad_s: &[f64],
@@ -132,32 +133,32 @@ pub trait Model: Debug + Send + Sync {
     }
 }
 
-/// Why a valid link has no model on its mesh, or a model no finite answer.
+/// Reason why a valid link has no model on its mesh, or a model no finite answer.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ModelError {
-    /// Damping whose numbers contradict each other or the link.
+    /// The numbers of the damping contradict each other or the link.
     #[error(transparent)]
     Damping(#[from] DampingError),
-    /// A reduction to more modes than there are.
+    /// A reduction keeps more modes than there are.
     #[error("analysis.modes = {asked}, but must be at most {found}: the mesh has no more modes")]
     NotSoManyModes {
         /// Modes to keep.
         asked: usize,
-        /// Flexible modes of the mesh.
+        /// Number of flexible modes of the mesh.
         found: usize,
     },
-    /// Damping by modes on a mesh too large for all of them.
+    /// Damping by modes needs all modes of a mesh that is too large.
     #[error(
         "the mesh = {elements} elements, but must be at most {limit} for modal damping: it needs \
          all modes, and dense algebra grows with the cube of their number"
     )]
     TooManyElements {
-        /// Elements of the mesh.
+        /// Number of elements of the mesh.
         elements: usize,
-        /// Elements possible.
+        /// Largest possible number of elements.
         limit: usize,
     },
-    /// A frequency at which no torque moves the tip at all, or numbers beyond double precision.
+    /// No torque moves the tip at this frequency, or numbers exceed double precision.
     #[error(
         "the torque at {} Hz = not a finite number, but must be one",
         significant(*frequency_hz, 6)
@@ -169,7 +170,7 @@ pub enum ModelError {
 }
 
 impl ModelError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Damping(error) => error.hint(),

@@ -1,9 +1,8 @@
 //! A link on a mesh under a motion of its tip, at one frequency.
 //!
-//! [`Model`] is the one door: torque, hub angle and nodes per unit of tip motion. Behind it stand the
-//! recursion, modal superposition and the paper's assembled matrices
-//! ([`Dense`]), which check the other two. [`model_of`] chooses the one that a link's damping law and
-//! the modes kept ask for.
+//! [`Model`] is the interface: torque, hub angle and nodes per unit of tip motion. Its implementations are the
+//! recursion, modal superposition and the paper's assembled matrices ([`Dense`]), which check the other two.
+//! [`model_of`] chooses one by the link's damping law and the modes to keep.
 
 mod dense;
 mod frequency_response;

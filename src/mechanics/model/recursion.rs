@@ -1,4 +1,4 @@
-//! The model of a link: the recursion, or modal superposition where damping or a reduction asks for modes.
+//! The model of a link: the recursion, or modal superposition if damping or a reduction needs modes.
 
 use std::sync::Arc;
 
@@ -13,15 +13,14 @@ use crate::beam::{
 use crate::link::{Damping, Link};
 use crate::modal::MOST_ELEMENTS_OF_ALL_MODES;
 
-/// Elements that an automatic mesh is not refined beyond.
+/// Largest number of elements of an automatic mesh.
 const MOST_ELEMENTS: usize = 8192;
 
-/// The model of a link on a mesh: the recursion; modal superposition for damping through modes, and
-/// where only the first modes are kept.
+/// The model of a link on a mesh: the recursion, or modal superposition for damping through modes and for a reduction
+/// to the first modes.
 ///
 /// # Errors
-/// [`ModelError`]: damping that cannot be, more modes than there are, or a mesh too large for all its
-/// modes where damping needs them.
+/// [`ModelError`]: impossible damping, more modes than there are, or a mesh too large for damping that needs all modes.
 pub fn model_of(link: &Link, mesh: Mesh, kept: KeptModes) -> Result<Arc<dyn Model>, ModelError> {
     check_size(link, mesh.elements().len(), 1)?;
     model_on(LinkOnMesh::new(link, mesh)?, kept)
@@ -34,8 +33,8 @@ fn model_on(link: LinkOnMesh, kept: KeptModes) -> Result<Arc<dyn Model>, ModelEr
     })
 }
 
-/// Refuses a mesh too large for damping that needs all its modes, before any is computed; `elements` is
-/// the number of the finest mesh, which has `times` those of the one asked for.
+/// Refuses a mesh too large for damping that needs all its modes, before computing any. `elements` is the number of the
+/// finest mesh, which is `times` the number asked for.
 ///
 /// # Errors
 /// [`ModelError::TooManyElements`].
@@ -49,30 +48,30 @@ pub(crate) fn check_size(link: &Link, elements: usize, times: usize) -> Result<(
 }
 
 impl dyn Model + '_ {
-    /// The model of the same link on elements of half the length.
+    /// The model of this link on elements of half the length.
     ///
     /// # Errors
-    /// [`ModelError::TooManyElements`] where damping needs all modes of the finer mesh.
+    /// [`ModelError::TooManyElements`] if damping needs all modes of the finer mesh.
     pub fn refined(&self) -> Result<Arc<dyn Model>, ModelError> {
         model_on(self.on_mesh().refined()?, self.kept_modes())
     }
 
-    /// The model of the same link with all modes of the mesh.
+    /// The model of this link with all modes of the mesh.
     ///
     /// # Errors
-    /// As [`model_of`].
+    /// Those of [`model_of`].
     pub(crate) fn unreduced(&self) -> Result<Arc<dyn Model>, ModelError> {
         model_on(self.on_mesh().clone(), KeptModes::All)
     }
 
-    /// Elements that the mesh may be refined to.
+    /// Largest number of elements for refinement.
     pub(crate) fn most_elements(&self) -> usize {
         if self.law().is_modal() { MOST_ELEMENTS_OF_ALL_MODES } else { MOST_ELEMENTS }
     }
 }
 
-/// A link with a local damping law, condensed to its hub element by element: exact, and linear in the
-/// number of elements.
+/// A link with a local damping law, condensed to its hub element by element: exact, with time linear in the number of
+/// elements.
 #[derive(Debug, Clone)]
 struct Recursion {
     link: LinkOnMesh,
@@ -82,7 +81,7 @@ impl Recursion {
     /// The recursion over a link's mesh.
     ///
     /// # Panics
-    /// If the damping law is modal: the recursion knows no modes.
+    /// If the damping law is modal: the recursion has no modes.
     fn new(link: LinkOnMesh) -> Self {
         assert!(!link.law().is_modal(), "a modal law needs modal superposition");
         Self { link }

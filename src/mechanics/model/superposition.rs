@@ -6,8 +6,7 @@ use crate::beam::{
 };
 use crate::modal::{ModalBasis, Shape};
 
-/// A link as the sum of its modes, for damping laws that give each mode a ratio, and for a link reduced
-/// to few modes.
+/// A link as the sum of its modes, for damping laws with a ratio for each mode, and for a reduction to few modes.
 ///
 /// ```text
 /// x/T = φ₀p₀/(−ω²) + Σ φ_k p_k/(ω_k² − ω² + 2iζ_kω_kω)            (Bayo 1987, eqs 11 and 12)
@@ -19,23 +18,23 @@ pub(super) struct Superposition {
     rigid: Share,
     /// Natural frequency in rad/s and share of each flexible mode kept.
     modes: Vec<(f64, Share)>,
-    /// Static answer of what the modes leave over, per torque, where all are kept.
+    /// Static response, per torque, of the motions outside the modes; only if all modes are kept.
     residual: Option<Share>,
 }
 
-/// What one shape adds to the link's answer, per torque at the hub.
+/// Contribution of one shape to the link's response, per torque at the hub.
 #[derive(Debug, Clone)]
 struct Share {
-    /// Hub angle p, which the torque acts on.
+    /// Hub angle p; the torque acts on it.
     hub_angle: f64,
     tip: f64,
     /// Deflections from the hub's tangent line.
     deflections: Vec<f64>,
     /// Slopes from the hub's tangent line.
     slopes: Vec<f64>,
-    /// Force along the normal that its acceleration needs.
+    /// Force along the normal for the shape as acceleration.
     force: f64,
-    /// Moments that its acceleration needs.
+    /// Moments for the shape as acceleration.
     moments: Vec<f64>,
 }
 
@@ -51,8 +50,7 @@ impl Share {
         }
     }
 
-    /// Work of loads along the shape, those that an acceleration of the axis makes of the mass among them,
-    /// which `mass` multiplies.
+    /// Work of loads along the shape, including the inertia loads of an accelerated axis, with the factor `mass`.
     fn work(&self, mesh: &Mesh, loads: &Loads<Complex64>, mass: Complex64) -> Complex64 {
         let nodes = loads.nodal.iter().enumerate().map(|(k, [force, moment])| {
             let displacement = self.deflections[k] + mesh.nodes_m()[k] * self.hub_angle;
@@ -67,8 +65,8 @@ impl Share {
 }
 
 impl Superposition {
-    /// Computes the modes of a link: all, with a static answer for what they lose to round-off and for
-    /// motions without mass, or the rigid rotation and the first flexible ones.
+    /// Computes the modes of a link. All modes come with a static response for their round-off and for motions without
+    /// mass; a reduction has the rigid rotation and the first flexible modes.
     ///
     /// # Errors
     /// [`ModelError`]: more modes than there are, or a mesh too large for all of them.
@@ -95,8 +93,8 @@ impl Superposition {
         Ok(Self { link, kept, rigid, modes, residual })
     }
 
-    /// What divides a mode's share: exactly on a pole of an undamped mode nothing is finite, and a hair beside it
-    /// all is.
+    /// Denominator of a mode's share. On a pole of an undamped mode nothing is finite, so it is evaluated slightly
+    /// beside the pole.
     fn denominator(&self, k: usize, mode_rad_s: f64, omega_rad_s: f64) -> Complex64 {
         let at = |omega| self.law().modal_denominator(k + 1, mode_rad_s, omega);
         let exact = at(omega_rad_s);
@@ -112,7 +110,7 @@ impl Superposition {
         modes.chain(self.residual.iter().map(|share| (Complex64::ONE, share))).collect()
     }
 
-    /// Per torque: acceleration of the tip `φ₀p₀ − λ Σ φ_k q_k`, and so on for what `of` reads.
+    /// Acceleration of the tip per torque, `φ₀p₀ − λ Σ φ_k q_k`, or of another quantity that `of` reads.
     fn acceleration(
         &self,
         lambda: Complex64,
@@ -137,7 +135,7 @@ impl Superposition {
         }
     }
 
-    /// One quantity per tip motion as a function of the node, from the coordinates and the tip at ω.
+    /// One quantity per tip motion as a function of the node, from the coordinates and the tip transfer at ω.
     fn nodal_value(
         &self,
         omega_rad_s: f64,
@@ -195,8 +193,8 @@ impl Model for Superposition {
         }
     }
 
-    /// The tip is on the chord where the accelerations that torque and loads give it are those of the chord. Loads on
-    /// motions without mass, which are no modes, bend nothing here.
+    /// The tip is on the chord if torque and loads accelerate it like the chord. Loads on motions without mass, which
+    /// are no modes, bend nothing here.
     fn loaded_motion(&self, omega_rad_s: f64, loads: &Loads<Complex64>) -> LoadedMotion<Complex64> {
         let (mesh, lambda) = (self.mesh(), self.law().lambda(omega_rad_s));
         assert!(loads.nodal.len() == mesh.nodes_m().len(), "a load for each node");
@@ -264,7 +262,7 @@ mod tests {
         let model = Superposition::new(on_mesh, KeptModes::First(3)).unwrap();
         let modes = ModalBasis::lowest(&mesh, 3).modes;
         for (k, ((omega, _), mode)) in model.modes.iter().zip(&modes).enumerate() {
-            // To the last bit, where its share of the sum is infinite.
+            // Exactly on the natural frequency, where the mode's share is infinite.
             assert_eq!(model.law().modal_denominator(k + 1, *omega, *omega), Complex64::ZERO);
             let found = model.tip_transfer(*omega);
             assert!(found.inertia_kg_m.norm() < 1e-12, "mode {}: {found:?}", k + 1);

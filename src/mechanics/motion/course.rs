@@ -1,30 +1,31 @@
-//! Where a link's tip goes: from stop to stop, once or there and back in a cycle.
+//! Motion of a link's tip from stop to stop, once or there and back in a cycle.
 
 use super::curve::whole;
 use super::error::{CurveError, FEWEST_STEPS};
 use super::profile::Profile;
 use super::samples::{Ends, MotionColumns};
 
-/// Where a link's tip goes along its arc: through stops, at each of which it rests.
+/// Course of a link's tip along its arc through stops, with rest at each of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
     /// Displacement of each stop from the start in m; the last is the end.
     stops_m: Vec<f64>,
-    /// Steps of rest at each stop on the way, and at both ends of a cycle.
+    /// Steps of rest at each intermediate stop, and at both ends of a cycle.
     dwell: usize,
     ends: Ends,
 }
 
 impl Course {
-    /// Straight to an end, given by its displacement from the start in m.
+    /// A course straight to an end, at this displacement from the start in m.
     pub fn to(distance_m: f64) -> Self {
         Self { stops_m: vec![distance_m], dwell: 0, ends: Ends::AtRest }
     }
 
-    /// Through stops, given by their displacement from the start in m, with so many steps of rest at each on the way.
+    /// A course through stops at these displacements from the start in m, with `dwell` steps of rest at each
+    /// intermediate stop.
     ///
     /// # Errors
-    /// [`CurveError::Same`] for two stops in a row that are the same.
+    /// [`CurveError::Same`] for two equal stops in a row.
     pub fn through(stops_m: Vec<f64>, dwell: usize) -> Result<Self, CurveError> {
         let before = [0.0].into_iter().chain(stops_m.iter().copied());
         match before
@@ -36,8 +37,7 @@ impl Course {
         }
     }
 
-    /// The cycle there and back: the way back is the way there in reversed time, after the rest at the far end; the rest
-    /// at the start follows.
+    /// The cycle there and back: after the rest at the far end follow the reversed way and the rest at the start.
     #[must_use]
     pub fn there_and_back(self) -> Self {
         Self { ends: Ends::Periodic, ..self }
@@ -48,16 +48,16 @@ impl Course {
         &self.stops_m
     }
 
-    /// What the tip does before the first sample and after the last.
+    /// Tip motion before the first sample and after the last.
     pub fn ends(&self) -> Ends {
         self.ends
     }
 
-    /// The samples of a profile that has `steps` steps for the moves on the way there, without the rests between them. At
-    /// rest for `rest[0]` steps before and `rest[1]` after, which a cycle has not.
+    /// Samples of a profile with `steps` steps for the moves of the way there, without the rests between them. Unless
+    /// the course is a cycle, the tip rests for `rest[0]` steps before and `rest[1]` after.
     ///
-    /// Moves share the steps by the roots of their lengths, so that the tip accelerates as much in each, as nearly as whole
-    /// steps allow. The first sample of a cycle follows its last one, a step later.
+    /// Moves share the steps by the roots of their lengths, so that all have the same acceleration, as nearly as whole
+    /// steps allow. The first sample of a cycle follows its last one a step later.
     ///
     /// # Errors
     /// [`CurveError::FewSteps`] for a move, [`CurveError::TurnsAtOnce`] for a stop without rest at which the
@@ -77,7 +77,7 @@ impl Course {
             self.check_turn(profile, self.stops_m.len())?;
             let mut cycle = there.clone();
             append(&mut cycle, there.into_iter().rev(), self.dwell);
-            // The first sample of the next cycle follows after the rest.
+            // The next cycle's first sample follows the rest.
             append(&mut cycle, [0.0], self.dwell);
             let seam = cycle.pop().unwrap_or_default();
             cycle[0] += seam;
@@ -119,7 +119,8 @@ impl Course {
         Ok(samples)
     }
 
-    /// Refuses to turn at a stop, numbered from 1, where no rest parts two jumps of the acceleration of one sign.
+    /// Refuses a turn at a stop, numbered from 1, if the acceleration jumps with one sign and no rest separates the
+    /// jumps.
     fn check_turn(&self, profile: Profile, stop: usize) -> Result<(), CurveError> {
         let jumps = profile.jumps_at_its_ends();
         if jumps && self.dwell == 0 {
@@ -129,8 +130,8 @@ impl Course {
     }
 }
 
-/// Appends the samples of a move that begins so many steps after the last sample; without a step between them, the last
-/// sample and the first are one, in which both accelerations act.
+/// Appends the samples of a move that begins `dwell` steps after the last sample. For `dwell` 0 the last sample and the
+/// move's first one coincide, and their accelerations add up.
 fn append(samples: &mut Vec<f64>, own: impl IntoIterator<Item = f64>, dwell: usize) {
     let mut own = own.into_iter();
     if dwell == 0 {
@@ -151,7 +152,7 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// The displacement at each sample, by the integration of [`TipMotion`] written out.
+    /// Displacement at each sample, integrated like in [`TipMotion`], but written out.
     fn displacements_m(columns: &MotionColumns) -> Vec<f64> {
         let (mut velocity, mut displacement) = (0.0, 0.0);
         let accelerations = columns.acceleration_m_s2.as_ref().unwrap();
@@ -173,7 +174,7 @@ mod tests {
             let columns = course.sampled(profile, STEP_S, 120, [3, 2]).unwrap();
             assert_eq!(columns.time_s.len(), 120 + 2 * 7 + 3 + 2 + 1, "{profile}");
             let displacement = displacements_m(&columns);
-            // Moves of 0.1, 0.4 and 0.9 m take 20, 40 and 60 steps: as much acceleration in each.
+            // Moves of 0.1, 0.4 and 0.9 m take 20, 40 and 60 steps: equal acceleration.
             for (samples, at_m) in [(0..=3, 0.0), (24..=30, 0.1), (71..=77, -0.3), (138..=139, 0.6)]
             {
                 for k in samples {
@@ -204,12 +205,12 @@ mod tests {
             }
             let displacement = displacements_m(&columns);
             let far_m = displacement[there + usize::from(dwell > 0)];
-            // In the sample that both ways share, the bell's own end acts already.
+            // In the sample that both ways share, the end of the bell already acts.
             let most_m = if dwell > 0 { 1e-13 } else { 1e-6 };
             assert!((far_m - 0.4).abs() < most_m, "{profile}: {far_m}");
             let motion = TipMotion::with_ends(columns, course.ends()).unwrap();
             assert!(motion.travel_m().abs() < 1e-13 && motion.ends() == Ends::Periodic);
-            // At no step its last sample is taken for its first one again.
+            // With any number of steps its last sample is not taken for a repeated first one.
             for steps in [100, 250, 1000] {
                 let columns = course.sampled(profile, STEP_S, steps, [0, 0]).unwrap();
                 let motion = TipMotion::with_ends(columns, course.ends());

@@ -7,31 +7,31 @@ use super::error::{CurveError, FEWEST_STEPS};
 use super::profile::Profile;
 use crate::numeric::GaussRule;
 
-/// Largest coordinates, radii and lengths in m, and the least of lengths.
+/// Largest coordinate, radius and length in m, and smallest length.
 const LARGEST_M: f64 = 1e100;
 const LEAST_M: f64 = 1e-100;
 
-/// Largest turn in rad of a corner that can be rounded: nearly back.
+/// Largest turn in rad of a corner that can be rounded: almost a reversal.
 const LARGEST_TURN: f64 = 175.0 / 180.0 * PI;
 
 /// Share of a length that is round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Gauss points along half a rounded corner: its integrals are exact to round-off.
+/// Number of Gauss points along half a rounded corner: its integrals are exact to round-off.
 const POINTS: usize = 32;
 
 /// A place or a direction in the plane, along x and y.
 type Vector = [f64; 2];
 
-/// A curve in the plane that a tip goes along from its start to its end, and where it stops between.
+/// A curve in the plane that a tip follows from start to end, and its stops.
 #[derive(Debug, Clone)]
 pub struct Curve {
-    /// The pieces, with the arc length in m at which each begins.
+    /// The pieces, and the arc length in m at the start of each.
     pieces: Vec<(f64, Piece)>,
     length_m: f64,
-    /// Arc lengths in m at which the tip stops, the end included.
+    /// Arc lengths in m of the stops, including the end.
     stops_m: Vec<f64>,
-    /// Steps of rest at each stop on the way.
+    /// Steps of rest at each intermediate stop.
     dwell: usize,
 }
 
@@ -46,7 +46,7 @@ impl Curve {
     /// Straight legs through these points, in m; the tip stops at each of them.
     ///
     /// # Errors
-    /// [`CurveError`] of points that are the same or no numbers.
+    /// [`CurveError`] for equal points or coordinates that are not finite.
     pub fn through(points_m: &[[f64; 2]]) -> Result<Self, CurveError> {
         check_points(points_m)?;
         let legs = points_m.windows(2);
@@ -57,14 +57,14 @@ impl Curve {
         Ok(curve)
     }
 
-    /// Legs through these points, in m, whose corners are rounded from `reach_m` before each to `reach_m` after it; the
-    /// tip stops at the end alone.
+    /// Legs through these points, in m, with corners rounded from `reach_m` before each point to `reach_m` after it;
+    /// the tip stops only at the end.
     ///
-    /// Along a rounded corner the direction turns as the [`Profile::Septic`] goes, over the arc length: curvature, its
-    /// rate and the rate of this go on without jumps from the legs into the corner.
+    /// Along a rounded corner the direction follows [`Profile::Septic`] over the arc length: curvature and its first
+    /// two derivatives do not jump from the legs into the corner.
     ///
     /// # Errors
-    /// [`CurveError`] of points that are the same, of a corner that turns back and of corners that overlap.
+    /// [`CurveError`] for equal points, a corner that turns back and corners that overlap.
     pub fn rounded(points_m: &[[f64; 2]], reach_m: f64) -> Result<Self, CurveError> {
         check_points(points_m)?;
         if !(LEAST_M..=LARGEST_M).contains(&reach_m) {
@@ -95,11 +95,11 @@ impl Curve {
         Ok(Self::of(pieces))
     }
 
-    /// An arc from a place about a centre, both in m, by an angle in rad: counterclockwise if it is above 0. It may exceed
-    /// a turn.
+    /// An arc from a place about a centre, both in m, by an angle in rad, counterclockwise if positive. It may exceed a
+    /// turn.
     ///
     /// # Errors
-    /// [`CurveError`] of an arc without length.
+    /// [`CurveError`] for an arc without length.
     pub fn arc(from_m: [f64; 2], center_m: [f64; 2], angle_rad: f64) -> Result<Self, CurveError> {
         check_numbers(&[from_m, center_m])?;
         if is_out_of_range(angle_rad) {
@@ -125,35 +125,35 @@ impl Curve {
         Self { pieces, length_m, stops_m: vec![length_m], dwell: 0 }
     }
 
-    /// The same curve with so many steps of rest at each stop on the way.
+    /// Sets the number of steps of rest at each intermediate stop.
     #[must_use]
     pub fn with_dwell(self, steps: usize) -> Self {
         Self { dwell: steps, ..self }
     }
 
-    /// Its length in m.
+    /// Length of the curve in m.
     pub fn length_m(&self) -> f64 {
         self.length_m
     }
 
-    /// Arc lengths in m at which the tip stops, the end included.
+    /// Arc lengths in m of the stops, including the end.
     pub fn stops_m(&self) -> &[f64] {
         &self.stops_m
     }
 
-    /// The place at an arc length in m, from 0 to the whole length.
+    /// The place at an arc length in m, from 0 to the curve's length.
     pub fn at(&self, arc_m: f64) -> [f64; 2] {
         let piece = self.pieces.partition_point(|(start_m, _)| *start_m <= arc_m).max(1) - 1;
         let (start_m, piece) = &self.pieces[piece];
         piece.at(((arc_m - start_m) / piece.length_m()).clamp(0.0, 1.0))
     }
 
-    /// The places at the samples of a profile that has `steps` steps, at rest for `rest[0]` steps before and `rest[1]`
-    /// after: the profile is the law of the arc length, over the whole curve or, where the tip stops between, over each leg.
-    /// Legs share the steps by their lengths, so that the tip is as fast on each, as nearly as whole steps allow.
+    /// Places at the samples of a profile with `steps` steps, at rest for `rest[0]` steps before and `rest[1]` after.
+    /// The profile is the law of the arc length over the whole curve, or over each leg if the tip stops between. Legs
+    /// share the steps by their lengths, so that the tip is equally fast on each, as nearly as whole steps allow.
     ///
     /// # Errors
-    /// [`CurveError::FewSteps`] for a leg.
+    /// [`CurveError::FewSteps`] for a leg with too few steps.
     pub fn sampled(
         &self,
         profile: Profile,
@@ -169,7 +169,7 @@ impl Curve {
                 return Err(CurveError::FewSteps { number: leg + 1, steps: own, all: steps });
             }
             let place = |k: usize| {
-                // From the nearer end, so that both ends are as they are given.
+                // From the nearer end, so that both ends are met exactly.
                 let near_m = (stop_m - from_m) * profile.share(k.min(own - k) as f64 / own as f64);
                 self.at(if 2 * k <= own { from_m + near_m } else { stop_m - near_m })
             };
@@ -195,7 +195,7 @@ impl Piece {
         }
     }
 
-    /// The place at a share of its length.
+    /// The place at a fraction of the piece's length.
     fn at(&self, share: f64) -> Vector {
         match self {
             Self::Line { from_m, to_m } if share > 0.5 => part(*to_m, *from_m, 1.0 - share),
@@ -203,7 +203,7 @@ impl Piece {
             Self::Arc { center_m, from_m, angle_rad } => {
                 let turned = [libm::cos(angle_rad * share), libm::sin(angle_rad * share)];
                 let from = [0, 1].map(|axis: usize| from_m[axis] - center_m[axis]);
-                // At the start exactly the start: turned by nothing.
+                // At fraction 0 this is exactly the start.
                 let [along, across] = [turned[0] - 1.0, turned[1]];
                 [
                     from_m[0] + along * from[0] - across * from[1],
@@ -220,7 +220,7 @@ impl Piece {
 struct Corner {
     start_m: Vector,
     end_m: Vector,
-    /// Directions of the legs before and after.
+    /// Direction of the leg before the corner; `after` is the direction of the next leg.
     before: Vector,
     after: Vector,
     turn_rad: f64,
@@ -229,7 +229,7 @@ struct Corner {
 }
 
 impl Corner {
-    /// The corner at the second of three points; none where the path goes straight on.
+    /// The corner at the second of three points; `None` if the path goes straight on.
     fn of(
         [from_m, at_m, to_m]: [Vector; 3],
         reach_m: f64,
@@ -255,13 +255,13 @@ impl Corner {
             length_m: 1.0,
             rule: GaussRule::new(POINTS),
         };
-        // Both halves meet on the line that halves the corner.
+        // The halves meet on the bisector of the corner.
         let [along, across] = corner.half(0.5);
         corner.length_m = reach_m / (along + across * libm::tan(0.5 * turn_rad));
         Ok(Some(corner))
     }
 
-    /// How far the corner has gone along its first leg, and to the left of it, at a share of its length up to 1/2.
+    /// Distance of the corner along its first leg, and to the left of it, at a fraction of its length up to 1/2.
     fn half(&self, share: f64) -> Vector {
         let points = self.rule.places.iter().zip(&self.rule.weights);
         points.fold([0.0; 2], |[along, across], (place, weight)| {
@@ -271,7 +271,7 @@ impl Corner {
         })
     }
 
-    /// The place at a share of its length: the second half mirrors the first one.
+    /// The place at a fraction of the corner's length: the second half mirrors the first one.
     fn at(&self, share: f64) -> Vector {
         let (from, leg, side, share) = if share > 0.5 {
             (self.end_m, self.after.map(|part| -part), -1.0, 1.0 - share)

@@ -1,4 +1,4 @@
-//! The search of the lowest cut-off of a motion.
+//! Search for the lowest cut-off of a motion.
 
 use num_complex::Complex64;
 
@@ -9,76 +9,76 @@ use super::spectrum::{Cutoff, InputBand, LOOSER, ROLL_OFF, Shortfall, TipSpectru
 use super::tip_motion::TipMotion;
 use crate::numeric::{FourierPair, fast_length, largest};
 
-/// Largest tolerance that is searched for.
+/// Largest tolerance of the search.
 const LARGEST_TOLERANCE: f64 = 0.1;
 
-/// Least and largest exponent with which the tip's error is taken to fall beyond the band of uncertain
-/// samples: an acceleration that jumps has 2, and the smoothest motions fall faster than any power.
+/// Smallest and largest exponent assumed for the fall of the tip's error beyond the band of uncertain samples. It is 2
+/// for an acceleration that jumps; the smoothest motions fall faster than any power.
 const FALLS: (f64, f64) = (2.0, 6.0);
 const USUAL_FALL: f64 = 3.0;
 
-/// Factor on the distance within which uncertain samples are followed, and that by which it must lower the
-/// cut-off to be used: the error of a motion falls with the square of the frequency or faster, that of noise
-/// hardly.
+/// Factor that eases the distance within which uncertain samples are followed, and the factor by which easing must
+/// lower the cut-off to count. The error of a motion falls with the square of the frequency or faster; noise hardly
+/// falls.
 const EASED: f64 = 1.5;
 const LOWERED: f64 = 1.5;
 
-/// Error of the tip, over its travel, from which on it falls so.
+/// Error of the tip relative to its travel, from which on the fall is measured.
 const COARSE: f64 = 0.1;
 
-/// Relative precision of the cut-off, and of that for the looser tolerance.
+/// Relative precision of the cut-off, and of the cut-off for the looser tolerance.
 const PRECISION: f64 = 1e-3;
 const LOOSER_PRECISION: f64 = 2e-2;
 
-/// Share of the tolerated error above the highest frequency that the search transforms; it is added to
-/// every error found.
+/// Share of the tolerated error above the highest frequency that the search transforms; every computed error includes
+/// it.
 const ABOVE_TRANSFORM: f64 = 1e-2;
 
-/// Exponent with which the tip's error falls with frequency below which a finer step does not help. Samples
-/// of rounded digits have 0.4 to 1.5, those of an acceleration that jumps 2.
+/// Exponent in the fall of the tip's error with frequency below which a finer step does not help. Samples with rounded
+/// digits have 0.4 to 1.5, samples of an acceleration that jumps 2.
 const LEAST_FALL: f64 = 1.7;
 
-/// Exponent beyond the Nyquist frequency from which a step is suggested: that of an acceleration that jumps.
+/// Exponent assumed beyond the Nyquist frequency for the suggestion of a step: the value of an acceleration that jumps.
 /// Near the Nyquist frequency the error falls faster.
 const SURE_FALL: f64 = 2.0;
 
-/// Factor on the step that this exponent gives.
+/// Factor on the step that follows from [`SURE_FALL`].
 const STEP_MARGIN: f64 = 0.6;
 
-/// A cut-off, and the largest displacement in m, at any time, of what it leaves out.
+/// A cut-off, and the largest displacement in m, at any time, that it removes.
 #[derive(Clone, Copy)]
 struct Left {
     omega_rad_s: f64,
     error_m: f64,
 }
 
-/// What a cut-off in rad/s may leave out in m.
+/// Largest displacement in m that a cut-off in rad/s may remove.
 type Allowed<'a> = &'a dyn Fn(f64) -> f64;
 
-/// The displacement of a motion over frequency, from which that above a cut-off is computed.
+/// Displacement of a motion over frequency, for computing the part above a cut-off.
 struct Residual {
     omegas_rad_s: Vec<f64>,
     /// Amplitudes of the displacement in m, without the negligible ones at the end.
     displacement_m: Vec<Complex64>,
     pair: FourierPair,
-    /// Sum of the amplitudes at the end, both signs of the frequency, in m.
+    /// Sum of the negligible amplitudes, for both signs of the frequency, in m.
     left_out_m: f64,
 }
 
 impl TipMotion {
-    /// The lowest cut-off whose tip error is at most `tolerance` times the travel at all times; all
-    /// frequencies for a tolerance of 0 or below, and no fewer than for 0.1. It depends on the motion alone,
-    /// on no link. Samples that are more uncertain than that are followed as closely as they deserve; a cut-off
-    /// that the recording prescribes is taken as it is.
+    /// The lowest cut-off whose tip error is at most `tolerance` times the travel at all times; a tolerance of 0 or
+    /// below keeps all frequencies, and one above 0.1 counts as 0.1. It depends only on the motion, not on a link.
+    /// Uncertain samples are followed only as closely as their errors justify; a cut-off in the recording takes
+    /// precedence.
     ///
-    /// If even the highest cut-off has a larger error, it is returned with the reason.
+    /// If even the highest cut-off has a larger error, the result is this cut-off with the reason.
     pub fn cutoff(&self, tolerance: f64) -> Cutoff {
         let chosen_rad_s = self.recording().lowpass_rad_s;
         if tolerance <= 0.0 && chosen_rad_s.is_none() {
             return self.all_frequencies();
         }
         let tolerance = tolerance.min(LARGEST_TOLERANCE);
-        // Four times as long as it moves: a shorter rest would change a low cut-off.
+        // A period of four times the motion: a shorter rest would change a low cut-off.
         let moves = |a: &f64| *a != 0.0;
         let forcing = self.samples().forcing_m_s2();
         let first = forcing.iter().position(moves).unwrap_or(0);
@@ -110,7 +110,7 @@ impl TipMotion {
             let fall = libm::log2(coarse.error_m / found.tip_error_m) / octaves;
             let fall = match self.ends() {
                 Ends::Periodic => fall.max(FALLS.0), // a cycle of few harmonics has no others
-                // Over less than an octave it is not known: that of a motion whose jerk jumps.
+                // Over less than an octave the fall is unknown: assume a jerk that jumps.
                 _ if octaves > 1.0 => fall.clamp(FALLS.0, FALLS.1),
                 _ => USUAL_FALL,
             };
@@ -126,7 +126,7 @@ impl TipMotion {
         Cutoff { input, ..found }
     }
 
-    /// All frequencies of the samples, with what uncertainty they have.
+    /// Keeps all frequencies of the samples, with the samples' uncertainty.
     fn all_frequencies(&self) -> Cutoff {
         let farthest_m = match &*self.samples().source {
             Source::Displacement { samples, .. } => farthest_m(samples[0], samples),
@@ -142,8 +142,8 @@ impl TipMotion {
         Cutoff { input, ..Cutoff::ALL }
     }
 
-    /// The lowest cut-off that leaves at most `allowed_m`; where that is more than wanted, a much lower one that
-    /// leaves little more, if there is one: what lies between them is noise.
+    /// The lowest cut-off that removes at most `allowed_m`. If this exceeds `wanted_m`, a much lower cut-off that
+    /// removes little more is better, because the frequencies between them are noise.
     fn above_noise(&self, spectrum: &TipSpectrum, wanted_m: f64, allowed_m: Allowed<'_>) -> Cutoff {
         let found = self.lowest(spectrum, allowed_m);
         if allowed_m(found.omega_rad_s) <= wanted_m {
@@ -153,8 +153,7 @@ impl TipMotion {
         if LOWERED * eased.omega_rad_s < found.omega_rad_s { eased } else { found }
     }
 
-    /// The lowest cut-off that leaves at most `allowed_m`, or the highest one with the reason why it leaves
-    /// more.
+    /// The lowest cut-off that removes at most `allowed_m`, or the highest one with the reason why it removes more.
     fn lowest(&self, spectrum: &TipSpectrum, allowed_m: Allowed<'_>) -> Cutoff {
         let omegas = &spectrum.omegas_rad_s;
         let least_m = allowed_m(omegas[omegas.len() - 1] / ROLL_OFF);
@@ -184,11 +183,11 @@ impl TipMotion {
     }
 }
 
-/// A cut-off as it was chosen, as far as the samples have frequencies.
+/// The chosen cut-off, limited to the frequencies of the samples.
 fn chosen(spectrum: &TipSpectrum, omega_rad_s: f64) -> Cutoff {
     let omegas = &spectrum.omegas_rad_s;
     let omega_rad_s = omega_rad_s.clamp(omegas[1], omegas[omegas.len() - 1] / ROLL_OFF);
-    // Nothing is left out of the transform: what the cut-off leaves is not known yet.
+    // Transforms all frequencies, because the error of the cut-off is not known yet.
     let (residual, ..) = Residual::bracketed(spectrum, f64::MIN_POSITIVE);
     let found = residual.left_by(omega_rad_s);
     let looser = residual.looser(found, LOOSER * found.error_m);
@@ -202,15 +201,14 @@ fn chosen(spectrum: &TipSpectrum, omega_rad_s: f64) -> Cutoff {
 }
 
 impl Residual {
-    /// The residual of a motion, and two cut-offs in rad/s that bracket the lowest one that leaves at most
-    /// `allowed_m`; the upper one may leave more if it is the highest possible.
+    /// The residual of a motion, and two cut-offs in rad/s that bracket the lowest one that removes at most
+    /// `allowed_m`. The upper one may remove more if it is the highest possible.
     fn bracketed(spectrum: &TipSpectrum, allowed_m: f64) -> (Self, f64, f64) {
         let omegas = &spectrum.omegas_rad_s;
         let bins = spectrum.acceleration_m_s2.iter().zip(omegas);
         let mut displacement_m: Vec<_> = bins.map(|(a, omega)| -a / (omega * omega)).collect();
         displacement_m[0] = Complex64::ZERO;
-        // The amplitudes from a bin on move the tip at most by their sum, and at some time by their root
-        // mean square.
+        // The amplitudes from a bin on move the tip at most by their sum, and at some time by their root mean square.
         let (mut sum, mut squares) = (0.0, 0.0);
         let (mut top, mut enough, mut too_low) = (omegas.len(), omegas.len(), 0);
         for (k, amplitude) in displacement_m.iter().enumerate().rev() {
@@ -231,8 +229,8 @@ impl Residual {
         let left_out_m = displacement_m[top..].iter().map(|d| 2.0 * d.norm_sqr().sqrt()).sum();
         let top = top.max(2);
         displacement_m.truncate(top);
-        // Eight samples or more per cycle of the highest frequency: the peak between them is larger by some
-        // tenths of a percent.
+        // At least eight samples per cycle of the highest frequency: the true peak is larger by some tenths of a
+        // percent.
         let pair = FourierPair::new(fast_length(8 * top));
         let highest = omegas[omegas.len() - 1] / ROLL_OFF;
         let high = omegas[enough.min(omegas.len() - 1)].min(highest);
@@ -241,7 +239,7 @@ impl Residual {
         (Self { omegas_rad_s, displacement_m, pair, left_out_m }, low, high)
     }
 
-    /// The displacement that a cut-off leaves out.
+    /// The displacement that a cut-off removes.
     fn left_by(&self, omega_rad_s: f64) -> Left {
         let bins = self.displacement_m.iter().zip(&self.omegas_rad_s);
         let left: Vec<_> = bins.map(|(d, omega)| d * (1.0 - weight(*omega, omega_rad_s))).collect();
@@ -249,26 +247,26 @@ impl Residual {
         Left { omega_rad_s, error_m }
     }
 
-    /// The lowest cut-off that leaves at most `allowed_m`; `from` leaves no more.
+    /// The lowest cut-off that removes at most `allowed_m`; `from` removes no more.
     fn looser(&self, from: Left, allowed_m: f64) -> Left {
         let low = self.too_low(self.left_by(0.5 * from.omega_rad_s), &|_| allowed_m);
         self.lowest(low, from, &|_| allowed_m, LOOSER_PRECISION)
     }
 
-    /// A cut-off that leaves more than it may, this one or one lower by octaves.
+    /// A cut-off that removes more than allowed: `low` or one lower by octaves.
     fn too_low(&self, mut low: Left, allowed_m: Allowed<'_>) -> Left {
-        // This ends: a cut-off near zero leaves the whole motion, far more than any tolerance.
+        // This ends: a cut-off near zero removes the whole motion, far more than any tolerance.
         while low.error_m <= allowed_m(low.omega_rad_s) && low.omega_rad_s > 0.0 {
             low = self.left_by(0.5 * low.omega_rad_s);
         }
         low
     }
 
-    /// The lowest cut-off in a bracket that leaves at most what it may, to the relative precision `precision`; `high`
-    /// leaves no more.
+    /// The lowest cut-off in a bracket that removes no more than allowed, to the relative precision `precision`; `high`
+    /// removes no more than allowed.
     ///
-    /// The error falls about as a power of the cut-off, so that the next trial lies on the power law through
-    /// both ends. If that left more than half of the bracket, the following trial halves it.
+    /// The error falls about as a power of the cut-off, so that the next trial lies on the power law through both ends.
+    /// If more than half of the bracket remains, the next trial halves it.
     fn lowest(
         &self,
         mut low: Left,
@@ -283,7 +281,7 @@ impl Residual {
             let fall = libm::log(low.error_m / high.error_m);
             let share = libm::log(allowed_m(high.omega_rad_s) / high.error_m) / fall;
             let share = if is_power_law && share.is_finite() { share } else { 0.5 };
-            // No closer to an end than needed to close the bracket.
+            // No closer to an end than closing the bracket needs.
             let least = 0.9 * precision;
             let below = (share * width).min(width - least).max(least.min(0.5 * width));
             let tried = self.left_by(high.omega_rad_s * libm::exp(-below));
@@ -312,7 +310,7 @@ mod tests {
         TipMotion::new(Profile::Septic.sampled(TRAVEL_M, STEP_S, 100, [0, 0])).unwrap()
     }
 
-    /// What a cut-off leaves out of a motion, largest over times four to a step, by plain sums over all
+    /// Displacement that a cut-off removes from a motion, largest over times four to a step, by plain sums over all
     /// samples and frequencies of a period eight times as long.
     fn left_out_m(motion: &TipMotion, cutoff_rad_s: f64) -> f64 {
         let samples = motion.samples().forcing_m_s2();

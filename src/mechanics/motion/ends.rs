@@ -1,36 +1,36 @@
-//! What the tip does before the first sample of a motion and after its last.
+//! Tip motion before the first sample and after the last.
 
 use super::error::MotionError;
 use super::samples::{Ends, MotionColumns, moving_samples};
 use crate::numeric::{extremes, largest};
 
-/// Velocity at an end over the peak velocity from which on a velocity column says that the tip moves there, and the share
-/// by which the next samples may then differ: a tip that accelerates there is none that has moved all along.
+/// Velocity at an end, over the peak velocity, above which a velocity column counts as moving there, and the share by
+/// which the next samples may differ. A tip that accelerates there has not moved all along.
 const MOVES: f64 = 1e-2;
 const STEADY: f64 = 0.1;
 
-/// Acceleration at an end, over the largest, from which on a tip that moves there accelerates.
+/// Acceleration at an end, over the largest, above which a moving tip counts as accelerating there.
 const ACCELERATES: f64 = 2e-2;
 
-/// Mean velocity over the peak velocity that is round-off.
+/// Mean velocity over the peak velocity below which it is round-off.
 const NO_MEAN: f64 = 1e-9;
 
-/// Step of the displacement from the last sample to the next cycle, over the largest between samples, from which on a cycle
-/// does not return; and the same of its distance from what the velocity column says.
+/// Step from the last sample to the next cycle, over the largest step between samples, above which a cycle does not
+/// return. With a velocity column, distances of the steps from it replace the steps.
 const JUMP: f64 = 3.0;
 
-/// Difference of the first and the last sample over the range of all below which they are the same.
+/// Difference of the first and the last sample, over the range of all, below which they are equal.
 const SAME: f64 = 1e-6;
 
-/// Roughness over the range of the samples below which it must fall to a tenth without the last one: that of a bell that has
-/// nearly come to rest does not, that of a wave at its crest does.
+/// Roughness of a cycle over the range of its samples. Up to it, the last sample is a repetition only if leaving it out
+/// lowers the roughness to a tenth: true for a wave at its crest, false for a bell nearly at rest.
 const FLAT: f64 = 1e-5;
 
-/// Second differences, over the range of the samples, that are round-off.
+/// Second differences over the range of the samples below which they are round-off.
 const ROUND_OFF: f64 = 1e-13;
 
 impl Ends {
-    /// The same, but moving where a velocity column says so of a tip that was taken to be at rest.
+    /// Replaces rest at the ends by motion if a velocity column shows it.
     #[must_use]
     pub fn said_by(self, velocity_m_s: Option<&[f64]>) -> Self {
         let Some(velocity) = velocity_m_s.filter(|_| self == Self::AtRest) else { return self };
@@ -44,11 +44,11 @@ impl Ends {
         if starts || ends { Self::Moving } else { self }
     }
 
-    /// Velocities in m/s before the first sample and after the last one, as far as they are known; of a periodic
-    /// motion both are its mean. The second is `None` where it follows from the acceleration.
+    /// Velocities in m/s before the first sample and after the last one; for a periodic motion both are the mean
+    /// velocity. The second is `None` if it follows from the acceleration.
     ///
     /// # Errors
-    /// [`MotionError::UnknownVelocity`] for a moving tip of which the acceleration alone is given.
+    /// [`MotionError::UnknownVelocity`] for a moving tip with only an acceleration column.
     pub(super) fn velocities_m_s(
         self,
         columns: &MotionColumns,
@@ -82,13 +82,13 @@ impl Ends {
     }
 }
 
-/// True if the second differences of displacements over the squared step are round-off.
+/// True if the second differences of displacements, over the squared step, are round-off.
 pub(super) fn is_steady(displacement_m: &[f64], second_differences: &[f64], step_s: f64) -> bool {
     let [low, high] = extremes(displacement_m);
     largest(second_differences) * step_s.powi(2) <= ROUND_OFF * (high - low)
 }
 
-/// Numbers of the samples between which the tip moves, or changes its velocity.
+/// Numbers of the samples between which the tip moves, or changes its velocity in a motion that moves at its ends.
 pub(super) fn moves(forcing_m_s2: &[f64], ends: Ends) -> Result<(usize, usize), MotionError> {
     let moving = moving_samples(forcing_m_s2).map_err(|error| match error {
         MotionError::NoMotion if ends != Ends::AtRest => MotionError::Steady,
@@ -100,13 +100,13 @@ pub(super) fn moves(forcing_m_s2: &[f64], ends: Ends) -> Result<(usize, usize), 
     Ok(if ends == Ends::Periodic { (0, forcing_m_s2.len() - 1) } else { moving })
 }
 
-/// Slope at the first of some samples in units per step, exact for a cubic.
+/// Slope at the first of some samples per step, exact for a cubic.
 fn slope(samples: &[f64]) -> f64 {
     let [a, b, c, d] = [samples[0], samples[1], samples[2], samples[3]];
     (18.0 * b - 11.0 * a - 9.0 * c + 2.0 * d) / 6.0
 }
 
-/// Velocity before the first sample with which the acceleration leads from the first displacement to the last one.
+/// Velocity before the first sample, chosen so that the acceleration leads from the first displacement to the last one.
 fn start_velocity(displacement_m: &[f64], acceleration_m_s2: &[f64], step_s: f64) -> f64 {
     let last = displacement_m.len() - 1;
     let moments = acceleration_m_s2.iter().enumerate().map(|(k, a)| (last - k) as f64 * a);
@@ -114,7 +114,7 @@ fn start_velocity(displacement_m: &[f64], acceleration_m_s2: &[f64], step_s: f64
     (displacement_m[last] - displacement_m[0] - accelerated_m) / (last as f64 * step_s)
 }
 
-/// Refuses a cycle of which a column ends with its first sample again.
+/// Refuses a cycle if the last sample of a column repeats its first one.
 pub(super) fn refuse_repetition(columns: &MotionColumns, step_s: f64) -> Result<(), MotionError> {
     let last = columns.time_s.len() - 1;
     let velocity = columns.velocity_m_s.as_deref();
@@ -130,7 +130,7 @@ pub(super) fn refuse_repetition(columns: &MotionColumns, step_s: f64) -> Result<
     Ok(())
 }
 
-/// True if the last sample of a cycle is its first one again: without it, the samples go on more smoothly.
+/// True if the last sample of a cycle repeats its first one: the cycle is smoother without it.
 pub(crate) fn is_repeated(samples: &[f64], travel: f64) -> bool {
     let last = samples.len() - 1;
     let [low, high] = extremes(samples);
@@ -144,10 +144,10 @@ pub(crate) fn is_repeated(samples: &[f64], travel: f64) -> bool {
     without < share * with
 }
 
-/// Highest order of the differences by which samples are judged: lower ones are large where curvature changes fast.
+/// Highest order of the differences that measure roughness: lower ones are large where curvature changes fast.
 const MOST_ORDER: usize = 6;
 
-/// Sum of the differences over the end of a cycle.
+/// Sum of absolute differences of an order across the end of a cycle.
 fn roughness(samples: &[f64], travel: f64, order: usize) -> f64 {
     let len = samples.len();
     let at = |k: usize| samples[k % len] + if k < len { 0.0 } else { travel };
@@ -158,10 +158,10 @@ fn roughness(samples: &[f64], travel: f64, order: usize) -> f64 {
     around.iter().map(|difference| difference.abs()).sum()
 }
 
-/// Displacement in m over a cycle: none where the displacement returns, else what the velocity column says.
+/// Displacement in m over a cycle: 0 if the displacement returns, otherwise the travel from the velocity column.
 ///
 /// # Errors
-/// [`MotionError::Unclosed`] where it does neither.
+/// [`MotionError::Unclosed`] if the displacement fits neither.
 pub(super) fn travel_of_cycle_m(
     displacement_m: &[f64],
     velocity_m_s: Option<&[f64]>,
@@ -172,7 +172,7 @@ pub(super) fn travel_of_cycle_m(
     let back_m = displacement_m[0] - displacement_m[last];
     let travel_m = mean_m_s * step_s * displacement_m.len() as f64;
     let Some(velocity) = velocity_m_s else {
-        // Made of a cycle that was judged.
+        // Derived from a cycle that was already checked.
         if mean_m_s != 0.0 {
             return Ok(travel_m);
         }
@@ -192,7 +192,7 @@ pub(super) fn travel_of_cycle_m(
     found.ok_or(MotionError::Unclosed { sample: last, off_m: off(travel_m) })
 }
 
-/// Refuses a tip that accelerates where it should move at constant velocity.
+/// Refuses a tip that accelerates at an end where it should have constant velocity.
 fn refuse_acceleration(forcing_m_s2: &[f64]) -> Result<(), MotionError> {
     let last = forcing_m_s2.len() - 1;
     let peak = largest(forcing_m_s2);
@@ -203,7 +203,7 @@ fn refuse_acceleration(forcing_m_s2: &[f64]) -> Result<(), MotionError> {
     })
 }
 
-/// Samples of a cycle with so many of the cycles beside it on either side.
+/// Samples of a cycle with `around` samples of the adjacent cycles on either side.
 pub(crate) fn wrapped(samples: &[f64], travel: f64, around: usize) -> Vec<f64> {
     let len = samples.len();
     let before = (0..around).map(|k| {
@@ -237,7 +237,7 @@ mod tests {
         // At a crest, with many samples.
         let crest = |t: f64| (TAU * t / 400.0).cos();
         assert!(!is_repeated(&cycle(9600, crest), 0.0) && is_repeated(&cycle(9601, crest), 0.0));
-        // Half a step off, the first and the last sample are equal, and no repetition.
+        // Half a step off, the first and the last sample are equal without a repetition.
         let between = |t: f64| (TAU * (t + 0.5 / 24.0)).cos();
         assert!(!is_repeated(&cycle(24, between), 0.0));
         // A cycle that rests at its end.

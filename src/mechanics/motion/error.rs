@@ -1,37 +1,36 @@
-//! Why sampled columns are no tip motion.
+//! Errors of sampled columns and of curves that make no motion.
 
 use thiserror::Error;
 
 use crate::numeric::NotUniform;
 use crate::text::{plain, significant};
 
-/// Why sampled columns are no tip motion that can be inverted.
+/// Reason why sampled columns are no tip motion that can be inverted.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MotionError {
-    /// Columns of different lengths, fewer than 4 samples, or neither acceleration nor
-    /// displacement.
+    /// Columns differ in length, have fewer than 4 samples, or lack acceleration and displacement.
     #[error(
         "the motion has {samples} samples, but must have at least 4 of time and of acceleration or \
          displacement, all columns equally long"
     )]
     Shape {
-        /// Samples of the time column.
+        /// Number of samples of the time column.
         samples: usize,
     },
-    /// A sample that is no number, or is infinite.
+    /// A sample is NaN or infinite.
     #[error("{column} = {found}, but must be a finite number")]
     NotFinite {
         /// Number of the sample, from 0.
         sample: usize,
         /// Name of the column.
         column: &'static str,
-        /// What was found.
+        /// Value of the sample.
         found: f64,
     },
-    /// Samples whose integrals or differences leave the range of numbers.
+    /// Integrals or differences of the samples overflow.
     #[error("the motion reaches beyond double precision, but must stay far below 1e308 in SI")]
     TooLarge,
-    /// Samples so small that their sums and squares are no numbers.
+    /// Sums and squares of the samples underflow.
     #[error(
         "the motion's acceleration peaks at {peak_m_s2:e} m/s^2, but must reach {least_m_s2:e} m/s^2: \
          what is smaller cannot be squared"
@@ -39,13 +38,13 @@ pub enum MotionError {
     TooSmall {
         /// Largest acceleration in m/s².
         peak_m_s2: f64,
-        /// The least that it must reach, in m/s².
+        /// Required peak acceleration in m/s².
         least_m_s2: f64,
     },
-    /// A time off the uniform grid.
+    /// A time is off the uniform grid.
     #[error(transparent)]
     NotUniform(#[from] NotUniform),
-    /// Factors that leave no motion, or none that ends.
+    /// The factors leave no motion, or an endless one.
     #[error(
         "the motion's distance times {distance} and duration times {duration}, but these must be \
          finite factors, that of the duration above 0 and that of the distance not 0"
@@ -59,7 +58,7 @@ pub enum MotionError {
     /// The tip stands still.
     #[error("the tip stands still in all samples, but must move")]
     NoMotion,
-    /// The acceleration leaves the tip moving after the last sample.
+    /// The acceleration leaves a velocity after the last sample.
     #[error(
         "the motion ends with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must \
          end at rest: the acceleration must integrate to 0",
@@ -68,33 +67,33 @@ pub enum MotionError {
     AcceleratesAway {
         /// Velocity after the last sample, ∫a dt.
         velocity_m_s: f64,
-        /// The same over the peak velocity.
+        /// Ratio of this velocity to the peak velocity.
         share: f64,
     },
-    /// An acceleration that makes a tip faster from cycle to cycle.
+    /// The acceleration of a cycle adds velocity from cycle to cycle.
     #[error(
         "the acceleration of a cycle adds a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must \
          integrate to 0",
         100.0 * share
     )]
     AddsVelocity {
-        /// The velocity in m/s.
+        /// Added velocity in m/s.
         velocity_m_s: f64,
-        /// The same over the peak velocity.
+        /// Ratio of this velocity to the peak velocity.
         share: f64,
     },
-    /// A tip that moves at its start, of which the acceleration alone is given.
+    /// The tip moves at its start, but only its acceleration is known.
     #[error(
         "the tip's velocity at the start = unknown, but must be given where the tip may move there"
     )]
     UnknownVelocity,
-    /// A cycle that ends with the sample with which it begins.
+    /// The last sample of a cycle repeats its first one.
     #[error("the last row of the cycle = the first one again, but must be the one before it")]
     Repeats {
         /// Number of the last sample.
         sample: usize,
     },
-    /// A cycle that does not lead back to its start.
+    /// A cycle does not lead back to its start.
     #[error(
         "a step after its last row the cycle = {off_m:.3e} m off its start, but must be back there, or as far on as the \
          velocity says"
@@ -102,10 +101,10 @@ pub enum MotionError {
     Unclosed {
         /// Number of the last sample.
         sample: usize,
-        /// The distance in m.
+        /// Distance from the start in m.
         off_m: f64,
     },
-    /// A tip that accelerates where it should move at constant velocity.
+    /// The tip accelerates at an end where it should have constant velocity.
     #[error(
         "the tip accelerates there, with {:.2} % of its peak, but must move at constant velocity at its ends",
         100.0 * share
@@ -113,13 +112,13 @@ pub enum MotionError {
     AcceleratingEnd {
         /// Number of the sample, the first or the last.
         sample: usize,
-        /// The acceleration over its peak.
+        /// Ratio of the acceleration to its peak.
         share: f64,
     },
-    /// A tip that keeps its velocity.
+    /// The tip has constant velocity.
     #[error("the tip keeps its velocity in all samples, but must change it")]
     Steady,
-    /// The displacement jumps into or out of motion.
+    /// The displacement begins or ends with a velocity.
     #[error(
         "the motion {} with a velocity of {velocity_m_s:.3e} m/s, {:.2} % of its peak, but must be \
          at rest there",
@@ -129,25 +128,25 @@ pub enum MotionError {
     MovingAtEnd {
         /// Number of the sample, the first or the last.
         sample: usize,
-        /// Velocity there.
+        /// Velocity at this sample.
         velocity_m_s: f64,
-        /// The same over the peak velocity.
+        /// Ratio of this velocity to the peak velocity.
         share: f64,
     },
-    /// Two columns that contradict each other.
+    /// Two columns contradict each other.
     #[error(
         "{column} = {found} {unit}, but must be {expected:.6e} {unit} to agree with the {other}"
     )]
     Disagree {
-        /// Number of the sample, from 0: the one that is farthest off.
+        /// Number of the sample with the largest contradiction, from 0.
         sample: usize,
-        /// The column that is checked.
+        /// The contradicting column.
         column: &'static str,
-        /// Its unit.
+        /// Unit of the column.
         unit: &'static str,
-        /// What it holds.
+        /// Value in the column.
         found: f64,
-        /// The value that follows from the other column.
+        /// Value that follows from the other column.
         expected: f64,
         /// The column that the motion is computed from.
         other: &'static str,
@@ -155,7 +154,7 @@ pub enum MotionError {
 }
 
 impl MotionError {
-    /// Number of the sample, from 0, that is to blame, where one is.
+    /// Number of the faulty sample, from 0, if the error has one.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::NotFinite { sample, .. }
@@ -169,7 +168,7 @@ impl MotionError {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::NotUniform(_) => Some(
@@ -211,44 +210,44 @@ impl MotionError {
 /// Fewest steps of a move from rest to rest.
 pub(crate) const FEWEST_STEPS: usize = 4;
 
-/// Why points make no curve, or a curve no path.
+/// Reason why points make no curve, or a curve no path.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CurveError {
-    /// A coordinate or an angle that is no number or too large.
+    /// A coordinate or an angle is not finite or too large.
     #[error("{name} = {found:?}, but must be a number of at most 1e100 in size")]
     Range {
-        /// What it is.
+        /// Name of the number.
         name: &'static str,
-        /// Its value, in m or rad.
+        /// Value in m or rad.
         found: f64,
     },
-    /// Two points in a row, or the start and the centre of an arc, that are the same.
+    /// Two points in a row, or the start and the centre of an arc, are equal.
     #[error("the points {number} and {} of the path = the same place, but must differ", number + 1)]
     Same {
         /// Number of the first one, from 1.
         number: usize,
     },
-    /// A corner that is not rounded.
+    /// The reach of rounded corners is out of range.
     #[error("the corner = {:?} m long, but must be from 1e-100 to 1e100 m", reach_m)]
     Corner {
-        /// Length of each leg that it takes in m.
+        /// Length in m that a rounded corner takes of each leg.
         reach_m: f64,
     },
-    /// An arc without an angle or a radius.
+    /// An arc has no angle or no radius.
     #[error("the arc = {} m long, but must have a radius and an angle", plain(*.length_m))]
     NoArc {
-        /// Its length in m.
+        /// Length of the arc in m.
         length_m: f64,
     },
-    /// A corner that is too sharp to be rounded.
+    /// A corner is too sharp to be rounded.
     #[error("the path turns by {} deg at point {number}, but must turn by at most 175 deg to be rounded", significant(turn_rad.to_degrees(), 4))]
     TurnsBack {
         /// Number of the point, from 1.
         number: usize,
-        /// By how much the path turns there, in rad.
+        /// Turn of the path at the point in rad.
         turn_rad: f64,
     },
-    /// Roundings that reach farther than a leg.
+    /// Roundings take more than the length of a leg.
     #[error(
         "the rounded corners take {} m of the {} m from point {number} to point {}, but must not overlap",
         plain(*.taken_m),
@@ -258,12 +257,12 @@ pub enum CurveError {
     Overlap {
         /// Number of the point before the leg, from 1.
         number: usize,
-        /// What they take of the leg, in m.
+        /// Length in m that the roundings take of the leg.
         taken_m: f64,
         /// Length of the leg in m.
         length_m: f64,
     },
-    /// A leg that has too few of the steps.
+    /// A leg has too few of the steps.
     #[error(
         "leg {number} of the way has {steps} of the {all} steps, but must have at least {} from rest to rest",
         FEWEST_STEPS
@@ -271,12 +270,12 @@ pub enum CurveError {
     FewSteps {
         /// Number of the leg, from 1.
         number: usize,
-        /// Its steps.
+        /// Number of its steps.
         steps: usize,
-        /// All steps.
+        /// Number of all steps.
         all: usize,
     },
-    /// A stop at which a link's tip turns back without a rest, where the acceleration jumps.
+    /// The tip turns back at a stop without a rest, where the acceleration jumps.
     #[error(
         "the rest at stop {stop} = 0 steps, but must be at least 1: the tip turns back there, and the acceleration of \
          {profile} jumps"
@@ -290,7 +289,7 @@ pub enum CurveError {
 }
 
 impl CurveError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Range { .. } | Self::Same { .. } | Self::NoArc { .. } | Self::Corner { .. } => {

@@ -1,14 +1,13 @@
-//! What a motion in all other periods adds to a signal that decays as a power of time.
+//! Images: contributions of the motion in all other periods to a signal that decays as a power of time.
 //!
-//! A Fourier transform of period P adds the tails of all periods. A signal whose response to the motion
-//! has a kernel h(s) → `Σ_m S_m/s^{2m+1}` far from it, such as a deflection under hysteretic damping,
-//! therefore contains in addition
+//! A Fourier transform of period P adds the tails of all periods. A signal whose response to the motion has a kernel
+//! h(s) → `Σ_m S_m/s^{2m+1}` far from it, such as a deflection under hysteretic damping, therefore also contains
 //!
 //! ```text
 //! Σ_m S_m Q_m(t),   Q_m(t) = ∫ a(τ) K_m(t − τ) dτ,   K_m(s) = Σ_{k≠0} (s + kP)^{−(2m+1)}.
 //! ```
 //!
-//! The `Q_m` depend on the motion and the period alone, the `S_m` on the link.
+//! The `Q_m` depend only on the motion and the period, the `S_m` on the link.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -24,30 +23,30 @@ use crate::numeric::largest;
 /// Number of terms: 1/s, 1/s³ and 1/s⁵.
 pub(crate) const TAIL_TERMS: usize = 3;
 
-/// A number for each term: `S_m` of a signal, or `Q_m` at a time.
+/// One number for each term: `S_m` of a signal, or `Q_m` at a time.
 pub(crate) type TailTerms = [f64; TAIL_TERMS];
 
-/// Images up to this many periods away are summed one by one; those beyond by a power series.
+/// Distance in periods up to which images are summed one by one; a power series covers those beyond.
 const NEAR_PERIODS: i32 = 2;
 
-/// These images, and these with the motion's own period among them.
+/// Periods of the near images, without and with the motion's period.
 const NEAR: [i32; 4] = [-2, -1, 1, 2];
 const NEAR_AND_OWN: [i32; 5] = [-2, -1, 0, 1, 2];
 
-/// Number of odd powers of that series.
+/// Number of odd powers in the power series.
 const POWERS: usize = 8;
 
-/// Samples in one parallel task.
+/// Number of samples in one parallel task.
 const BLOCK: usize = 4096;
 
-/// The images of a motion in all periods but its own.
+/// The images of a motion in all other periods.
 pub(crate) struct Images {
     step_s: f64,
     samples: usize,
     seam: usize,
-    /// Times of the period, whose samples from the seam on come before the others.
+    /// Times of the period; its samples from the seam on precede the others.
     span: Span,
-    /// Samples around the seam, and there the terms of the motion in all periods, its own included.
+    /// Samples around the seam, with the terms of the motion in all periods, including the motion's.
     around_seam: Vec<(usize, TailTerms)>,
     /// Chebyshev series of each `Q_m` over the period.
     series: [Vec<f64>; TAIL_TERMS],
@@ -55,11 +54,11 @@ pub(crate) struct Images {
     histories: [OnceLock<Vec<TailTerms>>; 3],
 }
 
-/// What the images depend on of a motion.
+/// Properties of a motion that determine its images.
 struct Source {
     period_s: f64,
-    /// Chebyshev points in s over the time of the acceleration, and the velocity in m/s gained around each.
-    /// They replace the acceleration exactly, because the kernel is a polynomial over the motion.
+    /// Chebyshev points in s over the time of the acceleration, and the velocity in m/s gained around each. They
+    /// replace the acceleration exactly, because the kernel is a polynomial over the motion.
     points_s: [f64; POINTS],
     gains_m_s: [f64; POINTS],
     /// Σ_{k>2} k^{−n} for n = 2, 4, ….
@@ -86,13 +85,13 @@ impl Images {
         Self { step_s, samples, seam, span, around_seam, series, histories }
     }
 
-    /// `Q_m`, differentiated `order` times, at every sample of the period.
+    /// The `order`-th derivative of `Q_m` at every sample of the period.
     ///
     /// # Panics
     /// Beyond the second derivative.
     pub(crate) fn history(&self, order: usize) -> &[TailTerms] {
-        // Not computed within the lock: a thread that waits for its blocks may take up another case, which
-        // waits for this lock. Cases that begin together compute it each for itself.
+        // Computed outside the lock: a thread that waits for its blocks may take up another case, which would wait for
+        // this lock. Cases that begin together each compute it.
         let kept = &self.histories[order];
         kept.get().unwrap_or_else(|| {
             let computed = self.computed(order);
@@ -113,11 +112,11 @@ impl Images {
         history
     }
 
-    /// A period's samples of a signal around the seam, less its tail and those of the images, in the signal's
-    /// unit: the error of the finite period.
+    /// A signal of a period around the seam, minus its tail and the tails of the images, in the signal's unit: the
+    /// error of the finite period.
     ///
     /// # Panics
-    /// Without a sample for each of the period.
+    /// If `signal` has not one sample for each of the period.
     pub(crate) fn residuals_at_seam(&self, signal: &[f64], tail: &TailTerms) -> Vec<f64> {
         assert_eq!(signal.len(), self.samples, "samples of the period");
         let around = self.around_seam.iter();
@@ -162,8 +161,8 @@ pub(crate) fn tail_sum(tail: &TailTerms, terms: &TailTerms) -> f64 {
 }
 
 impl Source {
-    /// `forcing_m_s2` are the motion's own samples, from 0 s on, without a roll-off: what a roll-off removes
-    /// has no moments, and its ringing is not far from the motion, where alone the kernel holds.
+    /// The images of a motion. `forcing_m_s2` are its samples from 0 s on, without a roll-off: the part that a roll-off
+    /// removes has no moments, and rings near the motion, where the kernel does not hold.
     fn new(spectrum: &TipSpectrum, forcing_m_s2: &[f64]) -> Self {
         let (period_s, step_s) = (spectrum.period_s(), spectrum.step_s);
         let time_s = |k: usize| k as f64 * step_s;
@@ -197,7 +196,7 @@ impl Source {
         Self { period_s, points_s, gains_m_s, beyond }
     }
 
-    /// `Q_m` at a time in s, of these near images and all beyond them.
+    /// `Q_m` at a time in s, from the images `near` and all beyond the near ones.
     fn terms(&self, time_s: f64, near: &[i32]) -> TailTerms {
         let mut terms = [0.0; TAIL_TERMS];
         for (at_s, gain) in self.points_s.iter().zip(&self.gains_m_s) {
@@ -220,8 +219,7 @@ impl Source {
                 power *= inverse * inverse;
             }
         }
-        // The images beyond, two by two:
-        // (s + kP)^{−q} + (s − kP)^{−q} = −2 (kP)^{−q} Σ_{j odd} C(q + j − 1, j) (s/kP)^j
+        // The images beyond, in pairs: (s + kP)^{−q} + (s − kP)^{−q} = −2 (kP)^{−q} Σ_{j odd} C(q + j − 1, j) (s/kP)^j
         let share = away_s / self.period_s;
         let mut unit = self.period_s.recip();
         for (m, term) in kernel.iter_mut().enumerate() {
@@ -251,10 +249,10 @@ fn beyond_near(n: i32) -> f64 {
 /// Number of Chebyshev points.
 const POINTS: usize = 48;
 
-/// Coefficients below this share of the largest are cut off: the images are a small part of a signal.
+/// Share of the largest coefficient below which coefficients are cut off: the images are a small part of a signal.
 const ROUNDING: f64 = 1e-11;
 
-/// Number of times at which a series is evaluated at once.
+/// Number of times in one evaluation of a series.
 const SIDE_BY_SIDE: usize = 16;
 
 /// A span of time, in s.
@@ -265,7 +263,7 @@ struct Span {
 }
 
 impl Span {
-    /// The time at x in −1 … 1.
+    /// Time at x in −1 … 1.
     fn at(&self, x: f64) -> f64 {
         0.5 * (self.from_s + self.until_s) + 0.5 * (self.until_s - self.from_s) * x
     }
@@ -276,7 +274,7 @@ impl Span {
         (2.0 * time_s - self.from_s - self.until_s) / (self.until_s - self.from_s)
     }
 
-    /// Series of the derivative by time of a Chebyshev series.
+    /// Chebyshev series of the time derivative of a Chebyshev series.
     fn derivative(&self, series: &[f64]) -> Vec<f64> {
         let mut derived = vec![0.0; series.len() + 1];
         for j in (0..series.len() - 1).rev() {
@@ -289,7 +287,7 @@ impl Span {
     }
 }
 
-/// Values of all Chebyshev polynomials below [`POINTS`] at the points of the last of them.
+/// Values of all Chebyshev polynomials below [`POINTS`] at the Chebyshev points.
 struct Cosines([f64; 4 * POINTS]);
 
 impl Cosines {
@@ -352,7 +350,7 @@ mod tests {
                     let away_s = time_s - 0.01 * k as f64;
                     let image = |m: i32| (away_s + f64::from(m) * period_s).powi(-q);
                     let both: f64 = (1..=MOST).map(|m| image(m) + image(-m)).sum();
-                    // Of 1/s the images beyond add up to −2s/P² Σ 1/m².
+                    // For 1/s the images beyond add up to −2s/P² Σ 1/m².
                     let beyond = 2.0 * away_s / (period_s * period_s * (f64::from(MOST) + 0.5));
                     0.01 * a * (both - if q == 1 { beyond } else { 0.0 })
                 };

@@ -15,22 +15,22 @@ use super::spectrum::{Cutoff, InputBand};
 use super::tip_motion::TipMotion;
 use crate::numeric::{TimeGrid, extremes};
 
-/// How many errors of the samples are those of coordinates that move by one profile.
+/// Number of possible errors in which all coordinates share one phase, as they share one profile.
 const COMMON: u64 = 2;
 
-/// Range of a column, over the largest of all, below which it is round-off: its coordinate is held.
+/// Range of a column over the largest range of all columns below which it is round-off and its coordinate constant.
 const HELD: f64 = 1e-12;
 
-/// What a path prescribes.
+/// Quantities that a path prescribes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prescribed {
-    /// The place of the tip, and the directions of all chords but the first two.
+    /// Place of the tip, and directions of all chords from the third on.
     Tip,
-    /// The direction of every chord.
+    /// Direction of every chord.
     Angles,
 }
 
-/// One decimal, but for round-off.
+/// One decimal, with a margin for round-off.
 const LAST_DECIMAL: f64 = 1.0 + 1e-9;
 
 /// One coordinate over time.
@@ -46,11 +46,11 @@ enum Course {
 pub struct ArmPath {
     grid: TimeGrid,
     prescribed: Prescribed,
-    /// x and y of the tip in m, if it is prescribed; then arcs L θ in m of the chords that are.
+    /// x and y of the tip in m, if prescribed; then arcs L θ in m of the prescribed chords.
     courses: Vec<Course>,
-    /// Lengths that the angles were multiplied with; 1 for x and y.
+    /// Lengths that multiply the angles; 1 for x and y.
     lengths_m: Vec<f64>,
-    /// Directions in rad that the file gives beside the tip's place.
+    /// Directions in rad that the file contains besides the tip's place.
     beside: Vec<(usize, Vec<f64>)>,
 }
 
@@ -58,9 +58,10 @@ pub struct ArmPath {
 pub(crate) type CourseHistories = [Vec<f64>; 3];
 
 impl ArmPath {
-    /// A path of an arm whose links have these lengths.
+    /// The path of an arm with these lengths of links.
     ///
-    /// x and y count where both are there, with the angles from the third link on; other angles must then agree.
+    /// If both x and y are present, they count together with the angles from the third link on; other angles must
+    /// agree.
     ///
     /// # Errors
     /// [`PathError`].
@@ -98,7 +99,7 @@ impl ArmPath {
         }
         let lengths_m = all.iter().map(|(_, per_value)| *per_value).collect();
         let courses = all.into_iter().map(|own| {
-            // A change by the last decimal is none.
+            // A change by the last decimal counts as constant.
             let step_m = own.0.recording.uncertainty.map_or(0.0, |rounded| match rounded {
                 Uncertainty::Rounded { step_m, .. } => own.1 * step_m * LAST_DECIMAL,
                 _ => 0.0,
@@ -110,17 +111,17 @@ impl ArmPath {
         Ok(Self { grid, prescribed, courses, lengths_m, beside })
     }
 
-    /// Grid of the given samples.
+    /// Grid of the input samples.
     pub fn grid(&self) -> TimeGrid {
         self.grid
     }
 
-    /// What the path prescribes.
+    /// Quantities that the path prescribes.
     pub fn prescribed(&self) -> Prescribed {
         self.prescribed
     }
 
-    /// Directions in rad of links, by their number from 0, that are given beside the tip's place.
+    /// Directions in rad of links, by their number from 0, that the input contains besides the tip's place.
     pub fn beside(&self) -> &[(usize, Vec<f64>)] {
         &self.beside
     }
@@ -138,10 +139,10 @@ impl ArmPath {
         })
     }
 
-    /// The same path sampled twice as often.
+    /// This path sampled twice as often.
     ///
     /// # Errors
-    /// As [`TipMotion::twice_as_often`].
+    /// Those of [`TipMotion::twice_as_often`].
     pub fn twice_as_often(&self) -> Result<Self, MotionError> {
         let finer = |course: &Course| match course {
             Course::Held(value) => Ok(Course::Held(*value)),
@@ -153,8 +154,8 @@ impl ArmPath {
         Ok(Self { grid, courses, beside: Vec::new(), ..self.clone() })
     }
 
-    /// The roundest of the samples: to how many decimals they are written, in their file's unit, and the last decimal in m;
-    /// none where all are exact.
+    /// The coarsest rounding of the samples: number of decimals in the file's unit, and the last decimal in m; `None`
+    /// if all samples are exact.
     pub fn rounded(&self) -> Option<(i32, f64)> {
         let each = self.moving().filter_map(|motion| match motion.recording().uncertainty? {
             Uncertainty::Rounded { decimals, step_m } => Some((decimals, step_m)),
@@ -163,8 +164,8 @@ impl ArmPath {
         each.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The cut-offs of all coordinates with which the tip strays by at most `tolerance` of the farthest that one of them
-    /// moves; of coordinates that are held all frequencies are kept.
+    /// Cut-offs of all coordinates that keep the tip within `tolerance` of the largest travel of a coordinate; constant
+    /// coordinates keep all frequencies.
     pub(crate) fn cutoffs(&self, tolerance: f64) -> Vec<Cutoff> {
         let travel_m = |motion: &TipMotion| {
             let samples = motion.samples().displacements_m();
@@ -185,10 +186,10 @@ impl ArmPath {
         self.courses.par_iter().map(of).collect()
     }
 
-    /// The coordinates over a period of `len` samples, of which those from `seam` on are of times before the motion, in
-    /// m and rad; and how far each is off what it should be, in m.
+    /// Coordinates over a period of `len` samples in m and rad, and the largest error of each in m. Samples from `seam`
+    /// on precede the motion.
     ///
-    /// With `stray` they are off by errors that their samples may have besides, by other ones for each such number.
+    /// With `stray` it adds possible errors of the samples, different ones for each number.
     pub(crate) fn over_period(
         &self,
         (len, seam): (usize, usize),
@@ -235,7 +236,7 @@ impl ArmPath {
         found
     }
 
-    /// The samples as they are given: one history for each coordinate, in m and rad.
+    /// The input samples: one history for each coordinate, in m and rad.
     pub fn given(&self) -> Vec<Vec<f64>> {
         let courses = self.courses.iter().zip(&self.lengths_m);
         let samples = courses.map(|(course, length_m)| match course {
@@ -250,27 +251,27 @@ impl ArmPath {
 
 /// The coordinates of a path over a period.
 pub(crate) struct PathPeriod {
-    /// Value, rate and acceleration of each in m or rad.
+    /// Value, rate and acceleration of each coordinate in m or rad.
     pub(crate) courses: Vec<CourseHistories>,
-    /// How far each is off at most, in m.
+    /// Largest error of each coordinate in m.
     pub(crate) errors_m: Vec<f64>,
     /// The period of the course with the highest cut-off.
     pub(crate) period: Option<Arc<TipPeriod>>,
-    /// Samples on either side of the seam in which a decay is measured: of the slowest course.
+    /// Samples on either side of the seam in which a decay is measured, for the slowest course.
     pub(crate) seam_reach: usize,
 }
 
-/// Errors that the samples of a path may have.
+/// Possible errors of the samples of a path.
 struct Stray {
     state: u64,
-    /// The sample at which their parts beyond the band pass.
+    /// The sample at which the error parts beyond the band pass.
     at: usize,
-    /// The phase of these, where it is that of coordinates that move by one profile; else each has another one.
+    /// Common phase of these parts if coordinates share one profile; otherwise each coordinate has a random phase.
     common: Option<f64>,
 }
 
 impl Stray {
-    /// The errors with this number, of a path that moves between two samples.
+    /// The errors number `nth` of a path that moves between two samples.
     fn new(nth: u64, (first, last): (usize, usize)) -> Self {
         let at = [first, last, first.midpoint(last)][(nth % 3) as usize];
         let mut stray = Self { state: nth, at, common: None };
@@ -281,12 +282,12 @@ impl Stray {
 
     /// A random number from 0 to 1.
     fn draw(&mut self) -> f64 {
-        // Knuth's linear congruence: its upper bits are as good as random here.
+        // Knuth's linear congruence; its upper bits are random enough here.
         self.state = self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (self.state >> 33) as f64 / f64::from(1_u32 << 31)
     }
 
-    /// The error of the next coordinate in m, its rate and its acceleration.
+    /// Error of the next coordinate in m, its rate and its acceleration.
     fn of(&mut self, period: &TipPeriod, input: &InputBand) -> CourseHistories {
         let turned = if period.spectrum.travel_m() < 0.0 { PI } else { 0.0 };
         let phase = self.common.map_or_else(|| TAU * self.draw(), |phase| phase + turned);
@@ -365,7 +366,7 @@ mod tests {
         let found = path.over_period((256, 180), &cutoffs, None);
         assert!((found.courses[0][0][100] - 1.2).abs() < 2e-6);
         assert!((found.courses[1][0][100] - 0.1).abs() < 2e-6);
-        // The outer link moves a tenth as far: its frequencies end the sooner.
+        // The outer link moves a tenth as far: its frequencies end sooner.
         let omega = |k: usize| cutoffs[k].omega_rad_s;
         assert!(omega(1) < omega(0), "{} {}", omega(1), omega(0));
     }

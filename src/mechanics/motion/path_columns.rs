@@ -1,4 +1,4 @@
-//! Sampled columns of an arm's path, and why they are none.
+//! Sampled columns of an arm's path, and their errors.
 
 use std::f64::consts::PI;
 
@@ -8,31 +8,32 @@ use super::error::MotionError;
 use super::recording::Recording;
 use crate::numeric::NotUniform;
 
-/// One column of a path: its name in the file, its samples, and what they are worth.
+/// One column of a path: its name in the file, its samples, and their quality.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathColumn {
     /// Name, for messages: `x`, `angle1`.
     pub name: String,
     /// Samples in m or rad.
     pub values: Vec<f64>,
-    /// What is known of them beside their values, in m or rad.
+    /// Quality of the samples, in m or rad.
     pub recording: Recording,
 }
 
-/// Sampled columns of a path, all of one length.
+/// Sampled columns of a path, of equal length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PathColumns {
     /// Time in s.
     pub time_s: Vec<f64>,
     /// x and y of the tip in m.
     pub tip: Option<[PathColumn; 2]>,
-    /// Directions of the chords in rad, counterclockwise from x, of the links that have one; the inner link first.
+    /// Directions of the chords in rad, counterclockwise from x; the inner link first, `None` for a link without a
+    /// column.
     pub angles: Vec<Option<PathColumn>>,
 }
 
 impl PathColumns {
-    /// The columns of a tip at these places in m, one a step from 0 s on, and of links from the third on that have constant
-    /// directions in rad.
+    /// Columns of a tip at these places in m, one a step from 0 s on, with constant directions in rad for links from
+    /// the third on.
     pub fn of_tip(step_s: f64, places_m: &[[f64; 2]], outer_rad: &[f64]) -> Self {
         let column =
             |name: String, values| PathColumn { name, values, recording: Recording::default() };
@@ -50,7 +51,7 @@ impl PathColumns {
         }
     }
 
-    /// The same path with this factor on its duration, the first sample's time kept.
+    /// Multiplies the path's duration by a factor; the first sample's time stays.
     ///
     /// # Errors
     /// [`MotionError::Scale`] for a factor that is not finite and above 0.
@@ -70,10 +71,10 @@ impl PathColumns {
     }
 }
 
-/// Why sampled columns are no path.
+/// Reason why sampled columns are no path.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PathError {
-    /// Columns that are missing for an arm of so many links.
+    /// Columns are missing for an arm with this number of links.
     #[error(
         "{missing} = nothing, but must be given for an arm of {links} links: {}",
         match links { 2 => "x and y, or angle1 and angle2".to_owned(), links => format!(
@@ -87,7 +88,7 @@ pub enum PathError {
         /// Number of links.
         links: usize,
     },
-    /// A direction of a link that the arm does not have.
+    /// The column is a direction of a link that the arm does not have.
     #[error("{column} is given, but the arm has {links} links")]
     TooMany {
         /// Name of the column.
@@ -95,18 +96,18 @@ pub enum PathError {
         /// Number of links.
         links: usize,
     },
-    /// A column that is no motion from rest to rest.
+    /// A column is no motion from rest to rest.
     #[error("{column}: {error}")]
     Column {
         /// Name of the column.
         column: String,
-        /// Why.
+        /// Reason.
         error: MotionError,
     },
-    /// Times that are no uniform grid.
+    /// The times are no uniform grid.
     #[error(transparent)]
     Time(NotUniform),
-    /// An angle that is not at rest at an end.
+    /// An angle is not at rest at an end.
     #[error(
         "{column}: the link {} with a rate of {rate_rad_s:.3e} rad/s, {:.2} % of its peak, but must be at rest there",
         if *sample == 0 { "starts" } else { "ends" },
@@ -117,12 +118,12 @@ pub enum PathError {
         column: String,
         /// Number of the sample, the first or the last.
         sample: usize,
-        /// Rate there in rad/s.
+        /// Rate at this sample in rad/s.
         rate_rad_s: f64,
-        /// The same over the peak rate.
+        /// Ratio of this rate to the peak rate.
         share: f64,
     },
-    /// An angle that jumps from one sample to the next.
+    /// An angle jumps from one sample to the next.
     #[error(
         "{column} = {found:.6} rad, but must lie within half a turn of the {before:.6} rad before it: angles go on over whole turns"
     )]
@@ -131,9 +132,9 @@ pub enum PathError {
         column: String,
         /// Number of the sample, from 0.
         sample: usize,
-        /// What was found, in rad.
+        /// Angle of the sample in rad.
         found: f64,
-        /// The angle before, in rad.
+        /// Angle of the sample before in rad.
         before: f64,
     },
     /// No column changes.
@@ -142,7 +143,7 @@ pub enum PathError {
 }
 
 impl PathError {
-    /// Number of the sample, from 0, that is to blame, where one is.
+    /// Number of the faulty sample, from 0, if the error has one.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::Column { error, .. } => error.sample(),
@@ -153,7 +154,7 @@ impl PathError {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Time(_) => Some(

@@ -14,19 +14,19 @@ use crate::numeric::{fast_length, largest};
 /// Largest difference of two columns over the peak of one.
 const AGREEMENT_TOLERANCE: f64 = 1e-3;
 
-/// A motion on a period, up to a cut-off: all that depends on no link.
+/// A motion on a period, up to a cut-off: everything that does not depend on the link.
 pub(crate) struct TipPeriod {
-    /// Its spectrum.
+    /// Spectrum of the motion.
     pub spectrum: TipSpectrum,
-    /// Its histories.
+    /// Histories of the motion.
     pub histories: TipHistories,
     samples: Samples,
-    /// Computed on first use: only a link with hysteretic damping needs them.
+    /// Images of the motion, computed on first use, because only hysteretic damping needs them.
     images: OnceLock<Images>,
 }
 
 impl TipPeriod {
-    /// Arguments as of [`TipSpectrum::of`].
+    /// Computes spectrum and histories; arguments as for [`TipSpectrum::of`].
     pub(super) fn of(motion: &Samples, len: usize, seam: usize, cutoff: Cutoff) -> Self {
         let spectrum = TipSpectrum::of(motion, len, seam, cutoff);
         Self {
@@ -37,8 +37,8 @@ impl TipPeriod {
         }
     }
 
-    /// A period whose tip moves by the samples' errors alone, up to the same cut-off: each frequency has its
-    /// expected amplitude.
+    /// A period whose tip moves only by the samples' errors, up to the same cut-off, with the expected amplitude at
+    /// each frequency.
     pub(crate) fn of_noise(&self, noise: &Noise) -> Self {
         let spectrum = self.spectrum.of_noise(noise);
         Self {
@@ -49,7 +49,7 @@ impl TipPeriod {
         }
     }
 
-    /// The parts of the tip's motion beyond the band of uncertain samples, see [`TipSpectrum::beyond`].
+    /// Parts of the tip's motion beyond the band of uncertain samples, see [`TipSpectrum::beyond`].
     pub(crate) fn beyond(&self, input: &InputBand) -> Self {
         Self {
             histories: self.histories.clone(),
@@ -59,7 +59,7 @@ impl TipPeriod {
         }
     }
 
-    /// A displacement in m that the errors of the samples may be, its rate and its acceleration; see
+    /// A possible error of the samples as displacement in m, with its rate and acceleration; see
     /// [`TipSpectrum::possible_error_m`].
     pub(crate) fn possible_error(
         &self,
@@ -72,50 +72,50 @@ impl TipPeriod {
         [0, 1, 2].map(|order| spectrum.pair.samples(spectrum.derivative(&error_m, order)))
     }
 
-    /// What the motion in all other periods adds to signals with a slow tail.
+    /// Contributions of the motion in all other periods to signals with a slow tail.
     pub(crate) fn images(&self) -> &Images {
         self.images.get_or_init(|| Images::new(&self.spectrum, self.samples.forcing_m_s2()))
     }
 
-    /// Velocities in m/s before and after a motion that moves at its ends; 0 of all others.
+    /// Velocities in m/s before and after a motion that moves at its ends; 0 for any other.
     pub(crate) fn end_velocities_m_s(&self) -> [f64; 2] {
         if self.samples.ends == Ends::Moving { self.samples.velocities_m_s } else { [0.0; 2] }
     }
 
-    /// Error of the solved tip in m: what the cut-off leaves out or, where all frequencies are kept, the
-    /// ringing at the Nyquist frequency.
+    /// Error of the solved tip in m: the part that the cut-off removes or, if all frequencies are kept, the ringing at
+    /// the Nyquist frequency.
     pub(crate) fn tip_error_m(&self) -> f64 {
         let cutoff = &self.spectrum.cutoff;
         if !cutoff.keeps_all() {
             return cutoff.tip_error_m;
         }
-        // A cycle has no rest to ring in: its samples are met.
+        // A cycle has no rest to ring in: the solution meets its samples.
         let is_periodic = self.samples.ends == Ends::Periodic;
         if is_periodic { 0.0 } else { self.histories.ringing_m() }
     }
 }
 
-/// Motion of the tip over a period of N samples, sample 0 the trajectory's first.
+/// Motion of the tip over a period of N samples; sample 0 is the trajectory's first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipHistories {
     /// Acceleration in m/s².
     pub acceleration_m_s2: Vec<f64>,
     /// Velocity in m/s.
     pub velocity_m_s: Vec<f64>,
-    /// Displacement in m. Samples from `before` on are of times before the trajectory.
+    /// Displacement in m. Samples from `before` on precede the trajectory.
     pub displacement_m: Vec<f64>,
     /// The first sample whose time is one period earlier.
     pub before: usize,
-    /// The sample with which the motion starts, and how many from sample 0 on count as travel: of a tip that moves on
-    /// beyond its ends only its own, and of a cycle one.
+    /// Number of the sample at which the motion starts, and number of samples from sample 0 on that count as travel.
+    /// For a tip that moves on beyond its ends only the input samples count, for a periodic motion one cycle.
     start: usize,
     counted: usize,
 }
 
 impl TipHistories {
-    /// Where all frequencies are kept, given samples stay as they are; all else is the band-limited
-    /// integral or derivative. The displacement is a ramp of the mean velocity plus a periodic part, so that
-    /// it may end elsewhere than it starts.
+    /// If all frequencies are kept, the input samples stay unchanged; all else is the band-limited integral or
+    /// derivative. The displacement is a ramp of the mean velocity plus a periodic part, so that it may end elsewhere
+    /// than it starts.
     fn of(motion: &Samples, spectrum: &TipSpectrum) -> Self {
         let (len, before) = (spectrum.pair.len(), spectrum.seam);
         let (velocity_m_s, drift) = velocity_m_s(spectrum, motion.velocities_m_s[0]);
@@ -141,7 +141,7 @@ impl TipHistories {
         Self { acceleration_m_s2, velocity_m_s, displacement_m, before, start, counted }
     }
 
-    /// Displacement in m at the start of the rest before the motion, or at its first sample where there is none.
+    /// Displacement in m at the start of the rest before the motion, or at its first sample if it has no rest.
     pub fn start_m(&self) -> f64 {
         self.displacement_m[self.start]
     }
@@ -151,8 +151,8 @@ impl TipHistories {
         sample < self.counted
     }
 
-    /// Amplitude in m of the part that alternates from sample to sample in the middle of the rest, an effect
-    /// of a spectrum that ends at the Nyquist frequency.
+    /// Amplitude in m of the part that alternates from sample to sample in the middle of the rest, because the spectrum
+    /// ends at the Nyquist frequency.
     fn ringing_m(&self) -> f64 {
         let all = &self.displacement_m;
         let rest = all.get(self.before..self.before + 3);
@@ -191,7 +191,7 @@ pub(super) fn farthest_m(start_m: f64, displacement_m: &[f64]) -> f64 {
     displacement_m.iter().fold(0.0, |most, at_m| most.max((at_m - start_m).abs()))
 }
 
-/// Refuses columns of velocity and displacement that contradict the one that the motion is computed from.
+/// Refuses columns of velocity and displacement that contradict the column of the motion.
 pub(super) fn check_agreement(
     motion: &Samples,
     [velocity, displacement]: [Option<&[f64]>; 2],
@@ -219,7 +219,7 @@ pub(super) fn check_agreement(
         let sample = (0..given).max_by(nearer).unwrap_or(0);
         let away = expected[..given].iter().map(|x| (x - expected[0]).abs());
         let peak = away.fold(0.0, f64::max);
-        // The time of a jump of the derivative is known to one step only.
+        // The time of a jump of the derivative is only known to one step.
         let jump = largest(&derivative[..given]) * motion.grid.step_s;
         if off(&sample) > AGREEMENT_TOLERANCE * peak + jump {
             let (found, expected) = (found[sample], expected[sample]);
@@ -229,15 +229,15 @@ pub(super) fn check_agreement(
     Ok(())
 }
 
-/// Time in s of a sample of a period; those from the seam on are one period earlier.
+/// Time in s of a sample of a period; samples from the seam on are one period earlier.
 fn since_s(spectrum: &TipSpectrum, sample: usize) -> f64 {
     let len = spectrum.pair.len();
     let steps = if sample < spectrum.seam { sample as f64 } else { sample as f64 - len as f64 };
     steps * spectrum.step_s
 }
 
-/// A periodic history in the middle of the rest before the motion. Where all frequencies are kept, it rings at the
-/// Nyquist frequency: this mean cancels that.
+/// A periodic history in the middle of the rest before the motion. If all frequencies are kept, it rings at the Nyquist
+/// frequency, which this mean cancels.
 fn at_rest(periodic: &[f64], before: usize) -> f64 {
     let len = periodic.len();
     let begin = before % len;
@@ -245,7 +245,7 @@ fn at_rest(periodic: &[f64], before: usize) -> f64 {
     0.25 * (earlier + later) + 0.5 * periodic[begin]
 }
 
-/// What a tip that moves at its ends does beside its periodic part: v = c + ā t.
+/// Velocity of a tip that moves at its ends, without its periodic part: v = c + ā t.
 struct Drift {
     /// c in m/s.
     velocity_m_s: f64,
@@ -253,8 +253,8 @@ struct Drift {
     acceleration_m_s2: f64,
 }
 
-/// The velocity in m/s over the period of a spectrum, `before_m_s` at the start of it where the tip moves at its ends,
-/// and the drift in it.
+/// Velocity in m/s over the period of a spectrum, and its drift; for a tip that moves at its ends it starts at
+/// `before_m_s`.
 fn velocity_m_s(spectrum: &TipSpectrum, before_m_s: f64) -> (Vec<f64>, Drift) {
     let mut periodic = spectrum.pair.samples(&spectrum.velocity_m_s);
     let Some(mean_m_s2) = spectrum.mean_m_s2 else {
@@ -272,8 +272,8 @@ fn velocity_m_s(spectrum: &TipSpectrum, before_m_s: f64) -> (Vec<f64>, Drift) {
     (periodic, drift)
 }
 
-/// The displacement in m over the period of a spectrum, the integral of its velocity: `initial_m` at the start of the
-/// rest before the motion or, without one, of the motion.
+/// Displacement in m over the period of a spectrum, the integral of its velocity: `initial_m` at the start of the rest
+/// before the motion or, without a rest, of the motion.
 fn integrated_displacement_m(initial_m: f64, spectrum: &TipSpectrum, drift: &Drift) -> Vec<f64> {
     let (len, before) = (spectrum.pair.len(), spectrum.seam);
     let bins = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
@@ -297,12 +297,12 @@ mod tests {
     use super::*;
     use crate::motion::{MotionColumns, TipMotion};
 
-    /// A step of the displacement by an error function: smooth, band-limited to round-off, from
-    /// rest to rest, with every derivative known.
+    /// A step of the displacement by an error function: smooth, band-limited to round-off, from rest to rest, with all
+    /// derivatives known.
     fn smooth(t: f64) -> [f64; 3] {
         let (s, pi) = ((t - 1.0) / 0.1, std::f64::consts::PI);
         let gauss = (-s * s).exp() / (0.1 * pi.sqrt());
-        // ∫gauss dt by its own series in steps would be long; a fine Simpson sum is exact enough.
+        // A series for ∫gauss dt would be long; a fine Simpson sum is exact enough.
         let n = 4000;
         let h = t / f64::from(n);
         let g = |t: f64| (-((t - 1.0) / 0.1).powi(2)).exp() / (0.1 * pi.sqrt());

@@ -1,4 +1,4 @@
-//! Periods and cut-off of a motion that the cases of a sweep share.
+//! Periods and cut-off of a motion, shared by the cases of a sweep.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -6,35 +6,35 @@ use super::period::TipPeriod;
 use super::spectrum::Cutoff;
 use super::tip_motion::TipMotion;
 
-/// Samples of all periods that are kept, over those of the longest: the periods that a case tries are each twice as
+/// Limit of the samples of all kept periods, over the samples of the longest: each period that a case tries is twice as
 /// long as the one before.
 const KEPT: usize = 2;
 
 /// The last cut-off and the last periods of one motion, for the cases of a sweep.
 ///
-/// Neither depends on a link, so that a sweep makes one of these and passes it to all cases, which may run in
-/// parallel. A case with another motion computes its own.
+/// They do not depend on a link, so that a sweep passes one `Periods` to all cases, which may run in parallel. A case
+/// with another motion computes separate periods.
 pub struct Periods {
     motion: TipMotion,
     /// A tolerance and its cut-off.
     cutoff: Mutex<Option<(f64, Cutoff)>>,
-    /// Latest first.
+    /// The last periods, latest first.
     last: Mutex<Vec<Arc<TipPeriod>>>,
 }
 
 impl Periods {
-    /// For `motion` and its clones; nothing is computed yet.
+    /// Starts without periods, for `motion` and its clones.
     pub fn of(motion: &TipMotion) -> Self {
         Self { motion: motion.clone(), cutoff: Mutex::default(), last: Mutex::default() }
     }
 
-    /// [`TipMotion::cutoff`], computed unless `tolerance` is that of the last call.
+    /// [`TipMotion::cutoff`], computed only if `tolerance` differs from the last call.
     pub fn cutoff(&self, motion: &TipMotion, tolerance: f64) -> Cutoff {
         if !motion.is_clone_of(&self.motion) {
             return motion.cutoff(tolerance);
         }
-        // Other threads wait for the cut-off that one of them computes, by itself: one that waits for others
-        // of its pool may take up another case, which waits for this lock.
+        // Other threads wait here for the cut-off. The thread that computes it works alone: if it waited for others of
+        // its pool, it might take up another case, which would wait for this lock.
         let mut last = self.cutoff.lock().unwrap_or_else(PoisonError::into_inner);
         match *last {
             Some((known, cutoff)) if known.to_bits() == tolerance.to_bits() => cutoff,
@@ -42,10 +42,10 @@ impl Periods {
         }
     }
 
-    /// [`TipMotion::over_period`], computed unless it is one of the last.
+    /// [`TipMotion::over_period`], computed unless it is among the last periods.
     ///
     /// # Panics
-    /// As [`TipMotion::over_period`].
+    /// Like [`TipMotion::over_period`].
     pub(crate) fn over_period(
         &self,
         motion: &TipMotion,
@@ -61,7 +61,7 @@ impl Periods {
             let spectrum = &period.spectrum;
             (spectrum.pair.len(), spectrum.seam, spectrum.cutoff) == (len, seam, cutoff)
         };
-        // Only whole periods are put in: a list that a panic left behind is good.
+        // The list contains only whole periods, so that it is valid even after a panic.
         let kept = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(period) = kept().iter().find(is_wanted) {
             return Arc::clone(period);

@@ -9,12 +9,12 @@ use super::tip_motion::TipMotion;
 
 /// Shape of a tip motion from rest to rest, over the share u of its duration.
 ///
-/// All are symmetric: what the tip gains in velocity before the middle it loses after it.
+/// All are symmetric: the tip loses after the middle the velocity gained before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
     /// One period of a sine acceleration: `d = u − sin(2πu)/2π`.
     Sine,
-    /// Harmonic, the acceleration jumping at both ends: `d = (1 − cos πu)/2`.
+    /// Harmonic, with jumps of the acceleration at both ends: `d = (1 − cos πu)/2`.
     Versine,
     /// Least jerk, a polynomial of fifth degree: `d = 10u³ − 15u⁴ + 6u⁵`.
     MinJerk,
@@ -23,12 +23,11 @@ pub enum Profile {
     Septic,
     /// Constant acceleration, velocity and deceleration, a third of the time each.
     Trapezoid,
-    /// As the trapezoid, the acceleration rising and falling in straight lines (limited jerk), a
-    /// twelfth of the time each.
+    /// Trapezoid with linear ramps of the acceleration (limited jerk), each a twelfth of the time.
     SCurve,
-    /// Full acceleration for half the time, full deceleration for the other.
+    /// Full acceleration for half of the time, then full deceleration.
     BangBang,
-    /// Velocity as a Gaussian bell, six standard deviations to each end.
+    /// Velocity as a Gaussian bell, with six standard deviations to each end.
     Gaussian,
 }
 
@@ -45,7 +44,7 @@ impl Profile {
         Self::Gaussian,
     ];
 
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sine => "sine",
@@ -68,7 +67,7 @@ impl Profile {
             Self::Septic => u * u * (1.0 - u).powi(2) * (1.0 - 2.0 * u),
             Self::Trapezoid if u > 1.0 / 3.0 => 0.0,
             Self::Trapezoid | Self::BangBang => 1.0,
-            // Up in the first twelfth, down in the fourth.
+            // Rises in the first twelfth, falls in the fourth.
             Self::SCurve => (12.0 * u).min(4.0 - 12.0 * u).clamp(0.0, 1.0),
             Self::Gaussian => {
                 let s = 12.0 * (u - 0.5);
@@ -77,13 +76,13 @@ impl Profile {
         }
     }
 
-    /// True if the acceleration does not begin and end at zero.
+    /// True if the acceleration begins or ends with a jump.
     pub(super) fn jumps_at_its_ends(self) -> bool {
         matches!(self, Self::Versine | Self::Trapezoid | Self::BangBang)
     }
 
-    /// Share of the distance that is covered at the share u of the duration, both in [0, 1]: the integral of the
-    /// velocity in closed form.
+    /// Share of the distance at the share u of the duration, both in [0, 1]: the integral of the velocity in closed
+    /// form.
     ///
     /// ```
     /// use flexlink::motion::Profile;
@@ -107,7 +106,7 @@ impl Profile {
             Self::Trapezoid | Self::SCurve => 1.5 * u - 0.25,
             Self::BangBang => 2.0 * u * u,
             Self::Gaussian => {
-                // The bell less its height at the ends, so that the velocity starts at zero.
+                // The bell minus its height at the ends, so that the velocity starts at zero.
                 let bell = |s: f64| {
                     (0.5 * PI).sqrt() * libm::erf(s * FRAC_1_SQRT_2) - libm::exp(-18.0) * s
                 };
@@ -119,7 +118,7 @@ impl Profile {
     /// The motion over `distance_m` in `duration_s`, sampled at `steps` + 1 times.
     ///
     /// # Errors
-    /// [`MotionError`] with fewer than three steps, or a distance or duration that is no motion.
+    /// [`MotionError`] for fewer than three steps, or a distance or duration without a motion.
     pub fn motion(
         self,
         distance_m: f64,
@@ -129,14 +128,12 @@ impl Profile {
         TipMotion::new(self.sampled(distance_m, duration_s / steps as f64, steps, [0, 0]))
     }
 
-    /// The motion sampled at `steps` + 1 times from `rest[0]` steps after 0 s on, at rest for
-    /// `rest[0]` steps before and `rest[1]` after it.
+    /// Samples of the motion at `steps` + 1 times from `rest[0]` steps after 0 s on, at rest for `rest[0]` steps before
+    /// and `rest[1]` after it.
     ///
-    /// Accelerations are antisymmetric about the middle to the last bit, so that the samples
-    /// end at rest, and scaled so that they add up to `distance_m`, as [`TipMotion`] adds
-    /// them. Whole steps only: a jump is then a sample, of the side towards the middle at the ends
-    /// and zero in the middle.
-    /// Fewer than three steps hold no motion, and [`TipMotion::new`] refuses them.
+    /// Accelerations are antisymmetric about the middle to the last bit, so that the samples end at rest, and scaled so
+    /// that [`TipMotion`] adds them up to `distance_m`. A jump falls on a sample: at the ends the sample has the inner
+    /// value, in the middle zero. [`TipMotion::new`] refuses fewer than three steps, which contain no motion.
     pub fn sampled(
         self,
         distance_m: f64,
@@ -202,7 +199,7 @@ mod tests {
             for (k, pair) in (1..).zip(samples.windows(2)) {
                 sum += step * (rate + step * (pair[0] / 3.0 + pair[1] / 6.0));
                 rate += 0.5 * step * (pair[0] + pair[1]);
-                // Trapezia of the accelerations: of second order, of first order where these jump.
+                // Trapezoidal sums of the accelerations: error of second order, or of first order at jumps.
                 let jumps = [Profile::Versine, Profile::Trapezoid, Profile::BangBang];
                 let most = if jumps.contains(&profile) { 4.0 * step } else { 1e-7 };
                 let off = sum - share(k);
@@ -234,7 +231,7 @@ mod tests {
                 420.0 * u.powi(2) - 1680.0 * u.powi(3) + 2100.0 * u.powi(4) - 840.0 * u.powi(5)
             }),
             (Profile::SCurve, |u| {
-                // A quarter of the time under full acceleration, on average, a speed of 3/2.
+                // Full acceleration for a quarter of the time, on average; the speed is 3/2.
                 let half = if u <= 0.5 { u } else { 1.0 - u };
                 let peak = 6.0 * (12.0 * half).min(4.0 - 12.0 * half).clamp(0.0, 1.0);
                 if u <= 0.5 { peak } else { -peak }

@@ -1,40 +1,41 @@
-//! What the samples of a recorded motion are worth.
+//! Quality of the samples of a recorded motion.
 
 use std::f64::consts::TAU;
 
-/// Distance from the rest, in standard deviations of the noise, that is more than noise.
+/// Distance from the rest, in standard deviations of the noise, above which a sample has left it.
 const BEYOND_NOISE: f64 = 5.0;
 
-/// Distance up to which a departure is followed, over the least that is more than noise, and over the largest of all.
+/// Distance up to which a departure is followed: relative to the least distance beyond the noise, and relative to the
+/// largest distance.
 const FOLLOWED: f64 = 16.0;
 const OF_TRAVEL: f64 = 0.25;
 
 /// Fewest samples that show how a tip leaves its rest.
 const FEWEST_ON_WAY: usize = 4;
 
-/// Powers of the time with which a tip leaves its rest: its acceleration jumps, or a derivative of that.
+/// Powers of time with which a tip leaves its rest: the acceleration, or a derivative of it, jumps.
 const POWERS: [f64; 3] = [2.0, 3.0, 4.0];
 
-/// How samples are uncertain.
+/// Kind of the samples' uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Uncertainty {
-    /// Displacements are rounded to this many decimals of the unit of their file.
+    /// Displacements are rounded to a number of decimals in the unit of their file.
     Rounded {
         /// Number of decimals; negative for tens, hundreds, ….
         decimals: i32,
         /// The last decimal in m: each sample is off by up to half of it.
         step_m: f64,
     },
-    /// Displacements carry noise that is independent from sample to sample.
+    /// Displacements have noise that is independent from sample to sample.
     Noisy {
-        /// Its standard deviation in m.
+        /// Standard deviation in m.
         deviation_m: f64,
         /// Largest distance in m by which the rests at the ends were moved to their means.
         moved_m: f64,
     },
-    /// Velocities or accelerations, which are integrated, are rounded.
+    /// Velocities or accelerations are rounded, and then integrated.
     Integrated {
-        /// How often they are integrated: once or twice.
+        /// Number of integrations: 1 or 2.
         times: i32,
         /// Number of decimals in the unit of their file.
         decimals: i32,
@@ -43,46 +44,46 @@ pub enum Uncertainty {
     },
 }
 
-/// What is known of the samples of a motion beside their values. By default they are exact.
+/// Quality of a motion's samples. By default they are exact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Recording {
-    /// How displacements are uncertain; `None`: by less than anything that matters.
+    /// Uncertainty of displacements; `None` if it is too small to matter.
     pub uncertainty: Option<Uncertainty>,
-    /// Largest distance of a time from the uniform grid of all, in steps, where the samples were taken
-    /// between the times of that grid and interpolated.
+    /// Largest distance of a time from the uniform grid, in steps, if the samples were taken between the grid's times
+    /// and interpolated.
     pub jitter: Option<f64>,
-    /// Number of samples that were replaced by what their neighbours lead to.
+    /// Number of samples replaced by a value from their neighbours.
     pub dropped: usize,
-    /// Whether a velocity column says by itself that the tip moves at the ends.
+    /// True if a velocity column alone shows that the tip moves at the ends.
     pub moves_by_column: bool,
-    /// Cut-off in rad/s that the user has chosen; `None`: the one that the tip needs.
+    /// Cut-off in rad/s chosen by the user; `None` for the cut-off that the tip needs.
     pub lowpass_rad_s: Option<f64>,
-    /// Mean time in s between the samples that were recorded, where they are interpolated.
+    /// Mean time in s between recorded samples, if they are interpolated.
     pub spacing_s: Option<f64>,
-    /// Standard deviation in m/s of the velocities that are given beside what the motion is made of.
+    /// Standard deviation in m/s of a velocity column besides the column of the motion.
     pub velocity_m_s: Option<f64>,
-    /// What the motion may be off by between the samples that were recorded.
+    /// Errors of the motion between recorded samples.
     pub between: Between,
-    /// Direction in rad of the chord, from the axis to the tip, where the displacement is 0, if the samples were
-    /// given as angles of a link with gravity.
+    /// Direction in rad of the chord, from the axis to the tip, at displacement 0, if the samples are angles of a link
+    /// with gravity.
     pub start_angle_rad: Option<f64>,
 }
 
-/// What a motion may be off by between the samples that were recorded. By default it is known there.
+/// Errors of a motion between recorded samples, 0 by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Between {
-    /// Standard deviation of its displacement in m, from sample to sample.
+    /// Standard deviation of the displacement in m, independent between samples.
     pub spline_m: f64,
-    /// What its displacement is off by as a whole in m, where it is an integral.
+    /// Error in m of the displacement as a whole, if it is an integral.
     pub displacement_m: f64,
-    /// What its velocity is off by in m/s.
+    /// Error of the velocity in m/s.
     pub velocity_m_s: f64,
-    /// Standard deviation of the error of its acceleration in m/s².
+    /// Standard deviation of the acceleration in m/s².
     pub acceleration_m_s2: f64,
 }
 
 impl Between {
-    /// The larger of this and another one.
+    /// The larger of each error in two records.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -105,19 +106,19 @@ impl Between {
 }
 
 impl Recording {
-    /// Standard deviation of a sample in m, m/s or m/s²; 0 of exact samples.
+    /// Standard deviation of a sample in m, m/s or m/s²; 0 for exact samples.
     pub fn deviation(&self) -> f64 {
         self.uncertainty.map_or(0.0, |own| own.deviation())
     }
 }
 
 impl Uncertainty {
-    /// How often the samples are integrated to give displacements.
+    /// Number of integrations from the samples to displacements.
     pub fn times(&self) -> i32 {
         if let Self::Integrated { times, .. } = self { *times } else { 0 }
     }
 
-    /// Standard deviation of a sample in m, m/s or m/s². That of rounding is evenly distributed over one step.
+    /// Standard deviation of a sample in m, m/s or m/s². Rounding errors are evenly distributed over one step.
     pub fn deviation(&self) -> f64 {
         match self {
             Self::Rounded { step_m: step, .. } | Self::Integrated { step, .. } => {
@@ -127,10 +128,10 @@ impl Uncertainty {
         }
     }
 
-    /// Distance in m within which a motion can follow `samples` displacements: the largest error of one of them,
-    /// and √3 standard deviations for what the cut-off leaves out of the motion itself. For rounding this
-    /// is one step; the largest of n normal errors is √(2 ln n) deviations. What is integrated is followed
-    /// by its frequencies, and has 0.
+    /// Distance in m within which a motion can follow `samples` displacements: the largest error of a sample, and √3
+    /// standard deviations for the part of the motion that the cut-off removes. For rounding this is one step; the
+    /// largest of n normal errors is √(2 ln n) deviations. It is 0 for integrated samples, which are followed by their
+    /// frequencies.
     pub fn tolerance_m(&self, samples: usize) -> f64 {
         match self {
             Self::Rounded { step_m, .. } => *step_m,
@@ -160,7 +161,7 @@ impl Uncertainty {
 }
 
 impl Recording {
-    /// With displacements and duration times these factors.
+    /// Multiplies displacements and duration by these factors.
     pub(super) fn scaled(self, distance: f64, duration: f64) -> Self {
         Self {
             uncertainty: self.uncertainty.map(|own| own.scaled(distance, duration)),
@@ -172,7 +173,7 @@ impl Recording {
         }
     }
 
-    /// Numbers of the last sample at rest before a motion and of the first one after it, where noise decides.
+    /// Numbers of the last sample at rest before a motion and of the first one after it, if noise decides them.
     pub(super) fn moving_samples(&self, places_m: &[f64]) -> Option<(usize, usize)> {
         match self.uncertainty? {
             Uncertainty::Noisy { deviation_m, .. } => moving_beyond_noise(places_m, deviation_m),
@@ -180,18 +181,18 @@ impl Recording {
         }
     }
 
-    /// The chosen cut-off in Hz.
+    /// Cut-off chosen by the user, in Hz.
     pub fn lowpass_hz(&self) -> Option<f64> {
         self.lowpass_rad_s.map(|omega| omega / TAU)
     }
 }
 
-/// Numbers of the last sample at rest before a motion and of the first one after it, of places in m with noise of this
-/// standard deviation; none where they do not leave the noise.
+/// Numbers of the last sample at rest before a motion and of the first one after it, for places in m with noise of this
+/// standard deviation; `None` if they do not leave the noise.
 ///
-/// The acceleration of noisy places says nothing of the rest. The place does: it is beyond the noise from some sample
-/// on. Before that, the tip has left its rest with a power of the time, d ∝ (t − t₀)ⁿ; t₀ and n are those of least
-/// squares over the samples from there on.
+/// The acceleration of noisy places does not show the rest. The place does: it exceeds the noise from some sample on.
+/// Before it, the tip leaves its rest with a power of time, d ∝ (t − t₀)ⁿ; least squares over the following samples
+/// give t₀ and n.
 fn moving_beyond_noise(places_m: &[f64], deviation_m: f64) -> Option<(usize, usize)> {
     let last = places_m.len() - 1;
     let first = departure(places_m.iter().copied(), deviation_m)?;
@@ -205,7 +206,7 @@ fn moving_beyond_noise(places_m: &[f64], deviation_m: f64) -> Option<(usize, usi
     (first + end < last).then_some((first, last - end))
 }
 
-/// When places leave the first of them, in steps from it.
+/// Time at which places leave the first one, in steps from it.
 fn departure(places_m: impl Iterator<Item = f64> + Clone, deviation_m: f64) -> Option<f64> {
     let rest_m = places_m.clone().next()?;
     let distances = places_m.map(|place| (place - rest_m).abs());
@@ -224,9 +225,9 @@ fn departure(places_m: impl Iterator<Item = f64> + Clone, deviation_m: f64) -> O
     Some(start.min(before))
 }
 
-/// The sum of squared residuals, in m², of distances that grow with a power of the time, and when they are 0.
+/// Sum of squared residuals, in m², of distances that grow with a power of time, and the time at which they are 0.
 fn departure_with(way: &[(f64, f64)], power: f64) -> (f64, f64) {
-    // An error of the distance d is one of its root of d^(1/n − 1)/n times that.
+    // An error of the distance d causes d^(1/n − 1)/n times this error in its root.
     let rooted = way.iter().map(|(at, distance)| {
         let root = libm::pow(*distance, power.recip());
         (*at, root, (power * distance / root).powi(2))

@@ -1,4 +1,4 @@
-//! Samples of a tip motion, what they must satisfy, and why they are refused.
+//! Samples of a tip motion, and their checks.
 
 use std::sync::Arc;
 
@@ -10,19 +10,19 @@ use crate::numeric::{TimeGrid, largest};
 /// Share of the peak acceleration below which the tip counts as at rest.
 const MOTION_THRESHOLD: f64 = 1e-6;
 
-/// Longest period, in lengths of the motion, whose transform must not overflow.
+/// Longest period, in lengths of the motion, for which the transform must not overflow.
 const PERIODS: f64 = 64.0;
 
-/// Least peak acceleration in m/s²: the squares of its amplitudes do not underflow.
+/// Smallest peak acceleration in m/s²: the squares of its amplitudes do not underflow.
 const LEAST_M_S2: f64 = 1e-120;
 
 /// End velocity over peak velocity up to which displacement samples count as at rest.
 const REST_TOLERANCE: f64 = 1e-2;
 
-/// End velocity over peak velocity that a file with few digits may have; it is corrected.
+/// End velocity over peak velocity up to which it counts as an effect of few digits, and is corrected.
 pub(super) const FEW_DIGITS: f64 = 1e-3;
 
-/// Sampled columns of a tip motion, in SI, all of one length.
+/// Sampled columns of a tip motion, in SI, of equal length.
 ///
 /// At least one of `acceleration_m_s2` and `displacement_m` is present.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -38,35 +38,35 @@ pub struct MotionColumns {
     pub displacement_m: Option<Vec<f64>>,
 }
 
-/// What the tip does before the first sample of a motion and after its last.
+/// Tip motion before the first sample and after the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ends {
-    /// It is at rest.
+    /// The tip is at rest.
     #[default]
     AtRest,
-    /// It has moved at one constant velocity all along, and goes on at another.
+    /// The tip has a constant velocity before, and another one after.
     Moving,
-    /// It repeats the samples: the first follows the last, one step later.
+    /// The tip repeats the samples: the first follows the last, one step later.
     Periodic,
 }
 
-/// Samples of a tip motion that have passed the checks. A clone shares them.
+/// Checked samples of a tip motion. A clone shares them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Samples {
     pub(super) grid: TimeGrid,
     pub(super) source: Arc<Source>,
     /// Displacement before the motion in m.
     pub(super) initial_displacement_m: f64,
-    /// Displacement after the motion less that before it, in m: of a tip that moves at its ends, of the last sample
-    /// less the first, and of a periodic motion that of one cycle.
+    /// Displacement after the motion minus displacement before it, in m; for a tip that moves at its ends, last sample
+    /// minus first; for a periodic motion, the travel of one cycle.
     pub(super) travel_m: f64,
     pub(super) ends: Ends,
-    /// Velocities in m/s before the motion and after it; of a periodic motion, its mean.
+    /// Velocities in m/s before the motion and after it; for a periodic motion, the mean velocity.
     pub(super) velocities_m_s: [f64; 2],
 }
 
-/// The column that a motion is computed from.
+/// Column that defines a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Source {
     /// Accelerations in m/s².
@@ -76,7 +76,7 @@ pub(super) enum Source {
 }
 
 impl Samples {
-    /// The displacements in m that were given; none of accelerations.
+    /// The input displacements in m; empty for accelerations.
     pub(super) fn displacements_m(&self) -> &[f64] {
         match &*self.source {
             Source::Displacement { samples, .. } => samples,
@@ -92,14 +92,14 @@ impl Samples {
         }
     }
 
-    /// The least even number of samples that hold whole cycles of a periodic motion.
+    /// Smallest even number of samples that contains whole cycles of a periodic motion.
     pub(super) fn cycles(&self) -> Option<usize> {
         let given = self.grid.len;
         let len = if given.is_multiple_of(2) { given } else { 2 * given };
         (self.ends == Ends::Periodic).then_some(len)
     }
 
-    /// The same over a period of `len` samples: several cycles of a periodic motion, else with zeros around it.
+    /// The forcing over a period of `len` samples: several cycles of a periodic motion, otherwise padded with zeros.
     pub(super) fn forcing_over_m_s2(&self, len: usize) -> Vec<f64> {
         let own = self.forcing_m_s2();
         if self.ends == Ends::Periodic {
@@ -110,8 +110,8 @@ impl Samples {
         samples
     }
 
-    /// Displacements in m over a period of `len` samples, from `seam` on before the motion, of samples that are
-    /// displacements.
+    /// Displacements in m over a period of `len` samples, for samples that are displacements; those from `seam` on
+    /// precede the motion.
     pub(super) fn displacement_over_m(&self, own: &[f64], len: usize, seam: usize) -> Vec<f64> {
         let (given, step_s) = (own.len(), self.grid.step_s);
         let [before, after] = self.velocities_m_s;
@@ -152,8 +152,8 @@ impl MotionColumns {
 
 /// Refuses displacement samples that begin or end with a velocity.
 ///
-/// The velocity at the end is extrapolated from the two outermost differences, which is exact for
-/// a constant acceleration. A smoother start gives a velocity of the opposite sign; it is at rest, too.
+/// The velocity at the end is extrapolated from the two outermost differences, which is exact for a constant
+/// acceleration. A smoother start gives a velocity of the opposite sign, and also counts as rest.
 pub(super) fn at_rest(displacement_m: &[f64], step_s: f64) -> Result<(), MotionError> {
     let differences: Vec<f64> = displacement_m.windows(2).map(|d| d[1] - d[0]).collect();
     let peak = largest(&differences);
@@ -179,7 +179,7 @@ pub(super) fn can_be_transformed(forcing: &[f64]) -> bool {
     (sum * PERIODS * forcing.len() as f64).is_finite()
 }
 
-/// Numbers of the last sample before those that move the tip and of the first one after them.
+/// Numbers of the last sample before the samples that move the tip and of the first one after them.
 pub(super) fn moving_samples(forcing: &[f64]) -> Result<(usize, usize), MotionError> {
     let peak_m_s2 = largest(forcing);
     let moves = |a: &f64| a.abs() > MOTION_THRESHOLD * peak_m_s2;
@@ -199,7 +199,7 @@ mod tests {
     fn gentle_starts_are_at_rest_and_ramps_are_not() {
         let sampled =
             |f: fn(f64) -> f64| (0..=10).map(|k| f(f64::from(k) / 10.0)).collect::<Vec<_>>();
-        // Minimum jerk and bang-bang, both coarse.
+        // Minimum jerk and bang-bang, both with coarse steps.
         let gentle = [
             sampled(|t| t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)),
             sampled(|t| if t < 0.5 { 2.0 * t * t } else { 1.0 - 2.0 * (1.0 - t) * (1.0 - t) }),

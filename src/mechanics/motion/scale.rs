@@ -1,4 +1,4 @@
-//! What is made of a motion: the same over another distance, duration or step, and a target to compare with.
+//! A motion over another distance, duration or step, and a target for comparison.
 
 use std::ops::Mul;
 
@@ -11,19 +11,19 @@ use super::tip_motion::{EndVelocity, TipMotion};
 use crate::link::ParameterError;
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, fast_length, largest};
 
-/// Samples of the cycles beside its own through which the spline of a cycle goes: the effect of a spline's end falls by
-/// 3.7 from one sample to the next.
+/// Number of samples of adjacent cycles in the spline of a cycle: the effect of a spline's end falls by 3.7 from one
+/// sample to the next.
 const AROUND: usize = 30;
 
-/// Share of the largest acceleration that an acceleration jumps by.
+/// Share of the largest acceleration above which a step of the acceleration is a jump.
 const JUMP: f64 = 0.4;
 
 /// Factors on a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionScale {
-    /// On the displacement; not 0.
+    /// Factor on the displacement; not 0.
     pub distance: f64,
-    /// On the duration, the first sample's time kept; above 0.
+    /// Factor on the duration; the first sample's time stays; above 0.
     pub duration: f64,
 }
 
@@ -36,28 +36,28 @@ impl Default for MotionScale {
 impl Mul for MotionScale {
     type Output = Self;
 
-    /// The factors of both on one motion.
+    /// Combines the factors of both.
     fn mul(self, other: Self) -> Self {
         Self { distance: self.distance * other.distance, duration: self.duration * other.duration }
     }
 }
 
 impl TipMotion {
-    /// True if accelerations are given that jump: a sample is far from the next but one, while those before and after
-    /// hardly change.
+    /// True if the motion has acceleration samples that jump: a sample is far from the next but one, while those before
+    /// and after hardly change.
     pub fn jumps(&self) -> bool {
         if self.is_from_displacement() {
             return false;
         }
         let own = self.samples().forcing_m_s2();
         let least = JUMP * largest(own);
-        // The tip that rests is not accelerated.
+        // A resting tip has no acceleration.
         let beside: &[f64] = if self.ends() == Ends::AtRest { &[0.0; 3] } else { &[] };
         let samples = [beside, own, beside].concat();
         let is_jump = |a: &[f64]| {
             let jump = (a[3] - a[1]).abs();
             let beside = (a[1] - a[0]).abs().max((a[4] - a[3]).abs());
-            // The sample of a jump has either value, or their mean.
+            // The sample at a jump has either value, or their mean.
             let values = [a[1], 0.5 * (a[1] + a[3]), a[3]];
             let off = values.iter().map(|value| (a[2] - value).abs()).fold(jump, f64::min);
             jump > least && beside < 0.1 * jump && off < 0.05 * jump
@@ -65,17 +65,17 @@ impl TipMotion {
         samples.windows(5).any(is_jump)
     }
 
-    /// Largest acceleration of the samples in m/s², of displacements the largest of their second differences.
+    /// Largest acceleration of the samples in m/s², or largest second difference of displacements.
     pub fn largest_acceleration_m_s2(&self) -> f64 {
         largest(self.samples().forcing_m_s2())
     }
 
-    /// The same motion over another distance and duration: as many samples, the step and the rests
-    /// scaled with the duration.
+    /// This motion over another distance and duration: the same number of samples, with the step and the rests scaled
+    /// like the duration.
     ///
     /// # Errors
-    /// [`MotionError::Scale`] for factors out of their range, and as [`TipMotion::new`] where the scaled
-    /// numbers are too large.
+    /// [`MotionError::Scale`] for factors out of their range, and those of [`TipMotion::new`] if the scaled numbers are
+    /// too large.
     pub fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
         if scale == MotionScale::default() {
             return Ok(self.clone());
@@ -103,15 +103,15 @@ impl TipMotion {
         Ok(scaled.with_start(start_m, corrected).recorded(recording))
     }
 
-    /// The same motion sampled twice as often, by a cubic spline through its samples.
+    /// This motion sampled twice as often, by a cubic spline through its samples.
     ///
     /// # Errors
-    /// As [`TipMotion::new`].
+    /// Those of [`TipMotion::new`].
     pub fn twice_as_often(&self) -> Result<Self, MotionError> {
         let grid = self.grid();
         let is_periodic = self.ends() == Ends::Periodic;
         let len = if is_periodic { 2 * grid.len } else { 2 * grid.len - 1 };
-        // Of a cycle the neighbours beside it are known, and the ends of their spline are far away.
+        // A cycle has known neighbours, so that the ends of their spline are far away.
         let around = if is_periodic { AROUND } else { 0 };
         let finer = |samples: &[f64], travel: f64, ends| {
             let spline = if is_periodic {
@@ -133,8 +133,7 @@ impl TipMotion {
         Ok(finer.recorded(*self.recording()))
     }
 
-    /// The motion of the samples on another grid that follow from its own; velocities at the ends are those of its own
-    /// times `faster`.
+    /// The motion on another grid, with samples derived from its samples, and end velocities multiplied by `faster`.
     fn on_grid(
         &self,
         grid: TimeGrid,
@@ -157,7 +156,7 @@ impl TipMotion {
     }
 }
 
-/// A tip displacement to compare with. It need not be at rest at its ends.
+/// A tip displacement for comparison. It need not be at rest at its ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipTarget {
     grid: TimeGrid,
@@ -166,19 +165,19 @@ pub struct TipTarget {
 }
 
 impl TipTarget {
-    /// Displacements in m at the times of `grid`, which ends with the last of them.
+    /// Displacements in m at the times of `grid`, which ends with their last.
     pub fn new(grid: TimeGrid, displacement_m: Vec<f64>) -> Self {
         let grid = TimeGrid { len: displacement_m.len(), ..grid };
         Self { grid, displacement_m, start_angle_rad: None }
     }
 
-    /// The same with the direction of the chord in rad where the displacement is 0, if the motion gives it.
+    /// Sets the direction of the chord in rad at displacement 0, if the motion has one.
     #[must_use]
     pub fn from_angle(self, start_angle_rad: Option<f64>) -> Self {
         Self { start_angle_rad, ..self }
     }
 
-    /// Direction of the chord in rad where the displacement is 0, if the motion gives it.
+    /// Direction of the chord in rad at displacement 0, if the motion has one.
     pub fn start_angle_rad(&self) -> Option<f64> {
         self.start_angle_rad
     }
@@ -205,12 +204,11 @@ impl TipTarget {
 }
 
 impl TipMotion {
-    /// The motion on a period of `len` samples up to a cut-off: of those beyond its own, the ones from `seam` on are of
-    /// times before the motion.
+    /// The motion on a period of `len` samples up to a cut-off. The padding from `seam` on precedes the motion.
     ///
     /// # Errors
-    /// [`ParameterError`] if `len` is odd or below the number of samples, or `seam` does not lie in the
-    /// padding; of a periodic motion, if `len` holds no whole cycles, or `seam` is not its end.
+    /// [`ParameterError`] if `len` is odd or below the number of samples, or `seam` is not in the padding; for a
+    /// periodic motion, if `len` is no multiple of the cycle, or `seam` is not its end.
     pub fn histories_over(
         &self,
         len: usize,
@@ -233,11 +231,10 @@ impl TipMotion {
         Ok(self.over_period(len, seam, cutoff).histories)
     }
 
-    /// The motion as a target, with as much of the rest around it, in whole steps, as lies between
-    /// two times in s.
+    /// The motion as a target, with the rest around it, in whole steps, between two times in s.
     pub fn target(&self, from_s: f64, until_s: f64) -> TipTarget {
         let own = self.grid();
-        // A time within a millionth of a step of a sample is that sample.
+        // A time within a millionth of a step of a sample counts as the sample.
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

@@ -8,51 +8,51 @@ use super::noise::Noise;
 use super::samples::{Ends, Samples, Source};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
-/// End of the roll-off over the cut-off.
+/// Ratio of the end of the roll-off to the cut-off.
 pub(super) const ROLL_OFF: f64 = 1.5;
 
-/// Factor on the tolerance for which a second cut-off is found: the torque must not depend on it much.
+/// Factor on the tolerance for a second cut-off: the torque must not depend on the cut-off much.
 pub(super) const LOOSER: f64 = 2.0;
 
-/// The frequency up to which a motion is solved for, and the error of the tip that follows.
+/// Highest frequency of the solution of a motion, and the resulting error of the tip.
 ///
-/// For a motion with a kink, with rounded digits or with a fine step the torque has no bound: |T/a| grows
-/// with frequency, while the tip's displacement falls as ω⁻². The motor need not do what the tip does not
-/// show (Bayo 1987, after eq 17): the motion is solved up to the lowest frequency that keeps the tip within
-/// a tolerance, a share of its travel, at all times.
+/// For a motion with a kink, with rounded digits or with a fine step the torque is unbounded: |T/a| grows with
+/// frequency, while the tip's displacement falls as ω⁻². The motor need not produce motion that the tip does not show
+/// (Bayo 1987, after eq 17): the cut-off is the lowest frequency that keeps the tip within a tolerance, a share of its
+/// travel, at all times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutoff {
-    /// Frequency in rad/s up to which amplitudes are kept unchanged; infinite where all are.
+    /// Frequency in rad/s up to which amplitudes stay unchanged; infinite if all do.
     pub omega_rad_s: f64,
-    /// The same in rad/s for twice the tolerance.
+    /// Cut-off in rad/s for twice the tolerance.
     pub looser_rad_s: f64,
-    /// Largest error in m of the solved tip against the wanted one, at any time.
+    /// Largest error in m of the solved tip relative to the wanted one, at any time.
     pub tip_error_m: f64,
-    /// Why the tip is not within the tolerance; `None` where it is.
+    /// Reason why the tip misses the tolerance; `None` if it keeps it.
     pub shortfall: Option<Shortfall>,
-    /// What the samples are uncertain by; `None` where that is less than the tolerance.
+    /// Uncertainty of the samples; `None` if it is below the tolerance.
     pub input: Option<InputBand>,
 }
 
-/// Uncertain samples, and how far the torque that follows depends on the cut-off.
+/// Uncertain samples, and how much the torque depends on the cut-off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputBand {
     /// Errors of the samples.
     pub noise: Noise,
-    /// True where these set the cut-off, and not what exact samples would be solved to.
+    /// True if these errors set the cut-off, rather than the tolerance for exact samples.
     pub sets_band: bool,
-    /// Distance in m within which the samples are followed.
+    /// Distance in m within which the solution follows the samples.
     pub followed_m: f64,
-    /// Largest error in m of the solved tip that exact samples would be solved to.
+    /// Largest error in m of the solved tip for exact samples.
     pub wanted_m: f64,
-    /// Exponent with which the tip's error falls with the cut-off: 3 for a motion whose jerk jumps.
+    /// Exponent of the fall of the tip's error with the cut-off: 3 for a motion with a jump of the jerk.
     pub fall: f64,
 }
 
-/// Why the samples of a motion do not bring the tip within its tolerance.
+/// Reason why the samples of a motion do not bring the tip within its tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shortfall {
-    /// The step is too long; this one in s is short enough.
+    /// The step is too long; the field is a short enough step in s.
     Step(f64),
     /// The error hardly falls with frequency: noise, or too few digits.
     Noise,
@@ -73,28 +73,28 @@ impl Cutoff {
         self.omega_rad_s.is_infinite()
     }
 
-    /// Distance in m within which uncertain samples are followed, where their errors set it.
+    /// Distance in m within which the solution follows uncertain samples, if their errors set it.
     pub fn followed_m(&self) -> Option<f64> {
         self.input.filter(|input| input.sets_band).map(|input| input.followed_m)
     }
 
-    /// True if the samples' errors set it, and not what exact samples would be solved to.
+    /// True if the samples' errors set the cut-off, rather than the tolerance for exact samples.
     pub fn is_set_by_input(&self) -> bool {
         self.input.is_some_and(|input| input.sets_band)
     }
 
-    /// Factor on the amplitude at ω ≥ 0: 1 up to the cut-off, then a raised cosine over half of it.
+    /// Factor on the amplitude at ω ≥ 0: 1 up to the cut-off, then a raised cosine down to 0 at [`Self::end_rad_s`].
     pub fn weight(&self, omega_rad_s: f64) -> f64 {
         weight(omega_rad_s, self.omega_rad_s)
     }
 
-    /// Weight for the looser tolerance over [`Self::weight`]: the factor that turns one into the other.
+    /// Weight for the looser tolerance over [`Self::weight`], the factor from one to the other.
     pub(crate) fn weight_of_looser(&self, omega_rad_s: f64) -> f64 {
         let own = self.weight(omega_rad_s);
         if own > 0.0 { weight(omega_rad_s, self.looser_rad_s) / own } else { 0.0 }
     }
 
-    /// The highest frequency that is solved, in rad/s.
+    /// Highest solved frequency in rad/s.
     pub fn end_rad_s(&self) -> f64 {
         ROLL_OFF * self.omega_rad_s
     }
@@ -108,58 +108,56 @@ pub(super) fn weight(omega_rad_s: f64, cutoff_rad_s: f64) -> f64 {
     if beyond >= 1.0 { 0.0 } else { 0.5 * (1.0 + libm::cos(PI * beyond)) }
 }
 
-/// Number of frequencies at which what lies beyond the band of uncertain samples is solved.
+/// Number of solved frequencies beyond the band of uncertain samples.
 const BEYOND: usize = 64;
 
-/// Amplitudes of the acceleration below this share of the largest are round-off of the transform.
+/// Share of the largest amplitude of the acceleration below which amplitudes are round-off of the transform.
 const BAND_TOLERANCE: f64 = 1e-15;
 
-/// Number of places on either side of the seam at which a decay is measured.
+/// Number of places on either side of the seam for measuring a decay.
 const SEAM_PLACES: usize = 8;
 
 /// Spectrum of the tip motion on a period of N samples; sample 0 is the trajectory's first.
 ///
-/// Samples after the trajectory continue its rest; those from the seam on are the rest
-/// before it.
+/// Samples after the trajectory continue its rest; samples from the seam on are the rest before it.
 #[derive(Clone)]
 pub(crate) struct TipSpectrum {
-    /// The Fourier pair of the period.
+    /// Fourier pair of the period.
     pub pair: FourierPair,
-    /// The pair with twice the samples that the band needs: a peak at the cut-off is found to within a
-    /// seventh of itself, at the end of the roll-off to within three tenths.
+    /// Pair with twice the samples that the band needs. A peak between its samples is missed by at most a seventh at
+    /// the cut-off, and three tenths at the end of the roll-off.
     pub band_pair: FourierPair,
     band_len: usize,
     /// Step in s.
     pub step_s: f64,
-    /// Amplitudes â of the acceleration in m/s², N/2 + 1 of them; the one at zero is 0, but for a tip that moves at
+    /// Amplitudes â of the acceleration in m/s², N/2 + 1 of them. The one at zero is 0, except for a tip that moves at
     /// its ends.
     pub acceleration_m_s2: Vec<Complex64>,
-    /// Amplitudes of the velocity in m/s: â/(iω), and at zero the mean over the period, travel over
-    /// P; of a tip that moves at its ends 0.
+    /// Amplitudes of the velocity in m/s: â/(iω), and at zero the mean over the period, travel over P; for a tip that
+    /// moves at its ends 0.
     pub velocity_m_s: Vec<Complex64>,
     /// Angular frequency of every bin in rad/s (Bayo 1987, eq 13).
     pub omegas_rad_s: Vec<f64>,
     /// Magnitudes |â| in m/s².
     pub magnitudes_m_s2: Vec<f64>,
-    /// The largest of them.
+    /// Largest magnitude.
     pub largest_m_s2: f64,
-    /// Mean acceleration in m/s² of a tip that moves at its ends: its velocity is no periodic history.
+    /// Mean acceleration in m/s² of a tip that moves at its ends, whose velocity is not periodic.
     pub mean_m_s2: Option<f64>,
-    /// The displacement of a periodic motion at its first sample in m, counted from its mean without travel.
+    /// Displacement of a periodic motion at its first sample in m, relative to its mean without travel.
     pub start_m: Option<f64>,
-    /// The first sample of a time before the trajectory; N without one.
+    /// First sample before the trajectory; N without one.
     pub seam: usize,
-    /// Frequency up to which the motion is solved for.
+    /// Cut-off of the motion.
     pub cutoff: Cutoff,
 }
 
 impl TipSpectrum {
-    /// Spectrum of a motion on a period of `len` samples, an even number not below its own, rolled off at a
-    /// cut-off. Of the samples beyond its own those from `seam` on are of times before the trajectory.
+    /// Spectrum of a motion, rolled off at a cut-off, on a period of `len` samples, an even number of at least the
+    /// motion's. The padding from `seam` on precedes the trajectory.
     ///
-    /// Acceleration samples are transformed as they are. Displacement samples are differenced
-    /// twice first, which is zero outside the motion whatever its travel, and the difference is
-    /// undone in the spectrum:
+    /// Acceleration samples are transformed unchanged. Displacement samples are first differenced twice, which is zero
+    /// outside the motion for any travel; the spectrum undoes the difference:
     ///
     /// ```text
     /// â = D̂ (ωΔt/2)²/sin²(ωΔt/2),   D_k = (v_{k+1} − 2v_k + v_{k−1})/Δt²
@@ -180,7 +178,7 @@ impl TipSpectrum {
         }
         let omegas = (0..acceleration_m_s2.len()).map(|k| angular_frequency(k, len, step_s));
         let omegas_rad_s: Vec<f64> = omegas.collect();
-        // What a cut-off leaves out moves no cycle: its start is that of all frequencies.
+        // The frequencies beyond a cut-off do not shift a cycle: its start includes all frequencies.
         let start_m = (motion.ends == Ends::Periodic).then(|| {
             let displacement = |(k, a): (usize, &Complex64)| match omegas_rad_s[k] {
                 0.0 => 0.0,
@@ -226,8 +224,8 @@ impl TipSpectrum {
         }
     }
 
-    /// The spectrum of the samples' errors: their expected amplitude at each frequency of the band, and where the tip
-    /// ends.
+    /// Spectrum of the samples' errors: expected amplitude at each frequency of the band, and the error of the tip's
+    /// end position.
     pub(super) fn of_noise(&self, of_samples: &Noise) -> Self {
         let mut noise = self.clone();
         for (k, omega) in self.omegas_rad_s.iter().enumerate() {
@@ -243,13 +241,12 @@ impl TipSpectrum {
         noise
     }
 
-    /// The parts of the tip's motion beyond the band of uncertain samples, at frequencies that are spread
-    /// evenly over its logarithm: from one to the next, the tip's error falls by the displacement's
-    /// amplitude. Exact samples have another band also where they are solved to about the same error: the spectrum of a
-    /// motion has lobes.
+    /// Parts of the tip's motion beyond the band of uncertain samples, at frequencies evenly spaced logarithmically.
+    /// From one to the next, the tip's error falls by the displacement's amplitude. Exact samples have another band
+    /// even if they are solved to about the same error, because the spectrum of a motion has lobes.
     pub(super) fn beyond(&self, input: &InputBand) -> Self {
         let (mut beyond, cutoff) = (self.clone(), self.cutoff);
-        // Where the samples do not set the band, they move its end by what leaves as much as they are off.
+        // If the samples do not set the band, they widen it by the frequencies that leave an error of their size.
         let error_m = if cutoff.tip_error_m > input.wanted_m {
             cutoff.tip_error_m
         } else {
@@ -265,7 +262,7 @@ impl TipSpectrum {
             let omega = self.cutoff.omega_rad_s * libm::exp(step * (place + 0.5));
             (omega, part_m(place))
         });
-        // No part of it is at rest; a spectrum begins there.
+        // A spectrum begins at zero frequency, where the parts have no amplitude.
         let parts: Vec<(f64, f64)> =
             std::iter::once((0.0, 0.0)).chain(parts.filter(|_| step > 0.0)).collect();
         beyond.omegas_rad_s = parts.iter().map(|(omega, _)| *omega).collect();
@@ -279,9 +276,9 @@ impl TipSpectrum {
         beyond
     }
 
-    /// Amplitudes of a displacement in m that the errors of the samples may be: an offset, noise of random phases within the
-    /// band, and the parts beyond it, which all pass at the time of sample `at` with this phase. `draw` gives random numbers
-    /// from 0 to 1.
+    /// Amplitudes of a possible displacement error of the samples in m: an offset, noise of random phases within the
+    /// band, and the parts beyond it, which all have this phase at the time of sample `at`. `draw` yields random
+    /// numbers from 0 to 1.
     pub(super) fn possible_error_m(
         &self,
         input: &InputBand,
@@ -301,9 +298,9 @@ impl TipSpectrum {
             .collect();
         let beyond = self.beyond(input);
         for (omega, m_s2) in beyond.omegas_rad_s.iter().zip(&beyond.magnitudes_m_s2).skip(1) {
-            // What a cut-off leaves lies in its roll-off.
+            // The part beyond a cut-off lies in its roll-off.
             let bin = self.omegas_rad_s.partition_point(|own| *own < ROLL_OFF.sqrt() * omega);
-            // What the samples do not resolve is no part of any motion through them.
+            // Frequencies that the samples do not resolve belong to no motion through them.
             if bin + 1 < error_m.len() {
                 let turned = self.omegas_rad_s[bin] * self.step_s * at as f64;
                 error_m[bin] += wave(0.5 * m_s2 / (omega * omega), phase - turned);
@@ -312,7 +309,7 @@ impl TipSpectrum {
         error_m
     }
 
-    /// How far the tip is after the motion from where it was before, in m.
+    /// Displacement of the tip after the motion relative to before it, in m.
     pub(crate) fn travel_m(&self) -> f64 {
         self.velocity_m_s[0].re * self.period_s()
     }
@@ -322,8 +319,8 @@ impl TipSpectrum {
         self.pair.len() as f64 * self.step_s
     }
 
-    /// Places around the seam at which the end of a decay is measured: samples of the period with their
-    /// times in s, and the time between two in s.
+    /// Places around the seam for measuring the end of a decay: samples of the period with their times in s, and the
+    /// time between them in s.
     pub(crate) fn around_seam(&self) -> (Vec<(usize, f64)>, f64) {
         let len = self.pair.len();
         let stride = (self.seam_reach() / SEAM_PLACES).max(1);
@@ -335,10 +332,9 @@ impl TipSpectrum {
         ((0..=2 * SEAM_PLACES).map(place).collect(), stride as f64 * self.step_s)
     }
 
-    /// Samples on either side of the seam in which a decay is measured. For an antisymmetric motion the tails
-    /// of two periods cancel at the seam itself; a thirty-second of the period away, half of one period's
-    /// tail of t⁻⁴ is left. At least one cycle of the cut-off, since the ringing of a roll-off is zero twice
-    /// a cycle.
+    /// Number of samples on either side of the seam for measuring a decay. For an antisymmetric motion the tails of two
+    /// periods cancel at the seam; a thirty-second of the period away, half of one period's tail of t⁻⁴ remains. It
+    /// spans at least one cycle of the cut-off, because the ringing of a roll-off is zero twice a cycle.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples, bounded")]
     pub(crate) fn seam_reach(&self) -> usize {
         let len = self.pair.len();
@@ -346,7 +342,7 @@ impl TipSpectrum {
         (len / 32).max(2).max((cycle.ceil() as usize).min(len / 4))
     }
 
-    /// Number of bins from zero frequency on up to the last one above round-off.
+    /// Number of bins from zero frequency to the last one above round-off.
     pub(crate) fn band_len(&self) -> usize {
         self.band_len
     }

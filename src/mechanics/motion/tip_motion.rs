@@ -10,19 +10,19 @@ use super::samples::{
 use super::spectrum::Cutoff;
 use crate::numeric::TimeGrid;
 
-/// End velocity over peak velocity that is round-off.
+/// End velocity over peak velocity below which it is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// A velocity at the end of the samples, which a correction has removed.
+/// A velocity at the end of the samples, removed by a correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndVelocity {
-    /// ∫a dt of the samples as given, in m/s.
+    /// ∫a dt of the uncorrected samples, in m/s.
     pub velocity_m_s: f64,
-    /// The same over the peak velocity.
+    /// Ratio of this velocity to the peak velocity.
     pub share: f64,
 }
 
-/// A wanted tip motion on a uniform grid, from rest to rest unless its [`Ends`] say otherwise. A clone shares the samples.
+/// A wanted tip motion on a uniform grid, from rest to rest unless its [`Ends`] differ. A clone shares the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipMotion {
     samples: Samples,
@@ -32,26 +32,27 @@ pub struct TipMotion {
 }
 
 impl TipMotion {
-    /// A motion from sampled columns, from rest to rest.
+    /// Makes a motion from sampled columns, from rest to rest.
     ///
-    /// The motion is computed from the acceleration samples if given, else from the displacement samples.
-    /// Other columns must agree with them. An acceleration that ends with a velocity of up to 1e-3 of the
-    /// peak is corrected by a constant over the samples that move the tip; see [`TipMotion::corrected`].
-    /// Where a velocity column says so, the tip moves at the ends.
+    /// The acceleration samples define the motion or, without them, the displacement samples. Other columns must agree
+    /// with it. If an acceleration ends with a velocity of up to 1e-3 of the peak, a constant over the samples that
+    /// move the tip corrects it; see [`TipMotion::corrected`]. A velocity column may show that the tip moves at the
+    /// ends.
     ///
     /// # Errors
-    /// [`MotionError`]: times off a uniform grid, a motion that is not at rest at both ends,
-    /// columns that contradict each other, or no motion at all.
+    /// [`MotionError`]: times off a uniform grid, a motion without rest at both ends, contradictory columns, or no
+    /// motion at all.
     pub fn new(columns: MotionColumns) -> Result<Self, MotionError> {
         Self::with_ends(columns, Ends::AtRest)
     }
 
-    /// The same with other ends.
+    /// [`TipMotion::new`] with other ends.
     ///
-    /// Velocities there are those of the velocity column or else of the displacement; a cycle without one leads nowhere.
+    /// Their velocities come from the velocity column or else from the displacement; a cycle without either leads back
+    /// to its start.
     ///
     /// # Errors
-    /// As [`TipMotion::new`]; a cycle that ends with its first sample, or velocities that are not known.
+    /// Those of [`TipMotion::new`]; a cycle that ends with its first sample, or unknown velocities.
     pub fn with_ends(columns: MotionColumns, ends: Ends) -> Result<Self, MotionError> {
         columns.check()?;
         let grid = TimeGrid::through(&columns.time_s)?;
@@ -63,7 +64,7 @@ impl TipMotion {
         Self::of(grid, columns, (ends, velocities_m_s))
     }
 
-    /// A motion from columns on a grid with these ends, and the velocities there as far as they are known.
+    /// A motion from columns on a grid, with these ends and the known velocities there.
     pub(super) fn of(
         grid: TimeGrid,
         columns: MotionColumns,
@@ -130,7 +131,7 @@ impl TipMotion {
         let travel_m = if ends == Ends::Periodic {
             before_m_s * grid.step_s * samples.len() as f64
         } else {
-            // ∫v dt = v T − ∫ t a dt, v that of the last sample.
+            // ∫v dt = v T − ∫ t a dt, with v at the last sample.
             let moments = samples.iter().enumerate().map(|(k, a)| k as f64 * a);
             after_m_s * grid.duration_s() - moments.sum::<f64>() * grid.step_s.powi(2)
         };
@@ -191,7 +192,7 @@ impl TipMotion {
         Ok(Self { samples, moving, corrected: None, recording: Recording::default() })
     }
 
-    /// The same motion from another start, with the correction of another.
+    /// This motion from another start, with the correction of another motion.
     pub(super) fn with_start(
         self,
         initial_displacement_m: f64,
@@ -200,44 +201,43 @@ impl TipMotion {
         Self { samples: Samples { initial_displacement_m, ..self.samples }, corrected, ..self }
     }
 
-    /// The same motion with what is known of its samples.
+    /// Attaches the quality of the samples.
     #[must_use]
     pub fn recorded(self, recording: Recording) -> Self {
         let own = recording.moving_samples(self.samples.displacements_m());
         Self { recording, moving: own.unwrap_or(self.moving), ..self }
     }
 
-    /// What is known of the samples beside their values.
+    /// Quality of the samples.
     pub fn recording(&self) -> &Recording {
         &self.recording
     }
 
-    /// The motion on a period of `len` samples, an even number not below its own, up to a cut-off. Of the
-    /// samples beyond its own those from `seam` on are of times before the motion. A periodic motion needs those
-    /// of [`TipMotion::cycles`], or more of them.
+    /// The motion on a period of `len` samples, an even number of at least the motion's, up to a cut-off. The padding
+    /// from `seam` on precedes the motion. A periodic motion needs a multiple of [`TipMotion::cycles`].
     ///
     /// # Panics
-    /// If `len` is odd or below the number of samples, or `seam` does not lie in the padding.
+    /// If `len` is odd or below the number of samples, or `seam` is not in the padding.
     pub(crate) fn over_period(&self, len: usize, seam: usize, cutoff: Cutoff) -> TipPeriod {
         TipPeriod::of(&self.samples, len, seam, cutoff)
     }
 
-    /// Samples of the shortest period of a periodic motion, of which none is of a time before it.
+    /// Number of samples in the shortest period of a periodic motion, all of them in the motion.
     pub(crate) fn cycles(&self) -> Option<usize> {
         self.samples.cycles()
     }
 
-    /// What the tip does before the first sample and after the last.
+    /// Tip motion before the first sample and after the last.
     pub fn ends(&self) -> Ends {
         self.samples.ends
     }
 
-    /// Velocities in m/s before the motion and after it; of a periodic motion, its mean.
+    /// Velocities in m/s before the motion and after it; for a periodic motion, the mean velocity.
     pub fn end_velocities_m_s(&self) -> [f64; 2] {
         self.samples.velocities_m_s
     }
 
-    /// True if both have the same start and recording, and share their samples.
+    /// True if both motions have the same start and recording, and share their samples.
     pub(super) fn is_clone_of(&self, other: &Self) -> bool {
         let start = |motion: &Self| motion.initial_displacement_m().to_bits();
         Arc::ptr_eq(&self.samples.source, &other.samples.source)
@@ -249,12 +249,12 @@ impl TipMotion {
         &self.samples
     }
 
-    /// Grid of the given samples.
+    /// Grid of the input samples.
     pub fn grid(&self) -> TimeGrid {
         self.samples.grid
     }
 
-    /// True if displacements were given rather than accelerations.
+    /// True if displacements, rather than accelerations, define the motion.
     pub fn is_from_displacement(&self) -> bool {
         matches!(*self.samples.source, Source::Displacement { .. })
     }
@@ -264,19 +264,19 @@ impl TipMotion {
         self.samples.initial_displacement_m
     }
 
-    /// Tip displacement after the motion less that before it, in m: of a tip that moves at its ends, of the last
-    /// sample less the first, and of a periodic motion that of one cycle.
+    /// Displacement after the motion minus displacement before it, in m; for a tip that moves at its ends, last sample
+    /// minus first; for a periodic motion, the travel of one cycle.
     pub fn travel_m(&self) -> f64 {
         self.samples.travel_m
     }
 
     /// Numbers of the last sample at rest before the motion and of the first one after it: below 1e-6 of the peak
-    /// acceleration, or of noisy samples where the place leaves it. A periodic motion always moves.
+    /// acceleration or, for noisy samples, where the place leaves the rest. A periodic motion always moves.
     pub fn moving_samples(&self) -> (usize, usize) {
         self.moving
     }
 
-    /// The end velocity that was removed from the samples, if they had one.
+    /// End velocity that a correction removed from the samples.
     pub fn corrected(&self) -> Option<EndVelocity> {
         self.corrected
     }
@@ -380,7 +380,7 @@ mod tests {
             assert!(error.to_string().starts_with("acceleration = "), "{error}");
         }
         assert_eq!(accelerated(|t| 1e307 * least_jerk(t).1), Err(MotionError::TooLarge));
-        // Every sample and difference is a number, but their transform is not.
+        // Every sample and difference is finite, but their transform is not.
         let displacement_m = Some(vec![0.0, 0.0, 3e306, 3e306, 3e306]);
         let time_s = vec![0.0, 1.0, 2.0, 3.0, 4.0];
         let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };

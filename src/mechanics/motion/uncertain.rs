@@ -1,4 +1,4 @@
-//! The errors of a motion's samples, from what is known of its recording.
+//! Errors of a motion's samples, from the quality of its recording.
 
 use super::noise::{Noise, UNCERTAIN};
 use super::period::farthest_m;
@@ -7,34 +7,34 @@ use super::samples::Ends;
 use super::tip_motion::TipMotion;
 use crate::numeric::largest;
 
-/// What the motion may be off by between its samples, over the way that they lead, from which on it counts: a spline, whose
-/// error has the frequency of the samples, and an integral.
+/// Errors of the motion between its samples, over its travel, above which they count: of a spline, whose error has the
+/// frequency of the samples, and of an integral.
 const SPLINE_COUNTS: f64 = 1e-8;
 const INTEGRAL_COUNTS: f64 = 1e-4;
 
-/// Standard deviation of an acceleration between its samples, over the largest sample, from which on it counts.
+/// Standard deviation of an acceleration between its samples, over the largest sample, above which it counts.
 const ACCELERATION_COUNTS: f64 = 1e-7;
 
-/// Errors of the samples, over the tip's tolerance, from which on they count: an acceleration is off by a larger share than
-/// its displacement.
+/// Errors of the samples, over the tip's tolerance, above which they count: the relative error of an acceleration
+/// exceeds that of its displacement.
 const MATTERS: f64 = 1e-2;
 
-/// Error of a slope that follows from four rows, over that of a row.
+/// Ratio of the error of a slope from four rows to the error of a row.
 const OF_FOUR_ROWS: f64 = 3.8;
 
 impl TipMotion {
-    /// Largest error of the tip in m that the samples have, about; `None` where they are exact.
+    /// Estimate of the tip's largest error in m from the samples; `None` for exact samples.
     pub fn known_to_m(&self) -> Option<f64> {
         self.noise().map(|noise| noise.largest_m())
     }
 
-    /// The errors of the samples, where they move the tip by more than matters.
+    /// Errors of the samples, if they move the tip noticeably.
     pub(super) fn uncertain(&self, tolerance: f64, travel_m: f64) -> Option<Noise> {
         let matters_m = MATTERS * if tolerance > 0.0 { tolerance } else { UNCERTAIN } * travel_m;
         self.noise().filter(|noise| noise.is_between() || noise.largest_m() > matters_m)
     }
 
-    /// What the motion may be off by between its samples, where that counts.
+    /// Errors of the motion between its samples, if they count.
     fn between(&self) -> Between {
         let own = self.recording().between;
         if own == Between::default() {
@@ -54,7 +54,7 @@ impl TipMotion {
         }
     }
 
-    /// The errors of the samples; `None` where nothing is known of them.
+    /// Errors of the samples; `None` for exact samples.
     pub(super) fn noise(&self) -> Option<Noise> {
         let (recording, grid, ends) = (self.recording(), self.grid(), self.ends());
         let (first, last) = self.moving_samples();
@@ -80,7 +80,7 @@ impl TipMotion {
         let ends_m_s = if is_moving && times == 0 { of_ends() } else { 0.0 };
         let of_integral_m = match (times, ends) {
             (1, _) => deviation * (spacing_s * lasts_s).sqrt(),
-            // Without another column the velocity at the start is not known by the samples.
+            // Without another column the samples do not determine the velocity at the start.
             (2, Ends::Moving) if recording.velocity_m_s.is_none() => {
                 deviation * (spacing_s * lasts_s.powi(3) / 3.0).sqrt()
             }
@@ -93,7 +93,7 @@ impl TipMotion {
             (2, Ends::Periodic) => deviation * (spacing_s * lasts_s.powi(3) / 720.0).sqrt(),
             _ => 0.0,
         };
-        // Beyond its ends a tip that moves is off by its velocity there.
+        // Beyond its ends a moving tip is off by the error of its velocity.
         let velocity_m_s = match times {
             _ if !is_moving => 0.0,
             0 => ends_m_s,

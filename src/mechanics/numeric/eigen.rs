@@ -1,11 +1,10 @@
-//! Eigenvalues and eigenvectors of a symmetric matrix, all of them, with the same bits on every
-//! processor: Householder's reduction to a tridiagonal matrix and the implicit QL iteration.
+//! All eigenvalues and eigenvectors of a symmetric matrix, with the same bits on every processor: Householder's
+//! reduction to a tridiagonal matrix and the implicit QL iteration.
 //!
-//! Libraries of dense algebra choose fused multiply-add and the order of their sums by the
-//! processor, which changes last digits. Here each product and sum is rounded by itself and the
-//! order is fixed; only the width of the vectors depends on the processor. nalgebra's solver, whose bits
-//! are fixed too, takes 2.1 to 2.9 times as long on the matrices of 100 to 500 elements; faer's takes 0.6
-//! to 0.85 of the time, but other bits on other processors.
+//! Libraries of dense algebra choose fused multiply-add and the order of their sums by the processor, which changes
+//! last digits. This solver rounds each product and sum by itself, in a fixed order; only the width of the vectors
+//! depends on the processor. nalgebra's solver also has fixed bits, but takes 2.1 to 2.9 times as long on the matrices
+//! of 100 to 500 elements. The solver of faer takes 0.6 to 0.85 of the time, but its bits differ between processors.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -14,22 +13,21 @@ use pulp::{Arch, Simd, WithSimd};
 /// Rows of Qᵀ that each reflection is applied to before the next one is fetched.
 const ROWS: usize = 16;
 
-/// Columns of the eigenvectors that are turned by all rotations together: so many stay in the
-/// processor's cache.
+/// Columns of the eigenvectors that all rotations turn together. This many stay in the processor's cache.
 const COLUMNS: usize = 32;
 
 /// Eigenvalues and orthonormal eigenvectors of a symmetric matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SymmetricEigen {
-    /// Ascending.
+    /// Eigenvalues, ascending.
     pub(crate) values: Vec<f64>,
-    /// One for each value, row by row.
+    /// Eigenvectors as rows, one for each value.
     vectors: Vec<f64>,
 }
 
 impl SymmetricEigen {
-    /// Solves for all eigenvalues of a square matrix, row by row, of which the lower triangle is
-    /// read; none where the numbers are not finite.
+    /// Solves for all eigenvalues of a square matrix in row order; reads the lower triangle only. Returns `None` if a
+    /// number is not finite.
     ///
     /// # Panics
     /// If the matrix has not `size` squared numbers.
@@ -49,7 +47,7 @@ impl SymmetricEigen {
     }
 }
 
-/// All of [`SymmetricEigen::new`] in the vectors of this processor.
+/// [`SymmetricEigen::new`], compiled for the vectors of this processor.
 struct Solve {
     size: usize,
     matrix: Vec<f64>,
@@ -70,7 +68,7 @@ impl WithSimd for Solve {
     }
 }
 
-/// Eigenvectors as rows: Qᵀ turned by the rotations of QL, its rows then put in order.
+/// Eigenvectors as rows: turns Qᵀ by the rotations of QL, then sorts its rows.
 #[inline(always)]
 fn vectors(reflections: &[f64], sweeps: &[Sweep], order: &[usize]) -> Vec<f64> {
     let size = order.len();
@@ -98,12 +96,12 @@ fn vectors(reflections: &[f64], sweeps: &[Sweep], order: &[usize]) -> Vec<f64> {
     vectors
 }
 
-/// Makes the rows of the identity from the `first` on those of Qᵀ.
+/// Turns the rows of the identity, from row `first` on, into those of Qᵀ.
 #[inline(always)]
 fn reflect(reflections: &[f64], size: usize, first: usize, rows: &mut [f64]) {
     for k in first + 1..size {
         let u = &reflections[k * size..][..k];
-        // Rows from the k-th on have nothing yet in the columns of this reflection.
+        // Rows from the k-th on are still zero in the columns of this reflection.
         for x in rows.chunks_exact_mut(size).take(k - first) {
             let share = dot(&x[..k], u);
             add(&mut x[..k], -share, u);
@@ -126,12 +124,12 @@ fn rotate(rows: &mut [[f64; COLUMNS]], Sweep { last, rotations }: &Sweep) {
     rows[last - rotations.len()] = lower;
 }
 
-/// Sums that a product of two rows is made of, whatever the processor's width.
+/// Number of partial sums in a product of two rows, whatever the processor's width.
 const PARTS: usize = 8;
 
-/// Reduces a matrix A, given by the rows of its lower triangle in a square, to a tridiagonal one,
-/// `T = Qᵀ A Q`. Returns the diagonal of T, the numbers beside it, and the reflections `I − u uᵀ` that
-/// make Q: row k begins with the k numbers u, all zero for no reflection.
+/// Reduces a matrix A to a tridiagonal one, `T = Qᵀ A Q`; reads the lower triangle of the square `matrix`. Returns the
+/// diagonal of T, the numbers beside it, and the reflections `I − u uᵀ` that make Q: row k begins with the k numbers u,
+/// all zero for no reflection.
 #[inline(always)]
 fn reduce(size: usize, mut matrix: Vec<f64>) -> ([Vec<f64>; 2], Vec<f64>) {
     let mut off_diagonal = vec![0.0; size.saturating_sub(1)];
@@ -155,8 +153,8 @@ fn reduce(size: usize, mut matrix: Vec<f64>) -> ([Vec<f64>; 2], Vec<f64>) {
     ([diagonal, off_diagonal], matrix)
 }
 
-/// Replaces a row by the u of the reflection `I − u uᵀ` that makes all its numbers but the last zero;
-/// returns that last number.
+/// Replaces a row by the u of the reflection `I − u uᵀ` that zeroes all its numbers but the last; returns the new last
+/// number.
 #[inline(always)]
 fn reflection(row: &mut [f64]) -> f64 {
     let last = row.len() - 1;
@@ -181,7 +179,7 @@ fn reflection(row: &mut [f64]) -> f64 {
     scale * kept
 }
 
-/// `p = A u`, of the lower triangle of A.
+/// `p = A u`, from the lower triangle of A.
 #[inline(always)]
 fn multiply(matrix: &[f64], size: usize, u: &[f64], p: &mut [f64]) {
     p.fill(0.0);
@@ -192,7 +190,7 @@ fn multiply(matrix: &[f64], size: usize, u: &[f64], p: &mut [f64]) {
     }
 }
 
-/// Product of two rows, summed in an order of its own.
+/// Product of two rows, summed in a fixed order.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut parts = [0.0; PARTS];
@@ -218,19 +216,19 @@ fn add(x: &mut [f64], factor: f64, y: &[f64]) {
     }
 }
 
-/// Most QL sweeps for one eigenvalue; two are usual.
+/// Limit of QL sweeps for one eigenvalue; two are usual.
 const MOST_SWEEPS: usize = 60;
 
 /// Plane rotations of neighbouring rows from the last of them upwards.
 struct Sweep {
     /// Lower row of the first rotation.
     last: usize,
-    /// Cosine and sine of each: `upper ← c upper − s lower, lower ← s upper + c lower`.
+    /// Cosine and sine of each rotation: `upper ← c upper − s lower, lower ← s upper + c lower`.
     rotations: Vec<[f64; 2]>,
 }
 
-/// Makes a tridiagonal matrix diagonal in place, by the implicit QL iteration; returns the rotations,
-/// or none if the iteration does not converge.
+/// Makes a tridiagonal matrix diagonal in place, by the implicit QL iteration. Returns the rotations, or `None` if the
+/// iteration does not converge.
 fn diagonalise(diagonal: &mut [f64], off_diagonal: &mut [f64]) -> Option<Vec<Sweep>> {
     let mut sweeps = Vec::new();
     for first in 0..diagonal.len() {
@@ -256,8 +254,8 @@ fn end_of_block(diagonal: &[f64], off_diagonal: &[f64], first: usize) -> usize {
     (first..off_diagonal.len()).find(|k| is_cut(*k)).unwrap_or(off_diagonal.len())
 }
 
-/// One QL step on the rows `first ..= last`, shifted by the eigenvalue of the first two that is
-/// nearest to the first.
+/// One QL step on the rows `first ..= last`. The shift is the eigenvalue of the first 2×2 block nearest to the first
+/// diagonal number.
 fn sweep(d: &mut [f64], e: &mut [f64], first: usize, last: usize) -> Sweep {
     let half_gap = (d[first + 1] - d[first]) / (2.0 * e[first]);
     let root = libm::hypot(half_gap, 1.0).copysign(half_gap);
@@ -265,7 +263,7 @@ fn sweep(d: &mut [f64], e: &mut [f64], first: usize, last: usize) -> Sweep {
     let (mut c, mut s, mut p) = (1.0, 1.0, 0.0);
     let mut rotations = Vec::with_capacity(last - first);
     if let Some(beyond) = e.get_mut(last) {
-        // Below round-off, or this block would not end here.
+        // Below round-off, otherwise this block would not end here.
         *beyond = 0.0;
     }
     for k in (first..last).rev() {
@@ -275,7 +273,7 @@ fn sweep(d: &mut [f64], e: &mut [f64], first: usize, last: usize) -> Sweep {
             e[k + 1] = r;
         }
         if r == 0.0 {
-            // The block falls apart here; the next step takes the parts.
+            // The block falls apart here; the next step treats the parts.
             d[k + 1] -= p;
             return Sweep { last, rotations };
         }
@@ -299,7 +297,7 @@ mod tests {
 
     use super::*;
 
-    /// Rows of the lower triangle, in a square of numbers that must not be read.
+    /// Rows of the lower triangle in a square; NaN elsewhere shows a wrong read.
     fn lower(size: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let square = (0..size * size).map(|at| (at / size, at % size));
         square.map(|(row, k)| if k <= row { entry(row, k) } else { f64::NAN }).collect()
@@ -314,18 +312,18 @@ mod tests {
         }
     }
 
-    /// Numbers without order between -1 and 1.
+    /// Patternless numbers between -1 and 1.
     fn scattered(row: usize, column: usize) -> f64 {
         let mixed = (row * 1_000_003 + column * 7_919 + 17) % 65_537;
         (mixed * mixed % 65_537) as f64 / 32_768.0 - 1.0
     }
 
-    /// Every eigenvalue twice or more, and rows of nothing.
+    /// Every eigenvalue at least twice, with rows of zeros.
     fn repeated(row: usize, column: usize) -> f64 {
         if row == column && row % 4 != 3 { (row % 3) as f64 } else { 0.0 }
     }
 
-    /// Seventeen powers of ten of each other, down to numbers whose squares underflow.
+    /// Graded entries, from about 1 down to numbers whose squares underflow.
     fn graded(row: usize, column: usize) -> f64 {
         let power = |k: usize| libm::exp10(-5.0 * k as f64);
         (2.0 + scattered(row, column)) * power(row.min(60)) * power(column.min(60))

@@ -7,15 +7,15 @@ use super::reductions::rounded;
 
 /// Uniform time grid: sample k is at `origin + (first + k)·step`.
 ///
-/// The grid of a result extends the one of its trajectory, so both keep the same origin and their
-/// common samples the same times to the last bit.
+/// A result's grid extends the one of its trajectory and keeps its origin, so that common samples have the same times
+/// to the last bit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeGrid {
     /// Time of the trajectory's first sample in s.
     pub origin_s: f64,
     /// Step in s, above 0.
     pub step_s: f64,
-    /// Number of the first sample, counted from the origin; negative before it.
+    /// Number of the first sample, counted from the origin; negative before the origin.
     pub first: i64,
     /// Number of samples.
     pub len: usize,
@@ -62,7 +62,7 @@ impl TimeGrid {
         ThinnedGrid { grid: *self, start: 0, every }
     }
 
-    /// The samples whose number, counted from the origin, is a multiple of `every`: grids of one origin share them.
+    /// Samples whose number, counted from the origin, is a multiple of `every`. Grids of one origin share them.
     ///
     /// ```
     /// use flexlink::numeric::TimeGrid;
@@ -108,12 +108,12 @@ impl ThinnedGrid {
         self.start + k * self.every.get()
     }
 
-    /// Samples between two of these.
+    /// Steps of the whole grid between neighbouring samples.
     pub(crate) fn every(&self) -> usize {
         self.every.get()
     }
 
-    /// The values at these samples, of those of the whole grid.
+    /// Picks the values at these samples from the values of the whole grid.
     pub(crate) fn taken<'a>(&self, values: &'a [f64]) -> Cow<'a, [f64]> {
         if self.every.get() == 1 {
             return Cow::Borrowed(&values[self.start..]);
@@ -125,8 +125,8 @@ impl ThinnedGrid {
 /// Largest deviation of a time from the grid, in steps.
 const TIME_TOLERANCE: f64 = 1e-3;
 
-/// Times rounded to decimals of at most this share of a step may be off by one decimal, too: a rate
-/// of 60 Hz written in whole milliseconds.
+/// Largest ratio of the last decimal to the step at which times may be off by one decimal: allows a rate of 60 Hz
+/// written in whole milliseconds.
 const DECIMAL_SHARE: f64 = 0.1;
 
 /// A time that is not on the uniform grid of the others.
@@ -140,16 +140,16 @@ const DECIMAL_SHARE: f64 = 0.1;
 pub struct NotUniform {
     /// Number of the sample, from 0.
     pub sample: usize,
-    /// Time found.
+    /// Time in the input, in s.
     pub found_s: f64,
-    /// Time that continues the grid.
+    /// Time that continues the grid, in s.
     pub expected_s: f64,
-    /// Step of the grid.
+    /// Step of the grid in s.
     pub step_s: f64,
 }
 
 impl NotUniform {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "write times with more decimals, or resample the file to a uniform step"
     }
@@ -161,7 +161,7 @@ impl TimeGrid {
     /// A time may be off by a thousandth of a step, or by the rounding of its last decimal.
     ///
     /// # Errors
-    /// [`NotUniform`] names the first time that is off, and the time that the grid has there.
+    /// [`NotUniform`] names the first time that is off, and the time that the grid expects there.
     ///
     /// # Panics
     /// If there are fewer than two times.
@@ -174,7 +174,7 @@ impl TimeGrid {
         if step_s > 0.0 && !(0..=last).any(is_off) {
             return Ok(grid);
         }
-        // One missing row shifts the mean step; the commonest one shows which row is missing.
+        // One missing row shifts the mean step; the median step shows which row is missing.
         let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
         let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
         steps.insert(0, usual);
@@ -189,8 +189,8 @@ impl TimeGrid {
         })
     }
 
-    /// Largest distance of times in s from the grid through the first and the last of them, 0 where the
-    /// rounding of their last decimal explains it, and from the grid that fits all best; in steps.
+    /// Largest distances of times in s from two grids, in steps: the grid through the first and last time, and the grid
+    /// of the best fit. Both are 0 where the rounding of the last decimal explains the first distance.
     ///
     /// # Panics
     /// If there are fewer than two times.
@@ -213,20 +213,20 @@ impl TimeGrid {
     }
 }
 
-/// Largest distance of a time from the grid, in s.
+/// Allowed distance of a time from the grid, in s.
 fn slack(time_s: &[f64], step_s: f64) -> f64 {
     (TIME_TOLERANCE * step_s).max(rounding(time_s, step_s))
 }
 
-/// Largest distance of a time from the grid, in s, that the rounding of its last decimal explains.
+/// Distance of a time from the grid, in s, that the rounding of its last decimal explains.
 fn rounding(time_s: &[f64], step_s: f64) -> f64 {
     let decimal_s = last_decimal(time_s);
-    // Half a decimal for the time itself, and half for the ends that the grid is drawn through.
+    // Half a decimal for the time itself, and half for the ends of the grid.
     let rounding_s = if decimal_s <= DECIMAL_SHARE * step_s { decimal_s } else { 0.0 };
     1.001 * rounding_s
 }
 
-/// The decimal unit that all times are whole multiples of, 1 s or below.
+/// Largest decimal unit, at most 1 s, of which all times are whole multiples.
 fn last_decimal(time_s: &[f64]) -> f64 {
     let is_whole = |scale: f64| {
         time_s.iter().all(|t| {
@@ -269,7 +269,7 @@ mod tests {
             let step_s = TimeGrid::through(&times).unwrap().step_s;
             assert!((step_s * rate - 1.0).abs() < 1e-3, "{rate} Hz in {decimals} decimals");
         }
-        // At 154 Hz some of these end with a time rounded up and hold another rounded down.
+        // At 154 Hz some of these end with a time rounded up and contain another rounded down.
         let rounded = |k: i32| (f64::from(k) / 154.0 * 1e5).round() / 1e5;
         for last in 4..200 {
             let times: Vec<f64> = (0..=last).map(rounded).collect();

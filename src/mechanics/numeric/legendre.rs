@@ -1,7 +1,7 @@
-//! Legendre's polynomials, and Gauss's points with them.
+//! Legendre polynomials and Gauss-Legendre points.
 
-/// Polynomials up to an order at t in (−1, 1), and their derivatives: 1 at the inner end, those that vanish at both,
-/// and 1 at the outer end.
+/// Shapes up to `order` at t in (−1, 1), and their derivatives: one that is 1 at the inner end, those that vanish at
+/// both ends, one that is 1 at the outer end.
 pub(crate) fn piece_shapes(order: usize, t: f64) -> (Vec<f64>, Vec<f64>) {
     let p = legendre(order, t);
     let inside = (2..=order).map(|j| {
@@ -12,7 +12,7 @@ pub(crate) fn piece_shapes(order: usize, t: f64) -> (Vec<f64>, Vec<f64>) {
     [ends[0]].into_iter().chain(inside).chain([ends[1]]).unzip()
 }
 
-/// Legendre's polynomials `P₀` … `P_order` at t.
+/// Legendre polynomials `P₀` … `P_order` at t.
 fn legendre(order: usize, t: f64) -> Vec<f64> {
     let mut p = vec![1.0, t];
     for k in 1..order {
@@ -22,7 +22,7 @@ fn legendre(order: usize, t: f64) -> Vec<f64> {
     p
 }
 
-/// Gauss and Legendre's points in (−1, 1), with weights that are 1 in sum.
+/// Gauss-Legendre points in (−1, 1), with weights whose sum is 1.
 #[derive(Debug, Clone)]
 pub(crate) struct GaussRule {
     pub(crate) places: Vec<f64>,
@@ -36,7 +36,7 @@ impl GaussRule {
             .map(|k| {
                 let guess = -libm::cos(std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5));
                 let slope = |t: f64, p: &[f64]| n * (p[points - 1] - t * p[points]) / (1.0 - t * t);
-                // Newton's steps double the digits: the sixth changes none.
+                // Newton's steps double the digits: the sixth changes nothing.
                 let t = (0..6).fold(guess, |t, _| {
                     let p = legendre(points, t);
                     t - p[points] / slope(t, &p)
@@ -48,8 +48,8 @@ impl GaussRule {
         Self { places, weights }
     }
 
-    /// Integral from the inner end to t, over the length, per value at each point: that of the polynomial through
-    /// all values, a sum of Legendre's.
+    /// Weights of the values at the points in the integral from the inner end to t, relative to the length. The
+    /// integrand is the polynomial through all values, a sum of Legendre polynomials.
     pub(crate) fn up_to(&self, t: f64) -> Vec<f64> {
         let points = self.places.len();
         let ends = legendre(points, t);

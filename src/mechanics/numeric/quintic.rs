@@ -1,18 +1,17 @@
 use nalgebra::{Matrix2, Vector2};
 
-/// Quintic spline, four times continuously differentiable, through samples one step apart, that starts from
-/// rest: slope and curvature vanish at the first sample, third and fourth derivative at the last one.
+/// Quintic spline from rest, four times continuously differentiable, through samples one step apart: slope and
+/// curvature vanish at the first sample, third and fourth derivative at the last.
 ///
-/// With slopes r and curvatures a at the samples y, continuous third and fourth derivatives are, in steps,
+/// With slopes r and curvatures a at the samples y, in steps, continuous third and fourth derivatives mean
 /// ```text
 /// 4 (r₊ − r₋) − (a₋ − 6 a + a₊)/2 = 10 (y₋ − 2 y + y₊)
 /// 7 r₋ + 16 r + 7 r₊ + a₋ − a₊ = 15 (y₊ − y₋)
 /// ```
 ///
-/// The curvature is a cubic between two samples. Its error falls with the fourth power of the step, that of a
-/// cubic spline with the second. A motion that ends with a third derivative does not meet the condition
-/// there: at the last samples the error falls with the step alone, and by a factor of about 2.3 a sample
-/// before them.
+/// The curvature is a cubic between two samples. Its error falls with the fourth power of the step, against the second
+/// for a cubic spline. A motion with a third derivative at its end breaks the end condition. The error at the last
+/// samples falls only with the step, and decays by a factor of about 2.3 per sample before them.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct QuinticSpline {
     samples: Vec<f64>,
@@ -33,7 +32,7 @@ impl QuinticSpline {
         // Both derivatives vanish at the end of the last piece.
         let (last_before, last) =
             (Matrix2::new(-4.0, -0.5, -7.0, -1.0), Matrix2::new(-6.0, 1.5, -8.0, 1.5));
-        // Both unknowns of the first sample are 0: the elimination starts behind it.
+        // Both unknowns of the first sample are 0: the elimination starts at the second.
         let (mut gain, mut rest) = (Matrix2::zeros(), Vector2::zeros());
         let mut steps = Vec::with_capacity(samples.len());
         for y in samples.windows(3) {
@@ -63,8 +62,8 @@ impl QuinticSpline {
         self.ends.iter().map(|end| end[1])
     }
 
-    /// Coefficients of the second derivative between neighbours, a cubic of the distance from the first of
-    /// them in steps.
+    /// Coefficients of the second derivative between neighbours: a cubic in the distance from the first of them, in
+    /// steps.
     pub(crate) fn curvature_pieces(&self) -> impl Iterator<Item = [f64; 4]> {
         self.samples.windows(2).zip(self.ends.windows(2)).map(|(y, ends)| {
             let rise = y[1] - y[0];

@@ -8,12 +8,12 @@ use pulp::{Arch, Simd, WithSimd};
 /// Partial sums of a scalar product.
 const PARTS: usize = 8;
 
-/// Largest absolute value, NaN left out; 0 for an empty slice.
+/// Largest absolute value, ignoring NaN; 0 for an empty slice.
 pub fn largest(values: &[f64]) -> f64 {
     Arch::new().dispatch(Largest(values))
 }
 
-/// Smallest and largest value, NaN left out; infinite the wrong way round for an empty slice.
+/// Smallest and largest value, ignoring NaN; `[∞, −∞]` for an empty slice.
 pub(crate) fn extremes(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(*value), high.max(*value)]
@@ -44,8 +44,8 @@ fn larger(largest: f64, value: f64) -> f64 {
     if value.abs() > largest { value.abs() } else { largest }
 }
 
-/// Scalar product of two slices, as eight partial sums that are added at the end: in a single sum each
-/// addition waits for the one before it. The order does not depend on the processor.
+/// Scalar product of two slices, from eight partial sums: in a single sum each addition would wait for the one before
+/// it. The order does not depend on the processor.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     Arch::new().dispatch(Dot(a, b))
 }
@@ -69,12 +69,12 @@ impl WithSimd for Dot<'_> {
     }
 }
 
-/// Largest absolute difference of two histories over the samples that both have.
+/// Largest absolute difference of two histories over their common samples.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest, (a, b)| largest.max((a - b).abs()))
 }
 
-/// Relative change: `change` over the larger of the sizes before and after. It is 0 if both sizes are 0 or infinite, 1 if
+/// Relative change: `change` over the larger of the sizes before and after; 0 if both sizes are 0 or infinite, 1 if
 /// only one is infinite.
 pub(crate) fn relative_change(change: f64, [before, after]: [f64; 2]) -> f64 {
     let share = change / before.max(after);
@@ -90,7 +90,7 @@ pub fn magnitude(z: Complex64) -> f64 {
     libm::hypot(z.re, z.im)
 }
 
-/// The value rounded to `digits` ≥ 1 significant digits; 12 hide the round-off of arithmetic.
+/// Rounds to `digits` ≥ 1 significant digits; 12 hide the round-off of arithmetic.
 pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }

@@ -1,12 +1,12 @@
-/// Places at which a function is evaluated in one step of a search: two of the widest vectors.
+/// Number of places at which one step of a search evaluates a function: two of the widest vectors.
 pub(crate) const SECTIONS: usize = 16;
 
 /// Narrows the bracket of a root until no number lies between its ends; returns the lower end.
 ///
-/// The ends are (place, value) with positive places and values of opposite signs. `values` evaluates
-/// the function at sixteen places between them; it need be neither smooth nor finite. Where it is, the
-/// places lie around the root of the straight line from end to end. Elsewhere they divide the bracket
-/// evenly, a wide one in the logarithm, so that the width does not matter.
+/// The ends are (place, value) with positive places and values of opposite signs. `values` evaluates the function at
+/// sixteen places between them; the function may be rough and infinite. For a smooth function the places lie around the
+/// root of the straight line from end to end. Otherwise they divide the bracket evenly, a wide one logarithmically, so
+/// that the width does not matter.
 pub fn root(
     mut low: (f64, f64),
     mut high: (f64, f64),
@@ -30,10 +30,10 @@ pub fn root(
             }
         }
         if high.0 - low.0 >= width && !is_guessed {
-            // Between the least numbers, steps have no length.
+            // Between the smallest numbers, steps have no length.
             break;
         }
-        // After a guess that narrows the bracket less than equal steps would, take equal steps.
+        // Takes equal steps after a guess that narrows the bracket less than they would.
         let is_narrow = (high.0 - low.0) * (SECTIONS + 1) as f64 <= width;
         is_straight = !is_guessed || is_narrow;
     }
@@ -46,7 +46,7 @@ fn is_open(low: f64, high: f64) -> bool {
     low < middle && middle < high
 }
 
-/// Eight places on either side of a guess, each pair a sixteenth as far from it as the one before.
+/// Eight places on either side of a guess, each sixteen times nearer than the one before.
 fn around(guess: f64, width: f64) -> [f64; SECTIONS] {
     let mut places = [guess; SECTIONS];
     let mut distance = width;
@@ -58,12 +58,11 @@ fn around(guess: f64, width: f64) -> [f64; SECTIONS] {
     places
 }
 
-/// Sixteen places between two ends, in equal steps or, far apart, in equal ratios.
+/// Sixteen places between two ends: in equal steps, or in equal ratios if the ends are far apart.
 fn places(low: f64, high: f64) -> [f64; SECTIONS] {
     let mut places = [high; SECTIONS];
     if high > 2.0 * low && low > 0.0 {
-        // Square roots are rounded alike everywhere, other powers are not. The last place is the
-        // higher end itself.
+        // Square roots round alike everywhere, other powers do not. The last place is the higher end itself.
         let ratio = (high.sqrt() / low.sqrt()).sqrt().sqrt().sqrt();
         let mut place = low;
         for x in &mut places[..SECTIONS - 1] {
@@ -79,7 +78,7 @@ fn places(low: f64, high: f64) -> [f64; SECTIONS] {
     places
 }
 
-/// The grid points of a geometric scan from `low`, neighbours `ratio` apart.
+/// Places of a geometric scan from `low`, each `ratio` times the one before.
 pub(crate) fn geometric_scan(low: f64, ratio: f64) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(low), move |x| Some(x * ratio))
 }
@@ -93,7 +92,7 @@ pub(crate) fn next_places(scan: &mut impl Iterator<Item = f64>) -> [f64; SECTION
 mod tests {
     use super::*;
 
-    /// How many steps a root takes, and whether it is found to the last bit.
+    /// Number of steps to the root; asserts that the root is exact to the last bit.
     fn steps_to(exact: f64, (low, high): (f64, f64), value: impl Fn(f64) -> f64) -> usize {
         let mut steps = 0;
         let found = root((low, value(low)), (high, value(high)), |places| {
@@ -115,7 +114,7 @@ mod tests {
         }
     }
 
-    /// A value of which only the sign says anything.
+    /// An infinite value that carries only a sign.
     fn side(is_above: bool) -> f64 {
         if is_above { f64::INFINITY } else { f64::NEG_INFINITY }
     }

@@ -1,8 +1,8 @@
-//! Rows of samples of many periodic signals that are given by their amplitudes.
+//! Rows of samples of many periodic signals, computed from their amplitudes.
 //!
-//! The plain way is one inverse transform over the whole period for each signal. Where the band is
-//! narrow, a transform over fewer, coarse samples and a short weighted sum for each row take a fifth
-//! less time and an eighth of the memory (400 nodes, 65 536 samples).
+//! The plain way is one inverse transform over the whole period for each signal. For a narrow band, a transform over
+//! fewer, coarse samples and a short weighted sum for each row take a fifth less time and an eighth of the memory (400
+//! nodes, 65 536 samples).
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -13,37 +13,36 @@ use num_complex::Complex64;
 
 use super::fft::{FourierPair, Scratch, fast_length};
 
-/// Signals of a panel: their samples at one time are next to one another.
+/// Number of signals in a panel, whose samples at one time are adjacent.
 pub(crate) const PANEL: usize = 16;
 
-/// Coarse samples that a row is a weighted sum of.
+/// Number of coarse samples in the weighted sum of a row.
 const TAPS: usize = 30;
 
-/// Those of them before the row, without the last one at or before it.
+/// Number of taps before the last coarse sample at or before the row.
 const TAPS_BEFORE: usize = TAPS / 2 - 1;
 
-/// Coarse samples per sample that the band itself would need.
+/// Ratio of coarse samples to the samples that the band itself needs.
 const OVERSAMPLING: usize = 4;
 
-/// Shape of the window, the best for [`TAPS`] and [`OVERSAMPLING`]: errors are below 1e-14 of the
-/// peak of the signal.
+/// Shape of the window, the best for [`TAPS`] and [`OVERSAMPLING`]: errors stay below 1e-14 of the signal's peak.
 const KAISER_BETA: f64 = 34.0;
 
-/// Most positions between two coarse samples in the table of weights.
+/// Limit of positions between two coarse samples in the table of weights.
 const MOST_PHASES: usize = 512;
 
-/// Samples in bytes that a thread transforms before it interleaves them, unless one signal has more.
+/// Bytes of samples that a thread transforms before it interleaves them; a single signal may need more.
 const TRANSFORMED_BYTES: usize = 1 << 20;
 
-/// Memory of a thread for the transforms of one panel after the other.
+/// Working memory of a thread, reused for each panel.
 #[derive(Debug, Default)]
 pub(crate) struct Transforms {
     scratch: Scratch,
     samples: Vec<f64>,
 }
 
-/// The rows of a table over time, and the transform that gives the samples they are computed from:
-/// those of the whole period, which the rows select, or coarse ones, which they interpolate.
+/// The rows of a table over time, and the transform behind them. Rows are picked from the samples of the whole period,
+/// or interpolated between coarse samples.
 #[derive(Clone)]
 pub(crate) struct Sampling {
     transform: FourierPair,
@@ -54,8 +53,8 @@ pub(crate) struct Sampling {
 }
 
 impl Sampling {
-    /// Every `every`-th sample from `first` on, of signals with `bins` amplitudes from zero frequency
-    /// on; `transform` is that of the whole period.
+    /// Every `every`-th sample from `first` on, for signals with `bins` amplitudes from zero frequency on; `transform`
+    /// covers the whole period.
     pub(crate) fn new(transform: &FourierPair, bins: usize, first: usize, every: usize) -> Self {
         let upsampler = Upsampler::plan(transform.len(), bins);
         let transform = upsampler
@@ -64,12 +63,12 @@ impl Sampling {
         Self { transform, upsampler, first, every }
     }
 
-    /// Number of samples of each signal that `rows` are computed from.
+    /// Number of samples of each signal needed for `rows`.
     pub(crate) fn samples_for(&self, rows: &Range<usize>) -> usize {
         self.span(rows).len()
     }
 
-    /// The samples that `rows` are computed from, counted beyond the end of the period.
+    /// Samples needed for `rows`, counted on beyond the end of the period.
     fn span(&self, rows: &Range<usize>) -> Range<usize> {
         match &self.upsampler {
             None => rows.clone(),
@@ -81,24 +80,24 @@ impl Sampling {
         }
     }
 
-    /// Which of the samples for `rows` are those for `some` of these rows.
+    /// Range of the samples for `some` rows within the samples for all `rows`.
     pub(crate) fn taken(&self, rows: &Range<usize>, some: &Range<usize>) -> Range<usize> {
         let (all, taken) = (self.span(rows), self.span(some));
         taken.start - all.start..taken.end - all.start
     }
 
-    /// Upper bound of a row over the largest of the samples that it is computed from.
+    /// Upper bound of a row relative to the largest sample behind it.
     pub(crate) fn gain(&self) -> f64 {
         self.upsampler.as_ref().map_or(1.0, Upsampler::gain)
     }
 
-    /// The sample at a row, counted beyond the end of the period.
+    /// The sample at a row, counted on beyond the end of the period.
     fn sample_of(&self, row: usize) -> usize {
         self.first + row * self.every
     }
 
-    /// Writes the samples that `rows` are computed from into `panel`; `amplitudes` are those of at most
-    /// [`PANEL`] signals. `advance` gets how many signals are done since the last call.
+    /// Writes the samples needed for `rows` into `panel`, from the amplitudes of at most [`PANEL`] signals. `advance`
+    /// receives the number of signals done since the last call.
     pub(crate) fn write_samples(
         &self,
         rows: &Range<usize>,
@@ -121,18 +120,18 @@ impl Sampling {
         }
     }
 
-    /// Signals that are transformed before they are interleaved.
+    /// Number of signals transformed before they are interleaved.
     fn signals_at_once(&self) -> usize {
         (TRANSFORMED_BYTES / (self.transform.len() * size_of::<f64>())).clamp(1, PANEL)
     }
 
-    /// Memory in bytes that the [`Transforms`] of a thread take.
+    /// Memory in bytes of a thread's [`Transforms`].
     pub(crate) fn transform_bytes(&self) -> usize {
-        // The signals, and the memory of one transform, twice its samples.
+        // The signals, and the scratch of one transform: twice its samples.
         (self.signals_at_once() + 2) * self.transform.len() * size_of::<f64>()
     }
 
-    /// Copies the samples of some signals of the panel, one after the other, to their places in it.
+    /// Copies the samples of some signals, stored one after the other, to their places in the panel.
     fn interleave(
         &self,
         rows: &Range<usize>,
@@ -153,7 +152,7 @@ impl Sampling {
         }
     }
 
-    /// One row of a panel whose `samples` are those for `rows`.
+    /// One row of a panel whose `samples` belong to `rows`.
     #[inline(always)]
     pub(crate) fn row(
         &self,
@@ -176,7 +175,7 @@ impl Sampling {
     }
 }
 
-/// Interpolates N samples of a period from M < N coarse ones, by a sinc under a Kaiser window.
+/// Interpolates N samples of a period from M < N coarse ones, by a sinc in a Kaiser window.
 ///
 /// ```text
 /// x(t) = Σ_j x_j sinc(t − j) I₀(β√(1 − (2(t − j)/TAPS)²))/I₀(β)        t in coarse steps
@@ -188,13 +187,13 @@ struct Upsampler {
     coarse: usize,
     /// Coarse steps after which the positions between two coarse samples repeat.
     steps: usize,
-    /// For each position between two coarse samples.
+    /// Weights for each position between two coarse samples.
     weights: Vec<[f64; TAPS]>,
 }
 
 impl Upsampler {
-    /// Plans the coarse samples for `bins` amplitudes from zero frequency on, and their weights for
-    /// `samples` of a period; none unless there are half as many coarse ones or fewer.
+    /// Plans the coarse samples for `bins` amplitudes from zero frequency on, and their weights for `samples` of a
+    /// period. Returns `None` unless the coarse samples are at most half as many.
     fn plan(samples: usize, bins: usize) -> Option<Self> {
         let least = (2 * OVERSAMPLING * bins).max(TAPS);
         let phases = |coarse: &usize| samples / greatest_divisor(samples, *coarse);
@@ -210,14 +209,14 @@ impl Upsampler {
         self.coarse
     }
 
-    /// Largest sum of the absolute weights of a sample.
+    /// Largest sum of absolute weights over all positions.
     fn gain(&self) -> f64 {
         let sum = |weights: &[f64; TAPS]| weights.iter().map(|weight| weight.abs()).sum();
         self.weights.iter().map(sum).fold(0.0, f64::max)
     }
 
-    /// The first of the [`TAPS`] coarse samples for sample `k`, counted from the first for sample 0,
-    /// which is [`TAPS_BEFORE`] before it.
+    /// First of the [`TAPS`] coarse samples for sample `k`, counted from the first one for sample 0, [`TAPS_BEFORE`]
+    /// before that sample.
     #[inline(always)]
     fn first_tap(&self, k: usize) -> usize {
         k / self.phases() * self.steps + k % self.phases() * self.steps / self.phases()
@@ -239,7 +238,7 @@ fn greatest_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { greatest_divisor(b, a % b) }
 }
 
-/// Weights of the coarse samples −14 … 15 for a time `phase` in [0, 1) after sample 0.
+/// Weights of the coarse samples −14 … 15 for the time `phase`, in [0, 1), after sample 0.
 fn weights(phase: f64) -> [f64; TAPS] {
     let half = TAPS as f64 / 2.0;
     let largest = bessel_i0(KAISER_BETA);
@@ -254,7 +253,7 @@ fn weights(phase: f64) -> [f64; TAPS] {
     })
 }
 
-/// Modified Bessel function of the first kind and order zero, by its series of positive terms.
+/// Modified Bessel function of the first kind and order zero, from its series of positive terms.
 fn bessel_i0(x: f64) -> f64 {
     let quarter = x * x / 4.0;
     let (mut sum, mut term, mut k) = (1.0, 1.0, 1.0);
@@ -272,7 +271,7 @@ mod tests {
 
     use super::*;
 
-    /// Amplitudes of `bins` harmonics, all of one size.
+    /// Amplitudes of `bins` harmonics of equal size.
     fn amplitudes(bins: usize) -> Vec<Complex64> {
         let turn = |k: usize| Complex64::cis(1.3 * (k * k) as f64 + 0.2);
         (0..bins).map(|k| if k == 0 { 0.3.into() } else { turn(k) }).collect()
@@ -311,7 +310,7 @@ mod tests {
                     let error = (found - exact[(first + row * every) % samples]).abs() / peak;
                     assert!(error < 2e-14, "row {row} of {samples} from {first}: {error:e}");
                 }
-                // Rows have the same bits in any blocks.
+                // Rows have the same bits whatever the blocks.
                 assert!(rows(&sampling, &[0, 1, len / 3, len], bins) == found);
             }
         }
@@ -330,7 +329,7 @@ mod tests {
 
     #[test]
     fn the_bessel_function_has_the_values_of_the_tables() {
-        // The sums 1 + 1/4 + 1/64 + … and its like for 5, to eleven digits.
+        // The series 1 + 1/4 + 1/64 + … and its counterpart for 5, to eleven digits.
         for (x, expected) in [(0.0, 1.0), (1.0, 1.266_065_877_75), (5.0, 27.239_871_823_60)] {
             assert!((bessel_i0(x) / expected - 1.0_f64).abs() < 1e-11, "I₀({x})");
         }

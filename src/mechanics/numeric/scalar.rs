@@ -1,4 +1,4 @@
-//! The kinds of numbers that the recursion runs over.
+//! Kinds of numbers in the recursion.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -6,11 +6,9 @@ use std::ops::{Add, Mul, Sub};
 
 use num_complex::Complex64;
 
-/// Number over which the recursion runs: real for modes and zeros, complex for damped response,
-/// many of them at once for a spectrum.
+/// Number of the recursion: real for modes and zeros, complex for a damped response, several lanes for a spectrum.
 ///
-/// Every operation has one rounding scheme, whatever the kind: a lane of many has the bits of the
-/// number alone.
+/// Every kind rounds alike: a lane has the bits of the single number.
 pub trait Scalar:
     Copy
     + Add<Output = Self>
@@ -19,18 +17,18 @@ pub trait Scalar:
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// A measure of size: one real number, or one for each lane.
+    /// Measure of size: one real number, or one for each lane.
     type Size: Size;
 
     /// `x` as a number of the kind of `self`.
     #[must_use]
     fn lift(self, x: f64) -> Self;
 
-    /// `1/self`; a complex number's is its conjugate times `1/|self|²`.
+    /// `1/self`; for a complex number, its conjugate times `1/|self|²`.
     #[must_use]
     fn reciprocal(self) -> Self;
 
-    /// A cheap measure of size within a factor √2 of the modulus, for the choice of pivots.
+    /// Cheap measure of size within a factor √2 of the modulus, for the choice of pivots.
     fn size(self) -> Self::Size;
 
     /// `large` where `a ≥ b`, `otherwise` elsewhere.
@@ -40,7 +38,7 @@ pub trait Scalar:
 
 /// Sizes of the numbers of one kind.
 pub trait Size: Copy + Add<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> {
-    /// The larger of two sizes; a NaN wins, so that a breakdown is never overlooked.
+    /// The larger of two sizes; NaN wins, so that a breakdown always shows.
     #[must_use]
     fn larger(self, other: Self) -> Self;
 
@@ -119,8 +117,7 @@ pub(crate) mod wide {
 
     use super::Scalar as _;
 
-    /// A complex number of twice 106 bits, to measure how many digits the same recursion loses in
-    /// 53.
+    /// Complex number with parts of 106 bits, to measure how many digits the recursion loses in 53.
     #[derive(Clone, Copy)]
     pub(crate) struct Wide {
         re: TwoFloat,

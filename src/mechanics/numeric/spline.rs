@@ -1,6 +1,6 @@
 use crate::system::end_if_stopped;
 
-/// What a [`CubicSpline`] does at its two ends.
+/// Condition of a [`CubicSpline`] at its two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SplineEnds {
     /// The two outermost pieces at each end are one cubic: no assumption on the curve.
@@ -15,7 +15,7 @@ pub(crate) enum SplineEnds {
 /// ```text
 /// y = (1 + 2τ)(1 − τ)² y₀ + τ²(3 − 2τ) y₁ + h τ(1 − τ)² s₀ − h τ²(1 − τ) s₁
 /// ```
-/// A given point is met to the last bit.
+/// The spline meets each point to the last bit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CubicSpline {
     x: Vec<f64>,
@@ -30,7 +30,7 @@ impl CubicSpline {
     /// Draws the spline through the points (x, y), x ascending; O(n).
     ///
     /// # Panics
-    /// Without as many values as abscissae, with fewer than 4 points or with x not ascending.
+    /// If x and y differ in length, x does not ascend or there are fewer than 4 points.
     pub(crate) fn new(x: &[f64], y: &[f64], ends: SplineEnds) -> Self {
         end_if_stopped();
         assert!(x.len() == y.len(), "every abscissa has a value");
@@ -66,7 +66,7 @@ impl CubicSpline {
         std::iter::once(0.0).chain((0..self.x.len() - 1).map(piece)).collect()
     }
 
-    /// Value at `x`; beyond the ends the outermost cubic goes on.
+    /// Value at `x`; the outermost cubics continue beyond the ends.
     pub(crate) fn value(&self, x: f64) -> f64 {
         let right = self.x.partition_point(|&known| known <= x);
         let i = right.clamp(1, self.x.len() - 1) - 1;
@@ -79,7 +79,7 @@ impl CubicSpline {
 }
 
 impl CubicSpline {
-    /// Slope at `x`; beyond the ends the outermost cubic goes on.
+    /// Slope at `x`; the outermost cubics continue beyond the ends.
     pub(crate) fn slope(&self, x: f64) -> f64 {
         let right = self.x.partition_point(|&known| known <= x);
         let i = right.clamp(1, self.x.len() - 1) - 1;
@@ -126,7 +126,7 @@ fn slopes(x: &[f64], y: &[f64], ends: SplineEnds) -> Vec<f64> {
     solve_tridiagonal(std::iter::once(first_row).chain(inner_rows).chain(std::iter::once(last_row)))
 }
 
-/// Row of the first point, from the two steps and chord slopes next to it, nearest first.
+/// Row of the first point, from the two nearest steps and chord slopes, nearest first.
 ///
 /// Not a knot: the third derivative does not jump at the second point, which gives
 /// ```text
@@ -144,7 +144,7 @@ fn end_row(ends: SplineEnds, [a, b]: [f64; 2], [p, q]: [f64; 2]) -> Row {
     Row { before: 0.0, own, after, right }
 }
 
-/// Elimination without exchange of rows: the pivots stay positive, the not-a-knot ends included.
+/// Elimination without exchange of rows: the pivots stay positive, also for not-a-knot ends.
 fn solve_tridiagonal(rows: impl Iterator<Item = Row>) -> Vec<f64> {
     let mut solution = Vec::new();
     let mut ratios = Vec::new();

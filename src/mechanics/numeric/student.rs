@@ -1,18 +1,18 @@
-//! Student's distribution: how far an estimate of few differences may be off.
+//! Student's distribution: confidence interval of an estimate from few samples.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// Within this many standard deviations lie 95 % of normal deviates.
+/// Half width of the interval with 95 % of normal deviates, in standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// Degrees of freedom from which on the series in their inverse is exact to 1e-10.
+/// Degrees of freedom above which the series in their inverse is exact to 1e-10.
 const MANY: usize = 200;
 
-/// Halvings of the bracket of an angle: down to its last digit.
+/// Halvings of the bracket of an angle, down to its last digit.
 const HALVINGS: usize = 60;
 
-/// The quantile t of Student's distribution: with probability 0.95 a deviate lies within ±t. Infinite
-/// without a degree of freedom.
+/// Quantile t of Student's distribution: a deviate lies within ±t with probability 0.95. Infinite for 0 degrees of
+/// freedom.
 ///
 /// ```
 /// use flexlink::numeric::student_95;
@@ -49,7 +49,7 @@ fn within(theta: f64, degrees_of_freedom: usize) -> f64 {
     if is_odd { FRAC_2_PI * (theta + sine * sum) } else { sine * sum }
 }
 
-/// Fisher's and Cornish's series in 1/ν (Abramowitz and Stegun 26.7.5).
+/// Series of Fisher and Cornish in 1/ν (Abramowitz and Stegun 26.7.5).
 fn expanded(n: f64) -> f64 {
     let z = NORMAL_95;
     let s = z * z;
@@ -64,7 +64,7 @@ fn expanded(n: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// By the incomplete beta function, with 30 digits (mpmath).
+    /// Reference: the incomplete beta function with 30 digits (mpmath).
     #[test]
     fn quantiles_are_those_of_the_incomplete_beta_function() {
         for (degrees_of_freedom, exact) in [

@@ -1,7 +1,8 @@
-//! Bursts: two or three bad samples within a few steps of each other, and bad samples at the ends of a column.
+//! Bursts: two or three bad samples within a few steps, and bad samples at the ends of a column.
 //!
-//! They spoil each other's cubics, or have neighbours on one side only. A burst is taken out as a whole and held against
-//! the cubic through the samples before and after it, at an end against the parabola through those on its one side.
+//! Samples of a burst spoil each other's cubics; samples at the ends have neighbours on one side only. The search
+//! removes a burst as a whole and compares it with the cubic through the samples before and after it. At an end the
+//! comparison is with the parabola through the samples on one side.
 
 use std::ops::Range;
 
@@ -11,27 +12,27 @@ use super::course::{
 };
 use crate::numeric::largest;
 
-/// Bursts from their first sample on. The first is one sample at an end.
+/// Samples of each burst, relative to its first. The first burst is one sample at an end.
 const BURSTS: [&[usize]; 8] =
     [&[0], &[0, 1], &[0, 2], &[0, 3], &[0, 1, 2], &[0, 1, 3], &[0, 2, 3], &[0, 2, 4]];
-/// Largest number of samples from the sample that is farthest from its neighbours to the first and to the last of a burst.
+/// Farthest first sample of a burst before and after the worst sample, in samples.
 const REACH: [usize; 2] = [5, 3];
-/// Samples that lead to one beyond them.
+/// Number of samples that predict one beyond them.
 const SIDE: usize = 6;
-/// Fewest samples of a column in which bursts are looked for.
+/// Fewest samples of a column for a search of bursts.
 const FEWEST: usize = 20;
-/// Least distance of a sample near a burst, in standard deviations of the noise.
+/// Smallest distance of a sample near a burst, in standard deviations of the noise.
 const SEED: f64 = 3.0;
-/// Largest distance of the samples near a burst over its own, without it; and of the same burst moved aside.
+/// Largest distance of the samples near a removed burst, over the burst's distance; also with the burst moved aside.
 const LEFT: f64 = 0.05;
 const LEFT_ASIDE: f64 = 0.1;
-/// Least distance of a sample in or beside a burst from its own neighbours, over the largest in the burst: a narrow bend
+/// Smallest distance of a sample in or beside a burst from its neighbours, over the largest in the burst: a narrow bend
 /// shows less.
 const SHOWN: f64 = 0.3;
-/// Polynomials that lead to a burst at an end: a rest, a line, a curve.
+/// Polynomials that predict a burst at an end (samples, degree): a rest, a line, a curve.
 const LEADS_OF_ENDS: [(usize, usize); 5] = [(1, 0), (2, 1), (4, 1), (3, 2), (6, 2)];
 
-/// Numbers of the samples of bursts, and of bad samples at the ends.
+/// Numbers of the samples in bursts, and of bad samples at the ends.
 pub(super) fn bursts(column: &Column) -> Vec<usize> {
     let len = column.off.len();
     let is_seed = |k: &usize| {
@@ -55,7 +56,8 @@ pub(super) fn bursts(column: &Column) -> Vec<usize> {
     found
 }
 
-/// The fewest samples near one that explain that it is far from its neighbours; of as many, those that leave the least.
+/// The smallest burst near sample `k` that explains its distance from its neighbours; of equal ones, the burst that
+/// leaves the smallest distances.
 fn fewest(column: &Column, k: usize) -> Option<Vec<usize>> {
     let mut best: Option<(usize, f64, Vec<usize>)> = None;
     for steps in BURSTS {
@@ -74,24 +76,24 @@ fn fewest(column: &Column, k: usize) -> Option<Vec<usize>> {
     best.map(|(.., samples)| samples)
 }
 
-/// Some samples that may be bad, and where those around them lead.
+/// A candidate of a burst, and the values that the samples around it predict.
 struct Burst<'a> {
     column: &'a Column<'a>,
     samples: &'a [usize],
     first: usize,
     last: usize,
-    /// The samples before it, and those after it, the nearest first.
+    /// Samples before the burst, and after it, nearest first.
     sides: [Vec<usize>; 2],
-    /// The good samples that lead to a burst at an end, the nearest first.
+    /// Good samples that predict a burst at an end, nearest first.
     inside: Option<Vec<usize>>,
     leads: Vec<Lead>,
     off: Vec<f64>,
-    /// The least of these.
+    /// Smallest absolute distance in `off`.
     distance: f64,
 }
 
 impl<'a> Burst<'a> {
-    /// A burst that lies in the column and may be judged.
+    /// A burst that lies in the column and can be judged.
     fn of(column: &'a Column<'a>, samples: &'a [usize]) -> Option<Self> {
         let (course, len) = (column.course, column.off.len());
         let (first, last) = (samples[0], samples[samples.len() - 1]);
@@ -128,7 +130,8 @@ impl<'a> Burst<'a> {
         Some(Self { column, samples, first, last, sides, inside, leads, off, distance })
     }
 
-    /// The largest distance near it without it, over the largest that is in order; none if it is not bad.
+    /// Largest distance of the samples near the removed burst, over the allowed distance; `None` if the burst is not
+    /// bad.
     fn left(&self) -> Option<f64> {
         let whole = Noise { deviation: self.column.noise, doubt: 1.0 };
         if self.distance <= self.column.limits.least
@@ -161,7 +164,7 @@ impl<'a> Burst<'a> {
             return (at_end <= 1.0 && !self.continues_at_end(inside, noise))
                 .then_some(left.max(at_end));
         }
-        // The same burst elsewhere shows how far such cubics are off where nothing is bad.
+        // The burst at other places shows how far such cubics are off without bad samples.
         let aside = self.aside(&without, start);
         let far = aside.iter().filter(|(shift, ..)| self.samples.len() == 1 || *shift > 2);
         let far = far.map(|(_, off, gain)| off / gain).collect();
@@ -177,27 +180,26 @@ impl<'a> Burst<'a> {
         is_bad.then_some(left)
     }
 
-    /// True if all its samples are farther off than noise.
+    /// True if all samples of the burst are farther off than noise.
     fn is_beyond(&self, noise: Noise) -> bool {
         let mut all = self.off.iter().zip(&self.leads);
         all.all(|(off, lead)| off.abs() > noise.surely(DEVIATIONS) * lead.gain)
     }
 
-    /// True if samples in a row are off to the same side.
+    /// True if adjacent samples are off to the same side.
     fn is_pulse(&self) -> bool {
         let mut pairs = self.samples.windows(2).zip(self.off.windows(2));
         pairs.any(|(at, off)| at[1] - at[0] == 1 && off[0] * off[1] > 0.0)
     }
 
-    /// True if it shows in the distances of samples from their own neighbours.
+    /// True if the burst shows in the distances of samples from their neighbours.
     fn is_shown(&self) -> bool {
         let beside = self.first.saturating_sub(2)..(self.last + 3).min(self.column.off.len());
         let beside = self.column.off[beside].iter().map(|(off, _)| off.abs());
         beside.fold(0.0, f64::max) >= SHOWN * largest(&self.off)
     }
 
-    /// The largest distance near it over the largest that is in order, and whether it is that of another bad sample on
-    /// one side.
+    /// Largest distance near the burst over the allowed distance, and true if another bad sample on one side causes it.
     fn left_near(&self, others: &[(usize, (f64, f64))], noise: Noise) -> (f64, bool) {
         let Self { first, last, distance, .. } = *self;
         let reach = NEAR + 2;
@@ -223,8 +225,8 @@ impl<'a> Burst<'a> {
         (before.max(between).max(after), has_second)
     }
 
-    /// The largest distance of the samples beside a burst at an end from the parabola through those farther inside, over
-    /// the largest that is in order.
+    /// Largest distance of the samples beside a burst at an end from the parabola through samples farther inside, over
+    /// the allowed distance.
     fn left_inside(&self, inside: &[usize], noise: Noise) -> f64 {
         let course = self.column.course;
         let left = (0..SIDE).map(|j| {
@@ -236,7 +238,7 @@ impl<'a> Burst<'a> {
         left.fold(0.0, f64::max)
     }
 
-    /// True if one of its samples lies where a rest, a line or a curve may have led to the samples inside.
+    /// True if one of the burst's samples lies where a rest, a line or a curve may have led to the samples inside.
     fn continues_at_end(&self, inside: &[usize], noise: Noise) -> bool {
         let course = self.column.course;
         let mut all = self.samples.iter().zip(&self.off);
@@ -251,12 +253,12 @@ impl<'a> Burst<'a> {
         })
     }
 
-    /// Distances of the samples of the same burst at other places, in a course from sample `start` on: by how many
-    /// samples it is moved, the distance, and its deviation over that of a sample.
+    /// The burst moved to other places of a course that begins at sample `start`: shift in samples, distance, and its
+    /// deviation over that of a sample.
     fn aside(&self, course: &Course, start: usize) -> Vec<(usize, f64, f64)> {
         let len = course.values.len();
         let (first, last) = (self.first - start, self.last - start);
-        // As many samples on either side as it has itself.
+        // Needs as many samples on either side as the burst has.
         let fewest = self.sides.iter().map(Vec::len).fold(2, usize::min);
         let mut found = Vec::new();
         for to in fewest..len.saturating_sub(last - first + fewest) {
@@ -273,7 +275,8 @@ impl<'a> Burst<'a> {
         found
     }
 
-    /// True if its samples continue those before it up to some sample, and from there on those after it, as beside a step.
+    /// True if the burst's samples continue the samples before it up to some sample, and from there on the samples
+    /// after it, as beside a step.
     fn continues(&self, noise: Noise) -> bool {
         let course = self.column.course;
         let continues = |number: usize, side: &[usize]| {
@@ -281,7 +284,7 @@ impl<'a> Burst<'a> {
             let within =
                 (CONTINUES * self.off[number].abs()).max(noise.surely(CONTINUES_DEVIATIONS));
             let rest = || (course.values[k] - course.values[side[0]]).abs() < within;
-            // Several samples are not led to by chance.
+            // Several samples are not predicted by chance.
             let chance = if self.samples.len() > 1 { 0.0 } else { noise.deviation };
             (side.len() < 4 && rest())
                 || course.is_led_to(k, side, (within, chance), Change::Jumping)
@@ -294,8 +297,8 @@ impl<'a> Burst<'a> {
         })
     }
 
-    /// True if one of its samples lies between the cubics that lead on from both sides, which differ by more than noise:
-    /// where the jerk of a smooth motion jumps.
+    /// True if a sample lies between the cubics from both sides, which differ by more than noise: as where the jerk of
+    /// a smooth motion jumps.
     fn is_corner(&self, noise: Noise) -> bool {
         let course = self.column.course;
         let mut all = self.samples.iter().zip(self.leads.iter().zip(&self.off));

@@ -1,58 +1,57 @@
-//! Samples over time, and where polynomials through their neighbours lead.
+//! Samples over time, and predictions by polynomials through their neighbours.
 
 use crate::numeric::largest;
 
-/// Samples before and after a sample that decide whether it is a bad one.
+/// Number of samples before and after a sample that decide whether it is bad.
 pub(super) const NEAR: usize = 4;
-/// Samples before and after it that show the noise around it.
+/// Number of samples before and after a sample that show the noise around it.
 pub(super) const AROUND: usize = 20;
-/// Samples at both ends that others do not lead to from both sides.
+/// Number of samples at each end without neighbours on both sides for a prediction.
 pub(super) const ENDS: usize = 3;
-/// Least distance of a bad sample in standard deviations of the noise.
+/// Smallest distance of a bad sample in standard deviations of the noise.
 pub(super) const DEVIATIONS: f64 = 6.5;
-/// Largest distance that a bad sample leaves of those near it, in standard deviations of the noise.
+/// Largest distance of the samples near a removed bad sample, in standard deviations of the noise.
 pub(super) const LEFT_DEVIATIONS: f64 = 4.0;
-/// Least distance of another bad sample near it over its own.
+/// Smallest distance of another bad sample nearby, relative to the bad sample's distance.
 pub(super) const SECOND: f64 = 0.4;
-/// Largest distance from what one side leads to, over the own, of a sample that continues it; and in standard
-/// deviations of the noise.
+/// Largest distance of a sample that continues one side from that side's prediction: relative to the distance from its
+/// cubic, and in standard deviations of the noise.
 pub(super) const CONTINUES: f64 = 1.0 / 3.0;
 pub(super) const CONTINUES_DEVIATIONS: f64 = 4.5;
-/// The same of the sample before it, over that.
+/// Limit for the nearest sample of the predicting side, relative to the limit for the predicted sample.
 const LED_BEFORE: f64 = 1.5;
-/// Polynomials that lead on from one side, the last ones along a corner of a smooth motion: how many samples, and the
-/// degree.
+/// Polynomials that predict from one side (samples, degree); the last ones follow a corner of a smooth motion.
 pub(super) const LEADS: [(usize, usize); 6] = [(2, 1), (4, 1), (6, 2), (3, 2), (4, 3), (5, 4)];
 
-/// Distances over the largest value that are round-off.
+/// Distances over the largest value below which they are round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Distances over the largest value that no one notices.
+/// Distances over the largest value that stay unnoticed.
 pub(super) const UNNOTICED: f64 = 1e-9;
-/// Least distance of a bad sample in the smallest steps between samples: a counter flickers by one or two.
+/// Smallest distance of a bad sample in the smallest steps between samples: a counter flickers by one or two.
 const QUANTA: f64 = 3.5;
 /// Median of the absolute value of a normal variable.
 const MEDIAN: f64 = 0.674_5;
-/// Fewest distances of samples that tell the noise of all.
+/// Fewest distances of samples that show the noise of all.
 const FEWEST_OF_NOISE: usize = 25;
 /// Upper quartile of the absolute value of a normal variable.
 const QUARTILE: f64 = 1.15;
-/// Standard deviations that are added where so many others tell the noise.
+/// Relative doubt about the noise, times the number of samples that show it.
 const FEW: f64 = 8.0;
 
-/// How a quantity changes from one sample to the next.
+/// Change of a quantity from one sample to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
-    /// Without jumps: a place, an angle. Its first and last samples are judged by those on one side of them.
+    /// Without jumps, like a place or an angle. Its first and last samples are judged by one side.
     Continuous,
-    /// With jumps: a velocity, an acceleration, a torque. What differs in two samples in a row, or in one of the
-    /// first or last three, may be a pulse or begin with a step.
+    /// With jumps, like a velocity, an acceleration or a torque. A deviation of two samples in a row, or of one of the
+    /// first or last three, may be a pulse or the start of a step.
     Jumping,
 }
 
-/// Distances of a column that are nothing.
+/// Negligible distances in a column.
 pub(super) struct Limits {
     pub(super) round_off: f64,
-    /// Least distance of a bad sample.
+    /// Smallest distance of a bad sample.
     pub(super) least: f64,
 }
 
@@ -71,29 +70,29 @@ impl Limits {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Noise {
     pub(super) deviation: f64,
-    /// Factor that covers what few samples leave open.
+    /// Factor for the uncertainty from few samples.
     pub(super) doubt: f64,
 }
 
 impl Noise {
-    /// The noise of a whole column, or that of some of its samples if it is larger.
+    /// The noise of a whole column, or of some samples if it is larger.
     pub(super) fn around(whole: f64, mut deviations: Vec<f64>) -> Self {
         let doubt = if whole > 0.0 { 1.0 } else { 1.0 + FEW / deviations.len().max(1) as f64 };
         let deviation = whole.max(quantile(&mut deviations, 0.75) / QUARTILE);
         Self { deviation, doubt }
     }
 
-    /// So many standard deviations, the doubt counted.
+    /// A distance of this number of standard deviations, with the doubt.
     pub(super) fn surely(self, deviations: f64) -> f64 {
         deviations * self.doubt * self.deviation
     }
 }
 
-/// Where neighbours lead to.
+/// Prediction from neighbours.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lead {
     pub(super) value: f64,
-    /// Standard deviation of a sample's distance from it, over that of a sample.
+    /// Standard deviation of a sample's distance from the prediction, over the deviation of a sample.
     pub(super) gain: f64,
 }
 
@@ -104,23 +103,23 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// The samples for which `is_kept` is true.
+    /// Keeps the samples for which `is_kept` is true.
     pub(super) fn kept(&self, is_kept: &[bool]) -> Self {
         Self { time_s: kept(&self.time_s, is_kept), values: kept(&self.values, is_kept) }
     }
 
-    /// Some samples in a row.
+    /// A range of the samples.
     pub(super) fn part(&self, range: std::ops::Range<usize>) -> Self {
         Self { time_s: self.time_s[range.clone()].to_vec(), values: self.values[range].to_vec() }
     }
 
-    /// Distance of a sample from the cubic through its neighbours, and the deviation of it over that of a sample.
+    /// Distance of a sample from the cubic through its neighbours, and its deviation over the deviation of a sample.
     pub(super) fn off(&self, k: usize) -> (f64, f64) {
         let lead = self.cubic(self.time_s[k], self.around(k, Some(k)));
         (self.values[k] - lead.value, lead.gain)
     }
 
-    /// Numbers of the four samples nearest to where sample `k` is, without sample `left_out`.
+    /// Numbers of the four samples nearest to sample `k`, skipping `left_out`.
     pub(super) fn around(&self, k: usize, left_out: Option<usize>) -> [usize; 4] {
         let len = self.values.len();
         let own = usize::from(left_out.is_some());
@@ -131,8 +130,8 @@ impl Course {
         })
     }
 
-    /// Where the cubic through the samples before and after a row of samples leads at one of them: two on each side,
-    /// more on one side where the other has fewer.
+    /// Prediction for one of a row of samples by the cubic through the samples before and after the row: two on each
+    /// side, or more on one side where the other has fewer.
     pub(super) fn across(&self, k: usize, [first, last]: [usize; 2]) -> Lead {
         let after = self.values.len() - 1 - last;
         let before = if after < 2 { 4 - after } else { first.min(2) };
@@ -140,7 +139,7 @@ impl Course {
         self.cubic(self.time_s[k], [0, 1, 2, 3].map(near))
     }
 
-    /// Where the cubic through four samples leads at a time.
+    /// Prediction at a time by the cubic through four samples.
     pub(super) fn cubic(&self, time_s: f64, samples: [usize; 4]) -> Lead {
         let weights = samples.map(|i| {
             let others = samples.into_iter().filter(|j| *j != i);
@@ -150,11 +149,11 @@ impl Course {
         self.led(weights.into_iter().zip(samples))
     }
 
-    /// True if a polynomial through the samples of one side, the nearest first, leads to a sample within a distance; where
-    /// noise of this standard deviation may bring it there by chance, it tells nothing.
+    /// True if a polynomial through the samples of one side, nearest first, predicts a sample within a distance. A
+    /// prediction that noise of this standard deviation could hit by chance does not count.
     ///
-    /// Where a quantity does not jump it must have led on to the nearest of that side, too, nearly as close: a line that
-    /// misses a curve leads to a bad sample by chance.
+    /// For a quantity without jumps the polynomial must also have predicted the nearest sample of that side nearly as
+    /// well. A line that misses a curve can hit a bad sample by chance.
     pub(super) fn is_led_to(
         &self,
         k: usize,
@@ -175,12 +174,12 @@ impl Course {
         })
     }
 
-    /// Where a polynomial leads at a time that is fitted to some samples by least squares.
+    /// Prediction at a time by a polynomial, fitted to some samples by least squares.
     pub(super) fn fitted(&self, time_s: f64, samples: &[usize], degree: usize) -> Lead {
         let places: Vec<f64> = samples.iter().map(|j| self.time_s[*j] - time_s).collect();
         let scale = largest(&places);
         let places: Vec<f64> = places.iter().map(|own| own / scale).collect();
-        // The polynomials that are orthogonal over the samples, by their recurrence: at the samples, last at 0.
+        // Polynomials orthogonal over the samples, by their recurrence: values at the samples, and last at 0.
         let mut before = vec![0.0; samples.len() + 1];
         let mut own = vec![1.0; samples.len() + 1];
         let mut weights = vec![0.0; samples.len()];
@@ -211,16 +210,16 @@ impl Course {
     }
 }
 
-/// A column, and how far each of its samples is from its neighbours.
+/// A column, and the distance of each sample from its neighbours' cubic.
 pub(super) struct Column<'a> {
     pub(super) course: &'a Course,
     pub(super) limits: &'a Limits,
     pub(super) change: Change,
-    /// Distance of each sample, and its deviation over that of a sample.
+    /// Distance of each sample, and its deviation over the deviation of a sample.
     pub(super) off: Vec<(f64, f64)>,
-    /// Distances over these deviations.
+    /// Distances divided by these deviations.
     pub(super) deviations: Vec<f64>,
-    /// Standard deviation of the noise of the whole column; 0 where it has too few samples.
+    /// Standard deviation of the noise of the whole column; 0 if it has too few samples.
     pub(super) noise: f64,
 }
 
@@ -236,12 +235,12 @@ impl<'a> Column<'a> {
     }
 }
 
-/// The elements for which `is_kept` is true.
+/// Keeps the elements for which `is_kept` is true.
 pub(super) fn kept<T: Copy>(all: &[T], is_kept: &[bool]) -> Vec<T> {
     all.iter().zip(is_kept).filter(|(_, kept)| **kept).map(|(own, _)| *own).collect()
 }
 
-/// A quantile of numbers, which it reorders; 0 of no number.
+/// A quantile of numbers, which it reorders; 0 without numbers.
 pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;

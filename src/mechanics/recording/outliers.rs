@@ -1,11 +1,11 @@
-//! Samples that do not follow their neighbours: bad readings among good ones.
+//! Outliers: bad readings among good samples, which do not follow their neighbours.
 //!
-//! A sample is held against the cubic through its four nearest neighbours. A bad sample is far from it, and with it
-//! taken out all others near it lie on their own cubics. Where a motion has a step or a corner, each sample
-//! continues the samples on one side of it, and what is left near it is rough: neither is a bad sample.
+//! The search compares each sample with the cubic through its four nearest neighbours. A bad sample is far from it, and
+//! without the bad sample all others nearby lie on their cubics. At a step or a corner of a motion, each sample
+//! continues the samples on one side, and the samples nearby stay rough: such samples are not bad.
 //!
-//! Bad samples within a step or two of each other spoil each other's cubics. Two or three of them, a burst, are taken
-//! out together and held against the cubic through the samples before and after them.
+//! Bad samples within a step or two spoil each other's cubics. The search removes two or three of them, a burst,
+//! together and compares them with the cubic through the samples before and after them.
 
 use super::bursts::bursts;
 use super::course::{
@@ -16,24 +16,24 @@ use super::course::{
 /// A sample that does not follow its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outlier {
-    /// Its number.
+    /// Number of the sample.
     pub sample: usize,
-    /// Where its good neighbours lead to.
+    /// Value predicted by good neighbours.
     pub expected: f64,
 }
 
-/// Samples that lead to one beyond them, in place of a bad one at an end.
+/// Number of samples that predict one beyond them, in place of a bad one at an end.
 const SIDE: usize = 6;
-/// Fewest samples that are judged.
+/// Fewest samples for a search.
 const FEWEST: usize = 15;
-/// Largest distance of the samples near a bad one over its own, without it: corners and steps leave more.
+/// Largest distance of the samples near a removed bad sample, over its distance: corners and steps leave more.
 const LEFT: f64 = 0.1;
-/// Most rounds, each of which takes out the worst sample of every neighbourhood.
+/// Limit of rounds; each removes the worst sample of every neighbourhood.
 const ROUNDS: usize = 50;
 
-/// The samples that do not follow their neighbours, in their order.
+/// Finds the samples that do not follow their neighbours, in their order.
 ///
-/// Fewer than 15 samples tell nothing.
+/// Fewer than 15 samples are too few for a result.
 ///
 /// ```
 /// use flexlink::recording::{Change, outliers};
@@ -78,7 +78,7 @@ pub fn outliers(time_s: &[f64], values: &[f64], change: Change) -> Vec<Outlier> 
         Outlier { sample, expected: lead.value }
     };
     let found: Vec<_> = bad.into_iter().map(led).collect();
-    // A record that is constant without its pulses is made of them.
+    // If a record is constant except for its pulses, the pulses are its signal.
     let rest = good.values.first().map_or(0.0, |first| {
         good.values.iter().map(|value| (value - first).abs()).fold(0.0, f64::max)
     });
@@ -86,7 +86,7 @@ pub fn outliers(time_s: &[f64], values: &[f64], change: Change) -> Vec<Outlier> 
     if rest <= UNNOTICED * most.fold(0.0, f64::max) { Vec::new() } else { found }
 }
 
-/// Numbers of the samples that are bad, the worst of each neighbourhood; where single ones are none, those of bursts.
+/// Numbers of the bad samples, the worst of each neighbourhood; without single bad samples, those of bursts.
 fn worst(column: &Column) -> Vec<usize> {
     let len = column.off.len();
     let is_bad = |k: &usize| {
@@ -98,13 +98,13 @@ fn worst(column: &Column) -> Vec<usize> {
             && is_alone(column, *k)
     };
     let mut found: Vec<usize> = (ENDS..len - ENDS).filter(is_bad).collect();
-    // Neighbours that are as far off lean on each other.
+    // Neighbours that are equally far off affect each other.
     found.dedup_by(|next, before| *next - *before <= NEAR);
     if found.is_empty() { bursts(column) } else { found }
 }
 
-/// True of a sample that is farther off than the noise around it, without which its neighbours are in order, and
-/// that continues neither those before it nor those after it.
+/// True for a sample farther off than the noise around it, if its neighbours are in order without it and it continues
+/// neither the samples before nor those after it.
 fn is_alone(column: &Column, k: usize) -> bool {
     let len = column.off.len();
     let around = k.saturating_sub(AROUND)..(k + AROUND + 1).min(len);
@@ -119,14 +119,14 @@ fn is_alone(column: &Column, k: usize) -> bool {
     let first = near.start;
     let mut without = column.course.part(near);
     without.values[k - first] -= off;
-    // Distances over the largest that is in order.
+    // Distances over the allowed distance.
     let left_of = |j: usize| {
         let (off, gain) = without.off(j - first);
         off.abs() / (LEFT * distance).max(LEFT_DEVIATIONS * noise.deviation * gain)
     };
     let before = (k.saturating_sub(NEAR)..k).map(left_of).fold(0.0, f64::max);
     let after = (k + 1..(k + NEAR + 1).min(len)).map(left_of).fold(0.0, f64::max);
-    // Another bad sample spoils the cubics of its neighbours, two steps beyond it.
+    // Another bad sample spoils the cubics of its neighbours up to two steps away.
     let reach = NEAR + 2;
     let has_second = before.min(after) <= 1.0
         && k >= reach
@@ -138,7 +138,7 @@ fn is_alone(column: &Column, k: usize) -> bool {
     let within = (CONTINUES * distance).max(noise.surely(CONTINUES_DEVIATIONS));
     let before: Vec<usize> = (k.saturating_sub(SIDE + 1)..k).rev().collect();
     let after: Vec<usize> = (k + 1..(k + SIDE + 2).min(len)).collect();
-    // At a step or a corner a sample may lie between its own cubic and where the two sides lead to.
+    // At a step or a corner a sample may lie between its cubic and the predictions of both sides.
     let is_between = || {
         let leads = [&before, &after]
             .map(|side| column.course.fitted(column.course.time_s[k], &side[..2], 1).value);
@@ -196,7 +196,7 @@ mod tests {
         |u| 0.5 - 0.5 * libm::cos(TAU * u),
     ];
 
-    /// Those that do not jump.
+    /// Indices of the motions without jumps.
     const PLACES: [usize; 7] = [0, 1, 3, 4, 6, 8, 9];
 
     fn sampled(
@@ -224,7 +224,7 @@ mod tests {
                     let mut cases: Vec<Vec<f64>> =
                         vec![exact.clone(), to(1e-2), to(1e-3), to(1e-5)];
                     cases.push(to(0.0137));
-                    // Few samples of a fast motion with noise cannot be told from bad ones.
+                    // Few samples of a fast motion with noise resemble bad ones.
                     if samples >= 50 {
                         for sigma in [1e-5, 1e-4, 1e-3, 1e-2] {
                             cases.push(

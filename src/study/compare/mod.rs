@@ -1,4 +1,4 @@
-//! Comparison of two tables, or of two sets of them, column by column.
+//! Comparison of two tables, or of two sets of tables, column by column.
 //!
 //! EXPECTED is the reference, ACTUAL the table to check. A number may differ by
 //! `atol + rtol × the column's peak in EXPECTED`; everything else must be equal.
@@ -13,38 +13,38 @@ use serde::Serialize;
 
 use table::{Pairing, key};
 
-/// The comparison of one column of EXPECTED with that of ACTUAL.
+/// Comparison of one column of EXPECTED with that of ACTUAL.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnComparison {
-    /// The heading.
+    /// Heading of the column.
     pub name: String,
     /// Largest absolute value of EXPECTED's finite numbers, in the column's unit.
     pub peak: f64,
-    /// Its tolerance; `None` if it was not compared.
+    /// Tolerance of the column; `None` if it is not compared.
     pub tolerance: Option<Tolerance>,
-    /// The field that differs most, the first of equals; `None` if all are the same.
+    /// Field with the largest difference, the first of equals; `None` if all are equal.
     pub worst: Option<Worst>,
     /// Number of rows beyond tolerance.
     pub rows_beyond: usize,
 }
 
-/// The field of a column that differs most.
+/// Field of a column with the largest difference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Worst {
     /// Absolute difference in the column's unit; infinite unless both fields are finite numbers.
     pub difference: f64,
-    /// EXPECTED's row.
+    /// Row in EXPECTED.
     pub expected: RowPlace,
-    /// ACTUAL's row.
+    /// Row in ACTUAL.
     pub actual: RowPlace,
-    /// EXPECTED's field, as text: empty, a word or a number.
+    /// Field in EXPECTED as text: empty, a word or a number.
     pub expected_field: String,
-    /// ACTUAL's field, as text.
+    /// Field in ACTUAL as text.
     pub actual_field: String,
 }
 
 impl ColumnComparison {
-    /// Largest difference allowed, in the column's unit; `None` if it was not compared.
+    /// Largest allowed difference, in the column's unit; `None` if the column is not compared.
     pub fn allowed(&self) -> Option<f64> {
         self.tolerance.map(|tolerance| tolerance.allowed(self.peak))
     }
@@ -54,12 +54,12 @@ impl ColumnComparison {
         self.rows_beyond > 0
     }
 
-    /// The largest difference relative to the peak; 0 if there is none.
+    /// Largest difference relative to the peak; 0 without a difference.
     pub fn relative(&self) -> f64 {
         self.worst.as_ref().map_or(0.0, |worst| worst.difference / self.peak)
     }
 
-    /// The largest difference as a multiple of what is allowed, for ranking.
+    /// Largest difference over the allowed one, for ranking.
     fn severity(&self) -> f64 {
         match (self.allowed(), &self.worst) {
             (Some(allowed), Some(worst)) => worst.difference / allowed,
@@ -68,7 +68,7 @@ impl ColumnComparison {
     }
 }
 
-/// Compares a column that both sides have in these pairs of rows; `place` returns their places.
+/// Compares a common column in these pairs of rows; `place` returns their places.
 fn compare_column(
     expected: &TableColumn,
     actual: &TableColumn,
@@ -102,7 +102,7 @@ fn compare_column(
     ColumnComparison { name, peak, tolerance: Some(tolerance), worst, rows_beyond }
 }
 
-/// Absolute difference of two fields: 0 if equal, infinite if one is no finite number.
+/// Absolute difference of two fields: 0 if equal, infinite if one is not a finite number.
 fn difference(expected: Cell, actual: Cell) -> f64 {
     match (expected, actual) {
         (Cell::Number(e), Cell::Number(a)) if e.is_finite() && a.is_finite() => (e - a).abs(),
@@ -124,23 +124,22 @@ fn field(cell: Cell) -> String {
 /// Rows that only one side has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Unmatched {
-    /// Their number, above 0.
+    /// Number of rows, above 0.
     pub count: usize,
-    /// The first of them.
+    /// First of the rows.
     pub first: RowPlace,
 }
 
 /// The comparison of two tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableComparison {
-    /// Name of the column that rows were matched by; `None`: by their number.
+    /// Name of the column that matches rows; `None` for matching by number.
     pub matched_by: Option<String>,
-    /// Number of rows that both sides have.
+    /// Number of common rows.
     pub rows: usize,
-    /// Number of rows at the ends of either side that do not count.
+    /// Number of ignored rows at the ends of either side.
     pub rows_aside: usize,
-    /// The columns that both sides have, and those of either that are not compared, in the order of
-    /// EXPECTED, then of ACTUAL.
+    /// Common columns, and columns of either side that are not compared, in the order of EXPECTED, then of ACTUAL.
     pub columns: Vec<ColumnComparison>,
     /// Names of columns that only EXPECTED has.
     pub columns_expected: Vec<String>,
@@ -153,14 +152,14 @@ pub struct TableComparison {
 }
 
 impl TableComparison {
-    /// True if the two are the same within tolerance.
+    /// True if both are equal within tolerance.
     pub fn is_equal(&self) -> bool {
         let complete = self.columns_expected.is_empty() && self.columns_actual.is_empty();
         let matched = self.rows_expected.is_none() && self.rows_actual.is_none();
         complete && matched && !self.columns.iter().any(ColumnComparison::fails)
     }
 
-    /// The columns beyond tolerance, the worst first.
+    /// Columns beyond tolerance, the worst first.
     pub fn failing(&self) -> Vec<&ColumnComparison> {
         let mut failing: Vec<_> = self.columns.iter().filter(|column| column.fails()).collect();
         failing.sort_by(|a, b| b.severity().total_cmp(&a.severity()));
@@ -168,11 +167,11 @@ impl TableComparison {
     }
 }
 
-/// Compares two tables that the rules know as `file`.
+/// Compares two tables with the rules for `file`.
 ///
-/// Rows are matched by EXPECTED's first column if both sides have it, it is not ignored and increases
-/// on both; otherwise by their number. The order of columns does not matter. Where common rows alone count, rows that
-/// are matched by their number all do, and all where less than half of EXPECTED's are common.
+/// Rows are matched by EXPECTED's first column if both sides have it, it is not ignored and increases on both;
+/// otherwise by their number. The order of columns does not matter. If only common rows count, all rows still count
+/// when matched by number, or when less than half of EXPECTED's are common.
 pub fn compare_tables(
     file: &str,
     expected: &Table,
@@ -183,7 +182,7 @@ pub fn compare_tables(
     let compared = |name: &&str| rule(name) != Rule::Ignore;
     let keys = key(expected, actual).filter(|[key, _]| compared(&key.name()));
     let mut pairing = Pairing::of(expected, actual, keys);
-    // A table cut off half-way is no window that has moved.
+    // A table cut off half-way is no moved window.
     let has_most = 2 * pairing.pairs.len() >= expected.lines.len();
     let is_common = tolerances.common_rows && keys.is_some() && has_most;
     let rows_aside = if is_common { pairing.leave_ends_aside() } else { 0 };
@@ -236,32 +235,32 @@ fn ignored(column: &TableColumn) -> ColumnComparison {
 /// One file that EXPECTED, ACTUAL or both have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FileComparison {
-    /// Path from the folders that are compared, with slashes.
+    /// Path from the compared folders, with slashes.
     pub name: String,
     /// The result.
     pub outcome: FileOutcome,
-    /// The inputs by which the runs of two summary.json differ, in words.
+    /// Inputs that differ between the runs of two summary.json, in words.
     pub inputs: Vec<String>,
 }
 
 /// The result for one file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FileOutcome {
-    /// Both sides have it.
+    /// Both sides have the file.
     Compared(TableComparison),
-    /// Only EXPECTED has it, with these columns.
+    /// Only EXPECTED has the file, with these columns.
     OnlyExpected(Vec<String>),
-    /// Only ACTUAL has it, with these columns.
+    /// Only ACTUAL has the file, with these columns.
     OnlyActual(Vec<String>),
 }
 
 impl FileComparison {
-    /// True if both sides have it, the same within tolerance.
+    /// True if both sides have the file, equal within tolerance.
     pub fn is_equal(&self) -> bool {
         matches!(&self.outcome, FileOutcome::Compared(table) if table.is_equal())
     }
 
-    /// Names of its columns on either side.
+    /// Names of the file's columns on either side.
     fn columns(&self) -> Vec<&str> {
         match &self.outcome {
             FileOutcome::OnlyExpected(names) | FileOutcome::OnlyActual(names) => {
@@ -276,12 +275,12 @@ impl FileComparison {
     }
 }
 
-/// The comparison of all files of two sides.
+/// Comparison of all files of two sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The files, in the order of their names.
     pub files: Vec<FileComparison>,
-    /// Number of files on either side that are no tables.
+    /// Number of files on either side that are not tables.
     pub not_compared: usize,
 }
 
@@ -291,7 +290,7 @@ impl Comparison {
         self.files.iter().all(FileComparison::is_equal)
     }
 
-    /// The rules that name no column of any file.
+    /// Rules that match no column of any file.
     pub fn idle<'a>(&self, tolerances: &'a Tolerances) -> Vec<&'a ColumnRule> {
         let files: Vec<_> = self.files.iter().map(|file| (&file.name, file.columns())).collect();
         let is_idle = |entry: &&ColumnRule| {

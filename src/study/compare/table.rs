@@ -1,28 +1,28 @@
-//! Tables as files hold them, and which row of one belongs to which row of another.
+//! Tables from files, and the matching of their rows.
 
 use serde::Serialize;
 
-/// A table of named columns, as a file holds it.
+/// A table of named columns from a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// The columns, from the left; no two have the same name, all have as many rows.
+    /// Columns, from the left, with different names and equal numbers of rows.
     pub columns: Vec<TableColumn>,
-    /// The line of every row, from 1.
+    /// Line of every row, from 1.
     pub lines: Vec<u64>,
 }
 
 impl Table {
-    /// The column of this name.
+    /// Finds a column by its name.
     pub fn column(&self, name: &str) -> Option<&TableColumn> {
         self.columns.iter().find(|column| column.name() == name)
     }
 
-    /// The names of all columns, from the left.
+    /// Names of all columns, from the left.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(TableColumn::name)
     }
 
-    /// The place of a row, with its number in the column that rows are matched by.
+    /// Place of a row, with its number in the column that matches rows.
     pub(super) fn place(&self, row: usize, key: Option<&TableColumn>) -> RowPlace {
         RowPlace { line: self.lines[row], key: key.map(|key| key.numbers[row]) }
     }
@@ -32,7 +32,7 @@ impl Table {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableColumn {
     name: String,
-    /// One per row; NaN for a word.
+    /// One number a row; NaN for a word.
     numbers: Vec<f64>,
     /// Row and text, in the order of the rows; an empty field is an empty word.
     words: Vec<(usize, String)>,
@@ -43,7 +43,7 @@ pub struct TableColumn {
 pub enum Cell<'a> {
     /// A number, which may be NaN or infinite.
     Number(f64),
-    /// A text that is no number; empty for an empty field.
+    /// A text that is not a number; empty for an empty field.
     Word(&'a str),
 }
 
@@ -52,7 +52,7 @@ pub enum Cell<'a> {
 pub struct RowPlace {
     /// Line of the file, from 1.
     pub line: u64,
-    /// The row's value in the column that rows are matched by, if there is one.
+    /// Value of the row in the column that matches rows, if there is one.
     pub key: Option<f64>,
 }
 
@@ -73,12 +73,12 @@ impl TableColumn {
         }
     }
 
-    /// The heading.
+    /// Heading of the column.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The content of a row, counted from 0; an empty word beyond the last.
+    /// Content of a row, counted from 0; an empty word beyond the last.
     pub fn cell(&self, row: usize) -> Cell<'_> {
         let Some(number) = self.numbers.get(row).copied() else { return Cell::Word("") };
         if !number.is_nan() {
@@ -90,12 +90,12 @@ impl TableColumn {
         }
     }
 
-    /// The number in a row; NaN for a word and beyond the last row.
+    /// Number in a row; NaN for a word and beyond the last row.
     pub fn number(&self, row: usize) -> f64 {
         self.numbers.get(row).copied().unwrap_or(f64::NAN)
     }
 
-    /// The content of a row as text.
+    /// Content of a row as text.
     pub fn text(&self, row: usize) -> String {
         match self.cell(row) {
             Cell::Number(number) => number.to_string(),
@@ -103,24 +103,24 @@ impl TableColumn {
         }
     }
 
-    /// Largest absolute value of its finite numbers; 0 where it has none.
+    /// Largest absolute value of the finite numbers; 0 without one.
     pub fn peak(&self) -> f64 {
         let finite = self.numbers.iter().map(|number| number.abs()).filter(|size| size.is_finite());
         finite.fold(0.0, f64::max)
     }
 
-    /// True if all its numbers are finite and each is above the one before.
+    /// True if all numbers are finite and each is above the one before.
     fn is_increasing(&self) -> bool {
         self.numbers.iter().all(|number| number.is_finite())
             && self.numbers.is_sorted_by(|before, next| before < next)
     }
 }
 
-/// Largest difference of the keys of one row, relative to the distance of the nearest row: rounding
-/// moves a time by far less, another step by far more.
+/// Largest difference of the keys of one row, relative to the distance of the nearest row: rounding moves a time by far
+/// less, another step by far more.
 const KEY_SHARE: f64 = 1e-3;
 
-/// Which row of EXPECTED belongs to which row of ACTUAL.
+/// Matching of EXPECTED's rows with ACTUAL's.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Pairing {
     /// Rows of EXPECTED and ACTUAL, in order.
@@ -131,8 +131,8 @@ pub(super) struct Pairing {
     pub(super) actual: Vec<usize>,
 }
 
-/// The column that rows are matched by, in EXPECTED and in ACTUAL: the first one of EXPECTED, if
-/// ACTUAL has one of that name and both increase from row to row.
+/// The column that matches rows, in EXPECTED and in ACTUAL: the first one of EXPECTED, if ACTUAL has a column with its
+/// name and both increase from row to row.
 pub(super) fn key<'a>(expected: &'a Table, actual: &'a Table) -> Option<[&'a TableColumn; 2]> {
     let first = expected.columns.first()?;
     let other = actual.column(first.name())?;
@@ -157,7 +157,7 @@ impl Pairing {
         }
     }
 
-    /// Takes out rows that only one side has before the first pair or behind the last one, and returns their number.
+    /// Removes rows of only one side before the first pair or after the last one, and returns their number.
     pub(super) fn leave_ends_aside(&mut self) -> usize {
         let (Some(first), Some(last)) = (self.pairs.first(), self.pairs.last()) else { return 0 };
         let all = self.expected.len() + self.actual.len();
@@ -166,7 +166,7 @@ impl Pairing {
         all - self.expected.len() - self.actual.len()
     }
 
-    /// By keys, both strictly increasing.
+    /// Pairs rows by keys, both strictly increasing.
     fn by_key(expected: &[f64], actual: &[f64]) -> Self {
         let mut found = Self::default();
         let (mut e, mut a) = (0, 0);

@@ -1,11 +1,11 @@
 use wildmatch::WildMatch;
 
-/// Largest difference of a number from the expected one.
+/// Largest allowed difference of a number from the expected one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Relative to the column's peak.
+    /// Part relative to the column's peak.
     pub rtol: f64,
-    /// In the column's own unit.
+    /// Absolute part in the column's unit.
     pub atol: f64,
 }
 
@@ -16,57 +16,57 @@ impl Default for Tolerance {
 }
 
 impl Tolerance {
-    /// Largest difference allowed in a column of this peak, in the column's unit.
+    /// Largest allowed difference in a column of this peak, in the column's unit.
     pub fn allowed(&self, peak: f64) -> f64 {
         self.atol + self.rtol * peak
     }
 }
 
-/// How a column is compared.
+/// Comparison of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// It is not compared and may be missing.
+    /// The column is not compared and may be missing.
     Ignore,
-    /// Within a tolerance.
+    /// The column is compared within a tolerance.
     Within(Tolerance),
 }
 
-/// What a rule changes for the columns that it names.
+/// Effect of a rule on its columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// They are not compared.
+    /// The columns are not compared.
     Ignore,
-    /// They have another tolerance; a part that is `None` stays general.
+    /// The columns have another tolerance; a part that is `None` stays general.
     Tolerance {
-        /// Relative to the column's peak.
+        /// Part relative to the column's peak.
         rtol: Option<f64>,
-        /// In the column's own unit.
+        /// Absolute part in the column's unit.
         atol: Option<f64>,
     },
 }
 
-/// Columns by pattern, and what changes for them.
+/// A pattern of columns, and the effect on them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnRule {
-    /// The place of the rule, for messages.
+    /// Place of the rule, for messages.
     pub place: String,
-    /// Pattern of the file's name, or of its path where the pattern has a slash; `None`: any.
+    /// Pattern of the file's name, or of its path if the pattern has a slash; `None` matches any file.
     pub file: Option<String>,
     /// Pattern of the column's name.
     pub column: String,
-    /// What changes for them.
+    /// Effect on the columns.
     pub change: Change,
 }
 
 impl ColumnRule {
-    /// True if it names this column of the file with this path, whose folders end in slashes.
+    /// True if the rule matches this column of the file with this path, whose folders end in slashes.
     ///
     /// In patterns `*` matches any text and `?` one character.
     pub fn names(&self, file: &str, column: &str) -> bool {
         self.is_of(file) && WildMatch::new(&self.column).matches(column)
     }
 
-    /// True if it names columns of the file with this path.
+    /// True if the rule matches columns of the file with this path.
     pub fn is_of(&self, file: &str) -> bool {
         self.file.as_deref().is_none_or(|pattern| {
             let name = file.rsplit('/').next().unwrap_or(file);
@@ -78,16 +78,16 @@ impl ColumnRule {
 /// The tolerances of all columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tolerances {
-    /// For columns that no rule names.
+    /// Tolerance of columns without a rule.
     pub general: Tolerance,
-    /// Exceptions; of several that name a column the last one counts.
+    /// Exceptions; the last matching one counts.
     pub entries: Vec<ColumnRule>,
-    /// True if rows do not count that only one side has before the first row of both or behind the last one.
+    /// True if rows of only one side before the first common row or after the last one do not count.
     pub common_rows: bool,
 }
 
 impl Tolerances {
-    /// How a column is compared.
+    /// Comparison of a column.
     pub fn rule(&self, file: &str, column: &str) -> Rule {
         let general = self.general;
         match self.entries.iter().rfind(|entry| entry.names(file, column)) {

@@ -1,4 +1,4 @@
-//! What a fit tells its user to do.
+//! Warnings and remedies of a fit.
 
 use std::fmt;
 
@@ -9,77 +9,77 @@ use super::outcome::FitOutcome;
 use crate::model::Sensor;
 use crate::text::significant;
 
-/// What helps against several answers.
+/// Remedy for several answers.
 const TELL_APART: &str = "measure what tells the answers apart, another mode, the hub held or a mass, or bound the \
                           values with --free PATH=LOW:HIGH";
 
-/// What the user of a fit must know to judge it.
+/// Warning about a fit, needed to judge it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FitWarning {
-    /// A measured value that lies beyond three uncertainties.
+    /// A measured value is off by more than three uncertainties.
     Outlier {
-        /// What was measured.
+        /// Measured quantity.
         observable: Observable,
         /// Distance from the fitted link's value, in uncertainties.
         uncertainties: f64,
     },
-    /// Other values that fit the measurements about as well.
+    /// Other values fit the measurements about as well.
     Ambiguous {
-        /// How many other answers there are.
+        /// Number of other answers.
         others: usize,
     },
-    /// As many measured numbers as free values.
+    /// There are only as many measured numbers as free values.
     Unchecked,
-    /// Differences of a record that go on from sample to sample.
+    /// Differences of a record are correlated from sample to sample.
     Correlated {
         /// File of the record.
         name: String,
         /// The sensor.
         sensor: Sensor,
-        /// Standard errors over those that are given.
+        /// Ratio of the true standard errors to the stated ones.
         factor: f64,
     },
-    /// A difference of a record that is far larger than the others.
+    /// A difference of a record is far larger than the others.
     Stray {
         /// File of the record.
         name: String,
         /// The sensor.
         sensor: Sensor,
-        /// The difference over the root mean square of all.
+        /// Ratio of the difference to the root mean square of all.
         times: f64,
-        /// Its time in s after the first sample.
+        /// Time of the difference in s after the first sample.
         time_s: f64,
     },
-    /// A decay whose logarithm is not straight.
+    /// The logarithm of a decay is not straight.
     BentDecay {
         /// File of the decay.
         name: String,
-        /// The mode's damping ratio.
+        /// Damping ratio of the mode.
         observable: Observable,
-        /// The ratio of the first samples and that of the last.
+        /// Ratios of the first and of the last samples.
         ratios: [f64; 2],
     },
-    /// A sample of a decay that is far off.
+    /// A sample of a decay is far off.
     StrayOfDecay {
         /// File of the decay.
         name: String,
-        /// The difference over the root mean square of all.
+        /// Ratio of the difference to the root mean square of all.
         times: f64,
-        /// Its time in s.
+        /// Time of the sample in s.
         time_s: f64,
     },
-    /// Differences far smaller than the uncertainties.
+    /// Differences are far smaller than the uncertainties.
     TooSmall {
-        /// Sum of the squared differences over their uncertainties.
+        /// Sum of the squared ratios of differences to uncertainties.
         chi_squared: f64,
-        /// Measured numbers less free values.
+        /// Measured numbers minus free values.
         degrees_of_freedom: usize,
     },
-    /// A recorded hub angle with noise, which the fit takes for motion.
+    /// A recorded hub angle has noise, which the fit mistakes for motion.
     NoisyInput {
         /// File of the record.
         name: String,
-        /// Noise over the size of the motion.
+        /// Ratio of the noise to the motion.
         share: f64,
     },
 }
@@ -146,7 +146,7 @@ impl fmt::Display for FitWarning {
 crate::result::notices!(FitWarning);
 
 impl FitWarning {
-    /// Its kind in the record.
+    /// Name of the kind in the record of a run.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Outlier { .. } => "outlier",
@@ -161,7 +161,7 @@ impl FitWarning {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Outlier { .. } => "measure it again, or give it its true uncertainty",
@@ -220,7 +220,7 @@ impl Decay {
             Some(FitWarning::BentDecay { name: name(), observable, ratios: mode.bent? })
         });
         let (times, time_s) = self.largest;
-        // Where the decay is bent, its differences are no noise.
+        // In a bent decay the differences are no noise.
         let is_bent = self.modes.iter().any(|mode| mode.bent.is_some());
         let is_stray = times > STRAY && !is_bent;
         let stray = is_stray.then(|| FitWarning::StrayOfDecay { name: name(), times, time_s });
@@ -246,7 +246,7 @@ impl RecordMisfit {
 }
 
 impl Misfit {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> String {
         match self {
             Self::Undetermined => {

@@ -1,4 +1,4 @@
-//! How computed histories become recorded ones: a gain, an offset, and a delay that all have in common.
+//! Alignment of computed with recorded histories: a gain and an offset for each, and a common delay.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -12,13 +12,13 @@ use std::borrow::Cow;
 use super::response::Gain;
 use crate::numeric::{CubicSpline, SplineEnds};
 
-/// Largest delay that is looked for, in samples; of a short record a quarter of it.
+/// Largest delay of the search, in samples; for a short record a quarter of its samples.
 const LONGEST_DELAY: usize = 100;
 
-/// Samples that decide where the search for a delay begins.
+/// Number of samples that decide the start of the search for a delay.
 const FEW_SAMPLES: usize = 4000;
 
-/// What is free between a computed history and a recorded one.
+/// Freedom between a computed history and a recorded one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Freedom {
     pub(super) gain: Gain,
@@ -32,32 +32,32 @@ pub(super) struct Line {
     pub(super) offset: f64,
 }
 
-/// A history to lay over a recorded one, and what may be changed of it.
+/// A computed history to align with a recorded one.
 pub(super) struct Overlaid<'a> {
     pub(super) recorded: &'a [f64],
     pub(super) computed: &'a [f64],
     pub(super) freedom: Freedom,
-    /// Weight of a difference.
+    /// Weight of the differences.
     pub(super) weight: f64,
 }
 
-/// Histories late by a delay in samples, with the line of each by which it lies best over the recorded one.
+/// Histories with a delay in samples, and the line that fits each to its recorded one best.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Alignment {
     pub(super) delay: f64,
     pub(super) lines: Vec<Line>,
-    /// Recorded less computed, in the unit of the record, of the samples that are compared.
+    /// Recorded minus computed, in the unit of the record, for the compared samples.
     pub(super) differences: Vec<Vec<f64>>,
 }
 
-/// The longest delay, in samples, that is looked for in a record of so many samples. So many of its last samples
-/// are not compared where the delay is free: sensors that are early show them before they are computed.
+/// Longest delay of the search, in samples, for a record with this number of samples. With a free delay this number of
+/// last samples is not compared, because sensors that are early show them before they are computed.
 pub(super) fn longest_delay(samples: usize) -> usize {
     (samples / 4).min(LONGEST_DELAY)
 }
 
 impl Line {
-    /// The line by which the sum of squared differences is least, for what is free.
+    /// The line with the least sum of squared differences, within the freedom.
     fn through(recorded: &[f64], computed: &[f64], freedom: Freedom) -> Self {
         let mean = |samples: &[f64]| {
             let number = samples.len() as f64;
@@ -82,7 +82,7 @@ impl Line {
 }
 
 impl Alignment {
-    /// Lays histories, late by `delay` samples, over the first `compared` recorded samples.
+    /// Aligns histories, with a delay of `delay` samples, with the first `compared` recorded samples.
     pub(super) fn of(histories: &[Overlaid], delay: f64, compared: usize) -> Self {
         let aligned = histories.iter().map(|history| {
             let computed = delayed(history.computed, delay, compared);
@@ -97,8 +97,8 @@ impl Alignment {
     }
 }
 
-/// The first `compared` samples of a history that begins later by `delay` samples. A cubic spline leads through
-/// the samples, and a straight line from rest one sample before them.
+/// The first `compared` samples of a history that begins `delay` samples later. A cubic spline goes through the
+/// samples, and a straight line leads to them from rest one sample before.
 fn delayed(samples: &[f64], delay: f64, compared: usize) -> Cow<'_, [f64]> {
     if delay == 0.0 {
         return Cow::Borrowed(&samples[..compared]);
@@ -120,7 +120,7 @@ fn delayed(samples: &[f64], delay: f64, compared: usize) -> Cow<'_, [f64]> {
     Cow::Owned((0..compared).map(at).collect())
 }
 
-/// The delay of whole samples that leaves the least sum of squares.
+/// The delay in whole samples with the least sum of squares.
 pub(super) fn rough_delay(histories: &[Overlaid]) -> f64 {
     let samples = histories.first().map_or(0, |history| history.computed.len());
     let longest = longest_delay(samples) as i64;
@@ -128,12 +128,12 @@ pub(super) fn rough_delay(histories: &[Overlaid]) -> f64 {
     all.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(0.0, |(_, delay)| delay)
 }
 
-/// The weighted sum of squares at a delay of whole samples, of some of them.
+/// Weighted sum of squares at a delay of whole samples, over some of them.
 fn rough_cost(histories: &[Overlaid], delay: i64) -> f64 {
     let cost = |history: &Overlaid| {
         let (count, every) =
             (history.computed.len(), (history.computed.len() / FEW_SAMPLES).max(1));
-        // All delays are judged by the same samples of the record.
+        // All delays use the same samples of the record.
         let places = (0..count - longest_delay(count)).step_by(every);
         let at = |k: usize| {
             let place = k as i64 - delay;

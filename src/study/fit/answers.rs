@@ -1,6 +1,6 @@
 //! Starts of a fit, and other answers.
 //!
-//! Other answers are ends of other starts that the data do not tell from the best one; intervals cover them.
+//! Other answers are results of other starts that the data cannot distinguish from the best one; intervals cover them.
 
 use rayon::prelude::*;
 
@@ -12,38 +12,38 @@ use super::specimen::{FINE, Specimen};
 use super::value::Spread;
 use crate::numeric::NORMAL_95;
 
-/// To find the least sum of squares with one value held.
+/// Depth of the search for the least sum of squares with one fixed value.
 const HELD: Depth =
     Depth { mesh_tolerance: FINE, settled: 1e-5, little: 1e-5, most_iterations: 30 };
 
-/// Standard errors, and difference of the logarithm, below which two values are one.
+/// Distance of values in standard errors, and in the logarithm, below which they are the same.
 const SAME: [f64; 2] = [0.5, 1e-3];
 
-/// Share by which the distance from the best answer may be off where an interval ends.
+/// Relative error allowed in the distance from the best answer at the end of an interval.
 const NEAR: f64 = 0.05;
 
-/// Places that are tried for the end of an interval.
+/// Limit of places tried for the end of an interval.
 const MOST_PLACES: usize = 12;
 
-/// Starts beside that of the file: in general; with several free values of a link of which values alone are measured,
-/// which takes milliseconds; the same of an arm.
+/// Number of starts besides the file's: in general; for several free values of a link with values as the only
+/// measurements, which takes milliseconds; for the same with an arm.
 const OTHER_STARTS: [usize; 3] = [3, 15, 7];
 
 /// Largest factor between the file's value and another start.
 const FARTHEST_START: f64 = 5.0;
 
-/// An answer with what it says of its neighbourhood.
+/// An answer with the standard errors around it.
 struct Answer {
     /// Logarithms of the factors, then delays.
     x: Vec<f64>,
     sum: f64,
-    /// Standard error of each free value over that of the residuals; none where a value is not determined.
+    /// Standard error of each free value over the standard error of the residuals; `None` if a value is not determined.
     errors: Option<Vec<f64>>,
 }
 
 impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'_, F> {
     /// The outcome at `x` with those of the other `ends` that fit about as well, and with intervals that cover them.
-    /// `surveyed` is the sum of squares at the end of the survey that has led to `x`.
+    /// `surveyed` is the sum of squares at the end of the survey that led to `x`.
     pub(super) fn with_other_answers(
         &self,
         mut outcome: FitOutcome,
@@ -55,7 +55,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         if !misfits.sum.is_finite() || !outcome.undetermined.is_empty() {
             return outcome;
         }
-        // Of exact measurements round-off is left.
+        // Exact measurements leave round-off.
         let scale = misfits.scale().unwrap_or(USUAL_MISFIT).max(FINE);
         let room = (misfits.reach_95() * scale).powi(2);
         let least = misfits.sum;
@@ -65,7 +65,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
             (0..self.free.len()).all(|k| (a[k] - b[k]).abs() < far(k))
         };
         let mut others: Vec<End> = Vec::new();
-        // The survey has gone less far, on a coarser mesh.
+        // The survey went less far, on a coarser mesh.
         for end in ends.into_iter().filter(|end| end.cost < 2.0 * surveyed + 4.0 * room) {
             let known = others.iter().map(|other| &other.x[..]).chain([x]);
             if !known.into_iter().any(|known| is_same(known, &end.x)) {
@@ -119,9 +119,9 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         Some((0..self.free.len()).map(|k| covariance[(k, k)].sqrt()).collect())
     }
 
-    /// The lower or upper end, `side` 0 or 1, of the interval of a value: the farthest of the `answers`, each with what
-    /// its standard error adds; `own` is that of the first. If `is_profiled`, the place where the least sum of squares
-    /// with the value held is `most`.
+    /// Lower or upper end, `side` 0 or 1, of the interval of a value: the farthest of the `answers`, each extended by
+    /// its standard error; `own` is the extension of the first. If `is_profiled`, it is the place where the least sum
+    /// of squares with the value fixed equals `most`.
     fn edge(
         &self,
         (k, side): (usize, usize),
@@ -146,8 +146,8 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         if is_profiled { self.profiled(k, from, far, most) } else { far }
     }
 
-    /// The place of value `k`, `first` or as far beyond an answer, where the least sum of squares with the value held
-    /// is `most`; a bound where it stays below.
+    /// Place of value `k` where the least sum of squares with the value fixed equals `most`, sought from `first` on its
+    /// side of the answer; a bound if the sum stays below.
     fn profiled(&self, k: usize, answer: &Answer, first: f64, most: f64) -> f64 {
         let [low, high] = self.bounds(k);
         let room = most - answer.sum;
@@ -157,7 +157,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         }
         for number in 0..MOST_PLACES {
             let Some(end) = self.held(k, place, x.clone()) else { return place };
-            // As along a parabola: the distance grows as the root of the sum does.
+            // As along a parabola, the distance grows with the root of the sum.
             let share = ((end.cost - answer.sum).max(0.0) / room).sqrt();
             if (share - 1.0).abs() < NEAR {
                 return if number == 0 { first } else { place };
@@ -172,7 +172,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         place
     }
 
-    /// The least sum of squares near `x` with value `k` held.
+    /// Least sum of squares near `x` with value `k` fixed.
     fn held(&self, k: usize, place: f64, mut x: Vec<f64>) -> Option<End> {
         let factor = libm::exp(place);
         let mut free = self.free.to_vec();
@@ -183,7 +183,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
 }
 
 impl<F> Problem<'_, F> {
-    /// All starts, that of the file first.
+    /// All starts, the file's first.
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
         let [few, of_link, of_arm] = OTHER_STARTS;
         let values = self.measurements.values();
@@ -195,7 +195,7 @@ impl<F> Problem<'_, F> {
         (0..=others).map(|number| self.start(number)).collect()
     }
 
-    /// Number 0 is the file's own; the others are Halton's points in the logarithms. No sensor is late.
+    /// Start 0 has the file's values; the others are Halton points in the logarithms. All delays are 0.
     fn start(&self, number: usize) -> Vec<f64> {
         const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
         let reach = libm::log(FARTHEST_START);
@@ -211,7 +211,7 @@ impl<F> Problem<'_, F> {
     }
 }
 
-/// The `number`-th point of Halton's sequence in (0, 1), from 1.
+/// Point `number`, from 1, of Halton's sequence in (0, 1).
 fn halton(number: usize, base: usize) -> f64 {
     let (mut rest, mut share, mut sum) = (number, 1.0, 0.0);
     while rest > 0 {

@@ -4,8 +4,8 @@
 //! x(τ) = c₀ + c₁ (τ − ½) + Σ e^(−σ τ) (a cos ωτ + b sin ωτ),   0 ≤ τ < 1
 //! ```
 //!
-//! Time runs from 0 to 1 over the samples. The amplitudes are linear: they are solved for at every step of the
-//! iteration, which moves σ and ω alone.
+//! Time runs from 0 to 1 over the samples. The amplitudes are linear: every step of the iteration solves for them, and
+//! only moves σ and ω.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -27,30 +27,30 @@ pub(super) struct Pole {
     pub(super) omega: f64,
 }
 
-/// The columns of the offset and of the drift.
+/// Number of columns for the offset and the drift.
 const LINE: usize = 2;
 
-/// Samples after which a vibration is computed anew, so that its rounding errors do not grow.
+/// Number of samples after which a vibration is recomputed, to limit rounding errors.
 const RENEWED: usize = 64;
 
-/// Steps of the iteration.
+/// Limit of steps of the iteration.
 const MOST_STEPS: usize = 100;
 
-/// Change of σ and ω below which the iteration has ended.
+/// Change of σ and ω below which the iteration ends.
 const SETTLED: f64 = 1e-9;
 
-/// Periods of a vibration over which the differences that remain are added up.
+/// Periods of a vibration over which the remaining differences are summed.
 const SPANS: [f64; 2] = [1.0, 3.0];
 
-/// Most and fewest spans in which the amplitude is measured, and the periods of each.
+/// Largest and smallest number of spans for measuring the amplitude, and the periods in each.
 const MOST_SPANS: usize = 12;
 const LEAST_SPANS: usize = 5;
 const PERIODS_OF_SPAN: f64 = 1.0;
 
-/// Least amplitude over the noise whose logarithm counts.
+/// Smallest ratio of amplitude to noise for a usable logarithm.
 const CLEAR: f64 = 6.0;
 
-/// Amplitude over that of the fitted decay below which a vibration has stopped.
+/// Ratio of the amplitude to the fitted decay below which a vibration has stopped.
 const STOPPED: f64 = 0.05;
 
 /// Vibrations that fit samples best.
@@ -59,20 +59,20 @@ pub(super) struct Damped {
     pub(super) poles: Vec<Pole>,
     /// c₀, c₁, then a and b of each pole.
     coefficients: DVector<f64>,
-    /// Sum of the squared differences.
+    /// Sum of squared differences.
     pub(super) cost: f64,
-    /// `Jᵀr` and `JᵀJ`, with the columns of J those of the coefficients, then of σ and ω of each pole.
+    /// `Jᵀr` and `JᵀJ`; the columns of J belong to the coefficients, then to σ and ω of each pole.
     gradient: DVector<f64>,
     hessian: DMatrix<f64>,
 }
 
 impl Damped {
-    /// An offset and a drift alone.
+    /// Only an offset and a drift.
     pub(super) fn line(samples: &[f64]) -> Option<Self> {
         Self::of(samples, Vec::new())
     }
 
-    /// Solves for the amplitudes of these vibrations; fails where the samples do not tell them apart.
+    /// Solves for the amplitudes of these vibrations; `None` if the samples cannot distinguish them.
     pub(super) fn of(samples: &[f64], poles: Vec<Pole>) -> Option<Self> {
         let width = LINE + 4 * poles.len();
         let (mut gram, mut right) = (vec![0.0; width * width], vec![0.0; width]);
@@ -94,7 +94,7 @@ impl Damped {
         let known = DVector::from_fn(linear, |i, _| right[place(i)]);
         let own = DMatrix::from_fn(linear, linear, |i, j| gram[(place(i), place(j))]);
         let coefficients = solved(&own, &known)?;
-        // The columns of J out of the sums' own: those of the coefficients, then −τ(aC + bS), τ(bC − aS).
+        // Columns of J as combinations of the sums' columns: those of the coefficients, then −τ(aC + bS), τ(bC − aS).
         let mut columns = DMatrix::zeros(width, linear + 2 * poles.len());
         for column in 0..linear {
             columns[(place(column), column)] = 1.0;
@@ -116,7 +116,7 @@ impl Damped {
         Some(Self { poles, coefficients, cost, gradient, hessian })
     }
 
-    /// Moves σ and ω to where the sum of squares is least, by the iteration of Levenberg and Marquardt.
+    /// Moves σ and ω to the least sum of squares, by the iteration of Levenberg and Marquardt.
     pub(super) fn settled(self, samples: &[f64]) -> Self {
         let energy: f64 = samples.iter().map(|x| x * x).sum();
         let (mut best, mut lambda) = (self, 1e-3);
@@ -148,7 +148,7 @@ impl Damped {
         best
     }
 
-    /// The samples less the vibrations.
+    /// The samples minus the vibrations.
     pub(super) fn differences(&self, samples: &[f64]) -> Vec<f64> {
         let mut left = samples.to_vec();
         let linear = |of_pole: usize| LINE + 4 * (of_pole / 2) + of_pole % 2;
@@ -180,13 +180,13 @@ impl Damped {
         strongest.map(|place| &self.poles[place])
     }
 
-    /// Decay rates of a vibration in the first and in the last samples, and the standard error of their difference:
-    /// from a parabola through the logarithms of its amplitude in spans of some periods, as far as it exceeds the noise.
-    /// None of less than five periods.
+    /// Decay rates of a vibration in the first and in the last samples, and the standard error of their difference.
+    /// They come from a parabola through the logarithms of its amplitude in spans of some periods, as far as it exceeds
+    /// the noise. `None` for less than five periods.
     pub(super) fn bend(&self, pole: usize, differences: &[f64]) -> Option<([f64; 2], f64)> {
         let (Pole { sigma, omega }, len) = (self.poles[pole], differences.len());
         let amplitude = magnitude(self.amplitude(pole));
-        // Noise alone jumps from sample to sample.
+        // Only noise jumps from sample to sample.
         let jumps = differences.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
         let noise = (jumps.sum::<f64>() / (2 * len) as f64).sqrt();
         let seen = libm::log(amplitude / (CLEAR * noise)) / sigma;
@@ -234,8 +234,8 @@ impl Damped {
         Some(([-1.0, 1.0].map(|x| sigma - slope(x)), error))
     }
 
-    /// The covariance of σ and ω of each vibration, in their order, from the differences that remain: as of
-    /// independent ones, or the sum over their neighbours within some periods, whichever is larger.
+    /// Variances of σ and ω of each vibration, in their order, from the remaining differences: the larger of the value
+    /// for independent differences and the sum over neighbours within some periods.
     pub(super) fn variances(&self, differences: &[f64]) -> Option<Vec<[f64; 2]>> {
         let (len, all) = (differences.len(), self.hessian.nrows());
         let freedom = len.checked_sub(all + 1)? as f64;
@@ -261,8 +261,8 @@ impl Damped {
         let of = |own: usize, pole: &Pole| {
             let white = variance * inverse[(linear + own, linear + own)];
             let sums = spans(pole).map(|span| {
-                // Sums over spans that are no longer short against the decay are too small: all differences add up to
-                // nothing.
+                // Sums over spans that are not short compared with the decay are too small, because all differences add
+                // up to 0.
                 let share = span as f64 / len as f64 * pole.sigma.max(1.0);
                 correction * neighbourly(&influence[own], span) / (1.0 - share.min(0.5))
             });
@@ -272,7 +272,7 @@ impl Damped {
         Some(pairs.map(|(k, pole)| [of(2 * k, pole), of(2 * k + 1, pole)]).collect())
     }
 
-    /// The value of a column of J in a row of [`each_row`].
+    /// Value of a column of J in a row of [`each_row`].
     fn column(&self, column: usize, row: &[f64]) -> f64 {
         let linear = self.coefficients.len();
         let Some(moved) = column.checked_sub(linear) else {
@@ -289,7 +289,7 @@ impl Damped {
 }
 
 impl Pole {
-    /// True of a vibration between a tenth of a period in all samples and one of two samples.
+    /// True for a vibration with a period from two samples to about twelve times the record.
     fn is_within(&self, len: usize) -> bool {
         self.sigma > -2.0
             && self.sigma < self.omega
@@ -298,7 +298,7 @@ impl Pole {
     }
 }
 
-/// Variance of the sum of all parts, with the correlation of those within `span` of each other by Bartlett's weights.
+/// Variance of the sum of all parts, with Bartlett's weights for the correlation within `span`.
 fn neighbourly(parts: &[f64], span: usize) -> f64 {
     let (mut window, mut sum) = (0.0, 0.0);
     for k in 0..parts.len() + span - 1 {
@@ -311,8 +311,8 @@ fn neighbourly(parts: &[f64], span: usize) -> f64 {
     sum / span as f64
 }
 
-/// Calls `each` with every sample's number and its row: 1, τ − ½, then C, S, τC, τS of each pole, where
-/// C = e^(−στ) cos ωτ and S = e^(−στ) sin ωτ.
+/// Passes every sample's number and row to `each`: 1, τ − ½, then C, S, τC, τS of each pole, where C = e^(−στ) cos ωτ
+/// and S = e^(−στ) sin ωτ.
 pub(super) fn each_row(poles: &[Pole], len: usize, mut each: impl FnMut(usize, &[f64])) {
     let at = |pole: &Pole, k: usize| {
         let tau = k as f64 / len as f64;
@@ -335,7 +335,7 @@ pub(super) fn each_row(poles: &[Pole], len: usize, mut each: impl FnMut(usize, &
     }
 }
 
-/// Solves a symmetric positive definite system, its columns brought to one size.
+/// Solves a symmetric positive definite system, with its columns scaled to equal size.
 fn solved(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let (scaled, sizes) = scaled(matrix)?;
     let solution = scaled.cholesky()?.solve(&right.component_mul(&sizes));
@@ -349,7 +349,7 @@ fn inverted(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(size, size, |i, j| sizes[i] * inverse[(i, j)] * sizes[j]))
 }
 
-/// The matrix with a diagonal of 1, and the factors on its columns that make it so.
+/// The matrix scaled to a diagonal of 1, and the factors on its columns.
 fn scaled(matrix: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
     let sizes = DVector::from_fn(matrix.nrows(), |k, _| matrix[(k, k)].sqrt().recip());
     let size = matrix.nrows();

@@ -1,4 +1,4 @@
-//! A free decay: the frequency and the damping ratio of each mode that one sensor shows after a pluck or a blow.
+//! A free decay: frequency and damping ratio of each mode that one sensor shows after a pluck or a blow.
 
 use std::f64::consts::TAU;
 
@@ -18,23 +18,23 @@ const FEWEST: usize = 24;
 /// Fewest periods of a mode in the samples.
 const FEWEST_PERIODS: f64 = 2.0;
 
-/// Relative uncertainty that no clock and no mesh is below.
+/// Smallest relative uncertainty: no clock and no mesh is better.
 const EXACT: f64 = 1e-6;
 
-/// Change of a damping ratio from the first samples to the last, over the ratio, from which on the amplitude is not
+/// Change of a damping ratio from the first samples to the last, over the ratio, above which the amplitude is not
 /// exponential.
 const BENT: f64 = 0.1;
 
-/// Largest uncertainty over the ratio that such a change makes.
+/// Largest uncertainty over the ratio due to such a change.
 const MOST_OF_BEND: f64 = 0.45;
 
-/// Standard errors beyond which such a change is no noise.
+/// Standard errors above which such a change is no noise.
 const NO_NOISE: f64 = 4.0;
 
 /// A recorded decay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecaySamples {
-    /// Its file.
+    /// File of the decay.
     pub name: String,
     /// Quantity of the sensor: `tip_deflection`.
     pub column: String,
@@ -46,7 +46,7 @@ pub struct DecaySamples {
     pub samples: Vec<f64>,
 }
 
-/// The values of a decay that a link is fitted to.
+/// Values of a decay to use in a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DecayValues {
     /// Frequencies and damping ratios.
@@ -57,46 +57,46 @@ pub enum DecayValues {
     Ratios,
 }
 
-/// What a decay shows.
+/// Results of a decay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Decay {
-    /// Its file.
+    /// File of the decay.
     pub name: String,
     /// Quantity of the sensor.
     pub column: String,
-    /// How many samples it has.
+    /// Number of samples.
     pub samples: usize,
-    /// The modes that were asked for, in their order.
+    /// The requested modes, in their order.
     pub modes: Vec<DecayMode>,
-    /// Frequencies in Hz of further vibrations, which are no modes that were asked for.
+    /// Frequencies in Hz of further vibrations that are no requested modes.
     pub others_hz: Vec<f64>,
-    /// Root mean square of what remains, over that of the samples about their offset and drift.
+    /// Root mean square of the remaining differences, over that of the samples about their offset and drift.
     pub rms: f64,
-    /// The largest of the differences that remain, over their root mean square, and its time in s.
+    /// Largest remaining difference, over their root mean square, and its time in s.
     pub largest: (f64, f64),
-    /// The samples, and the vibrations in their place.
+    /// The samples with the fitted vibrations.
     #[serde(skip)]
     pub overlay: Overlay,
 }
 
-/// A mode that decays.
+/// A decaying mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DecayMode {
-    /// Its natural frequency.
+    /// Natural frequency.
     pub frequency: Measured,
-    /// Its damping ratio.
+    /// Damping ratio.
     pub ratio: Measured,
-    /// The ratio of the first samples and that of the last, where the logarithm of the amplitude is not straight.
+    /// Ratios of the first and of the last samples, if the logarithm of the amplitude is not straight.
     pub bent: Option<[f64; 2]>,
 }
 
-/// Why samples are no decay.
+/// Reason why samples are no decay.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DecayError {
-    /// Too few samples.
+    /// There are too few samples.
     #[error("samples = {0}, but must be {FEWEST} or more")]
     Few(usize),
-    /// A sensor that does not move.
+    /// The sensor does not move.
     #[error("{0} = the same value in all samples, but must vibrate")]
     Constant(String),
     /// The mode is not in the samples.
@@ -106,33 +106,33 @@ pub enum DecayError {
         strongest(*strongest_hz)
     )]
     Missing {
-        /// Its frequency.
+        /// Frequency of the mode.
         observable: Observable,
-        /// Where it was looked for.
+        /// Range of the search in Hz.
         within_hz: [f64; 2],
-        /// The strongest vibration elsewhere.
+        /// Strongest vibration elsewhere.
         strongest_hz: Option<f64>,
     },
-    /// Too few periods.
+    /// The samples contain too few periods.
     #[error("{observable}: periods = {}, but must be {FEWEST_PERIODS} or more", significant(*periods, 2))]
     Short {
-        /// Its frequency.
+        /// Frequency of the mode.
         observable: Observable,
-        /// Periods in the samples.
+        /// Number of periods in the samples.
         periods: f64,
     },
-    /// The samples do not tell how fast it decays.
+    /// The samples do not show how fast the mode decays.
     #[error(
         "{observable} = {} ± {}, but its uncertainty must be below half of it",
         significant(*ratio, 2),
         significant(*uncertainty, 2)
     )]
     Uncertain {
-        /// Its damping ratio.
+        /// Damping ratio of the mode.
         observable: Observable,
-        /// What was found.
+        /// Value of the ratio.
         ratio: f64,
-        /// Its standard uncertainty.
+        /// Standard uncertainty of the ratio.
         uncertainty: f64,
     },
 }
@@ -154,7 +154,7 @@ fn strongest(hertz: Option<f64>) -> String {
 }
 
 impl DecayError {
-    /// Advice to the user.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Few(_) | Self::Short { .. } => "record longer, or leave more of the file in",
@@ -172,12 +172,13 @@ impl DecayError {
 }
 
 impl Decay {
-    /// Identifies modes in a decay, the natural frequency of each between two frequencies in Hz: the strongest there.
+    /// Identifies modes in a decay; each is the strongest vibration with a natural frequency between two frequencies in
+    /// Hz.
     ///
-    /// Vibrations are added in the order of their peaks in the spectrum of what remains, and all are fitted anew with
-    /// each; up to four that are no modes asked for. Each has a frequency and a decay rate, beside an offset and a drift
-    /// of the sensor. The uncertainties follow from the differences that remain: from their variance, or from their sums
-    /// over one and over three periods, if these are larger, as of differences that go on from sample to sample.
+    /// The search adds vibrations in the order of their peaks in the spectrum of the remainder, up to four beyond the
+    /// requested modes, and fits all again with each. Each has a frequency and a decay rate, besides an offset and a
+    /// drift of the sensor. The uncertainties follow from the remaining differences: from their variance or, if larger,
+    /// from their sums over one and over three periods, which include correlation from sample to sample.
     ///
     /// # Errors
     /// [`DecayError`]: too few samples or periods, a mode that does not stand out, or does not decay.
@@ -252,7 +253,7 @@ impl Decay {
         })
     }
 
-    /// The values that a link is fitted to, with a relative uncertainty from other causes than the noise of the samples.
+    /// The values for a fit, with a relative uncertainty from other causes than the noise of the samples.
     pub fn values(&self, values: DecayValues, other: f64) -> Vec<Measured> {
         let with_other = |own: &Measured| {
             let square = own.uncertainty.unwrap_or(0.0).powi(2) + (other * own.value).powi(2);
@@ -269,8 +270,8 @@ impl Decay {
 }
 
 impl DecayMode {
-    /// A vibration with the variances of σ and ω; `bend` holds σ in the first and in the last samples, and the standard
-    /// error of their difference.
+    /// A mode from a vibration and the variances of σ and ω; `bend` contains σ in the first and in the last samples,
+    /// and the standard error of their difference.
     fn of(
         observable: &Observable,
         pole: &Pole,
@@ -286,7 +287,7 @@ impl DecayMode {
             change > NO_NOISE * error && change > BENT * sigma.abs()
         };
         let bent = bend.filter(is_bent).map(|(rates, _)| rates.map(|rate| rate / natural));
-        // Any ratio between both ends is as good as another: the variance of a uniform distribution.
+        // Any ratio between both ends is equally good: the variance of a uniform distribution.
         let of_bend = bent.map_or(0.0, |[first, last]| (last - first).powi(2) / 12.0);
         let [x, y] = [sigma / natural, omega / natural];
         let of_natural = x * x * of_sigma + y * y * of_omega;
@@ -298,14 +299,14 @@ impl DecayMode {
             value: hertz,
             uncertainty: least(hertz, of_natural.sqrt() / TAU / duration_s),
         };
-        // Its warning says more than an uncertainty that no measurement may have.
+        // The warning says more than an uncertainty that no measurement may have.
         let of_both = (of_ratio + of_bend).sqrt().min(MOST_OF_BEND * ratio);
         let uncertainty = least(ratio, of_both.max(of_ratio.sqrt()));
         let ratio = Measured { observable: observable.ratio(), value: ratio, uncertainty };
         Self { frequency, ratio, bent }
     }
 
-    /// Refuses a ratio that the samples do not tell, if it is to be fitted to.
+    /// Refuses a ratio that the samples do not determine, if the fit uses it.
     fn check(&self, values: DecayValues) -> Result<(), DecayError> {
         let Measured { ref observable, value: ratio, uncertainty } = self.ratio;
         let uncertainty = uncertainty.unwrap_or_default();

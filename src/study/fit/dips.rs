@@ -5,25 +5,24 @@ use super::measurement::{Measured, Observable};
 use super::response::Response;
 use crate::numeric::magnitude;
 
-/// Least ratio of both shoulders of a dip to its bottom: 6 dB.
+/// Smallest ratio of both shoulders of a dip to its bottom: 6 dB.
 const DEPTH: f64 = 2.0;
 
-/// Samples on each side of a dip's bottom that a zero is read from, if its flanks have no more.
+/// Number of samples on each side of a dip's bottom for a zero, if its flanks have no more.
 const LEAST_REACH: usize = 3;
 
-/// Largest damping ratio of a zero that shows as a dip.
+/// Largest damping ratio of a zero that appears as a dip.
 const MOST_DAMPED: f64 = 0.2;
 
 impl Response {
-    /// The zeros in its dips, the lowest with the number `first`. The zeros of torque → hub angle are those
-    /// of each closed loop around the hub as well, whatever the controller; its poles are not the link's.
-    /// A zero is the root of the numerator of order 2 in the frequency that, over a denominator of the same
-    /// order, lies best through the samples around a dip, relative to each; its value is the root's magnitude.
-    /// Its uncertainty follows from that of the samples.
+    /// Zeros from the dips, the lowest with the number `first`. Every closed loop around the hub has the zeros of
+    /// torque → hub angle, whatever the controller, but its poles are not the link's. Around a dip a quotient of two
+    /// polynomials of order 2 in the frequency is fitted to the samples, with differences relative to each. The zero is
+    /// the magnitude of the numerator's root. Its uncertainty follows from that of the samples.
     pub fn zeros(&self, first: usize) -> Vec<Measured> {
         let mut samples: Vec<_> = self.samples().collect();
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Deeper than what five uncertainties up and down make of a plateau; 12 dB are always enough.
+        // Deeper than five uncertainties up and down can make a plateau; 12 dB always suffice.
         let reach = (5.0 * self.uncertainty().unwrap_or(0.0)).min(0.6);
         let depth = DEPTH.max((1.0 + reach) / (1.0 - reach));
         let bottoms = 1..samples.len().saturating_sub(1);
@@ -45,18 +44,18 @@ struct Dip<'a> {
 }
 
 impl<'a> Dip<'a> {
-    /// The dip with its bottom at this sample, if it is one of this depth.
+    /// The dip with its bottom at this sample, if it has this depth.
     fn at(samples: &'a [(f64, Complex64)], bottom: usize, depth: f64) -> Option<Self> {
         let gain = |k: usize| magnitude(samples[k].1);
         let least = gain(bottom);
-        // Of equal bottoms the last is the dip's.
+        // Of equal bottoms the last one counts.
         let left = (0..bottom).rev().map(gain).take_while(|gain| *gain >= least);
         let right = (bottom + 1..samples.len()).map(gain).take_while(|gain| *gain > least);
         let shoulder = left.fold(least, f64::max).min(right.fold(least, f64::max));
         if shoulder < depth * least {
             return None;
         }
-        // Farther up the flanks the poles beside the dip bend the response.
+        // Farther up the flanks the poles beside the dip distort the response.
         let most = (least * shoulder).sqrt();
         let near = |k: &usize| gain(*k) <= most;
         let left = (0..bottom).rev().take_while(near).count().max(LEAST_REACH);
@@ -66,12 +65,11 @@ impl<'a> Dip<'a> {
         Some(Self { bottom_hz: samples[bottom].0, around })
     }
 
-    /// Frequency of the zero in Hz and its uncertainty; none where the phase does not rise as through a zero
-    /// of a link.
+    /// Frequency of the zero in Hz and its uncertainty; `None` if the phase does not rise as at a zero of a link.
     fn root(&self, uncertainty: Option<f64>) -> Option<(f64, Option<f64>)> {
         let (lowest, highest) = (self.around.first()?.0, self.around.last()?.0);
         let width = highest - lowest;
-        // Numerator less value times denominator, over the value: `(c + bx + ax²)/G − dx − ex² = 1`.
+        // Numerator minus value times denominator, over the value: `(c + bx + ax²)/G − dx − ex² = 1`.
         let powers = |x: Complex64| Vector3::new(Complex64::from(1.0), x, x * x);
         let row = |(hertz, value): &(f64, Complex64)| {
             let x = Complex64::from((hertz - self.bottom_hz) / width);
@@ -87,13 +85,13 @@ impl<'a> Dip<'a> {
         let inverse = normal.try_inverse()?;
         let [c, b, a, ..] = (inverse * right).data.0[0];
         let inverse = inverse.fixed_view::<3, 3>(0, 0);
-        // The smaller root, in the form that loses no digits.
+        // The smaller root, in a form without cancellation.
         let root_of = (b * b - 4.0 * a * c).sqrt();
         let signed = if (b.conj() * root_of).re < 0.0 { -root_of } else { root_of };
         let x = -2.0 * c / (b + signed);
         let zero = Complex64::from(self.bottom_hz) + x * width;
         let slope = magnitude(b + 2.0 * a * x) / width;
-        // The variance of the numerator at the zero, `φᵀ C φ̄` with the covariance C of its coefficients.
+        // Variance of the numerator at the zero, `φᵀ C φ̄` with the covariance C of its coefficients.
         let at_zero = powers(x).conjugate();
         let spread = at_zero.dotc(&(inverse * at_zero)).re.sqrt() / slope;
         let uncertainty_hz = uncertainty.map(|own| own * spread);

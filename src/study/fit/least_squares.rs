@@ -12,56 +12,56 @@ use super::record::Record;
 use super::specimen::{COARSE, FINE, Specimen};
 use super::value::Free;
 
-/// Step of a logarithm for a derivative: at a resonance of damping ratio 0.02 the fourth order leaves
-/// (h/0.02)⁴ of it, and a frequency has 13 digits.
+/// Step of a logarithm for a derivative. At a resonance of damping ratio 0.02 the fourth order leaves a share of
+/// (h/0.02)⁴, and a frequency has 13 digits.
 const STEP: f64 = 2e-4;
 
-/// How far an iteration goes.
+/// Depth of an iteration.
 #[derive(Clone, Copy)]
 pub(super) struct Depth {
     /// Relative error of the frequencies on its mesh.
     pub(super) mesh_tolerance: f64,
-    /// Change of the logarithms that ends it.
+    /// Change of the logarithms at which it ends.
     pub(super) settled: f64,
-    /// Decrease of the sum of squares over itself that ends it, too.
+    /// Relative decrease of the sum of squares at which it also ends.
     pub(super) little: f64,
     pub(super) most_iterations: usize,
 }
 
-/// To tell which start leads to the best fit.
+/// Depth for comparing starts.
 const SURVEY: Depth =
     Depth { mesh_tolerance: COARSE, settled: 1e-4, little: 1e-4, most_iterations: 30 };
 
-/// To the last digits.
+/// Depth for the last digits.
 pub(super) const POLISH: Depth =
     Depth { mesh_tolerance: FINE, settled: 1e-9, little: 0.0, most_iterations: 60 };
 
-/// Square of a column of the Jacobian over the largest that counts as none.
+/// Square of a column of the Jacobian over the largest, below which it counts as zero.
 const NO_WEIGHT: f64 = 1e-14;
 
-/// Decrease of the sum of squares over itself that is round-off.
+/// Relative decrease of the sum of squares below which it is round-off.
 const NO_GAIN: f64 = 1e-9;
 
-/// How often channels without uncertainties are weighed by what the fit before has left.
+/// Number of times that channels without uncertainties are weighted by the remainder of the fit before.
 const WEIGHINGS: usize = 3;
 
 /// Shares of the records that are fitted before the whole.
 const BEGINNINGS: [f64; 2] = [1.0 / 16.0, 1.0 / 4.0];
 
-/// Sum of squares over the best start's below which another start is a better one.
+/// Ratio of sums of squares below which another start is better than the first.
 const BETTER: f64 = 0.99;
 
-/// Sums of squares that differ by less are equal: the survey's mesh knows no more.
+/// Difference of sums of squares below which they are equal at the accuracy of the survey's mesh.
 const TIE: f64 = 1e-8;
 
-/// Finds the factors on the free values of a link or an arm with which it fits the measurements best.
+/// Finds the factors on the free values of a link or an arm that fit the measurements best.
 ///
-/// `specimen_at` makes an [`Arm`](crate::link::Arm), or a link and the plan of its mesh, of factors on the free values. The
-/// sum of the squared residuals is minimised from the file's own values and from other starts, up to five times
-/// larger or smaller.
+/// `specimen_at` makes an [`Arm`](crate::link::Arm), or a link and the plan of its mesh, from factors on the free
+/// values. The search minimises the sum of squared residuals from the file's values and from other starts, up to five
+/// times larger or smaller.
 ///
 /// # Errors
-/// [`LinkFitError`]: the file's own values make no link or arm, or one without the measured modes.
+/// [`LinkFitError`]: the file's values make no link or arm, or one without the measured modes.
 pub fn fit<S: Into<Specimen>, E: Send>(
     measurements: &Measurements,
     free: &[Free],
@@ -108,7 +108,7 @@ pub fn fit<S: Into<Specimen>, E: Send>(
     Ok(problem.with_other_answers(outcome, (&x, predicted.as_ref()), others, surveyed))
 }
 
-/// Where an iteration ended, the sum of squares there, and whether no step led further down.
+/// End of an iteration, with the sum of squares there, and true if no step led further down.
 pub(super) struct End {
     /// Logarithms of the factors, then delays in units of [`DELAY_UNIT`] samples.
     pub(super) x: Vec<f64>,
@@ -118,12 +118,12 @@ pub(super) struct End {
 }
 
 impl End {
-    /// Where no iteration was possible.
+    /// Result without a possible iteration.
     const NONE: Self =
         Self { x: Vec::new(), cost: f64::INFINITY, iterations: 0, has_settled: false };
 }
 
-/// A start and its end with `free` values, for people.
+/// Description of a start and its end, with `free` values.
 fn told(from: &[f64], end: Option<&End>, free: usize) -> StartEnd {
     let factors = |x: &[f64]| x[..free].iter().map(|x| libm::exp(*x)).collect();
     StartEnd {
@@ -141,7 +141,7 @@ pub(super) struct Problem<'a, F> {
 }
 
 impl<'a, F> Problem<'a, F> {
-    /// The bounds of a logarithm, or of a delay.
+    /// Bounds of a logarithm, or of a delay.
     pub(super) fn bounds(&self, k: usize) -> [f64; 2] {
         if let Some(free) = self.free.get(k) {
             return free.factors.map(libm::log);
@@ -168,7 +168,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         x[self.free.len()..].iter().map(|delay| DELAY_UNIT * delay).collect()
     }
 
-    /// Refuses what lacks a measured mode.
+    /// Refuses a specimen without a measured mode.
     fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
         let specimen = self.specimen(x).map_err(LinkFitError::Link)?;
         if specimen.has_drive() && self.measurements.has_files() {
@@ -179,7 +179,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         let predicted = predicted.ok_or(LinkFitError::NoModel)?;
         for (measured, predicted) in self.measurements.values().iter().zip(predicted.values) {
             let observable = &measured.observable;
-            // A link without a damping law has no ratio at all, an arm one of 0.
+            // A link without a damping law has no ratio at all, an arm has a ratio of 0.
             let least = if observable.arm_mode().is_some() { None } else { Some(0.0) };
             if observable.is_damping() && predicted.or(least) == Some(0.0) {
                 return Err(LinkFitError::NoDamping(observable.clone()));
@@ -206,7 +206,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         self.specimen(x).ok()?.refinements::<E>(self.measurements, tolerance).ok()
     }
 
-    /// Predictions at logarithms of the factors, on a mesh refined so many times.
+    /// Predictions at logarithms of the factors, on a mesh refined this many times.
     fn predicted(&self, x: &[f64], refinements: u32) -> Option<Prediction> {
         self.specimen(x).ok()?.predicted(self.measurements, refinements, &self.delays(x))
     }
@@ -216,7 +216,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         Some(Col::from_fn(residuals.len(), |row| residuals[row]))
     }
 
-    /// Derivatives of the residuals, on one mesh: of second order, or of fourth.
+    /// Derivatives of the residuals on one mesh, of fourth order if `is_exact`, else of second.
     pub(super) fn jacobian(&self, x: &[f64], refinements: u32, is_exact: bool) -> Mat<f64> {
         let [rows, _] = self.measurements.rows();
         let at = |k: usize, step: f64| {
@@ -226,7 +226,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         };
         let slope = |k: usize, step: f64| match (at(k, step), at(k, -step)) {
             (Some(above), Some(below)) => Some((above - below) / Scale(2.0 * step)),
-            // The link ends here, as where a segment becomes shorter than the place of a mass.
+            // The link is impossible here, as when a segment becomes shorter than the place of a mass.
             (above, below) => {
                 let here = self.residuals(x, refinements)?;
                 above
@@ -248,9 +248,9 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         Mat::from_fn(rows, x.len(), |row, column| columns[column][row])
     }
 
-    /// Iterates from a start. Over records it goes on from what their beginnings have led to, in which a wrong
-    /// frequency has not lost count of the periods; then once more where the link that is found lies better over
-    /// them with delays far from the start's, which the iteration does not see.
+    /// Iterates from a start. Over records it continues from the results over their beginnings, where a wrong frequency
+    /// cannot lose count of the periods. It iterates again if the resulting link fits them better with delays far from
+    /// the start's, which the iteration does not see.
     fn survey(&self, start: Vec<f64>) -> Option<End> {
         let mut from = start.clone();
         if !self.measurements.records().is_empty() {
@@ -286,8 +286,8 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         )
     }
 
-    /// Iterates from a start to the least sum of squares near it; none where the start makes no link with
-    /// the measured modes.
+    /// Iterates from a start to the nearest least sum of squares; `None` if the start makes no link with the measured
+    /// modes.
     pub(super) fn descend(&self, mut x: Vec<f64>, depth: Depth) -> Option<End> {
         let mut damping = 1e-3;
         let mut refinements = self.refinements(&x, depth.mesh_tolerance)?;
@@ -317,7 +317,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
             let steps = next.iter().zip(&x).map(|(next, x)| (next - x).abs());
             let largest = steps.fold(0.0, f64::max);
             (x, residuals) = (next, found);
-            // A short step under strong damping is an end only where it gains nothing.
+            // A short step under strong damping is an end only if it gains nothing.
             if is_little || largest < depth.settled && (damping < 1.0 || !has_gained) {
                 has_settled = true;
                 break;
@@ -331,7 +331,7 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         Some(End { cost: residuals.squared_norm_l2(), x, iterations, has_settled })
     }
 
-    /// One step: along all logarithms that do not lie at a bound and want to pass it.
+    /// One step, along all logarithms except those at a bound that would pass it.
     fn stepped(
         &self,
         x: &[f64],
@@ -352,8 +352,8 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
         let weights = open.iter().map(|k| jacobian.col(*k).squared_norm_l2());
         let weights: Vec<f64> = weights.collect();
         let largest = weights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        // Marquardt's scaling: a value that the residuals weigh little moves as well. As rows below the
-        // Jacobian's the damping keeps the digits that the normal equations lose.
+        // Marquardt's scaling, so that a value with little weight in the residuals also moves. The damping is in rows
+        // below the Jacobian, which keep the digits that normal equations lose.
         let damped = |k: usize| (damping * weights[k].max(NO_WEIGHT * largest)).sqrt();
         let rows = residuals.nrows();
         let system = Mat::from_fn(rows + open.len(), open.len(), |row, column| match row {

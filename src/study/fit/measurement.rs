@@ -8,25 +8,26 @@ use serde::Serialize;
 use std::fmt;
 use thiserror::Error;
 
-/// Highest number of a mode or zero: the mesh grows with it.
+/// Highest number of a mode or zero; the mesh grows with it.
 const MOST_NUMBER: usize = 100;
 
-/// How the hub was held while the link vibrated.
+/// State of the hub while the link vibrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HubEnd {
-    /// Free to turn.
+    /// The hub is free to turn.
     Free,
-    /// Held: the rotor of a drive, with the joint's spring behind it; without a drive the hub itself.
+    /// The hub is held: at the rotor of a drive, behind the joint's spring; without a drive at the hub.
     Held,
 }
 
 /// A mode of an arm about its shape at rest in a pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmMode {
-    /// Its number from 1, as [`ArmModes`](crate::response::ArmModes) has them: of free joints the swings come first.
+    /// Number of the mode from 1, as in [`ArmModes`](crate::response::ArmModes): with free joints the swings come
+    /// first.
     pub mode: usize,
-    /// All joints free, or the rotors of all held.
+    /// All joints free, or all rotors held.
     pub joints: HubEnd,
     /// Direction of each link's chord in rad, counterclockwise from x, the inner one first.
     pub at_rad: Vec<f64>,
@@ -48,32 +49,32 @@ impl fmt::Display for ArmMode {
     }
 }
 
-/// What was measured.
+/// Measured quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Observable {
-    /// A natural frequency in Hz, the rigid rotation left out.
+    /// Natural frequency in Hz, without the rigid rotation.
     Frequency {
         /// Number of the mode, from 1.
         mode: usize,
-        /// The hub's end.
+        /// State of the hub.
         hub: HubEnd,
     },
-    /// A zero of torque → hub angle in Hz, from 1: the frequencies of the clamped link.
+    /// Zero of torque → hub angle in Hz: a frequency of the clamped link.
     Zero {
         /// Number of the zero, from 1.
         zero: usize,
     },
-    /// The damping ratio of a mode.
+    /// Damping ratio of a mode.
     Damping {
         /// Number of the mode, from 1.
         mode: usize,
-        /// The hub's end.
+        /// State of the hub.
         hub: HubEnd,
     },
-    /// A natural frequency in Hz of an arm.
+    /// Natural frequency of an arm in Hz.
     ArmFrequency(ArmMode),
-    /// The damping ratio of a mode of an arm.
+    /// Damping ratio of a mode of an arm.
     ArmDamping(ArmMode),
 }
 
@@ -87,7 +88,7 @@ impl Observable {
         }
     }
 
-    /// The boundary at the hub of a link; none of an arm.
+    /// Boundary at the hub of a link; `None` for an arm.
     pub(super) fn end(&self) -> Option<End> {
         match self {
             Self::Frequency { hub, .. } | Self::Damping { hub, .. } => Some(match hub {
@@ -99,7 +100,7 @@ impl Observable {
         }
     }
 
-    /// The mode of an arm; none of a link.
+    /// Mode of an arm; `None` for a link.
     pub(super) fn arm_mode(&self) -> Option<&ArmMode> {
         match self {
             Self::ArmFrequency(own) | Self::ArmDamping(own) => Some(own),
@@ -107,12 +108,12 @@ impl Observable {
         }
     }
 
-    /// True of a damping ratio.
+    /// True for a damping ratio.
     pub(super) fn is_damping(&self) -> bool {
         matches!(self, Self::Damping { .. } | Self::ArmDamping(_))
     }
 
-    /// The damping ratio of the mode whose frequency this is.
+    /// Damping ratio of the mode with this frequency.
     pub(super) fn ratio(&self) -> Self {
         match self.clone() {
             Self::Frequency { mode, hub } => Self::Damping { mode, hub },
@@ -121,7 +122,7 @@ impl Observable {
         }
     }
 
-    /// The same of the mode of another number.
+    /// This quantity for the mode of another number.
     pub(super) fn numbered(&self, number: usize) -> Self {
         match self.clone() {
             Self::Frequency { hub, .. } => Self::Frequency { mode: number, hub },
@@ -132,7 +133,7 @@ impl Observable {
         }
     }
 
-    /// Unit of its value; none of a ratio.
+    /// Unit of the value; empty for a ratio.
     pub fn unit(&self) -> &'static str {
         if self.is_damping() { "" } else { "Hz" }
     }
@@ -151,7 +152,7 @@ impl fmt::Display for Observable {
     }
 }
 
-/// The boundary at the hub.
+/// Boundary at the hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Free,
@@ -162,7 +163,7 @@ pub(super) enum End {
 impl End {
     pub(super) const ALL: [Self; 3] = [Self::Free, Self::Held, Self::Clamped];
 
-    /// What holds the hub of a link.
+    /// Restraint of a link's hub.
     pub(super) fn hub(self, link: &Link) -> PoseHub {
         match self {
             Self::Free => PoseHub::Free,
@@ -171,7 +172,7 @@ impl End {
         }
     }
 
-    /// The first `count` natural frequencies in rad/s; fewer where the mesh has fewer.
+    /// The first `count` natural frequencies in rad/s; fewer if the mesh has fewer.
     pub(super) fn frequencies(self, link: &Link, mesh: &Mesh, count: usize) -> Vec<f64> {
         self.hub(link).frequencies(mesh, count)
     }
@@ -180,16 +181,16 @@ impl End {
 /// One measured value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measured {
-    /// What was measured.
+    /// Measured quantity.
     pub observable: Observable,
-    /// Its value in [`Observable::unit`], above 0.
+    /// Value in [`Observable::unit`], above 0.
     pub value: f64,
-    /// Its standard uncertainty in the same unit, if it is known.
+    /// Standard uncertainty in the same unit, if known.
     pub uncertainty: Option<f64>,
 }
 
 impl Measured {
-    /// Uncertainty over the value; 1 where it is not known.
+    /// Uncertainty over the value; 1 if it is unknown.
     pub(super) fn relative(&self) -> f64 {
         self.uncertainty.map_or(1.0, |uncertainty| uncertainty / self.value)
     }
@@ -203,7 +204,7 @@ impl Measured {
         format!("{} ± {}", significant(self.value, digits), significant(uncertainty, 2))
     }
 
-    /// Refuses what cannot be measured.
+    /// Refuses impossible values.
     pub(super) fn check(&self) -> Result<(), MeasurementsError> {
         let Self { ref observable, value, uncertainty } = *self;
         let observable = || observable.clone();
@@ -241,90 +242,90 @@ impl Measured {
     }
 }
 
-/// Why values cannot be fitted to.
+/// Reason why values cannot be used in a fit.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeasurementsError {
-    /// Nothing was measured.
+    /// There are no measurements.
     #[error("measurements = none, but must be at least one")]
     Empty,
-    /// A value, an uncertainty or a number that cannot be.
+    /// A value, an uncertainty or a number is impossible.
     #[error("{observable}: {name} = {value}, but must be finite and above 0")]
     Value {
-        /// What was measured.
+        /// Measured quantity.
         observable: Observable,
-        /// The part that is wrong.
+        /// Name of the wrong part.
         name: &'static str,
-        /// Its value.
+        /// Value of the part.
         value: f64,
     },
-    /// An uncertainty as large as the value, or a damping ratio of 1 or more: probably a per cent.
+    /// An uncertainty is as large as the value, or a damping ratio is 1 or more: probably a per cent.
     #[error("{observable}: {name} = {value}, but must be below {most}")]
     Large {
-        /// What was measured.
+        /// Measured quantity.
         observable: Observable,
-        /// The part that is wrong.
+        /// Name of the wrong part.
         name: &'static str,
-        /// Its value.
+        /// Value of the part.
         value: f64,
-        /// What it must be below.
+        /// Upper limit of the part.
         most: f64,
     },
-    /// A mode or zero too high to be measured.
+    /// A mode or zero is too high for a measurement.
     #[error("{observable}: its number must be at most {MOST_NUMBER}")]
     Number {
-        /// What was measured.
+        /// Measured quantity.
         observable: Observable,
     },
-    /// Some uncertainties are known and some are not.
+    /// Only some uncertainties are known.
     #[error("{observable}: uncertainty is missing, but others have one")]
     Mixed {
         /// The first measurement without uncertainty.
         observable: Observable,
     },
-    /// A file without uncertainty beside values with one, or the other way round.
+    /// Of a file and the values, only one has uncertainties.
     #[error("{0}: an uncertainty is missing, but values and files must all have one beside others")]
     MixedFile(String),
-    /// A sensor of a file given twice.
+    /// A sensor of a file appears twice.
     #[error("{0} is given twice")]
     TwiceFile(String),
-    /// The same thing measured twice.
+    /// A quantity is measured twice.
     #[error("{observable} is measured twice")]
     Twice {
-        /// What was measured.
+        /// Measured quantity.
         observable: Observable,
     },
 }
 
-/// Factor between a measured frequency and that of the file's own values beyond which no start is tried.
+/// Limit of the factor between a measured frequency and the file's; beyond it no start is tried.
 pub(super) const FARTHEST: f64 = 1e6;
 
-/// Why no link can be fitted.
+/// Reason why no link can be fitted.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LinkFitError<E> {
-    /// The file's own values make no link.
+    /// The file's values make no link.
     #[error("{0}")]
     Link(E),
-    /// The plan of the mesh is not the link's.
+    /// The plan of the mesh does not fit the link.
     #[error("{0}")]
     Plan(#[from] ParameterError),
     /// The arm has no small motions about a pose.
     #[error("{0}")]
     Pose(#[from] PoseError),
-    /// A frequency of another order of magnitude than that of the file's own values.
+    /// A frequency has another order of magnitude than the file's.
     #[error(
         "{observable} = {} Hz, but must be within a factor of {FARTHEST:e} of the file's own, {} Hz",
         significant(*measured, 4),
         significant(*own, 4)
     )]
     Distant {
-        /// What was measured.
+        /// Measured quantity.
         observable: Observable,
-        /// Its value in Hz.
+        /// Measured value in Hz.
         measured: f64,
-        /// The same of the link or the arm with the file's own values.
+        /// Value in Hz of the link or the arm with the file's values.
         own: f64,
     },
-    /// There are not as many modes as were measured.
+    /// The specimen has fewer modes than were measured.
     #[error("{0} was measured, but there is no such mode")]
     NoMode(Observable),
     /// The mode does not vibrate.
@@ -337,7 +338,7 @@ pub enum LinkFitError<E> {
         "the measured modes are not exact: the finest polynomials still change one by {change:.1e} of it"
     )]
     Coarse {
-        /// The change.
+        /// Relative change of a mode.
         change: f64,
     },
     /// The link has no response or history on a fine mesh.

@@ -4,34 +4,34 @@ use super::record::{Record, RecordFit};
 use super::response::{Overlay, Response, ResponseFit};
 use crate::model::Sensor;
 
-/// What was measured of one link, or of one arm: all with an uncertainty, or nothing.
+/// Measurements of one link, or of one arm: either all have an uncertainty, or none has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurements {
     values: Vec<Measured>,
     responses: Vec<Response>,
     records: Vec<Record>,
-    /// Decays, whose values are among the others.
+    /// Decays; their values are among `values`.
     decays: Vec<Decay>,
 }
 
-/// What a link or an arm has in place of the measurements.
+/// Predictions of a link or an arm for the measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prediction {
-    /// In place of each value; none of a mode that it has not.
+    /// Prediction of each value; `None` for a missing mode.
     pub(super) values: Vec<Option<f64>>,
-    /// Each response over that of the link.
+    /// Ratio of each response to the link's.
     pub(super) responses: Vec<ResponseFit>,
-    /// Misfits of each record, and how it lies over the computed histories.
+    /// Misfits of each record, and its alignment with the computed histories.
     pub(super) records: Vec<RecordFit>,
 }
 
 impl Measurements {
-    /// Checks what was measured.
+    /// Checks the measurements.
     ///
     /// # Errors
-    /// [`MeasurementsError`]: nothing measured, a value or an uncertainty that is not above 0, a mode number
-    /// 0 or above 100, a thing measured twice, uncertainties of some only. Of values, a response and records
-    /// one kind may be without uncertainty, if it is alone: the misfits of others have other sizes.
+    /// [`MeasurementsError`]: no measurements, a value or an uncertainty that is not above 0, a mode number 0 or above
+    /// 100, a quantity measured twice, uncertainties for only some. Without uncertainties only one kind is possible:
+    /// values, a response or records, because misfits of different kinds have different sizes.
     pub fn new(
         values: Vec<Measured>,
         responses: Vec<Response>,
@@ -68,18 +68,18 @@ impl Measurements {
         }
     }
 
-    /// The same with the decays that some of the values are from.
+    /// Adds the decays behind some of the values.
     #[must_use]
     pub fn with_decays(self, decays: Vec<Decay>) -> Self {
         Self { decays, ..self }
     }
 
-    /// Values alone, of which nothing is checked.
+    /// Unchecked measurements of values only.
     pub(super) fn of_values(values: Vec<Measured>) -> Self {
         Self { values, responses: Vec::new(), records: Vec::new(), decays: Vec::new() }
     }
 
-    /// A file and a sensor of it that are given twice.
+    /// A file and a sensor of it that appear twice.
     fn twice(&self) -> Option<String> {
         let responses = self.responses.iter().map(|response| (response.name(), response.sensor()));
         let records = self.records.iter().flat_map(|record| {
@@ -105,19 +105,19 @@ impl Measurements {
         &self.records
     }
 
-    /// The decays that some of the values are from.
+    /// Decays behind some of the values.
     pub fn decays(&self) -> &[Decay] {
         &self.decays
     }
 
-    /// The same with the beginning of each record alone.
+    /// These measurements with only the beginning of each record.
     pub(super) fn beginning(&self, share: f64) -> Self {
         let records = self.records.iter().map(|record| record.beginning(share)).collect();
         Self { records, ..self.clone() }
     }
 
-    /// The same with the channels of records weighed by the differences that a fit has left, where there are
-    /// several without uncertainties: each has a noise of its own.
+    /// These measurements with the channels of records weighted by the remaining differences of a fit, because each
+    /// channel has a different noise. `None` unless there are several channels without uncertainties.
     pub(super) fn weighed(&self, predicted: &Prediction) -> Option<Self> {
         let channels: usize = self.records.iter().map(|record| record.channels().len()).sum();
         if channels < 2 || self.has_uncertainties() {
@@ -140,7 +140,7 @@ impl Measurements {
             || self.records.iter().any(Record::has_uncertainties)
     }
 
-    /// Number of residuals, and of the free values that files have of their own: gains, offsets, delays.
+    /// Number of residuals, and of additional free values of files: gains, offsets, delays.
     pub(super) fn rows(&self) -> [usize; 2] {
         let responses = |of: fn(&Response) -> usize| self.responses.iter().map(of).sum::<usize>();
         let records = |of: fn(&Record) -> usize| self.records.iter().map(of).sum::<usize>();
@@ -150,7 +150,7 @@ impl Measurements {
         ]
     }
 
-    /// Root of the sum of the residuals' squared weights.
+    /// Root of the sum of squared weights of the residuals.
     pub(super) fn weight(&self) -> f64 {
         let values = self.values.iter().map(|measured| measured.relative().powi(-2));
         let responses = self.responses.iter().map(|response| {
@@ -165,7 +165,7 @@ impl Measurements {
         self.records.iter().filter(|record| record.is_delay_free())
     }
 
-    /// Measured and fitted over each other: gain and phase of each response, each channel of a record.
+    /// Measured and fitted curves: gain and phase of each response, each channel of a record.
     pub(super) fn overlays(&self, predicted: &Prediction) -> Vec<Overlay> {
         let responses = self.responses.iter().zip(&predicted.responses);
         let responses = responses.flat_map(|(response, fit)| response.overlays(&fit.misfits));
@@ -173,8 +173,8 @@ impl Measurements {
         responses.chain(records.flat_map(|(record, fit)| record.overlays(fit))).collect()
     }
 
-    /// `ln(prediction/value)` over the relative uncertainty, or over 1 where none is known; the responses
-    /// after the values, then the records.
+    /// `ln(prediction/value)` over the relative uncertainty, or over 1 if it is unknown; the responses follow the
+    /// values, then the records.
     pub(super) fn residuals(&self, predicted: &Prediction) -> Option<Vec<f64>> {
         let pairs = self.values.iter().zip(&predicted.values);
         let value = |(measured, predicted): (&Measured, &Option<f64>)| {

@@ -1,4 +1,4 @@
-//! How far a fitted link is from the measurements, and whether it is one to believe.
+//! Distance of a fitted link from the measurements, and its credibility.
 
 use faer::Mat;
 use serde::Serialize;
@@ -13,47 +13,47 @@ use super::response::{Coordinate, Gain, Overlay, ResponseMisfit};
 use crate::model::Sensor;
 use crate::numeric::{NORMAL_95, student_95};
 
-/// Samples of delay that weigh as a factor of e on a free value: within its bounds each may go about as far.
+/// Delay in samples with the weight of a factor of e on a free value: within their bounds both may move about as far.
 pub(super) const DELAY_UNIT: f64 = 15.0;
 
-/// Share of its size by which a channel may be missed where the differences are no noise.
+/// Share of a channel's size that may remain as a difference if it is no noise.
 const LACKING: f64 = 0.05;
 
-/// Uncertainties beyond which a measurement is an outlier.
+/// Number of uncertainties above which a measurement is an outlier.
 const OUTLIER: f64 = 3.0;
 
 /// Root mean square of the relative misfits of frequencies and responses above which no measurement fits.
 const LARGEST_MISFIT: f64 = 0.25;
 
-/// Standard deviations of the sum of squares beyond which it is no chance: one in ten thousand.
+/// Standard deviations of the sum of squares above which it is no chance: one in ten thousand.
 const NO_CHANCE: f64 = 3.72;
 
-/// Correlation of neighbours that counts as no larger one: a factor of 45 on standard errors.
+/// Upper limit of the correlation of neighbours in use: a factor of 45 on standard errors.
 const MOST_CORRELATED: f64 = 0.999;
 
-/// Factor on standard errors from which on differences are no noise.
+/// Factor on standard errors above which differences are no noise.
 const CORRELATED: f64 = 1.5;
 
-/// Root mean squares beyond which a difference is none of many normal ones: one in a billion.
+/// Ratio to the root mean square above which a difference is too large for many normal ones: one in a billion.
 pub(super) const STRAY: f64 = 6.0;
 
-/// A measurement beside its prediction.
+/// A measurement and its prediction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Residual {
     /// The measurement.
     #[serde(flatten)]
     pub measured: Measured,
-    /// The fitted link's value.
+    /// Value of the fitted link.
     pub fitted: f64,
-    /// Fitted over measured value, less 1.
+    /// Fitted over measured value, minus 1.
     pub relative: f64,
-    /// The difference over the measurement's uncertainty, if that is known.
+    /// Difference over the measurement's uncertainty, if known.
     pub uncertainties: Option<f64>,
-    /// True if it lies beyond three uncertainties.
+    /// True if it exceeds three uncertainties.
     pub is_outlier: bool,
 }
 
-/// Why a fitted link is not to be believed.
+/// Reason to distrust a fitted link.
 #[derive(Debug, Clone, PartialEq, Serialize, Error)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Misfit {
@@ -66,53 +66,53 @@ pub enum Misfit {
          (chi² = {chi_squared:.3e} with {degrees_of_freedom} degrees of freedom)"
     )]
     Contradiction {
-        /// Sum of the squared residuals over uncertainties.
+        /// Sum of squared ratios of residuals to uncertainties.
         chi_squared: f64,
-        /// Measurements less free values.
+        /// Measurements minus free values.
         degrees_of_freedom: usize,
     },
-    /// A free value wants to leave its bounds.
+    /// A free value tends to leave its bounds.
     #[error(
         "no link file is written: {path} lies on its bound, {} times the file's value",
         crate::text::significant(*factor, 4)
     )]
     Bound {
-        /// Its path.
+        /// Path of the value.
         path: String,
-        /// The bound, as a factor on the file's value.
+        /// Bound as a factor on the file's value.
         factor: f64,
     },
-    /// The delay of a record is the longest that is looked for.
+    /// The delay of a record is the longest of the search.
     #[error(
         "no link file is written: the delay of {name} is the longest that is looked for, {longest} samples"
     )]
     Late {
-        /// Its file.
+        /// File of the record.
         name: String,
         /// The longest delay in samples.
         longest: usize,
     },
-    /// A record is missed by more than noise.
+    /// A record differs by more than noise.
     #[error(
         "no link file is written: {} of {name} differs by {:.0} % of its size, and not as noise does",
         sensor.word(),
         100.0 * rms
     )]
     Lacking {
-        /// Its file.
+        /// File of the record.
         name: String,
         /// The sensor.
         sensor: Sensor,
         /// Root mean square of the differences over that of the samples.
         rms: f64,
     },
-    /// The iteration has not come to an end.
+    /// The iteration did not end.
     #[error("no link file is written: the sum of squares still falls after the last iteration")]
     Unsettled,
-    /// The data have several answers, and were to have one.
+    /// The data have several answers, but one was required.
     #[error("no link file is written: {}", as_well(*others))]
     Ambiguous {
-        /// How many other answers there are.
+        /// Number of other answers.
         others: usize,
     },
     /// The best values make no link with finite differences from the measurements.
@@ -126,20 +126,20 @@ pub enum Misfit {
         crate::text::significant(100.0 * rms, 2)
     )]
     Far {
-        /// Their root mean square.
+        /// Root mean square of the misfits.
         rms: f64,
     },
 }
 
-/// How far a fitted link is from the measurements.
+/// Distance of a fitted link from the measurements.
 pub(super) struct Misfits {
     pub(super) residuals: Vec<Residual>,
     pub(super) responses: Vec<ResponseMisfit>,
     pub(super) records: Vec<RecordMisfit>,
     pub(super) has_uncertainties: bool,
-    /// Residuals less free values, those of files among them.
+    /// Residuals minus free values, including those of files.
     pub(super) degrees_of_freedom: usize,
-    /// Sum of the squared residuals; NaN of a link that lacks a measured mode.
+    /// Sum of squared residuals; NaN for a link without a measured mode.
     pub(super) sum: f64,
     /// Root mean square of the relative misfits.
     pub(super) rms: f64,
@@ -165,7 +165,7 @@ impl Misfits {
             records.map(|(record, fit)| RecordMisfit::of(record, fit)).collect();
         let [rows, own] = measurements.rows();
         let scaled = predicted.and_then(|predicted| measurements.residuals(predicted));
-        // Damping ratios differ by more without being wrong.
+        // Damping ratios may differ by more without an error.
         let is_damping = |residual: &&Residual| residual.measured.observable.is_damping();
         let frequencies = residuals.iter().filter(|residual| !is_damping(residual));
         let of_records = records.iter().flat_map(|record: &RecordMisfit| {
@@ -188,7 +188,7 @@ impl Misfits {
         }
     }
 
-    /// Standard errors of the delays, whose rows of the covariance follow those of the free values.
+    /// Sets the standard errors of the delays, whose rows of the covariance follow those of the free values.
     pub(super) fn set_delay_errors(&mut self, spread: Option<(f64, &Mat<f64>)>, free: usize) {
         let Some((scale, covariance)) = spread else { return };
         let late = self.records.iter_mut().filter(|record| record.delay_s.is_some());
@@ -198,19 +198,19 @@ impl Misfits {
         }
     }
 
-    /// Standard deviation of a residual: 1 of those over their uncertainty; else what the residuals show, if
-    /// they are more than the free values.
+    /// Standard deviation of a residual: 1 with uncertainties, else the value from the residuals, if they outnumber the
+    /// free values.
     pub(super) fn scale(&self) -> Option<f64> {
         let shown = || (self.sum / self.degrees_of_freedom as f64).sqrt();
         if self.has_uncertainties { Some(1.0) } else { (self.degrees_of_freedom > 0).then(shown) }
     }
 
-    /// Standard errors within which 95 % of the true values lie: more where the residuals show the scale.
+    /// Standard errors with 95 % of the true values: more if the scale comes from the residuals.
     pub(super) fn reach_95(&self) -> f64 {
         if self.has_uncertainties { NORMAL_95 } else { student_95(self.degrees_of_freedom) }
     }
 
-    /// Whether the misfits are larger than chance, or than any measurement of this link could leave.
+    /// Judgement on misfits that are larger than chance, or than any measurement of this link allows.
     pub(super) fn judged(&self) -> Option<Misfit> {
         let Self { rms, sum: chi_squared, degrees_of_freedom, .. } = *self;
         if !(rms.is_finite() && chi_squared.is_finite()) {
@@ -236,7 +236,7 @@ impl Misfits {
     }
 }
 
-/// The sum of squares of so many normal numbers that lies so many standard deviations away.
+/// Sum of squares of this number of normal variables that is this number of standard deviations away.
 ///
 /// Wilson and Hilferty: the cube root of χ²/k is nearly normal.
 fn no_chance(degrees_of_freedom: usize, deviations: f64) -> f64 {
@@ -245,7 +245,7 @@ fn no_chance(degrees_of_freedom: usize, deviations: f64) -> f64 {
     k * (1.0 - variance + deviations * variance.sqrt()).max(0.0).powi(3)
 }
 
-/// True of a sum of squares that is smaller than the uncertainties let expect once in ten thousand cases.
+/// True if a sum of squares is so small that the uncertainties explain it only once in ten thousand cases.
 pub(super) fn is_too_small(chi_squared: f64, degrees_of_freedom: usize) -> bool {
     degrees_of_freedom > 0 && chi_squared < no_chance(degrees_of_freedom, -NO_CHANCE)
 }
@@ -263,56 +263,56 @@ impl Residual {
     }
 }
 
-/// How far a fitted link's histories are from recorded ones.
+/// Distance of a fitted link's histories from recorded ones.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordMisfit {
     /// File of the record.
     pub name: String,
-    /// Number of samples that are compared.
+    /// Number of compared samples.
     pub samples: usize,
-    /// Delay of the sensors in s, if it was free.
+    /// Delay of the sensors in s, if free.
     pub delay_s: Option<f64>,
-    /// Its standard error in s; none where it is not known.
+    /// Standard error of the delay in s; `None` if unknown.
     pub delay_standard_error_s: Option<f64>,
     /// Step of the samples in s.
     pub step_s: f64,
-    /// Noise of a hub angle that drives the link, over its motion, where it counts.
+    /// Noise of a hub angle that drives the link, over its motion, if it counts.
     pub input_noise: Option<f64>,
-    /// The channels in their order.
+    /// Channels in their order.
     pub channels: Vec<ChannelMisfit>,
 }
 
-/// How far a fitted link's history is from that of a sensor.
+/// Distance of a fitted link's history from a sensor's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChannelMisfit {
     /// The sensor.
     pub sensor: Sensor,
-    /// Factor from SI to the numbers of the column, 1 or −1 of a free sign; none where it was known.
+    /// Factor from SI to the numbers of the column, 1 or −1 for a free sign; `None` if it was known.
     pub gain: Option<f64>,
-    /// What is added to that, in the unit of the column; none where nothing was.
+    /// Offset in the unit of the column; `None` without a free offset.
     pub offset: Option<f64>,
     /// Root mean square of the differences over that of the samples.
     pub rms: f64,
-    /// Correlation of each difference with the next: about 0 of noise, near 1 where the model lacks something.
+    /// Correlation of each difference with the next: about 0 for noise, near 1 for a deficient model.
     pub autocorrelation: f64,
-    /// The largest difference over their root mean square, and its time in s after the first sample.
+    /// Largest difference over their root mean square, and its time in s after the first sample.
     pub largest: (f64, f64),
 }
 
 impl ChannelMisfit {
-    /// Standard errors over those of independent samples, were the differences a process of first order:
+    /// Ratio of standard errors to those of independent samples, for differences as a process of first order:
     /// `√((1 + ρ)/(1 − ρ))`.
     pub fn error_factor(&self) -> f64 {
         let correlation = self.autocorrelation.clamp(0.0, MOST_CORRELATED);
         ((1.0 + correlation) / (1.0 - correlation)).sqrt()
     }
 
-    /// True if the differences go on from sample to sample, as those of a model that lacks something do.
+    /// True if the differences are correlated from sample to sample, as those of a deficient model are.
     pub(super) fn is_correlated(&self) -> bool {
         self.error_factor() > CORRELATED
     }
 
-    /// True if one difference is none of normal noise.
+    /// True if one difference is too large for normal noise.
     pub(super) fn has_stray(&self) -> bool {
         self.largest.0 > STRAY
     }
@@ -348,7 +348,7 @@ impl RecordMisfit {
 }
 
 impl Record {
-    /// The samples of each channel, and the fitted link's over them.
+    /// Samples of each channel, with those of the fitted link.
     pub(super) fn overlays(&self, RecordFit(alignment): &RecordFit) -> Vec<Overlay> {
         let channels = self.channels.iter().zip(&alignment.differences);
         let overlay = |(channel, differences): (&Channel, &Vec<f64>)| {
@@ -368,7 +368,7 @@ impl Record {
     }
 }
 
-/// That there are several answers.
+/// Text about several answers.
 pub(super) fn as_well(others: usize) -> String {
     let fit = if others == 1 {
         "one other answer fits".to_owned()

@@ -1,5 +1,5 @@
-//! A link from what was measured on it: natural frequencies, zeros, damping ratios, frequency responses and
-//! recorded histories; an arm from frequencies and damping ratios in poses.
+//! Fit of a link to its measurements: natural frequencies, zeros, damping ratios, frequency responses and recorded
+//! histories; fit of an arm to frequencies and damping ratios in poses.
 //!
 //! ```text
 //! link.toml + free values ─► Specimen ─► predictions ─► residuals ─► least squares ─► factors
@@ -7,11 +7,10 @@
 //!                                                                                 what is not determined
 //! ```
 //!
-//! The unknowns are the logarithms of factors on values of the link file. For a link with n free values the
-//! residual of each measurement is the logarithm of prediction over measured value, over the relative
-//! uncertainty of the measurement. The residuals of a record are the differences of its samples from the
-//! history of the link, over their uncertainty; gain, offset and delay of the sensors, where they are free,
-//! are those that fit best.
+//! The unknowns are the logarithms of factors on values of the link file. The residual of each measurement is the
+//! logarithm of prediction over measured value, over the relative uncertainty of the measurement. The residuals of a
+//! record are the differences of its samples from the history of the link, over their uncertainty, with the best gain,
+//! offset and delay of the sensors where these are free.
 
 mod advice;
 mod alignment;

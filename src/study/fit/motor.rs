@@ -1,8 +1,8 @@
-//! A motor at the hub, in whose volts a response or a record is measured.
+//! A motor at the hub, for responses and records in volts.
 
 use crate::link::{Hub, Link, LinkParts, ParameterError, positive};
 
-/// A direct-current motor at the hub, its inductance neglected.
+/// A direct-current motor at the hub, with neglected inductance.
 ///
 /// ```text
 /// T = N k_t/R (V − N k_t θ̇)
@@ -43,7 +43,7 @@ impl Motor {
     }
 }
 
-/// The link with the friction that a motor's back voltage adds to its hub; none out of range.
+/// The link with the friction due to a motor's back voltage on its hub; `None` if it is out of range.
 pub(super) fn with_motor_friction(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
     let parts = LinkParts::from(link.clone());
     let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;

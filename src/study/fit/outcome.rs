@@ -1,4 +1,4 @@
-//! What a fit says: values with standard errors, misfits, and what the data do not determine.
+//! Result of a fit: values with standard errors, misfits, and combinations that the data do not determine.
 
 use std::fmt;
 
@@ -12,23 +12,23 @@ use super::record::Record;
 use super::response::{Overlay, ResponseMisfit};
 use super::value::{FittedValue, Free, Spread, correlation};
 
-/// Values of an end of another start that fits the measurements about as well as the best one: its sum of squares is
-/// less than 3.84 above the least, in units of the variance of the residuals.
+/// Values from another start that fit the measurements about as well as the best ones. Their sum of squares is less
+/// than 3.84 above the least, in units of the variance of the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OtherAnswer {
     /// Factors on the free values in their order.
     pub factors: Vec<f64>,
-    /// Sum of the squared residuals there.
+    /// Sum of squared residuals.
     pub sum_of_squares: f64,
 }
 
 /// Share of a direction below which a value takes no part in it.
 const NO_PART: f64 = 1e-4;
 
-/// Relative misfit that is taken for usual where neither uncertainties nor differences tell it.
+/// Relative misfit assumed if neither uncertainties nor differences determine it.
 pub(super) const USUAL_MISFIT: f64 = 0.02;
 
-/// Why free values are not determined.
+/// Reason why free values are not determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Openness {
@@ -38,12 +38,12 @@ pub enum Openness {
     Uncertain,
 }
 
-/// Free values that may change together while the measured values stay.
+/// Free values that can change together without a change of the measured values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Undetermined {
-    /// How well the measured values stay.
+    /// Degree to which the measured values stay.
     pub openness: Openness,
-    /// Paths, each with the power of the common factor that it may be multiplied by.
+    /// Paths, each with its power of the common factor.
     pub powers: Vec<(String, f64)>,
 }
 
@@ -76,12 +76,12 @@ impl fmt::Display for Undetermined {
     }
 }
 
-/// A fitted link's numbers.
+/// Results of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FitOutcome {
     /// The free values in their order.
     pub values: Vec<FittedValue>,
-    /// Other values that fit about as well, the best first.
+    /// Other values that fit about as well, best first.
     pub other_answers: Vec<OtherAnswer>,
     /// The measurements in their order.
     pub residuals: Vec<Residual>,
@@ -89,46 +89,46 @@ pub struct FitOutcome {
     pub responses: Vec<ResponseMisfit>,
     /// The records in their order.
     pub records: Vec<RecordMisfit>,
-    /// The decays that some of the measurements are from.
+    /// Decays behind some of the measurements.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub decays: Vec<Decay>,
-    /// Correlation of the free values, row by row; empty where a value is not determined.
+    /// Correlation of the free values, row by row; empty if a value is not determined.
     pub correlation: Vec<Vec<f64>>,
     /// Combinations of free values that the data do not determine.
     pub undetermined: Vec<Undetermined>,
     /// Root mean square of the relative misfits.
     pub rms_misfit: f64,
-    /// Sum of the squared differences over their uncertainties; none without uncertainties.
+    /// Sum of squared ratios of differences to uncertainties; `None` without uncertainties.
     pub chi_squared: Option<f64>,
-    /// Measured numbers less free values.
+    /// Measured numbers minus free values.
     pub degrees_of_freedom: usize,
-    /// True if another start than the file's own values led to a better fit.
+    /// True if another start than the file's values led to a better fit.
     pub is_from_other_start: bool,
     /// Iterations of the final descent.
     pub iterations: usize,
-    /// Where the iteration from each start ended, the file's own values first.
+    /// End of the iteration from each start, the file's values first.
     pub starts: Vec<StartEnd>,
-    /// Measured and fitted over frequency or time.
+    /// Measured and fitted curves over frequency or time.
     #[serde(skip)]
     pub overlays: Vec<Overlay>,
-    /// Why the link is not to be believed; none where it is.
+    /// Reason to distrust the link; `None` for a credible link.
     pub misfit: Option<Misfit>,
 }
 
-/// A start, and where the iteration from it ended, on a mesh that is exact to 1e-5.
+/// A start, and the end of its iteration on a mesh that is exact to 1e-5.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StartEnd {
     /// Factors on the free values at the start.
     pub from: Vec<f64>,
-    /// The same at the end; none where the start makes no link with the measured modes.
+    /// Factors at the end; `None` if the start makes no link with the measured modes.
     pub to: Option<Vec<f64>>,
-    /// Sum of the squared residuals there.
+    /// Sum of squared residuals at the end.
     pub sum_of_squares: Option<f64>,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
 }
 
-/// How the iterations went.
+/// Course of the iterations.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
     pub(super) is_from_other_start: bool,
@@ -176,7 +176,7 @@ impl FitOutcome {
         let open = (!undetermined.is_empty()).then_some(Misfit::Undetermined);
         let unsettled = (!course.has_settled).then_some(Misfit::Unsettled);
         let misfit = match misfits.judged() {
-            // The bound is why the rest does not fit.
+            // The bound explains why the rest does not fit.
             Some(Misfit::Contradiction { .. }) if at_bound.is_some() => at_bound,
             judged => judged.or(at_bound).or(open).or(unsettled),
         };
@@ -202,7 +202,7 @@ impl FitOutcome {
 }
 
 impl FitOutcome {
-    /// Takes a fit of several answers for none to believe.
+    /// Makes a fit with several answers one that is not to be trusted.
     pub fn refuse_several(&mut self) {
         let others = self.other_answers.len();
         if others > 0 && self.misfit.is_none() {
@@ -212,7 +212,7 @@ impl FitOutcome {
 }
 
 impl Undetermined {
-    /// All combinations that are not determined: those that nothing depends on first.
+    /// All combinations that are not determined; those without any effect come first.
     fn all(spread: &Spread, names: &[String]) -> Vec<Self> {
         let along = |openness| {
             let directions = spread.open(openness == Openness::Exact).into_iter();
@@ -221,7 +221,7 @@ impl Undetermined {
         along(Openness::Exact).chain(along(Openness::Uncertain)).collect()
     }
 
-    /// The values that take part in a direction.
+    /// The values with a part in a direction.
     fn along(direction: &[f64], names: &[String], openness: Openness) -> Self {
         let parts = names.iter().zip(direction).filter(|(_, power)| power.abs() > NO_PART);
         let powers = parts.map(|(name, power)| (name.clone(), *power)).collect();

@@ -19,28 +19,28 @@ use crate::model::Sensor;
 use crate::numeric::largest;
 use crate::response::{Driven, sensed};
 
-/// Noise of a hub angle over its motion that a fit may take for motion.
+/// Noise of a hub angle, over its motion, that a fit may mistake for motion.
 const LITTLE_NOISE: f64 = 2e-4;
 
-/// Least noise of a channel over its size.
+/// Smallest noise of a channel over its size.
 const EXACT: f64 = 1e-12;
 
-/// Share of its largest value from which on an input moves the link.
+/// Share of its largest value above which an input moves the link.
 const STIRRING: f64 = 1e-3;
 
 /// Fewest samples of the beginning of a record.
 const LEAST_BEGINNING: usize = 32;
 
-/// Order of the differences that leave of a motion its noise alone.
+/// Order of differences that leaves only the noise of a motion.
 const NOISE_ORDER: usize = 8;
 
-/// What differences of that order make of the variance of white noise: `C(16, 8)`.
+/// Factor of differences of this order on the variance of white noise: `C(16, 8)`.
 const NOISE_GAIN: f64 = 12_870.0;
 
-/// Modes that the mesh of a record follows.
+/// Number of modes that the mesh of a record follows.
 const FOLLOWED_MODES: usize = 30;
 
-/// Recorded histories of a link that is driven from rest, at uniform times.
+/// Recorded histories of a link, driven from rest, at uniform times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     pub(super) name: String,
@@ -51,16 +51,16 @@ pub struct Record {
     /// Root mean square of the samples of each channel, about their mean if an offset is free.
     pub(super) sizes: Vec<f64>,
     pub(super) is_delay_free: bool,
-    /// Noise of each channel over its size, where no uncertainty is known and a fit has shown it.
+    /// Noise of each channel over its size, from a fit, if uncertainties are unknown.
     noise: Option<Vec<f64>>,
 }
 
-/// A record and the computed histories, laid over each other.
+/// Alignment of a record with the computed histories.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RecordFit(pub(super) Alignment);
 
 impl Record {
-    /// Checks a record that messages call `name`, of `step_s` in s.
+    /// Checks a record of step `step_s` in s; messages call it `name`.
     ///
     /// # Errors
     /// [`RecordError`].
@@ -83,7 +83,7 @@ impl Record {
             return Err(RecordError::Few(driving.len()));
         }
         check(INPUT, driving, driving.len())?;
-        // A torque that begins with the record and stays moves the link.
+        // A torque that begins with the record and stays constant moves the link.
         let is_rest = matches!(driven, Driven::Angle(_)) || driving[0] == 0.0;
         if is_rest && is_constant(driving) {
             return Err(RecordError::Constant { channel: INPUT.to_owned() });
@@ -121,12 +121,12 @@ impl Record {
         })
     }
 
-    /// What messages call it.
+    /// Name in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What each sensor recorded.
+    /// Records of the sensors.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -141,8 +141,8 @@ impl Record {
         with_motor_friction(link, self.motor_friction_n_m_s_rad)
     }
 
-    /// Noise of a hub angle that drives the link, over its motion, where it counts: its eighth differences are
-    /// noise alone.
+    /// Noise of a hub angle that drives the link, over its motion, if it counts: only noise remains in its eighth
+    /// differences.
     pub(super) fn input_noise(&self) -> Option<f64> {
         let Driven::Angle(angle) = &self.driven else { return None };
         if angle.len() <= 2 * NOISE_ORDER {
@@ -155,22 +155,22 @@ impl Record {
         (share > LITTLE_NOISE).then_some(share)
     }
 
-    /// Numbers that it adds to the residuals.
+    /// Number of residuals.
     pub(super) fn rows(&self) -> usize {
         self.channels.len() * self.compared()
     }
 
-    /// The longest delay that is looked for, in samples; 0 where the sensors are not late.
+    /// Longest delay of the search, in samples; 0 without a free delay.
     pub(super) fn longest_delay(&self) -> usize {
         if self.is_delay_free { longest_delay(self.channels[0].samples.len()) } else { 0 }
     }
 
-    /// Samples that are compared.
+    /// Number of compared samples.
     pub(super) fn compared(&self) -> usize {
         self.channels[0].samples.len() - self.longest_delay()
     }
 
-    /// Free values that it adds: gains, offsets, the delay.
+    /// Number of additional free values: gains, offsets, the delay.
     pub(super) fn own_free_values(&self) -> usize {
         let own = |channel: &Channel| {
             usize::from(channel.gain == Gain::Free) + usize::from(channel.has_offset)
@@ -178,20 +178,20 @@ impl Record {
         self.channels.iter().map(own).sum::<usize>() + usize::from(self.is_delay_free)
     }
 
-    /// Sum of the residuals' squared weights.
+    /// Sum of squared weights of the residuals.
     pub(super) fn weight(&self) -> f64 {
         let numbers = 0..self.channels.len();
         numbers.map(|k| self.compared() as f64 * self.uncertainty(k).powi(-2)).sum()
     }
 
-    /// Uncertainty of a channel over its size; where it is not known what a fit has shown, or 1.
+    /// Uncertainty of a channel over its size; if unknown, the noise from a fit, or 1.
     fn uncertainty(&self, channel: usize) -> f64 {
         let shown = self.noise.as_ref().map_or(1.0, |noise| noise[channel]);
         self.channels[channel].uncertainty.map_or(shown, |u| u / self.sizes[channel])
     }
 
-    /// Its beginning, a share of what follows the first sample of the input that moves the link. In few periods a
-    /// wrong frequency does not lose count of them.
+    /// Beginning of the record: a share of the part after the input first moves the link. In few periods a wrong
+    /// frequency does not lose count of them.
     pub(super) fn beginning(&self, share: f64) -> Self {
         let (Driven::Torque(input, _) | Driven::Angle(input)) = &self.driven;
         let (first, size) = (input[0], largest(input));
@@ -211,14 +211,14 @@ impl Record {
         Self { driven, channels: self.channels.iter().map(cut).collect(), ..self.clone() }
     }
 
-    /// The same record, each channel weighed by the differences that a fit has left.
+    /// This record with each channel weighted by the remaining differences of a fit.
     pub(super) fn weighed(&self, RecordFit(alignment): &RecordFit) -> Self {
         let shares = alignment.differences.iter().zip(&self.sizes);
         let noise = shares.map(|(differences, size)| (rms(differences) / size).max(EXACT));
         Self { noise: Some(noise.collect()), ..self.clone() }
     }
 
-    /// The highest frequency in rad/s that a mesh must follow.
+    /// Highest frequency in rad/s that a mesh must follow.
     pub(super) fn highest_rad_s(&self, mesh: &Mesh) -> f64 {
         let modes = natural_frequencies(mesh, FOLLOWED_MODES);
         let nyquist = PI / self.step_s;
@@ -230,14 +230,14 @@ impl Record {
         self.is_delay_free
     }
 
-    /// The record over the histories of a link, its motor's friction included, late by `delay` samples. None
-    /// if the link cannot be simulated.
+    /// Alignment with the histories of a link, including its motor's friction, at a delay of `delay` samples. `None` if
+    /// the link cannot be simulated.
     pub(super) fn fitted(&self, link: &Link, mesh: &Mesh, delay: f64) -> Option<RecordFit> {
         let computed = self.computed(link, mesh)?;
         Some(RecordFit(Alignment::of(&self.overlaid(&computed), delay, self.compared())))
     }
 
-    /// The delay of whole samples by which the histories of a link lie best over the record.
+    /// The delay in whole samples at which the histories of a link fit the record best.
     pub(super) fn rough_delay(&self, link: &Link, mesh: &Mesh) -> Option<f64> {
         Some(rough_delay(&self.overlaid(&self.computed(link, mesh)?)))
     }
@@ -258,7 +258,7 @@ impl Record {
         overlaid.collect()
     }
 
-    /// The differences over their uncertainties, or over the size of the channel where that is not known.
+    /// Differences over their uncertainties, or over the size of the channel if these are unknown.
     pub(super) fn residuals(&self, fitted: &RecordFit) -> Vec<f64> {
         let channels = fitted.0.differences.iter().enumerate();
         let residuals = channels.flat_map(|(k, differences)| {

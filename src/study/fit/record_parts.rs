@@ -1,4 +1,4 @@
-//! What a record is made of.
+//! Parts of a record.
 
 use std::cmp::Ordering;
 
@@ -10,28 +10,28 @@ use crate::model::Sensor;
 use crate::response::{Driven, Interpolation};
 use crate::text::significant;
 
-/// Size that no sample has.
+/// Upper limit of the size of samples.
 const LARGEST: f64 = 1e150;
 
 /// Fewest samples of a record.
 pub(super) const FEWEST: usize = 4;
 
-/// What errors call the samples that drive the link.
+/// Name in errors of the samples that drive the link.
 pub(super) const INPUT: &str = "the input";
 
-/// What drives the link that is recorded.
+/// Kind of input that drives the recorded link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordedInput {
     /// The torque at the hub.
     Torque,
     /// The voltage at a motor.
     Voltage,
-    /// The angle of the hub, however it is moved.
+    /// Angle of the hub, whatever moves it.
     HubAngle,
 }
 
 impl RecordedInput {
-    /// Its name in files.
+    /// Name in files.
     pub fn word(self) -> &'static str {
         match self {
             Self::Torque => "torque",
@@ -41,70 +41,70 @@ impl RecordedInput {
     }
 }
 
-/// What was recorded of what drives the link, which is at rest before.
+/// Recorded input of a link that is at rest before.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecordInput {
     /// The torque at the hub in N m.
     Torque(Vec<f64>, Interpolation),
     /// The voltage at a motor in V.
     Voltage(Vec<f64>, Interpolation, Motor),
-    /// The angle of the hub in rad, however it is moved.
+    /// Angle of the hub in rad, whatever moves it.
     HubAngle(Vec<f64>),
 }
 
-/// What one sensor recorded.
+/// Record of one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// The sensor.
     pub sensor: Sensor,
-    /// Whether the samples are in SI.
+    /// Known or free scale of the samples.
     pub gain: Gain,
-    /// True if a constant may be added to the samples.
+    /// True if the samples may have a constant offset.
     pub has_offset: bool,
-    /// Standard uncertainty of each sample, in the unit of the samples, if it is known.
+    /// Standard uncertainty of each sample, in the unit of the samples, if known.
     pub uncertainty: Option<f64>,
-    /// The unit of the recorded column in SI; over its distance, of a strain gauge.
+    /// Unit of the recorded column in SI; for a strain gauge, divided by its distance.
     pub unit: f64,
-    /// The samples, in SI where the gain is known.
+    /// Samples, in SI if the gain is known.
     pub samples: Vec<f64>,
 }
 
-/// Why histories are no record.
+/// Reason why histories are no record.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RecordError {
-    /// No sensor.
+    /// There is no sensor.
     #[error("channels = none, but must be at least one")]
     NoChannel,
-    /// Too few samples.
+    /// There are too few samples.
     #[error("samples = {0}, but must be {FEWEST} or more")]
     Few(usize),
-    /// Another number of samples than those of the input.
+    /// A channel has another number of samples than the input.
     #[error("{channel} = {found} samples, but must be {must}, as the input has")]
     Uneven {
         /// The channel, or the input.
         channel: String,
-        /// Samples found.
+        /// Number of its samples.
         found: usize,
-        /// Samples of the input.
+        /// Number of samples of the input.
         must: usize,
     },
-    /// A sample that is no number, or one whose square is too large for a number.
+    /// A sample is not finite, or its square overflows.
     #[error("sample {sample} of {channel} = {found}, but must be a number of size below 1e150")]
     Size {
         /// The channel, or the input.
         channel: String,
         /// Number of the sample, from 0.
         sample: usize,
-        /// What was found.
+        /// Value of the sample.
         found: f64,
     },
-    /// Samples that are all the same.
+    /// All samples are equal.
     #[error("{channel} = the same value in all samples, but must change")]
     Constant {
         /// The channel, or the input.
         channel: String,
     },
-    /// An uncertainty that is not above 0, or too large for a measurement.
+    /// An uncertainty is not above 0, or too large for a measurement.
     #[error(
         "uncertainty of {channel} = {} in its column's unit, but must be above 0 and below {}, half of \
          what the samples vary by",
@@ -114,24 +114,24 @@ pub enum RecordError {
     Uncertainty {
         /// The channel.
         channel: String,
-        /// What was found.
+        /// Value of the uncertainty.
         found: f64,
-        /// What it must be below.
+        /// Upper limit of the uncertainty.
         most: f64,
     },
-    /// Some uncertainties are known and some are not.
+    /// Only some uncertainties are known.
     #[error("uncertainty of {channel} is missing, but other channels have one")]
     Mixed {
-        /// The first channel without one.
+        /// The first channel without an uncertainty.
         channel: String,
     },
-    /// A step that is not above 0.
+    /// The step is not above 0.
     #[error("step = {0} s, but must be finite and above 0")]
     Step(f64),
 }
 
 impl RecordInput {
-    /// What it does to the link: the torque or the angle, and the friction of a motor.
+    /// Effect on the link: the torque or the angle, and the friction of a motor.
     pub(super) fn driven(self) -> (Driven, f64) {
         match self {
             Self::Torque(samples, interpolation) => (Driven::Torque(samples, interpolation), 0.0),
@@ -146,7 +146,7 @@ impl RecordInput {
 }
 
 impl RecordError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         let is_undriven = matches!(self, Self::Constant { channel } if channel == INPUT);
         is_undriven
@@ -171,7 +171,7 @@ pub(super) fn rms_about_mean(samples: &[f64]) -> f64 {
     rms(&samples.iter().map(|sample| sample - mean).collect::<Vec<f64>>())
 }
 
-/// Refuses samples that cannot be fitted to.
+/// Refuses samples that a fit cannot use.
 pub(super) fn check(channel: &str, samples: &[f64], must: usize) -> Result<(), RecordError> {
     let channel = channel.to_owned();
     let found = samples.len();

@@ -10,37 +10,37 @@ use crate::model::{Model, Sensor};
 use crate::numeric::magnitude;
 use crate::text::significant;
 
-/// Uncertainty over the value that no measurement has.
+/// Upper limit of the uncertainty of a measurement over its value.
 pub(super) const MOST_UNCERTAIN: f64 = 0.5;
 
 /// Fewest frequencies of a response.
 const FEWEST: usize = 2;
 
-/// Whether the scale of measured values is known.
+/// Known or free scale of measured values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gain {
     /// The values are in SI.
     Known,
-    /// They are in SI, but their sign is not known.
+    /// The values are in SI, but with an unknown sign.
     Sign,
-    /// All values have one unknown factor, as of a sensor or an amplifier, of either sign.
+    /// All values have one unknown factor, as from a sensor or an amplifier, of either sign.
     Free,
 }
 
-/// Sizes of values whose squares are numbers, too.
+/// Sizes of values whose squares neither overflow nor underflow.
 const SIZES: RangeInclusive<f64> = 1e-150..=1e150;
 
-/// Why values are no frequency response.
+/// Reason why values are no frequency response.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ResponseError {
-    /// Too few rows.
+    /// There are too few rows.
     #[error("frequencies = {0}, but must be {FEWEST} or more")]
     Few(usize),
-    /// Columns of different lengths.
+    /// Columns differ in length.
     #[error("frequencies and values must be as many")]
     Uneven,
-    /// A frequency or a value without logarithm, or one whose square is too large or too small for a number.
+    /// A frequency or a value has no logarithm, or its square overflows or underflows.
     #[error(
         "sample {} = {} Hz, a value of size {}, but must be a frequency above 0 and a size from 1e-150 to 1e150",
         number + 1,
@@ -48,7 +48,7 @@ pub enum ResponseError {
         significant(*size, 4)
     )]
     Sample {
-        /// Its number, from 0.
+        /// Number of the sample, from 0.
         number: usize,
         /// The frequency.
         hertz: f64,
@@ -60,18 +60,18 @@ pub enum ResponseError {
     Uncertainty(f64),
 }
 
-/// What the values were taken per.
+/// Reference of the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Source {
     Torque,
-    /// The voltage of a motor, whose back voltage adds this to the hub's friction; the values are divided by
-    /// the motor's torque per volt.
+    /// Voltage of a motor, whose back voltage adds this friction to the hub; the values are divided by the motor's
+    /// torque per volt.
     Voltage {
         friction_n_m_s_rad: f64,
     },
 }
 
-/// A measured frequency response of the link on its free hub.
+/// Measured frequency response of the link on its free hub.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     name: String,
@@ -84,8 +84,8 @@ pub struct Response {
 }
 
 impl Response {
-    /// A response that messages call `name`; `uncertainty` is that of its real and of its
-    /// imaginary part, over its magnitude.
+    /// Makes a response; messages call it `name`. `uncertainty` is that of its real and of its imaginary part, over its
+    /// magnitude.
     ///
     /// # Errors
     /// [`ResponseError`]: fewer than two frequencies, a number that is not finite, a value of 0.
@@ -114,7 +114,7 @@ impl Response {
         Ok(Self { name, sensor, gain, source: Source::Torque, uncertainty, frequencies_hz, values })
     }
 
-    /// The same values taken per volt at a motor, no longer per torque.
+    /// Makes the values relative to volts at a motor, instead of torque.
     #[must_use]
     pub fn per_volt(mut self, motor: &Motor) -> Self {
         let torque_n_m_v = motor.torque_per_volt_n_m_v();
@@ -123,7 +123,7 @@ impl Response {
         Self { source: Source::Voltage { friction_n_m_s_rad }, ..self }
     }
 
-    /// What messages call it.
+    /// Name in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -138,7 +138,7 @@ impl Response {
         self.frequencies_hz.iter().copied().zip(self.values.iter().copied())
     }
 
-    /// Relative uncertainty of each value, if it is known.
+    /// Relative uncertainty of each value, if known.
     pub fn uncertainty(&self) -> Option<f64> {
         self.uncertainty
     }
@@ -155,17 +155,17 @@ impl Response {
         TAU * self.frequencies_hz.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Numbers that it adds to the residuals: two a frequency.
+    /// Number of residuals: two a frequency.
     pub(super) fn rows(&self) -> usize {
         2 * self.values.len()
     }
 
-    /// Free values that it adds: the gain.
+    /// Number of additional free values: the gain.
     pub(super) fn own_free_values(&self) -> usize {
         usize::from(self.gain == Gain::Free)
     }
 
-    /// The response over that of a model.
+    /// Ratio of this response to that of a model.
     pub(super) fn fitted(&self, model: &dyn Model) -> ResponseFit {
         let omegas: Vec<f64> = self.frequencies_hz.iter().map(|hertz| hertz * TAU).collect();
         let computed = self.sensor.per_torque(model, &omegas);
@@ -189,18 +189,18 @@ impl Response {
     }
 }
 
-/// A response over that of a link.
+/// Ratio of a response to that of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ResponseFit {
-    /// Real and imaginary part of `ln(computed/measured)` at each frequency, the gain taken out.
+    /// Real and imaginary part of `ln(computed/measured)` at each frequency, without the gain.
     pub(super) misfits: Vec<f64>,
     /// Factor on the link's response.
     gain: f64,
 }
 
 impl Response {
-    /// Gain and phase over ascending frequencies, of the values and of a link with these misfits; of a free
-    /// gain the scale is that of the values.
+    /// Gain and phase over ascending frequencies, of the values and of a link with these misfits; with a free gain in
+    /// the scale of the values.
     pub(super) fn overlays(&self, misfits: &[f64]) -> [Overlay; 2] {
         let mut order: Vec<usize> = (0..self.values.len()).collect();
         order.sort_by(|a, b| self.frequencies_hz[*a].total_cmp(&self.frequencies_hz[*b]));
@@ -208,7 +208,7 @@ impl Response {
         let places: Vec<f64> = of(&|k| self.frequencies_hz[k]);
         let measured: Vec<f64> = of(&|k| magnitude(self.values[k]));
         let gain: Vec<f64> = of(&|k| magnitude(self.values[k]) * libm::exp(misfits[2 * k]));
-        // The fitted phase is smooth; the measured one follows it however much noise it has.
+        // The fitted phase is smooth; the measured one follows it despite its noise.
         let phase = of(&|k| {
             let value = self.values[k];
             (libm::atan2(value.im, value.re) + misfits[2 * k + 1]).to_degrees()
@@ -237,8 +237,8 @@ impl Response {
     }
 }
 
-/// Angles in degrees without jumps of more than half a turn. The first is from −200 to 160: half a turn, as
-/// of a hub that follows its torque as a rigid body, counts as a lag.
+/// Angles in degrees without jumps of more than half a turn. The first is from −200 to 160: half a turn, as for a hub
+/// that follows its torque as a rigid body, counts as a lag.
 fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
     for k in 1..angles.len() {
         angles[k] -= 360.0 * ((angles[k] - angles[k - 1]) / 360.0).round();
@@ -248,16 +248,16 @@ fn unwrapped(mut angles: Vec<f64>) -> Vec<f64> {
     angles.iter().map(|angle| angle - 360.0 * turns).collect()
 }
 
-/// How far a fitted link's response is from a measured one.
+/// Distance of a fitted link's response from a measured one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResponseMisfit {
     /// File of the response.
     pub name: String,
-    /// What was measured.
+    /// Measured sensor.
     pub transfer: Sensor,
     /// Number of frequencies.
     pub frequencies: usize,
-    /// Factor from SI to the values, 1 or −1 of a free sign; none where it was known.
+    /// Factor from SI to the values, 1 or −1 for a free sign; `None` if it was known.
     pub gain: Option<f64>,
     /// Root mean square of the relative differences of real and imaginary parts.
     pub rms: f64,
@@ -273,44 +273,44 @@ impl ResponseMisfit {
     }
 }
 
-/// How the numbers of an axis are spread.
+/// Spacing of the numbers on an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spacing {
-    /// Evenly.
+    /// Even spacing.
     Linear,
-    /// By their logarithm: all are above 0.
+    /// Logarithmic spacing; all numbers are above 0.
     Logarithmic,
 }
 
 /// A quantity along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Coordinate {
-    /// Its name: `frequency`.
+    /// Name of the quantity: `frequency`.
     pub name: &'static str,
-    /// Its unit: `Hz`; empty for a number without one.
+    /// Unit: `Hz`; empty for a number without unit.
     pub unit: &'static str,
-    /// How its numbers are spread.
+    /// Spacing of the numbers.
     pub spacing: Spacing,
 }
 
 impl Coordinate {
-    /// A quantity whose numbers are spread evenly.
+    /// A quantity with even spacing.
     pub fn linear(name: &'static str, unit: &'static str) -> Self {
         Self { name, unit, spacing: Spacing::Linear }
     }
 
-    /// A quantity whose numbers are all above 0 and spread by their logarithm.
+    /// A quantity above 0 with logarithmic spacing.
     pub fn logarithmic(name: &'static str, unit: &'static str) -> Self {
         Self { name, unit, spacing: Spacing::Logarithmic }
     }
 }
 
-/// One quantity as it was measured, over frequency or time, and as the fitted link has it.
+/// One quantity over frequency or time, as measured and of the fitted link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay {
     /// File and quantity: `frf.csv: hub angle per torque, gain`.
     pub name: String,
-    /// What the quantity is drawn over.
+    /// Quantity of the horizontal axis.
     pub x: Coordinate,
     /// The quantity.
     pub y: Coordinate,
@@ -326,8 +326,8 @@ pub struct Overlay {
 mod tests {
     use super::*;
 
-    /// A response out of order that turns through half a turn and back, with a factor of 40 that a link
-    /// explains but for 0.1 in the logarithm and 0.2 rad.
+    /// A response in disorder that turns through half a turn and back, with a factor of 40. The link explains it except
+    /// for 0.1 in the logarithm and 0.2 rad.
     #[test]
     fn overlays_are_smooth_and_differ_by_the_misfits() {
         let phases: [f64; 5] = [-3.0, 3.1, 2.0, 3.1, -3.0];

@@ -1,4 +1,4 @@
-//! What is fitted, a link or an arm, and what it has in place of the measurements.
+//! Object of a fit, a link or an arm, and its predictions for the measurements.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
@@ -17,13 +17,13 @@ use crate::model::{KeptModes, model_of};
 use crate::numeric::Size;
 use crate::response::{ArmPose, MORE_ORDERS, MOST_REFINEMENTS, PoseError, damping_ratios};
 
-/// Largest relative error of a frequency that the mesh may have while a start is tried.
+/// Largest relative mesh error of a frequency while starts are tried.
 pub(super) const COARSE: f64 = 1e-5;
 
-/// The same of the fitted link: far below any measurement's.
+/// Largest relative mesh error of a frequency of the fitted link: far below any measurement's.
 pub(super) const FINE: f64 = 1e-8;
 
-/// What was measured.
+/// Object of the measurements.
 #[derive(Debug, Clone)]
 pub enum Specimen {
     /// A link, and the plan of its mesh.
@@ -39,13 +39,13 @@ impl From<(Link, MeshPlan)> for Specimen {
 }
 
 impl Specimen {
-    /// True of a link with a drive.
+    /// True for a link with a drive.
     pub(super) fn has_drive(&self) -> bool {
         matches!(self, Self::Link(own) if own.0.drive().is_some())
     }
 
-    /// How often the elements of an automatic plan are halved, or the orders of an arm's polynomials are raised, so that
-    /// the measured values are exact to a tolerance; 0 for other plans.
+    /// Number of times that the elements of an automatic plan are halved, or the orders of an arm's polynomials are
+    /// raised, for measured values exact to a tolerance; 0 for other plans.
     pub(super) fn refinements<E>(
         &self,
         measured: &Measurements,
@@ -57,11 +57,11 @@ impl Specimen {
         })
     }
 
-    /// The refinements to start with. Refuses an arm whose measured modes are not found exactly.
+    /// The refinements at the start. Refuses an arm whose measured modes are not exact.
     pub(super) fn checked<E>(&self, measured: &Measurements) -> Result<u32, LinkFitError<E>> {
         let Self::Arm(arm) = self else { return self.refinements(measured, COARSE) };
         let (refinements, change) = raised(arm, measured.values(), COARSE)?;
-        // Infinite where a mode is missing.
+        // Infinite if a mode is missing.
         if change.is_finite() && change > COARSE {
             return Err(LinkFitError::Coarse { change });
         }
@@ -76,8 +76,8 @@ impl Specimen {
         }
     }
 
-    /// The frequencies in Hz that are nearer to this one than to those of the modes below and above it, by their
-    /// logarithms; all where there is no such mode.
+    /// Frequencies in Hz that are nearer to this one than to those of the modes below and above it, by their
+    /// logarithms; unbounded where there is no such mode.
     pub fn around_hz(&self, frequency: &Observable) -> [f64; 2] {
         let number = frequency.number();
         let value = |number: usize| {
@@ -94,7 +94,7 @@ impl Specimen {
         [below.map_or(0.0, border), value(number + 1).map_or(f64::INFINITY, border)]
     }
 
-    /// The delays in whole samples by which its histories lie best over the records whose sensors may be late.
+    /// Delays in whole samples at which the histories fit the records with free delays best.
     pub(super) fn rough_delays(
         &self,
         measured: &Measurements,
@@ -107,8 +107,8 @@ impl Specimen {
         measured.records_with_free_delay().map(delay).collect()
     }
 
-    /// What it has in place of the measurements, with the delays in samples of all records whose sensors may be
-    /// late; none of a link that has no mesh or no model, and of an arm beside responses and records.
+    /// Predictions for the measurements, with the delays in samples of all records with a free delay. `None` for a link
+    /// without mesh or model, and for an arm with responses or records.
     pub(super) fn predicted(
         &self,
         measured: &Measurements,
@@ -128,14 +128,14 @@ impl Specimen {
     }
 }
 
-/// The mesh of a plan with its elements halved so many times.
+/// The mesh of a plan with its elements halved this many times.
 fn halved(link: &Link, plan: &MeshPlan, halvings: u32) -> Option<Mesh> {
     let first = Mesh::new(link, plan).ok()?;
     Some((0..halvings).fold(first, |mesh, _| mesh.refined()))
 }
 
-/// How often the orders are raised until that changes no value by more than the tolerance, or no further; and the last
-/// change.
+/// Number of times that the orders are raised until this changes no value by more than the tolerance, or until they
+/// cannot be raised; and the last change.
 fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<(u32, f64), PoseError> {
     let (mut known, mut last) = (of_arm(arm, values, 0)?, f64::INFINITY);
     for refinements in 0..MOST_REFINEMENTS {
@@ -147,7 +147,7 @@ fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<(u32, f64), 
         let changes = pairs.map(|pair| match pair {
             (Some(known), Some(finer)) if known.to_bits() == finer.to_bits() => 0.0,
             (Some(known), Some(finer)) => (known / finer - 1.0).abs(),
-            // A mode of a number that more coordinates may have.
+            // More coordinates may yield the missing mode.
             _ => f64::INFINITY,
         });
         last = changes.fold(0.0, Size::larger);
@@ -159,8 +159,8 @@ fn raised(arm: &Arm, values: &[Measured], tolerance: f64) -> Result<(u32, f64), 
     Ok((MOST_REFINEMENTS, last))
 }
 
-/// What an arm has in place of each value, the orders of its polynomials raised so many times: NaN of a mode that does not
-/// vibrate, none of one that it has not.
+/// Predictions of an arm for each value, with the orders of its polynomials raised this many times: NaN for a mode that
+/// does not vibrate, `None` for a missing mode.
 fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option<f64>>, PoseError> {
     let modes = || values.iter().filter_map(|value| value.observable.arm_mode());
     let mut poses: Vec<&Vec<f64>> = Vec::new();
@@ -200,8 +200,8 @@ fn of_arm(arm: &Arm, values: &[Measured], refinements: u32) -> Result<Vec<Option
 }
 
 impl Measurements {
-    /// How often the elements of an automatic plan are halved so that the measured frequencies are exact to a
-    /// tolerance; 0 for other plans.
+    /// Number of times that the elements of an automatic plan are halved for measured frequencies exact to a tolerance;
+    /// 0 for other plans.
     fn halvings(
         &self,
         link: &Link,
@@ -228,13 +228,13 @@ impl Measurements {
         Ok((mesh.elements().len() / first.elements().len()).ilog2())
     }
 
-    /// The highest number measured with the hub at this end; 0 without one.
+    /// Highest measured number with the hub at this end; 0 without a measurement.
     fn most(&self, end: End) -> usize {
         let own = self.values().iter().filter(|measured| measured.observable.end() == Some(end));
         own.map(|measured| measured.observable.number()).max().unwrap_or(0)
     }
 
-    /// What a link has on a mesh; none of one that has no model.
+    /// Predictions of a link on a mesh; `None` without a model.
     fn predicted(&self, link: &Link, mesh: &Mesh, delays: &[f64]) -> Option<Prediction> {
         let values = self.predicted_values(link, mesh);
         let plain = OnceCell::new();
@@ -264,7 +264,7 @@ impl Measurements {
     fn predicted_values(&self, link: &Link, mesh: &Mesh) -> Vec<Option<f64>> {
         let law = DampingLaw::of(link, mesh).ok();
         let known = End::ALL.map(|end| end.frequencies(link, mesh, self.most(end)));
-        // Ratios up to the highest mode whose ratio was measured.
+        // Ratios up to the highest mode with a measured ratio.
         let ratios = End::ALL.map(|end| {
             let is_own = |own: &Observable| own.is_damping() && own.end() == Some(end);
             let own = self.values().iter().map(|measured| &measured.observable);

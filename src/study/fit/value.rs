@@ -1,78 +1,77 @@
-//! Free values of a link file, before and after a fit, and what the derivatives of the residuals say of them:
-//! directions and their standard errors.
+//! Free values of a link file, before and after a fit, with the directions and standard errors from the derivatives of
+//! the residuals.
 
 use faer::Mat;
 use serde::Serialize;
 
-/// Distance from a bound, in the logarithm, at which a value lies on it.
+/// Distance from a bound, in the logarithm, within which a value lies on it.
 const AT_BOUND: f64 = 1e-9;
 
-/// Singular value over the size of the Jacobian below which a direction is not determined: the derivatives
-/// are exact to about 1e-9.
+/// Singular value over the size of the Jacobian below which a direction is not determined: the derivatives are exact to
+/// about 1e-9.
 const UNDETERMINED: f64 = 1e-7;
 
-/// Standard error, in the logarithm, beyond which a direction is not determined either: a factor of ten.
+/// Standard error, in the logarithm, above which a direction is not determined either: a factor of ten.
 const UNKNOWN: f64 = std::f64::consts::LN_10;
 
-/// A value of the link file that is free.
+/// A free value of the link file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Free {
-    /// Its path in the link file.
+    /// Path in the link file.
     pub path: String,
     /// Smallest and largest factor on the file's value.
     pub factors: [f64; 2],
-    /// The file's value, where the path names one alone.
+    /// The file's value, if the path names a single one.
     pub number: Option<FreeNumber>,
 }
 
-/// A value as its link file writes it.
+/// A value as written in its link file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeNumber {
     /// The number.
     pub value: f64,
-    /// Its unit; empty for a number without one, which is in SI.
+    /// Unit; empty for a number in SI.
     pub unit: String,
 }
 
-/// A value that was replaced in a link file.
+/// A replaced value of a link file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Replaced {
-    /// Its path.
+    /// Path of the value.
     pub path: String,
-    /// Its text before.
+    /// Text before.
     pub before: String,
-    /// Its text now.
+    /// Text after.
     pub after: String,
 }
 
 /// A free value, fitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedValue {
-    /// Its path in the link file.
+    /// Path in the link file.
     pub path: String,
     /// Factor on the file's value.
     pub factor: f64,
-    /// The file's value, where the path names one alone.
+    /// The file's value, if the path names a single one.
     pub before: Option<f64>,
-    /// The same, fitted.
+    /// The fitted value, if the path names a single one.
     pub after: Option<f64>,
-    /// Unit of both; empty without one, as of SI.
+    /// Unit of both; empty for numbers in SI.
     pub unit: Option<String>,
-    /// Smallest and largest factor that were allowed.
+    /// Smallest and largest allowed factor.
     pub bounds: [f64; 2],
-    /// Standard error over the value; none where it is not known.
+    /// Standard error over the value; `None` if unknown.
     pub relative_standard_error: Option<f64>,
-    /// Factors on the fitted value between which the true one lies in 95 of 100 cases, by Student's
-    /// distribution where the standard error is that of the differences, with those of all other answers; none where
-    /// it is not known.
+    /// Factors on the fitted value that enclose the true value in 95 of 100 cases, extended by all other answers; from
+    /// Student's distribution if the standard error comes from the differences. `None` if unknown.
     pub relative_interval_95: Option<[f64; 2]>,
     /// True if it lies on one of its bounds.
     pub is_at_bound: bool,
 }
 
 impl FittedValue {
-    /// A value at the logarithm `x` of its factor; its logarithm lies within `reach` standard errors in 95 of
-    /// 100 cases.
+    /// A value at the logarithm `x` of its factor; its logarithm lies within `reach` standard errors in 95 of 100
+    /// cases.
     pub(super) fn of(free: &Free, x: f64, error: Option<f64>, reach: f64) -> Self {
         let number = free.number.as_ref();
         let factor = libm::exp(x);
@@ -93,20 +92,19 @@ impl FittedValue {
 
 /// Singular values and directions of the Jacobian.
 pub(super) struct Spread {
-    /// One for each direction; 0 of those that no row sees.
+    /// Singular value of each direction; 0 for a direction without effect on any row.
     values: Vec<f64>,
     /// Directions in the free values, row by row.
     directions: Mat<f64>,
-    /// The singular values from which on a direction changes the measured values at all, and by more than
-    /// their uncertainty.
+    /// Singular values above which a direction changes the measured values at all, and by more than their uncertainty.
     least: [f64; 2],
 }
 
 impl Spread {
-    /// `weight` is the size that the Jacobian would have if each residual's value followed one free value;
-    /// `scale` the standard deviation of the residuals, 0 where it is not known.
+    /// `weight` is the size of the Jacobian if each residual's value followed one free value; `scale` is the standard
+    /// deviation of the residuals, 0 if unknown.
     pub(super) fn of(jacobian: &Mat<f64>, weight: f64, scale: f64) -> Self {
-        // As many rows as columns, so that every direction has a singular value.
+        // At least as many rows as columns, so that every direction has a singular value.
         let columns = jacobian.ncols();
         let mut square = Mat::zeros(jacobian.nrows().max(columns), columns);
         square.get_mut(..jacobian.nrows(), ..).copy_from(jacobian);
@@ -119,9 +117,9 @@ impl Spread {
         Self { values, directions, least: [UNDETERMINED * largest, scale / UNKNOWN] }
     }
 
-    /// A basis of the directions that change no measured value, where `is_exact`, or else of those that
-    /// change them by less than their uncertainty: in each vector the largest part of one value, which the
-    /// other vectors have not, is 1.
+    /// Basis of the directions that change no measured value, if `is_exact`, or else of those that change them by less
+    /// than their uncertainty. In each vector the largest part is 1 and belongs to a value in which the other vectors
+    /// have no part.
     pub(super) fn open(&self, is_exact: bool) -> Vec<Vec<f64>> {
         let [nothing, little] = self.least;
         let is_open = |value: f64| if is_exact { value < nothing } else { value < little };
@@ -132,7 +130,7 @@ impl Spread {
             open.map(|k| self.directions.row(k).iter().copied().collect()).collect();
         for pivot in 0..rows.len() {
             let sizes = rows[pivot].iter().map(|part| part.abs()).enumerate();
-            // The first of equals, so that round-off does not choose.
+            // The first of equals, so that round-off does not decide.
             let largest =
                 sizes.fold(
                     (0, 0.0),
@@ -162,7 +160,7 @@ impl Spread {
     }
 }
 
-/// The correlation of each pair of the first `count` values.
+/// Correlation of each pair of the first `count` values.
 pub(super) fn correlation(covariance: &Mat<f64>, count: usize) -> Vec<Vec<f64>> {
     let size = |k: usize| covariance[(k, k)].sqrt();
     let share = |k: usize, j: usize| covariance[(k, j)] / (size(k) * size(j));

@@ -1,4 +1,4 @@
-//! Vibrations that stand out of the noise of a decay.
+//! Vibrations above the noise of a decay.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -14,33 +14,33 @@ use super::damped::{Damped, Pole};
 use super::measurement::Observable;
 use crate::numeric::FourierPair;
 
-/// Vibrations that are found beside the modes that were asked for.
+/// Limit of vibrations besides the requested modes.
 const MOST_OTHERS: usize = 4;
 
-/// Relative distance of a vibration beside the modes from all others.
+/// Smallest relative distance of a vibration besides the modes from all others.
 const APART: f64 = 0.2;
 
-/// Amplitude over that of the samples below which a vibration does not count.
+/// Ratio to the samples' amplitude below which a vibration does not count.
 const LEAST: f64 = 1e-4;
 
-/// Logarithm of one over the chance that a spectrum of noise has a higher peak: of a vibration that was not asked for,
-/// and of a mode.
+/// Logarithm of one over the chance that a spectrum of noise has a higher peak: for an unrequested vibration, and for a
+/// mode.
 const CHANCE: f64 = 10.0;
 const CHANCE_OF_MODE: f64 = 5.0;
 
-/// Decay rates of the weights of samples in the spectra.
+/// Decay rates of the samples' weights in the spectra.
 const WEIGHTS: [f64; 4] = [0.0, 3.0, 10.0, 30.0];
 
-/// Factor up and down to the frequencies that are a peak's neighbours.
+/// Factor up and down to the neighbouring frequencies of a peak.
 const NEIGHBOURS: f64 = 1.6;
 
-/// Peaks that are tried in each spectrum.
+/// Number of peaks tried in each spectrum.
 const MOST_TRIED: usize = 30;
 
-/// Decay rates over the time of all samples that an iteration starts from.
+/// Decay rates over the time of all samples at which iterations start.
 const RATES: [f64; 6] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 
-/// The search for the vibrations of modes, the frequency of each within a range in Hz.
+/// Search for the vibrations of modes, each with its frequency in a range in Hz.
 pub(super) struct Search<'a> {
     pub(super) samples: &'a [f64],
     pub(super) duration_s: f64,
@@ -48,7 +48,7 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// All vibrations that stand out.
+    /// All vibrations above the noise.
     pub(super) fn all(&self, line: Damped) -> Damped {
         let mut fit = line;
         let pair = FourierPair::fast(2 * self.samples.len());
@@ -65,8 +65,8 @@ impl Search<'_> {
         fit
     }
 
-    /// Frequency of the next vibration: the peak that is highest over the noise in any of several spectra of what remains.
-    /// Each spectrum weighs the samples by another decay, so that short vibrations stand out of long records.
+    /// Frequency of the next vibration: the highest peak over the noise in any of several spectra of the remainder.
+    /// Each spectrum weights the samples by another decay, so that short vibrations stand out in long records.
     fn peak(&self, pair: &FourierPair, fit: &Damped) -> Option<f64> {
         let differences = fit.differences(self.samples);
         let len = self.samples.len() as f64;
@@ -82,13 +82,13 @@ impl Search<'_> {
         peaks.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, omega)| omega)
     }
 
-    /// Ranges in Hz of the modes that are not found yet.
+    /// Ranges in Hz of the modes without a vibration so far.
     fn looked_for(&self, fit: &Damped) -> Vec<[f64; 2]> {
         let modes = self.modes.iter().zip(self.assigned(fit));
         modes.filter(|(_, place)| place.is_none()).map(|((_, within), _)| *within).collect()
     }
 
-    /// The peak of a spectrum that is highest over the noise: by how much, and its frequency.
+    /// Peak of a spectrum that is highest over the noise: its height over the noise, and its frequency.
     fn highest(
         &self,
         power: &[f64],
@@ -121,10 +121,10 @@ impl Search<'_> {
         };
         let mut peaks: Vec<usize> = (1..power.len() - 1).filter(is_peak).collect();
         peaks.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
-        // What remains about a vibration that is not exponential has peaks on both sides, which are no vibrations.
+        // Around a vibration that is not exponential the remainder has peaks on both sides, which are no vibrations.
         let beside = (1..power.len()).filter(|k| !is_apart(omega(*k)));
         let beside = beside.map(|k| power[k]).fold(0.0, f64::max);
-        // Of noise that is not white only what stands out of its neighbours is a vibration.
+        // In noise that is not white a vibration must exceed its neighbours.
         let over_noise = |k: usize| {
             let around = [k as f64 / NEIGHBOURS, k as f64 * NEIGHBOURS].map(|k| k as usize);
             let neighbours = &power[around[0]..=around[1].min(power.len() - 1)];

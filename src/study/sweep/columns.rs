@@ -1,4 +1,4 @@
-//! The numbers that a sweep has of each case, and the names of their columns.
+//! Numbers of each case of a sweep, and the names of their columns.
 
 use std::f64::consts::TAU;
 
@@ -7,43 +7,43 @@ use crate::modal::torque_zeros;
 use crate::response::{ResidualVibration, Simulation};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
 
-/// A case whose torque was computed.
+/// A case with a computed torque.
 #[derive(Clone, Copy)]
 pub struct SolvedCase<'a> {
     /// The solution.
     pub solution: &'a Solution,
-    /// Its metrics.
+    /// Metrics of the solution.
     pub metrics: &'a Metrics,
-    /// Its first natural frequency in rad/s; none if nothing vibrates.
+    /// First natural frequency in rad/s; `None` if nothing vibrates.
     pub first_rad_s: Option<f64>,
 }
 
-/// A case on which a torque was played.
+/// A case with a played torque.
 #[derive(Debug, Clone, Copy)]
 pub struct PlayedCase<'a> {
     /// The simulation.
     pub simulation: &'a Simulation,
-    /// Its metrics.
+    /// Metrics of the simulation.
     pub metrics: &'a PlayedMetrics,
-    /// The error of the tip against its target.
+    /// Error of the tip relative to its target.
     pub tip_error: &'a TipError,
 }
 
-/// A case of an arm whose torques were computed.
+/// A case of an arm with computed torques.
 #[derive(Debug, Clone, Copy)]
 pub struct ArmCase<'a> {
     /// The solution.
     pub solution: &'a ArmSolution,
-    /// Its metrics.
+    /// Metrics of the solution.
     pub metrics: &'a Metrics,
 }
 
-/// A column and the number that it shows of a case, where it has one.
+/// Name of a column, and its number of a case, if the case has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
 type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 type OfArm = (&'static str, fn(&ArmCase<'_>) -> Option<f64>);
 
-/// The columns of a link before and after those of its hub.
+/// Columns of a link before and after those of its hub.
 const BEFORE: [Solved; 2] = [
     ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
     ("zero_1_per_s", |case| case.solution.first_zero_per_s),
@@ -78,10 +78,10 @@ const PLAYED: [Played; 16] = [
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
 ];
 
-/// The first column of an arm, before those of its joints.
+/// First column of an arm, before those of its joints.
 const ARM: OfArm = ("zero_1_per_s", |case| case.solution.first_zero_per_s);
 
-/// The columns of an arm after those of its joints; errors are the worst of all joints.
+/// Columns of an arm after those of its joints; errors are the worst of all joints.
 const ARM_ERRORS: [OfArm; 5] = [
     ("contraction", |case| case.solution.findings.iteration.contraction),
     ("tip_error", |case| Some(case.solution.tip_error)),
@@ -93,39 +93,38 @@ const ARM_ERRORS: [OfArm; 5] = [
     }),
 ];
 
-/// The vibration after the torque; none of a link with weight or at large angles.
+/// Vibration after the torque; `None` for a link with weight or at large angles.
 fn residual<'a>(case: &PlayedCase<'a>) -> Option<&'a ResidualVibration> {
     case.simulation.modes().and_then(|modes| modes.residual.as_ref())
 }
 
-/// The quantities of a joint that have a column: of a motor or not.
+/// Quantities of a joint with a column, either of a motor or not.
 fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
     QUANTITIES.iter().filter(move |own| own.is_swept && own.is_of_motor == is_of_motor)
 }
 
-/// Which numbers a sweep has of its cases: the columns between those of the variations and the last two,
-/// `warnings` and `error`.
+/// Kind of a sweep's numbers: the columns between those of the variations and the last two, `warnings` and `error`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
-    /// Of the torque for the motion.
+    /// Torque for the motion.
     Solved,
-    /// Of that of a link with a drive, with those of its motor.
+    /// Torque of a link with a drive, with the columns of its motor.
     Driven,
-    /// Of one torque played on every case.
+    /// One torque played on every case.
     Played,
-    /// Of the torques of an arm for its path.
+    /// Torques of an arm for its path.
     Arm {
-        /// How many joints it has.
+        /// Number of joints.
         joints: usize,
     },
-    /// Of those of an arm with a drive, with those of its motors.
+    /// Torques of an arm with a drive, with the columns of its motors.
     DrivenArm {
-        /// How many joints it has.
+        /// Number of joints.
         joints: usize,
     },
 }
 
-/// The numbers of a case, in the order of the columns; none where a case has no such number.
+/// Numbers of a case, in the order of the columns; `None` for a missing number.
 pub type CaseNumbers = Vec<Option<f64>>;
 
 impl SweepKind {
@@ -151,13 +150,13 @@ impl SweepKind {
         parts.concat()
     }
 
-    /// The columns of each joint of an arm.
+    /// Columns of each joint of an arm.
     fn of_joint(self) -> impl Iterator<Item = &'static JointQuantity> {
         let driven = swept(true).filter(move |_| matches!(self, Self::DrivenArm { .. }));
         swept(false).chain(driven)
     }
 
-    /// The numbers of a solved case.
+    /// Numbers of a solved case.
     pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
         let hub = |is_of_motor| swept(is_of_motor).map(|own| (own.of)(case.metrics.hub()));
         let driven = hub(true).filter(|_| self == Self::Driven);
@@ -165,12 +164,12 @@ impl SweepKind {
         BEFORE.iter().map(of).chain(hub(false)).chain(AFTER.iter().map(of)).chain(driven).collect()
     }
 
-    /// The numbers of a case on which a torque was played.
+    /// Numbers of a case with a played torque.
     pub fn played(case: &PlayedCase) -> CaseNumbers {
         PLAYED.iter().map(|(_, of)| of(case)).collect()
     }
 
-    /// The numbers of a case of an arm with as many joints as there are columns for.
+    /// Numbers of a case of an arm with the joints of these columns.
     pub fn of_arm(self, case: &ArmCase) -> CaseNumbers {
         let joints = case.metrics.joints.iter();
         let of_joints = joints.flat_map(|joint| self.of_joint().map(move |own| (own.of)(joint)));

@@ -9,17 +9,16 @@ use std::thread;
 
 use rayon::ThreadPoolBuilder;
 
-/// Computes many cases on all threads of the current pool, and passes each result to `take` in the order
-/// of the cases, as soon as all before it are done.
+/// Computes many cases on all threads of the current pool, and passes the results to `take` in the order of the cases,
+/// each as soon as all before it are done.
 ///
-/// A case has one thread, or an even share of them if there are fewer cases than threads. When `stop`
-/// turns true, or `take` fails, the cases at work are finished and no other is begun: the results that
-/// `take` received have no gap.
+/// A case has one thread, or an even share of them if there are fewer cases than threads. When `stop` becomes true, or
+/// `take` fails, running cases end and no other begins: the results passed to `take` have no gap.
 ///
 /// The working threads themselves call `take`, one at a time.
 ///
 /// # Errors
-/// The first of `take`.
+/// The first error of `take`.
 pub fn in_order<T: Send, E: Send>(
     cases: Range<usize>,
     stop: &AtomicBool,
@@ -36,8 +35,8 @@ pub fn in_order<T: Send, E: Send>(
     let done = Done { waiting: BTreeMap::new(), due: cases.start, take: Some(take) };
     let done = Mutex::new(done);
     let worker = || {
-        // Parallel work within a case uses these threads. If the system has no more threads, it shares those
-        // of the whole program.
+        // Parallel work within a case uses these threads. If the system has no more threads, it shares the threads of
+        // the whole program.
         let _own =
             ThreadPoolBuilder::new().num_threads(threads / workers).use_current_thread().build();
         while !stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed) {
@@ -62,17 +61,17 @@ pub fn in_order<T: Send, E: Send>(
     })
 }
 
-/// Results that are done and not yet passed to `take`.
+/// Finished results that were not yet passed to `take`.
 struct Done<T, F> {
     waiting: BTreeMap<usize, T>,
     /// The next case for `take`.
     due: usize,
-    /// `None` while a thread calls it, and after it has failed.
+    /// `None` while a thread calls it, and after it failed.
     take: Option<F>,
 }
 
-/// Passes a case and all that waited for it to `take`, unless one before it is not done or another
-/// thread calls `take`, which then finds this one.
+/// Passes a case and all that waited for it to `take`, unless an earlier one is unfinished or another thread is calling
+/// `take` and will pass this one.
 fn hand_over<T, E>(
     done: &Mutex<Done<T, impl FnMut(usize, T) -> Result<(), E>>>,
     case: usize,
@@ -106,7 +105,7 @@ mod tests {
         ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
     }
 
-    /// Uneven work, parallel in itself.
+    /// Uneven work with inner parallelism.
     fn sum(case: usize) -> usize {
         let terms = 1000 * (case % 7);
         (0..terms).into_par_iter().map(|k| k % 3).sum::<usize>() + case

@@ -1,5 +1,5 @@
-//! Many cases of one link and motion, or of an arm and its path: which values they take, the share of one machine, their numbers,
-//! and their work in parallel with the order kept.
+//! Many cases of one link and motion, or of an arm and its path: their values, the share of one machine, their numbers,
+//! and their parallel computation in order.
 
 mod columns;
 mod in_order;
@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::motion::MotionScale;
 use crate::text::excerpt;
 
-/// All cases of a sweep: the product of its variations, the last one running fastest.
+/// All cases of a sweep: the product of its variations, with the last one varying fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPlan {
     variations: Vec<Variation>,
@@ -27,38 +27,38 @@ pub struct SweepPlan {
 /// The values of one case of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseValues {
-    /// The value of every variation, as its column shows it.
+    /// Value of every variation, as shown in its column.
     pub values: Vec<String>,
-    /// Changes of the link file, as `--set` reads them.
+    /// Changes of the link file, in the form of `--set`.
     pub link_changes: Vec<String>,
     /// Change of the motion.
     pub motion: MotionScale,
 }
 
-/// Why variations make no sweep.
+/// Reason why variations make no sweep.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PlanError {
-    /// One path in two variations.
+    /// Two variations have the same path.
     #[error("path = {path} twice, but must be varied once")]
     Twice {
-        /// The path.
+        /// Path of the variations.
         path: String,
     },
-    /// More cases than can be counted.
+    /// The number of cases overflows.
     #[error("the product of all values has more cases than can be counted")]
     TooMany,
-    /// A value of the motion that is no factor.
+    /// A value of the motion is not a factor.
     #[error("{change}, but {path} of the motion takes factors, {path}*=0.5,1,2")]
     NoFactor {
-        /// The path, `distance` or `duration`.
+        /// Path, `distance` or `duration`.
         path: String,
-        /// The change that was asked for.
+        /// Text of the change.
         change: String,
     },
 }
 
 impl PlanError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Twice { .. } => "give all of its values at once: PATH=1,2,3",
@@ -68,16 +68,15 @@ impl PlanError {
     }
 }
 
-/// Values of the motion that can be varied.
+/// Values of the motion that can vary.
 const DISTANCE: &str = "distance";
 const DURATION: &str = "duration";
 
 impl SweepPlan {
-    /// Takes the variations of a sweep.
+    /// Makes a plan from the variations of a sweep.
     ///
     /// # Errors
-    /// A path that is varied twice, factors on the motion that are none, or more cases than can be
-    /// counted.
+    /// A path that varies twice, values of the motion that are not factors, or an overflow of the number of cases.
     pub fn new(variations: Vec<Variation>) -> Result<Self, PlanError> {
         for (number, variation) in variations.iter().enumerate() {
             let path = variation.path();
@@ -103,12 +102,12 @@ impl SweepPlan {
         &self.variations
     }
 
-    /// How many cases there are.
+    /// Number of cases.
     pub fn cases(&self) -> usize {
         self.cases
     }
 
-    /// The first case, and those in which one value differs from it: all values, each once.
+    /// The first case, and all cases that differ from it in one value: every value once.
     pub fn single_changes(&self) -> impl Iterator<Item = usize> {
         let strides = self.variations.iter().rev().scan(1, |stride, variation| {
             let (own, values) = (*stride, variation.values().len());
@@ -144,23 +143,23 @@ impl SweepPlan {
     }
 }
 
-/// The factor that a variation multiplies with, if it does.
+/// Factor of a multiplying variation.
 fn factor(variation: &Variation, number: usize) -> Option<f64> {
     let factor = variation.values()[number].parse().ok().filter(|x: &f64| x.is_finite());
     factor.filter(|_| !variation.has_unit() && variation.operation() == Operation::Multiply)
 }
 
-/// Most shards of one sweep.
+/// Largest number of shards of one sweep.
 const MOST: usize = 100_000;
 
-/// Every N-th case, the share of one machine of N: `2/8` has the cases 2, 10, 18, …
+/// Every N-th case, the share of one of N machines: `2/8` has the cases 2, 10, 18, …
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     number: usize,
     of: usize,
 }
 
-/// Text that is no shard.
+/// Text that does not describe a shard.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("shard = {found:?}, but must read I/N, 1 <= I <= N, N at most {MOST}")]
 pub struct ShardError {
@@ -168,24 +167,24 @@ pub struct ShardError {
 }
 
 impl Default for Shard {
-    /// All cases.
+    /// A single shard with all cases.
     fn default() -> Self {
         Self { number: 1, of: 1 }
     }
 }
 
 impl Shard {
-    /// Its number, from 1.
+    /// Number of the shard, from 1.
     pub fn number(&self) -> usize {
         self.number
     }
 
-    /// How many shards there are.
+    /// Number of shards.
     pub fn of(&self) -> usize {
         self.of
     }
 
-    /// How many of `cases` it has.
+    /// Number of its cases out of `cases`.
     pub fn len(&self, cases: usize) -> usize {
         cases.saturating_add(self.of - self.number) / self.of
     }

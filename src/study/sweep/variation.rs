@@ -1,5 +1,4 @@
-//! What a sweep varies: a value of the link or the motion, over a list `a,b,c` or a range
-//! `START:STOP:COUNT[:log]`.
+//! Variation in a sweep: a value of the link or the motion, over a list `a,b,c` or a range `START:STOP:COUNT[:log]`.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -13,10 +12,10 @@ use crate::text::excerpt;
 /// Significant digits of the values between the ends of a range.
 const DIGITS: usize = 15;
 
-/// Most values of one range.
+/// Largest number of values in one range.
 const MOST: usize = 1_000_000;
 
-/// One quantity of the link file or the motion, and its values in turn: `PATH=START:STOP:COUNT`,
+/// One quantity of the link file or the motion, and its values in order: `PATH=START:STOP:COUNT`,
 /// `PATH=START:STOP:COUNT:log`, `PATH=a,b,c`, or these with `*=` for factors.
 ///
 /// ```
@@ -34,12 +33,12 @@ pub struct Variation {
     values: Vec<String>,
 }
 
-/// How a value changes the file.
+/// Effect of a value on the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operation {
-    /// `=`: it replaces the value of the file.
+    /// `=`: the value replaces the file's value.
     Replace,
-    /// `*=`: it multiplies the value of the file.
+    /// `*=`: the value multiplies the file's value.
     Multiply,
 }
 
@@ -53,22 +52,22 @@ impl fmt::Display for Operation {
 }
 
 impl Variation {
-    /// The dotted path of the value.
+    /// Dotted path of the value.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// How the values change the file.
+    /// Effect of the values on the file.
     pub fn operation(&self) -> Operation {
         self.operation
     }
 
-    /// The values in their order, as text, without the unit that all of them share.
+    /// Values in their order, as text, without their common unit.
     pub fn values(&self) -> &[String] {
         &self.values
     }
 
-    /// The value of this number as a table shows it: without quotes.
+    /// Value of this number as shown in a table: without quotes.
     ///
     /// # Panics
     /// If there is no such value.
@@ -76,25 +75,24 @@ impl Variation {
         unquoted(&self.values[number])
     }
 
-    /// Heading of the column: the path, `*` if the values are factors, and in brackets the unit if they
-    /// share one.
+    /// Heading of the column: the path, `*` if the values are factors, and their common unit in brackets.
     pub fn heading(&self) -> String {
         let factor = if self.operation == Operation::Multiply { "*" } else { "" };
         let Self { path, unit, .. } = self;
         if unit.is_empty() { format!("{path}{factor}") } else { format!("{path}{factor} [{unit}]") }
     }
 
-    /// True if all values share a unit.
+    /// True if all values have a common unit.
     pub(super) fn has_unit(&self) -> bool {
         !self.unit.is_empty()
     }
 
-    /// The changes of the link file by all values, as `--set` reads them.
+    /// Changes of the link file by all values, in the form of `--set`.
     pub fn changes(&self) -> Vec<String> {
         (0..self.values.len()).map(|number| self.change(number)).collect()
     }
 
-    /// The change by the value of this number.
+    /// Change by the value of this number.
     ///
     /// # Panics
     /// If there is no such value.
@@ -132,19 +130,19 @@ impl FromStr for Variation {
     }
 }
 
-/// A variation that cannot be read.
+/// Text that cannot be read as a variation.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct VariationError(String);
 
 impl VariationError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "it reads like 'segments.*.EI*=1:8:4:log' or 'payload.mass=0,0.05,0.1'"
     }
 }
 
-/// Values as text, and the unit that all of them share; empty where they share none.
+/// Values as text, and their common unit, if any.
 type Values = (Vec<String>, String);
 
 /// Reads a list or a range.
@@ -176,7 +174,7 @@ fn list(values: &[&str]) -> Result<Values, VariationError> {
     }
 }
 
-/// The values of the parts that colons separate.
+/// Values of a range, from its parts between colons.
 fn range(parts: &[&str]) -> Result<Values, VariationError> {
     let text = parts.join(":");
     let text = excerpt(&text);
@@ -211,7 +209,7 @@ fn range(parts: &[&str]) -> Result<Values, VariationError> {
     Ok(((0..count).map(|k| shortest(at(k))).collect(), unit))
 }
 
-/// Value `k` of `0 ..= last`, the ends exact.
+/// Value `k` of `0 ..= last`, with exact ends.
 fn value(start: f64, stop: f64, (k, last): (usize, usize), logarithmic: bool) -> f64 {
     if k == 0 {
         return start;
@@ -229,7 +227,7 @@ fn value(start: f64, stop: f64, (k, last): (usize, usize), logarithmic: bool) ->
     rounded(between, DIGITS)
 }
 
-/// The shortest text that reads back to the same number, in a link file, too.
+/// The shortest text that reads back to the same number, also in a link file.
 fn shortest(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
@@ -238,7 +236,7 @@ fn shortest(value: f64) -> String {
     if (1e-4..1e15).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// The parts of a text between separators outside quotes and brackets.
+/// Parts of a text between separators outside quotes and brackets.
 fn parts(text: &str, separator: char) -> Result<Vec<&str>, VariationError> {
     let (mut depth, mut quote) = (0_i32, None);
     let (mut parts, mut start) = (Vec::new(), 0);
@@ -263,7 +261,7 @@ fn parts(text: &str, separator: char) -> Result<Vec<&str>, VariationError> {
     Ok(parts)
 }
 
-/// A text without the quotes that a link file has around it.
+/// Removes the quotes of a text in a link file.
 fn unquoted(value: &str) -> &str {
     let inner = |quote: char| value.strip_prefix(quote)?.strip_suffix(quote);
     let plain = |inner: &&str| !inner.contains(['"', '\'', '\\']);

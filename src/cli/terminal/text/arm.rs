@@ -1,4 +1,4 @@
-//! The summaries that `solve` and `simulate` print of an arm.
+//! Summaries of an arm from `solve` and `simulate`.
 
 use crate::inverse::ArmSolution;
 use crate::link::{Arm, Damping};
@@ -11,7 +11,7 @@ use super::layout::LABEL;
 use super::played::{between, times, tip_error_line, tip_line};
 use super::runs::{errors_text, four, hub_line, joint_lines, labelled, order_text, turned};
 
-/// The summary of an arm's solution; `written` says where its files are.
+/// Summary of an arm's solution; `written` describes its files.
 pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: String) -> String {
     let arm = &solution.arm;
     let numbered = |what: &str, number: usize| format!("{what} {}", number + 1);
@@ -20,7 +20,7 @@ pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: Strin
     });
     let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
         let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
-        // The other lines say what they are of.
+        // The other lines contain their subject.
         let lines = lines.map(|(label, line)| match label {
             "motor" => format!("motor {line}"),
             _ => line,
@@ -88,7 +88,7 @@ fn order_line(solution: &ArmSolution) -> String {
     order_text(findings.order, &slopes, iterated) + fallback
 }
 
-/// The summary of an arm's simulation; `written` says where its files are.
+/// Summary of an arm's simulation; `written` describes its files.
 pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
     let own = |label: &str, line: String| (label.to_owned(), line);
     let joints = run.metrics.joints.iter().enumerate().map(|(number, joint)| {
@@ -112,7 +112,7 @@ pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
     labelled(run.arm.title(), lines.into_iter().chain(joints).chain(end))
 }
 
-/// What is played in place of damping that has no equation in time.
+/// Substitute for damping that has no equation in time.
 fn damping_line(run: &PlayedRun<'_>) -> String {
     let is_hysteretic =
         |damping: &Damping| matches!(damping, Damping::Hysteretic { ratio } if *ratio > 0.0);

@@ -1,4 +1,4 @@
-//! What `compare` and `solve --repeat` print.
+//! Output of `compare` and `solve --repeat`.
 
 use std::path::Path;
 
@@ -15,17 +15,17 @@ pub(crate) fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Columns listed for one file; `--json` lists all.
+/// Largest number of listed columns for one file; `--json` lists all.
 const MOST_COLUMNS: usize = 20;
-/// Characters of a word that are shown.
+/// Number of shown characters of a word.
 const LONGEST_WORD: usize = 20;
-/// Characters of a key that is shown exactly.
+/// Largest number of characters of a key that is shown exactly.
 const LONGEST_KEY: usize = 10;
 
-/// A line for each file, and for one that differs a line for each column, the worst first.
+/// A line for each file, and for a different one a line for each column, the worst first.
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let is_equal = comparison.is_equal();
-    // Other inputs alone are no difference, but explain one, be it in a table.
+    // Different inputs alone are no difference, but explain one, even in a table.
     let inputs_text = |file: &FileComparison| {
         let inputs = file.inputs.iter().filter(|_| !is_equal);
         inputs.fold(String::new(), |text, input| text + "  " + input + "\n")
@@ -34,7 +34,7 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     files.chain([result_line(comparison)]).collect()
 }
 
-/// What became of the golden files.
+/// Changes of the golden files.
 pub(crate) fn blessed_text(expected: &Path, changes: &GoldenChanges) -> String {
     let (written, removed) = (changes.written.len(), changes.removed.len());
     if written + removed == 0 {
@@ -69,7 +69,7 @@ fn size(table: &TableComparison) -> String {
     format!("{columns}, {}{aside}{ignored}", counted(table.rows, "row"))
 }
 
-/// How far a file within tolerance is from the expected one, if it is at all.
+/// Distance of a file within tolerance from the expected one, unless it is 0.
 fn apart(table: &TableComparison) -> String {
     let worst = table.columns.iter().max_by(|a, b| a.relative().total_cmp(&b.relative()));
     match worst {
@@ -124,7 +124,7 @@ fn columns_text(table: &TableComparison, failing: &[&ColumnComparison]) -> Strin
     [head].into_iter().chain(columns).chain(rest).collect()
 }
 
-/// The worst difference in numbers, or the two fields where one is no number.
+/// The worst difference in numbers, or the two fields if one is not a number.
 fn amounts(column: &ColumnComparison, worst: &Worst) -> String {
     if worst.difference.is_infinite() {
         let [expected, actual] = [&worst.expected_field, &worst.actual_field].map(|f| word(f));
@@ -169,11 +169,11 @@ fn result_line(comparison: &Comparison) -> String {
     format!("result   {}{not_compared}\n", counts.join(", "))
 }
 
-/// Characters of a line that are shown before the first one that differs, and in all.
+/// Number of shown characters of a line before the first different one, and in all.
 const BEFORE: usize = 20;
 const IN_ALL: usize = 48;
 
-/// A line for each file that differs from that of the run, and the result for all.
+/// A line for each file that differs from the run's, and the result for all.
 pub(crate) fn repetition_text(files: &[RepeatedFile], run: &Path, kept: Option<&Path>) -> String {
     let (all, run) = (files.len(), shown_path(run));
     let lines: Vec<String> = files.iter().filter_map(file_line).collect();
@@ -204,11 +204,11 @@ fn file_line(file: &RepeatedFile) -> Option<String> {
     }
 }
 
-/// The part of a line around the first character in which it differs from another one.
+/// Part of a line around its first difference from another one.
 fn excerpt(line: &[u8], other: &[u8]) -> String {
     let [text, other] = [line, other].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
     let same = text.chars().zip(other.chars()).take_while(|(a, b)| a == b).count();
-    // The line end is shown if it is what differs.
+    // The line end is shown if it is the difference.
     let content = text.trim_end_matches(['\r', '\n']);
     let is_content = same < content.chars().count();
     let text = if is_content { content } else { text.as_str() };

@@ -1,19 +1,19 @@
-//! What `fit` prints.
+//! Output of `fit`.
 
 use crate::fit::{
     ChannelMisfit, DecayMode, FitOutcome, FittedValue, Measured, OtherAnswer, Replaced,
 };
 use crate::text;
 
-/// Correlation from which on two values are said to go together.
+/// Correlation above which two values are reported as correlated.
 const CORRELATED: f64 = 0.9;
 
-/// A number of so many digits, or that it is not known.
+/// A number with this number of digits, or a text for an unknown one.
 fn significant(value: f64, digits: usize) -> String {
     if value.is_finite() { text::significant(value, digits) } else { "not known".to_owned() }
 }
 
-/// The free values, what they replace, the measurements beside the fitted values, and correlations.
+/// The free values, the values that they replace, the measurements with the fitted values, and correlations.
 pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     let heads = ["free value", "factor", "change", "std. error", "95 % within"];
     let paths = outcome.values.iter().map(|value| value.path.chars().count());
@@ -105,12 +105,12 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// A free value; its interval in factors on the file's value.
+/// A free value, with its interval as factors on the file's value.
 fn value_text(value: &FittedValue, width: usize) -> String {
     let error = value.relative_standard_error.map_or("not known".to_owned(), percent);
     let change = signed_percent(value.factor - 1.0);
     let interval = value.relative_interval_95.map_or(String::new(), |interval| {
-        // Two digits of its width.
+        // Two digits of the interval's width.
         let width = (interval[1] / interval[0] - 1.0).max(1e-9);
         let digits = (4_usize..12).find(|digits| libm::exp10(2.0 - *digits as f64) < width);
         let [low, high] = interval.map(|end| significant(value.factor * end, digits.unwrap_or(12)));
@@ -125,7 +125,7 @@ fn value_row([name, factor, change, error, interval]: [&str; 5], width: usize) -
         .to_owned()
 }
 
-/// A number with its sign; what rounds to 0 is not negative.
+/// A number with its sign; a number that rounds to 0 is not negative.
 fn signed(number: f64, decimals: usize) -> String {
     let text = format!("{number:+.decimals$}");
     let is_zero = text.chars().all(|letter| matches!(letter, '-' | '+' | '0' | '.'));

@@ -1,12 +1,12 @@
-//! Lines of at most 80 columns: items that go on, and values below their names.
+//! Lines of at most 80 columns: wrapped items, and values below their names.
 
 use std::fmt::Write as _;
 
-/// Columns of a line, and of the label that it begins with.
+/// Number of columns of a line, and of its label.
 pub(super) const COLUMNS: usize = 80;
 pub(super) const LABEL: usize = 9;
 
-/// Items with commas between them and an end, on as many lines as 80 columns take.
+/// Items with commas between them and an end, wrapped at 80 columns.
 pub(super) fn wrapped(items: impl Iterator<Item = String>, end: &str) -> String {
     let (mut text, mut column) = (String::new(), LABEL);
     for item in items {
@@ -25,7 +25,7 @@ pub(super) fn wrapped(items: impl Iterator<Item = String>, end: &str) -> String 
     text + end
 }
 
-/// Values below their names, in as many blocks as 80 columns take, and an end behind the last one.
+/// Values below their names, in blocks of at most 80 columns, with an end after the last one.
 pub(super) fn in_columns(items: impl Iterator<Item = (String, String)>, end: &str) -> String {
     let mut blocks: Vec<[String; 2]> = Vec::new();
     for (name, value) in items {

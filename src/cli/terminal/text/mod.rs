@@ -1,4 +1,4 @@
-//! Results in words, as the commands print them: lines of at most 80 columns.
+//! Text of results for the commands: lines of at most 80 columns.
 
 mod arm;
 mod compare;

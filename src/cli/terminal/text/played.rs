@@ -1,4 +1,4 @@
-//! The summary that `simulate` prints.
+//! Summary from `simulate`.
 
 use crate::link::{Damping, Link};
 use crate::numeric::{TimeGrid, largest};
@@ -12,7 +12,7 @@ use crate::text::{instant, plain, significant};
 use super::layout::LABEL;
 use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, turned};
 
-/// The summary of a torque or a hub motion that was played; `written` says where its files are.
+/// Summary of a played torque or hub motion; `written` describes its files.
 pub(crate) fn simulate_text(
     link: &Link,
     play: &Play,
@@ -47,7 +47,7 @@ pub(crate) fn simulate_text(
     )
 }
 
-/// A line for the times that are compared, then one for each channel.
+/// A line for the compared times, then one for each channel.
 fn measured_text(comparison: &Comparison) -> String {
     let Comparison { samples, left_out, .. } = comparison;
     let [from, until] = four([comparison.from_s, comparison.until_s]);
@@ -68,7 +68,7 @@ const NOTHING: f64 = 1e-6;
 
 fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
     let name = channel.channel.name().to_owned();
-    // What is smaller is round-off.
+    // Smaller values are round-off.
     let least = NOTHING * channel.recorded_deviation;
     let is_more = channel.rms >= least;
     let rms = significant(if is_more { channel.rms } else { least }, if is_more { 3 } else { 1 });
@@ -101,7 +101,7 @@ fn row([name, rms, share, delay, gain, left]: [String; 6]) -> String {
     format!("{name:<15}{rms:>16}{share:>10}{delay:>14}{gain:>10}{left:>11}")
 }
 
-/// The law, and what is played in its place where it has no equation in time.
+/// The law, and its substitute if it has no equation in time.
 fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
     let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
     let modes = match play.input {
@@ -122,7 +122,7 @@ fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
     format!("{times}, {between}; peak {peak} N m")
 }
 
-/// How a torque is played between its samples.
+/// Course of a torque between its samples.
 pub(super) fn between(interpolation: Interpolation) -> &'static str {
     match interpolation {
         Interpolation::Cubic => "cubic spline",
@@ -131,13 +131,13 @@ pub(super) fn between(interpolation: Interpolation) -> &'static str {
     }
 }
 
-/// Times of the samples that are played.
+/// Times of the played samples.
 pub(super) fn times(grid: &TimeGrid) -> String {
     let [start, end] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
     format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
 }
 
-/// The hub's motion, where that is played.
+/// The hub's motion, if it is the input.
 fn played_hub(play: &Play) -> String {
     match play.input {
         Input::Torque(_) => String::new(),
@@ -151,21 +151,21 @@ fn feedback_line(play: &Play) -> String {
     format!("{kp} N m/rad, {kd} N m s/rad around the reference")
 }
 
-/// What holds a link with weight before it moves.
+/// Torque that holds a link with weight before it moves.
 fn weight_line(link: &Link, simulation: &Simulation) -> String {
     let acting = link.gravity().filter(|own| own.acts());
     let (Some(gravity), Played::Elastica(bent)) = (acting, &simulation.played) else {
         return String::new();
     };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
-    // A link that hangs straight is held by round-off.
+    // For a link that hangs straight the holding torque is round-off.
     let is_held = bent.holding_n_m.abs() > NOTHING * largest(&simulation.torque_n_m);
     let holding_n_m = if is_held { bent.holding_n_m } else { 0.0 };
     let [angle, held] = four([simulation.hub_angle_rad[0], holding_n_m]);
     format!("{along_x}, {along_y} m/s²; at first {held} N m hold the hub at {angle} rad")
 }
 
-/// By what the link was played.
+/// Method of the simulation.
 fn played_by(simulation: &Simulation, play: &Play) -> (&'static str, String) {
     match &simulation.played {
         Played::Modes(modes) => ("modes", modes_line(modes, play)),
@@ -201,7 +201,7 @@ pub(super) fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
     }
 }
 
-/// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
+/// The vibration after the torque. A share of the travel is omitted if the tip had hardly begun to move.
 fn residual_line(simulation: &Simulation) -> String {
     let Some(residual) = simulation.modes().and_then(|modes| modes.residual) else {
         return String::new();
@@ -214,7 +214,7 @@ fn residual_line(simulation: &Simulation) -> String {
     vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
 }
 
-/// How long that takes to die down; empty where nothing vibrates.
+/// Decay time of the vibration; empty without a vibration.
 fn decay_line(simulation: &Simulation, play: &Play) -> String {
     let input = match play.input {
         Input::Torque(_) => "torque",
@@ -232,7 +232,7 @@ fn decay_line(simulation: &Simulation, play: &Play) -> String {
     }
 }
 
-/// The errors of the simulation itself.
+/// Errors of the simulation.
 fn simulation_errors(error: Option<&PlayError>, simulation: &Simulation, play: &Play) -> String {
     let measured = error.map(|PlayError { tip, hub_angle }| match (&simulation.played, play.input) {
         (Played::Elastica(_), _) => {
@@ -247,7 +247,7 @@ fn simulation_errors(error: Option<&PlayError>, simulation: &Simulation, play: &
     measured.unwrap_or_else(|| unknown.to_owned())
 }
 
-/// What the linear model leaves out.
+/// Error of the linear model.
 fn model_line(simulation: &Simulation) -> String {
     let Some(ModalPlay { model_error, .. }) = simulation.modes() else { return String::new() };
     let PlayedModelError { tip, deflection } = model_error;

@@ -1,4 +1,4 @@
-//! The summary that `solve` prints, and the lines of it that `simulate` prints, too.
+//! Summary from `solve`, and the lines of it that `simulate` also prints.
 
 use std::f64::consts::TAU;
 use std::fmt::{Display, Write as _};
@@ -15,7 +15,7 @@ use crate::text::{gigabytes, instant, plain, significant, visible};
 
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
 
-/// The note about memory before it is taken.
+/// Note about memory before its allocation.
 pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     let gigabytes = gigabytes(bytes);
     let more = if blocks > 1 {
@@ -26,7 +26,7 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// The summary of a solution; `written` says what was written where.
+/// Summary of a solution; `written` describes its files.
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
@@ -42,7 +42,7 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
     labelled(link.title(), before.into_iter().chain(joint_lines(metrics.hub())).chain(after))
 }
 
-/// The lines of a joint, its link and its motor.
+/// Lines of a joint, its link and its motor.
 pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
     let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
     [
@@ -54,7 +54,7 @@ pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
     ]
 }
 
-/// A title, then a line for each label that has content.
+/// A title, then a line for each label with content.
 pub(super) fn labelled<L: Display>(
     titled: &str,
     lines: impl IntoIterator<Item = (L, String)>,
@@ -67,7 +67,7 @@ pub(super) fn labelled<L: Display>(
     text
 }
 
-/// The title of a link or an arm on a line of its own, if it has one.
+/// The title of a link or an arm on a separate line, if it has one.
 pub(super) fn title(title: &str) -> String {
     if title.is_empty() { String::new() } else { format!("{}\n", visible(title)) }
 }
@@ -84,7 +84,7 @@ pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
     format!("{length} m, {elements} elements, rigid inertia {inertia} kg m²")
 }
 
-/// The damping law in words, and the damping ratios of the modes where they are not all one.
+/// The damping law in words, and the damping ratios of the modes if they differ.
 pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
     let own = match (link.damping(), law) {
         (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
@@ -106,7 +106,7 @@ pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f
     wrapped(std::iter::once(own).chain(ratios), "")
 }
 
-/// Gravity, and the direction of the link where the tip's displacement is 0.
+/// Gravity, and the direction of the link at tip displacement 0.
 fn gravity_line(solution: &Solution) -> String {
     let Some(gravity) = solution.link().gravity() else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
@@ -116,15 +116,15 @@ fn gravity_line(solution: &Solution) -> String {
     format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
 }
 
-/// What was counted of the second order, and what it brought.
+/// Order of the second-order terms, and their effect.
 fn order_line(solution: &Solution) -> String {
     let Some(found) = solution.second_order() else { return String::new() };
     let iterated = (found.torque_change, found.iterations, found.contraction);
     order_text(found.order, &[found.largest_slope], iterated)
 }
 
-/// The order of the terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
-/// and the number of iterations with their contraction.
+/// Order of the terms and largest slope of each link; then the largest change of a torque, over its peak or range, and
+/// the number of iterations with their contraction.
 pub(super) fn order_text(
     order: SecondOrder,
     slopes: &[f64],
@@ -148,7 +148,7 @@ pub(super) fn order_text(
     wrapped(parts.into_iter(), "")
 }
 
-/// The first natural frequencies with a free hub, and the zeros of torque → tip: as many as a line takes.
+/// The first natural frequencies with a free hub, and the zeros of torque → tip, as many as fit on a line.
 fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
     let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
     let zeros: Vec<String> =
@@ -170,7 +170,7 @@ fn list(values: &[f64], digits: usize) -> String {
     values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
 }
 
-/// Velocity over its peak that is shown as rest.
+/// Velocity over its peak below which it is shown as rest.
 const ROUND_OFF: f64 = 1e-9;
 
 fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
@@ -202,7 +202,7 @@ fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
     with_peaks(&format!("{travel} in {duration} s at {step} s"), solution, metrics)
 }
 
-/// A cycle: how far it leads, or turns, in what time.
+/// A cycle: its travel or angle, and its period.
 fn cycle_line(solution: &Solution, farthest_m: f64) -> String {
     let (grid, travel_m) = (solution.motion.grid(), solution.motion.travel_m());
     let [farthest, travel, period] = four([farthest_m, travel_m, grid.len as f64 * grid.step_s]);
@@ -228,14 +228,14 @@ fn with_peaks(motion: &str, solution: &Solution, metrics: &Metrics) -> String {
     wrapped(peaks.into_iter(), "")
 }
 
-/// The torque of hub or motor.
+/// Torque of hub or motor.
 fn acting(peak_n_m: Peak, rms_n_m: f64) -> String {
     let peak = significant(peak_n_m.value, 4);
     let (time, rms) = (instant(peak_n_m.time_s, 3), significant(rms_n_m, 3));
     format!("peak {peak} N m at {time} s, rms {rms} N m")
 }
 
-/// The hub's torque beside that of a rigid link.
+/// The hub's torque, with that of a rigid link.
 fn torque_line(metrics: &JointMetrics) -> String {
     let [peak, rigid] = four([metrics.peak_torque_n_m.value, metrics.peak_rigid_torque_n_m.value]);
     let time = instant(metrics.peak_torque_n_m.time_s, 3);
@@ -255,7 +255,7 @@ pub(super) fn timing_text(metrics: &JointMetrics) -> String {
     times_s.map_or("one cycle, which the torque repeats".to_owned(), timing_line)
 }
 
-/// When the torque is above 2 % of its peak. A slow motion begins and ends with less.
+/// Times at which the torque exceeds 2 % of its peak. A slow motion begins and ends with less.
 fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {
@@ -266,7 +266,7 @@ fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     format!("starts {start} s {begins} the motion begins, ends {end} s {ends} it ends")
 }
 
-/// How far a hub turns, or from where to where a joint of an arm does.
+/// Angle that a hub turns, or start and end angle of an arm's joint.
 pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String {
     match end_angles_rad.map(four) {
         Some([from, to]) => format!("turns from {from} to {to} rad"),
@@ -274,13 +274,13 @@ pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String
     }
 }
 
-/// How a hub turns, its largest rate and its largest power.
+/// Turn of a hub, its largest rate and its largest power.
 pub(super) fn hub_line(turns: &str, [rate_rad_s, power_w]: [Peak; 2]) -> String {
     let [rate, power] = four([rate_rad_s.value, power_w.value]);
     format!("{turns}; peaks {rate} rad/s, {power} W")
 }
 
-/// Torque, rate and power of the motor, on its own side of the gear.
+/// Torque, rate and power of the motor, on its side of the gear.
 fn motor_line(motor: &MotorMetrics) -> String {
     let [rate, power] = four([motor.peak_rate_rad_s.value, motor.peak_power_w.value]);
     acting(motor.peak_torque_n_m, motor.rms_torque_n_m) + &format!("; {rate} rad/s, {power} W")
@@ -295,13 +295,13 @@ fn bending_line(metrics: &JointMetrics) -> String {
     deflection(metrics.peak_deflection_m) + &format!(", root moment up to {moment} N m")
 }
 
-/// One kind of error of a quantity, where it was measured.
+/// One kind of error of a quantity, if measured.
 type Kind = fn(QuantityErrors) -> Option<f64>;
 
-/// The kind of error that is printed for the torque, too, if another quantity is worse.
+/// The kind of error that is also printed for the torque, if another quantity is worse.
 const INPUT: &str = "input";
 
-/// A cycle is not cut out of a longer one.
+/// A kind of error that a cycle lacks, because it is not cut out of a longer one.
 const WINDOW: &str = "window";
 
 fn solution_errors(solution: &Solution) -> String {
@@ -312,7 +312,7 @@ fn solution_errors(solution: &Solution) -> String {
     errors_text(&[errors.errors], (tip, errors.tip_model), (is_cycle, of))
 }
 
-/// The errors of the tip, then the worst error of each kind, with its quantity where that is not the torque, and its joint
+/// Errors of the tip, then the worst error of each kind, with its quantity unless it is the torque, and its joint out
 /// of several.
 pub(super) fn errors_text(
     errors: &[PerQuantity<QuantityErrors>],
@@ -341,7 +341,7 @@ pub(super) fn errors_text(
             .then(|| quantity.name().replace("acceleration", "accel."));
         let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");
         let of = if of.is_empty() { of } else { format!(" ({of})") };
-        // The input moves derivatives most; of the torque it must be known as well.
+        // The input affects derivatives most, but its effect on the torque is also needed.
         let torque = of_torque.filter(|_| *name == INPUT && quantity != Quantity::Torque);
         let torque = torque.map(|share| format!("{share:.1e} and ")).unwrap_or_default();
         Some((format!("{name}{of}"), format!("{torque}{error:.1e}")))
@@ -353,7 +353,7 @@ pub(super) fn errors_text(
     in_columns(tip.into_iter().chain(worst).chain(model).chain(tip_model), of)
 }
 
-/// Rows that are written, and the times of the first and the last.
+/// Number of written rows, and the times of the first and the last.
 pub(crate) fn rows_text(rows: &ThinnedGrid) -> String {
     let [start, end] = [0, rows.len().saturating_sub(1)].map(|row| instant(rows.time_s(row), 4));
     format!("{} rows, {start} … {end} s", rows.len())

@@ -1,4 +1,4 @@
-//! What `modes`, `verify` and `trajectory --fit-limit` print.
+//! Output of `modes`, `verify` and `trajectory --fit-limit`.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::verify::Verification;
 use super::arm::{gravity_line, size_line};
 use super::runs::{four, link_line, title};
 
-/// Modes of a link or an arm with joints free and held, and zeros of its links.
+/// Modes of a link or an arm with free and with held joints, and zeros of its links.
 pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     let link = &arm.links()[0].link;
     let list = |values: &[f64]| {
@@ -64,7 +64,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     title(arm.title()) + &lines.join("\n") + "\n"
 }
 
-/// A heading, then a row a zero, and a line for each frequency at which no torque moves the tip.
+/// A heading, then a row for each zero, and a line for each frequency at which no torque moves the tip.
 fn zero_rows(found: &LinkZeros) -> Vec<String> {
     let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
     let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
@@ -81,7 +81,7 @@ fn zero_rows(found: &LinkZeros) -> Vec<String> {
     lines
 }
 
-/// What holds the hub of a link, or the rotors of an arm.
+/// Restraint of a link's hub, or of an arm's rotors.
 fn joints_held(arm: &Arm) -> String {
     let springs = arm.joint_stiffnesses_n_m_rad();
     let (is_one, are_stiff) = (springs.len() == 1, springs.iter().all(|own| own.is_infinite()));
@@ -110,7 +110,8 @@ fn unsteady(number: &str, square_per_s2: f64, what: &str) -> Option<String> {
 
 const MESH_ERROR: &str = "mesh error";
 
-/// A heading, then a row a mode: of a link with its period, of an arm with how far each joint turns, where any does.
+/// A heading, then a row for each mode: for a link with its period, for an arm with the turn of each joint, unless all
+/// are 0.
 fn mode_rows(found: &ModesResult, own: &SettledModes, first: usize) -> Vec<String> {
     let is_link = found.joint_stiffnesses_n_m_rad.len() == 1;
     let is_straight = matches!(found.setting, Setting::Straight { .. });
@@ -142,7 +143,7 @@ fn mode_rows(found: &ModesResult, own: &SettledModes, first: usize) -> Vec<Strin
     std::iter::once(row(heading, "  joints")).chain(modes).collect()
 }
 
-/// A relative error; below what the iterations leave open, a bound. Empty where it is not known.
+/// A relative error, or a bound below the accuracy of the iterations. Empty if unknown.
 fn share(error: f64) -> String {
     const KNOWN_TO: f64 = 1e-12;
     match error {
@@ -163,7 +164,7 @@ pub(crate) fn verify_text(verification: &Verification) -> String {
     std::iter::once(header).chain(lines).map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
-/// Numbers below it are round-off, another one on every machine.
+/// Size below which numbers are round-off, which differs between machines.
 const ROUND_OFF: f64 = 1e-9;
 
 fn check_line(check: &Check) -> String {
@@ -176,7 +177,7 @@ fn check_line(check: &Check) -> String {
             } else if found >= bound && check.passes {
                 format!("< {bound:.1e}")
             } else {
-                // The column has no place for more decimals.
+                // The column has no room for more decimals.
                 format!("{found:.0$e}", digits_beyond(found, bound) - 1)
             };
             format!("{what:<34} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
@@ -185,7 +186,7 @@ fn check_line(check: &Check) -> String {
     }
 }
 
-/// How a duration was found among those that were tried, with all limits that it is within.
+/// Description of a duration chosen out of those tried, with all limits that it keeps.
 pub(crate) fn found_text<S>(fit: &Fit<S>, values: &[LimitedValue]) -> String {
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
@@ -203,7 +204,7 @@ fn of_joint(joint: Option<usize>) -> String {
     joint.map_or(String::new(), |joint| format!("joint {} ", joint + 1))
 }
 
-/// Which limit a motion comes closest to, and by how much.
+/// The limit that a motion comes closest to, and the margin.
 pub(crate) fn binding_text<S>(fit: &Fit<S>) -> String {
     if fit.has_fewest_steps() {
         return "; no limit binds: the profile has no fewer steps".to_owned();

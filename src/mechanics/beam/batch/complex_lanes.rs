@@ -1,4 +1,4 @@
-//! Many complex numbers at a time.
+//! Several complex numbers at a time.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -11,7 +11,7 @@ use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use super::lanes::{Lanes, MOST_LANES, RealLanes};
 use crate::numeric::Scalar;
 
-/// Complex numbers, two vectors of real and two of imaginary parts.
+/// Complex numbers as two vectors of real parts and two of imaginary parts.
 ///
 /// Loading distributes the numbers over the lanes in the fastest way; storing restores their order.
 #[derive(Debug, Clone, Copy)]
@@ -21,10 +21,10 @@ pub(super) struct ComplexLanes<S: Simd> {
 }
 
 impl<S: Simd> ComplexLanes<S> {
-    /// How many numbers are worked on at a time.
+    /// Number of lanes.
     pub(super) const LEN: usize = RealLanes::<S>::LEN;
 
-    /// The first [`Self::LEN`] of `numbers`; fewer are filled up with the last one, none with zeros.
+    /// Loads the first [`Self::LEN`] of `numbers`; pads fewer with the last one, not with zeros.
     #[inline(always)]
     pub(super) fn load(simd: S, numbers: &[Complex64]) -> Self {
         if numbers.len() >= Self::LEN {
@@ -47,7 +47,7 @@ impl<S: Simd> ComplexLanes<S> {
         }
     }
 
-    /// The numbers in their order; entries from [`Self::LEN`] on are meaningless.
+    /// The numbers in order; entries from [`Self::LEN`] on are meaningless.
     #[inline(always)]
     pub(super) fn numbers(self) -> Lanes<Complex64> {
         let mut numbers = Lanes([Complex64::ZERO; MOST_LANES]);
@@ -55,7 +55,7 @@ impl<S: Simd> ComplexLanes<S> {
         numbers
     }
 
-    /// Writes the first numbers, as many as there is room for, at most [`Self::LEN`].
+    /// Writes the first numbers into all places of `numbers`, at most [`Self::LEN`].
     #[inline(always)]
     pub(super) fn store(self, numbers: &mut [Complex64]) {
         if numbers.len() >= Self::LEN {
@@ -76,18 +76,18 @@ impl<S: Simd> ComplexLanes<S> {
     }
 }
 
-/// Lanes over which the recursion runs at complex λ: complex ones, or real ones where all λ are real.
+/// Lanes of the recursion at complex λ: complex lanes, or real ones where all λ are real.
 pub(super) trait LambdaLanes<S: Simd>: Scalar<Size = RealLanes<S>> {
-    /// How many numbers are worked on at a time.
+    /// Number of lanes.
     const LEN: usize;
 
-    /// True if all imaginary parts are 0 and left out.
+    /// True if the lanes are real: all imaginary parts are 0.
     const IS_REAL: bool;
 
-    /// The first [`Self::LEN`] of `numbers`, as [`ComplexLanes::load`] has them.
+    /// Loads the first [`Self::LEN`] of `numbers` like [`ComplexLanes::load`].
     fn load_numbers(simd: S, numbers: &[Complex64]) -> Self;
 
-    /// As complex numbers, which know the order that [`Self::load_numbers`] gave the lanes.
+    /// Converts to complex lanes in the order of [`Self::load_numbers`].
     fn complex(self) -> ComplexLanes<S>;
 }
 
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use crate::numeric::Size;
 
-    /// Numbers of every size and sign, a NaN among them.
+    /// Numbers of every size and sign, and a NaN.
     fn numbers() -> Vec<Complex64> {
         let wave = |k: i32, turn: f64| (f64::from(k) * turn).sin() * 10f64.powi(k % 13 - 6);
         let mut numbers: Vec<_> =
@@ -209,7 +209,7 @@ mod tests {
         numbers
     }
 
-    /// Every operation of a scalar on two of them.
+    /// Every operation of a scalar on two numbers.
     fn operations<T: Scalar>(a: T, b: T) -> [T; 7] {
         let chosen = T::choose(a.size(), b.size() * 0.8, a, b);
         [a + b, a - b, a * b, a + 0.3, a * 0.3, a.reciprocal(), chosen]

@@ -1,5 +1,5 @@
-//! The recursion from tip to hub at many λ: transfers from the tip to the hub, and what searches of modes
-//! and zeros need.
+//! The recursion from tip to hub at many λ: transfers from the tip to the hub, and values for searches of modes and
+//! zeros.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 #![expect(
@@ -62,7 +62,7 @@ impl WithSimd for Tip<'_> {
 }
 
 impl Recursed {
-    /// Appends the transfers at further λ, all of them real or all complex.
+    /// Appends the transfers at further λ, either all real or all complex.
     #[inline(always)]
     fn extend<S: Simd, L: LambdaLanes<S>>(&mut self, simd: S, mesh: &Mesh, lambdas: &[Complex64]) {
         for lambdas in lambdas.chunks(L::LEN) {
@@ -89,9 +89,9 @@ impl Recursed {
 /// Negative pivots of the dynamic stiffness, at one λ > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Pivots {
-    /// Their number outboard of the hub: modes below √λ of the link clamped at its hub.
+    /// Number of negative pivots outboard of the hub: modes below √λ of the link clamped at its hub.
     pub negative: usize,
-    /// `λ (A_0[φφ] + I_H)` of the hub in N m: minus its own pivot, where it is free.
+    /// `λ (A_0[φφ] + I_H)` of the hub in N m: minus the pivot of a free hub.
     pub hub_n_m: f64,
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn pivots(mesh: &Mesh, lambdas: &[f64; SECTIONS]) -> [Pivots; SECTION
     Arch::new().dispatch(Counted { mesh, lambdas })
 }
 
-/// Tip displacement per hub angle, `L + e_tip`, in m at each λ, however small.
+/// Tip displacement per hub angle, `L + e_tip`, in m at each λ, accurate also where it is small.
 pub(crate) fn tip_displacements_m(mesh: &Mesh, lambdas: &[f64; SECTIONS]) -> [f64; SECTIONS] {
     Arch::new().dispatch(Displaced { mesh, lambdas })
 }
@@ -170,12 +170,12 @@ pub(in crate::mechanics::beam::batch) mod tests {
     use crate::beam::test_links::mesh;
     use crate::beam::tip_transfer;
 
-    /// Undamped ones with resonances of the outboard part among them, damped ones to far beyond what a
-    /// mesh resolves, and lightly damped ones.
+    /// Undamped λ, some at resonances of the outboard part; damped λ far beyond the mesh's resolution; lightly damped
+    /// λ.
     pub(in crate::mechanics::beam::batch) fn lambdas() -> Vec<Complex64> {
         let squares = (0..600).map(|k| (0.670_123 * f64::from(k)).powi(2));
         let damped = |k: u32| Complex64::from(f64::from(k * k)) / Complex64::new(1.0, 0.04);
-        // At one the link is rigid to the last digit.
+        // At this λ the link is rigid to the last digit.
         let slow = [Complex64::new(1e-30, -1e-32)];
         let far = (0..90).map(|k| Complex64::new(1.0, -0.04) * (1e4 * 1.4_f64.powi(k)));
         let light = |k: u32| Complex64::new(1.0, -0.002) * f64::from(k * k);
@@ -212,14 +212,14 @@ pub(in crate::mechanics::beam::batch) mod tests {
         }
     }
 
-    /// λ on both sides of zero, among many modes and zeros.
+    /// Real λ of both signs, across many modes and zeros.
     fn real_lambdas() -> [f64; SECTIONS] {
         let mut size = 1e-2;
         let mut lambdas = std::array::from_fn(|k| {
             size *= 3.0;
             if k % 3 == 0 { -size } else { size }
         });
-        // There the link is rigid to the last digit.
+        // At this λ the link is rigid to the last digit.
         lambdas[0] = -1e-30;
         lambdas
     }

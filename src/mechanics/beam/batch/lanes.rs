@@ -1,7 +1,7 @@
-//! Many numbers at a time: the same operation on each lane, none across lanes.
+//! Several numbers at a time: the same operation on each lane, and no operation across lanes.
 //!
-//! Products and sums are rounded one by one, without fused multiply-add, so that every instruction
-//! set gives the same bits.
+//! Each product and sum is rounded by itself, without fused multiply-add, so that every instruction set gives the same
+//! bits.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -11,7 +11,7 @@ use pulp::Simd;
 
 use crate::numeric::{Scalar, Size};
 
-/// Most lanes that any instruction set has: two vectors of eight.
+/// Largest number of lanes in any instruction set: two vectors of eight.
 pub(super) const MOST_LANES: usize = 16;
 
 /// One number for each lane, aligned to a line of the cache. A function with such an array on its stack
@@ -29,8 +29,8 @@ impl<T> Deref for Lanes<T> {
     }
 }
 
-/// The same expression for both vectors, `K` being the vector's index. A macro, because the compiler
-/// need not inline a closure.
+/// Evaluates an expression for both vectors, of index `K`. It is a macro because the compiler need not inline a
+/// closure.
 macro_rules! both {
     ($k:ident => $vector:expr) => {
         [
@@ -54,7 +54,7 @@ pub(super) struct RealLanes<S: Simd> {
 }
 
 impl<S: Simd> RealLanes<S> {
-    /// How many numbers are worked on at a time.
+    /// Number of lanes.
     pub(super) const LEN: usize = 2 * S::F64_LANES;
 
     #[inline(always)]
@@ -62,7 +62,7 @@ impl<S: Simd> RealLanes<S> {
         Self { simd, values: [simd.splat_f64s(x); 2] }
     }
 
-    /// The first [`Self::LEN`] of `numbers`.
+    /// Loads the first [`Self::LEN`] of `numbers`.
     ///
     /// # Panics
     /// If there are fewer.
@@ -82,8 +82,7 @@ impl<S: Simd> RealLanes<S> {
         (self.simd, self.values)
     }
 
-    /// The numbers, lane by lane, of lanes that [`Self::load`] filled; what lies beyond
-    /// [`Self::LEN`] is no lane's.
+    /// The numbers in order, as [`Self::load`] read them; entries from [`Self::LEN`] on are meaningless.
     #[inline(always)]
     pub(super) fn lanes(self) -> Lanes<f64> {
         let mut lanes = Lanes([0.0; MOST_LANES]);
@@ -104,7 +103,7 @@ impl<S: Simd> RealLanes<S> {
 
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        // A sign that is masked out, by instructions that are inlined whatever the build.
+        // Masks out the sign, by instructions that are inlined in every build.
         let mask = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
         Self { values: both!(K => self.simd.and_f64s(self.values[K], mask)), ..self }
     }
@@ -137,7 +136,7 @@ impl<S: Simd> Neg for RealLanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        // A difference, since the vectors' own negation is not always inlined.
+        // A difference, because the vectors' negation is not always inlined.
         Self::splat(self.simd, -0.0) - self
     }
 }

@@ -1,8 +1,8 @@
-//! The recursion at many λ at a time, as many as the processor's vectors hold.
+//! The recursion at several λ at a time, one for each lane of the processor's vectors.
 //!
-//! Every λ has the bits that it has alone: neither the width of the vectors nor its neighbours in the
-//! list change any. The plain versions are [`tip_transfer`], [`nodal_transfer`], [`condense`] and
-//! [`tip_displacement_m`], which the tests compare bit by bit.
+//! Neither the width of the vectors nor the neighbours in the list change a bit of any λ. The plain versions are
+//! [`tip_transfer`], [`nodal_transfer`], [`condense`] and [`tip_displacement_m`], and the tests compare both bit by
+//! bit.
 //!
 //! [`tip_transfer`]: super::tip_transfer
 //! [`nodal_transfer`]: super::nodal_transfer

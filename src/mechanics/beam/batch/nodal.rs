@@ -1,4 +1,4 @@
-//! Transfers from the tip to the nodes at many frequencies, for some nodes after others.
+//! Transfers from the tip to the nodes at many frequencies, one group of nodes after another.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -15,27 +15,25 @@ use crate::beam::recursion::{Checkpoint, NodalQuantity, NodalRecursion};
 use crate::beam::transfer::{is_real, is_trusted, nodal_transfer, per_tip, response_between};
 use crate::link::ParameterError;
 
-/// State of the recursion at some nodes and at many λ, from which it continues: a further group of nodes
-/// then takes no pass through the whole mesh.
+/// State of the recursion at some nodes and at many λ. The recursion continues from it, so that a further group of
+/// nodes needs no pass through the whole mesh.
 ///
-/// Only this crate makes one.
+/// Only this crate can construct it.
 #[derive(Debug, Clone)]
 pub struct Checkpoints {
-    /// Numbers of the nodes, ascending: the root, those between, and the tip.
+    /// Numbers of the nodes, ascending: the root, intermediate nodes and the tip.
     nodes: Vec<usize>,
-    /// For each node `A_vv`, `A_vφ`, `A_φφ`, deflection and slope per hub angle, a row of numbers for
-    /// all λ each.
+    /// Rows `A_vv`, `A_vφ`, `A_φφ`, deflection and slope per hub angle for each node, with a number for each λ.
     rows: Vec<Complex64>,
-    /// Factors from values per hub angle to values per tip motion; none before the first pass.
+    /// Factors from values per hub angle to values per tip motion; empty before the first pass.
     per_tip: Vec<Complex64>,
-    /// Columns that are solved one by one: there the recursion loses its digits, or λ is real among complex
-    /// ones.
+    /// Columns solved one by one: the recursion loses its digits there, or λ is real among complex ones.
     alone: Vec<usize>,
     /// True if there are further groups of nodes.
     keeps: bool,
 }
 
-/// Rows of numbers for each checkpoint.
+/// Number of rows for each checkpoint.
 const ROWS: usize = 5;
 
 impl Checkpoints {
@@ -49,7 +47,7 @@ impl Checkpoints {
         Self { nodes, rows: vec![], per_tip: vec![], alone: vec![], keeps }
     }
 
-    /// Largest memory in bytes that this many further groups take for each λ.
+    /// Upper bound of memory in bytes for each λ, with this number of further groups.
     pub const fn bytes(further: usize) -> usize {
         if further == 0 { 0 } else { 2 * (further + 1) * ROWS * size_of::<Complex64>() }
     }
@@ -75,10 +73,10 @@ impl Checkpoints {
         per_tip.complex().store(&mut self.per_tip[columns.clone()]);
     }
 
-    /// The checkpoint at a node.
+    /// Checkpoint at a node.
     ///
     /// # Panics
-    /// If there is none.
+    /// If the node has no checkpoint.
     fn at<S: Simd, L: LambdaLanes<S>>(
         &mut self,
         simd: S,
@@ -92,18 +90,18 @@ impl Checkpoints {
     }
 }
 
-/// The first and the last node in the order of the mesh.
+/// First and last node in the order of the mesh.
 fn ends_of(nodes: &[usize]) -> Option<[usize; 2]> {
     Some([*nodes.iter().min()?, *nodes.iter().max()?])
 }
 
-/// Transfers from the tip to some nodes, `e_i/(λ (L + e_tip))` in s² or moments in kg m: a row for each
-/// of `nodes`, in it a value for each λ, with the bits of [`nodal_transfer`].
+/// Transfers from the tip to some nodes, `e_i/(λ (L + e_tip))` in s² or moments in kg m, with the bits of
+/// [`nodal_transfer`]: a row for each of `nodes` with a value for each λ.
 ///
-/// Columns of `rows` beyond the last λ are left alone.
+/// Columns of `rows` beyond the last λ stay unchanged.
 ///
 /// # Errors
-/// [`ParameterError`] if a node is not one of the mesh, or a row is shorter than `lambdas`.
+/// [`ParameterError`] if the mesh lacks a node, or a row is shorter than `lambdas`.
 pub fn nodal_transfers(
     mesh: &Mesh,
     lambdas: &[Complex64],
@@ -120,13 +118,11 @@ pub fn nodal_transfers(
     Ok(())
 }
 
-/// [`nodal_transfers`] for nodes in groups. The first call with `checkpoints` passes through the whole mesh;
-/// each further one, for the same λ and quantity and for a further group of nodes, from the first to the
-/// last of them.
+/// [`nodal_transfers`] for nodes in groups. The first call with `checkpoints` passes through the whole mesh. Each
+/// further call, with the same λ and quantity, passes only from the first to the last node of its group.
 ///
 /// # Panics
-/// If a node is not one of the mesh, a row is shorter than `lambdas`, or the checkpoints do not know the
-/// group of a further call.
+/// If the mesh lacks a node, a row is shorter than `lambdas`, or the group of a further call is not in the checkpoints.
 pub(crate) fn nodal_transfers_from(
     mesh: &Mesh,
     lambdas: &[Complex64],
@@ -179,7 +175,7 @@ fn recursed_nodes<S: Simd, L: LambdaLanes<S>>(simd: S, nodal: Nodal) {
         if kept.keeps {
             kept.rows = vec![Complex64::ZERO; lambdas.len() * kept.nodes.len() * ROWS];
         }
-        // A real λ among complex ones has the bits of the recursion over real numbers.
+        // A real λ among complex ones gets the bits of the real recursion.
         let is_other = |k: &usize| !L::IS_REAL && is_real(lambdas[*k]);
         kept.alone.extend((0..lambdas.len()).filter(is_other));
         Checkpoint::of_mesh(mesh, like, &kept.nodes)

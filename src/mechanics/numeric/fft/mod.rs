@@ -1,13 +1,13 @@
 //! A real Fourier transform whose bits do not depend on the processor or the operating system.
 //!
-//! The usual libraries (rustfft, and realfft over it) take the factors `e^{2πi k/N}` from the system's
-//! sine and cosine, and choose algorithm and rounding by processor. Here the order of operations
-//! depends on the length alone, products and sums are rounded one by one, and sines come from `libm`.
-//! The width of the processor's vectors only says how many columns are transformed at a time.
+//! The usual libraries (rustfft, and realfft over it) take the factors `e^{2πi k/N}` from the system's sine and cosine,
+//! and choose algorithm and rounding by processor. Here the order of operations depends on the length alone, products
+//! and sums are rounded one by one, and sines come from `libm`. The width of the processor's vectors only sets how many
+//! columns are transformed at a time.
 //!
-//! [`FourierPair`] is the door; `transform` holds the real transform by a complex one by rows and columns,
-//! `passes` the butterflies along one of them, `vector` eight complex numbers side by side. The tests
-//! hold it against the definition in 106 bits, and against realfft.
+//! [`FourierPair`] is the interface; `transform` holds the real transform by a complex one over rows and columns,
+//! `passes` the butterflies along a row or column, `vector` eight complex numbers side by side. The tests compare it
+//! with the definition in 106 bits, and with realfft.
 
 mod passes;
 #[cfg(test)]
@@ -39,7 +39,7 @@ use crate::system::end_if_stopped;
 #[derive(Debug, Clone)]
 pub struct FourierPair(Arc<Kind>);
 
-/// How a length is transformed.
+/// Method for one length.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "it is always behind an Arc")]
 enum Kind {
@@ -47,10 +47,10 @@ enum Kind {
     Chirp(Chirp),
 }
 
-/// Largest prime factor of a half length that is transformed by passes, whose time grows with it.
+/// Largest prime factor of a half length for passes, whose time grows with the factor; a larger one needs a chirp.
 const LARGEST_FACTOR: usize = 150;
 
-/// A transform as a convolution with a chirp, of any length N in N log N (Bluestein, IEEE Trans. Audio and
+/// Transform of any length N as a convolution with a chirp, in time N log N (Bluestein, IEEE Trans. Audio and
 /// Electroacoustics 18(4), 1970): with `jk = (j² + k² − (k − j)²)/2`
 ///
 /// ```text
@@ -84,7 +84,7 @@ impl Chirp {
         Self { turns, pair, kernel }
     }
 
-    /// `Σ_j x_j e^{−2πi jk/N}` of the first so many k.
+    /// `Σ_j x_j e^{−2πi jk/N}` for k < `count`.
     fn transformed(&self, values: impl Iterator<Item = Complex64>, count: usize) -> Vec<Complex64> {
         let turned: Vec<Complex64> =
             values.zip(&self.turns).map(|(value, turn)| value * turn.conj()).collect();
@@ -110,7 +110,7 @@ impl Chirp {
         for amplitude in &mut found {
             *amplitude *= scale;
         }
-        // Of real samples the amplitudes at both ends are real.
+        // Real samples have real amplitudes at both ends.
         for end in [0, samples.len() / 2] {
             found[end].im = 0.0;
         }
@@ -141,13 +141,13 @@ fn largest_factor(mut number: usize) -> usize {
 }
 
 impl FourierPair {
-    /// Plans the pair for `len` samples or a few more: the least number that is fast to transform.
+    /// Plans the pair for at least `len` samples: the next length that is fast to transform.
     pub fn fast(len: usize) -> Self {
         Self::new(fast_length(len))
     }
 
-    /// Plans the pair for `len` samples, an even number above 0. Lengths from [`fast_length`] are fast; others take
-    /// more time, up to some ten times as much.
+    /// Plans the pair for `len` samples, an even number above 0. Lengths from [`fast_length`] are fast; others take up
+    /// to about ten times as long.
     ///
     /// # Panics
     /// If `len` is odd or zero.
@@ -168,12 +168,12 @@ impl FourierPair {
         }
     }
 
-    /// False: a pair has at least two samples.
+    /// Always false: a pair has at least two samples.
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// Amplitudes `X_0 … X_{N/2}` of N samples; those not given are zero, further ones are left out.
+    /// Amplitudes `X_0 … X_{N/2}` of N samples; pads missing samples with zeros and ignores further ones.
     pub fn amplitudes(&self, samples: impl AsRef<[f64]>) -> Vec<Complex64> {
         end_if_stopped();
         let scale = 1.0 / self.len() as f64;
@@ -192,11 +192,10 @@ impl FourierPair {
         found
     }
 
-    /// The N samples of the amplitudes `X_0 …`; those not given are zero, and those beyond `X_{N/2}` are
-    /// left out.
+    /// The N samples of the amplitudes `X_0 …`; missing amplitudes count as zero, and those beyond `X_{N/2}` are
+    /// ignored.
     ///
-    /// Of the amplitudes at zero and at the Nyquist frequency only the real parts count: the rest
-    /// of them has no real signal.
+    /// Uses only the real parts at zero and at the Nyquist frequency: no real signal has an imaginary part there.
     pub fn samples(&self, amplitudes: impl AsRef<[Complex64]>) -> Vec<f64> {
         let mut samples = vec![0.0; self.len()];
         let amplitudes = amplitudes.as_ref();
@@ -205,10 +204,10 @@ impl FourierPair {
         samples
     }
 
-    /// Writes what [`Self::samples`] returns into `samples`; `scratch` is memory for any number of calls.
+    /// Writes the result of [`Self::samples`] into `samples`; `scratch` is working memory, reusable across calls.
     ///
     /// # Panics
-    /// If there are more than N/2 + 1 amplitudes or not room for N samples.
+    /// If there are more than N/2 + 1 amplitudes or `samples` has not N places.
     pub(crate) fn write_samples(
         &self,
         amplitudes: &[Complex64],
@@ -233,7 +232,7 @@ pub(crate) fn angular_frequency(k: usize, len: usize, step_s: f64) -> f64 {
     TAU * k as f64 / (len as f64 * step_s)
 }
 
-/// The least even number of the form 2ᵃ 3ᵇ 5ᶜ that is at least `len`: fast to transform.
+/// Least even number of the form 2ᵃ 3ᵇ 5ᶜ that is at least `len`: fast to transform.
 pub(crate) fn fast_length(len: usize) -> usize {
     let mut best = len.max(2).next_power_of_two();
     let mut fives = 1;

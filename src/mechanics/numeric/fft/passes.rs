@@ -17,15 +17,15 @@ pub(super) struct Stages {
     passes: Vec<Pass>,
 }
 
-/// `groups` times `stride` butterflies of `radix` points each.
+/// One pass: `groups` times `stride` butterflies of `radix` points each.
 #[derive(Debug)]
 struct Pass {
     radix: usize,
     groups: usize,
     stride: usize,
-    /// What the outputs are multiplied by: `radix` factors a group, the first of them 1.
+    /// Factors of the outputs: `radix` of them a group, the first 1.
     turns: Vec<[f64; 2]>,
-    /// e^{2πi k/radix}, where no butterfly is written out.
+    /// e^{2πi k/radix}, for a radix without a written-out butterfly.
     roots: Vec<[f64; 2]>,
 }
 
@@ -45,7 +45,7 @@ impl Stages {
     }
 }
 
-/// Numbers whose product is `len`: 8 as often as can be, and no 2 where two 4 do.
+/// Radices whose product is `len`: as many 8s as possible, and two 4s rather than a 2.
 fn radices(len: usize) -> Vec<usize> {
     let twos = len.trailing_zeros() as usize;
     let mut odd = len >> twos;
@@ -70,8 +70,8 @@ fn radices(len: usize) -> Vec<usize> {
     found
 }
 
-/// e^{2πi k/n}, real and imaginary part. The angle is folded into an eighth of a turn by integers,
-/// and its sine and cosine are those of a library in Rust, the same bits on every machine.
+/// e^{2πi k/n}, real and imaginary part. Integers fold the angle into an eighth of a turn, and `libm` computes its sine
+/// and cosine, with the same bits on every machine.
 pub(super) fn cis(k: usize, n: usize) -> [f64; 2] {
     let eighths = 8 * (k % n);
     let (octant, rest) = (eighths / n, eighths % n);
@@ -90,14 +90,14 @@ pub(super) fn cis(k: usize, n: usize) -> [f64; 2] {
     }
 }
 
-/// The points to transform: of `eights` every `step`-th, from the first on.
+/// Points to transform: every `step`-th of `eights`, from the first on.
 #[derive(Clone, Copy)]
 pub(super) struct Points<'a> {
     pub(super) eights: &'a [Eight],
     pub(super) step: usize,
 }
 
-/// Transforms `stages.len` points into the front of `out`; that of `spare` is overwritten.
+/// Transforms `stages.len` points into the front of `out`; overwrites the front of `spare`.
 #[inline(always)]
 pub(super) fn transform<S: Simd>(
     simd: S,
@@ -109,8 +109,8 @@ pub(super) fn transform<S: Simd>(
     simd.vectorize(Transform { stages, points, out, spare });
 }
 
-/// A function of its own for each width of vectors: rows and columns, forward and inverse transforms
-/// call the same one, and the butterflies of all radices are compiled once.
+/// Transform compiled once for each width of vectors: rows and columns, forward and inverse transforms share it, and
+/// with it the butterflies of all radices.
 struct Transform<'a> {
     stages: &'a Stages,
     points: Points<'a>,
@@ -181,7 +181,7 @@ fn butterflies<S: Simd, const R: usize, B: Butterfly<R>>(
     }
 }
 
-/// A pass of any other radix, by the definition.
+/// A pass of any other radix, by the definition of the transform.
 #[inline(always)]
 fn sums<S: Simd>(simd: S, pass: &Pass, points: Points, out: &mut [Eight]) {
     let Pass { radix, groups, stride, .. } = *pass;
@@ -202,8 +202,8 @@ fn sums<S: Simd>(simd: S, pass: &Pass, points: Points, out: &mut [Eight]) {
     }
 }
 
-/// A transform of a few points written out, `y_k = Σ_j x_j e^{+2πi jk/R}`. A type and no function,
-/// because the compiler inlines every call of its method.
+/// A transform of a few points written out, `y_k = Σ_j x_j e^{+2πi jk/R}`. It is a type, not a function, because the
+/// compiler inlines every call of its method.
 trait Butterfly<const R: usize> {
     fn of<S: Simd>(points: [Vector<S>; R]) -> [Vector<S>; R];
 }
@@ -270,7 +270,7 @@ impl Butterfly<8> for RadixEight {
     fn of<S: Simd>([a, b, c, d, e, f, g, h]: [Vector<S>; 8]) -> [Vector<S>; 8] {
         let [even, even_1, even_2, even_3] = RadixFour::of([a, c, e, g]);
         let [odd, odd_1, odd_2, odd_3] = RadixFour::of([b, d, f, h]);
-        // Turned by 45 degrees, and by 135 degrees backwards.
+        // Turned by 45 degrees, and backwards by 135 degrees.
         let odd_1 = odd_1.plus_i_times(odd_1) * FRAC_1_SQRT_2;
         let odd_3 = odd_3.minus_i_times(odd_3) * FRAC_1_SQRT_2;
         [

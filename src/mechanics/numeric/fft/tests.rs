@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::transform::{Forward, Inverse, Plan, Scratch};
 use super::{FourierPair, TAU, fast_length};
 
-/// Numbers without any pattern between −1 and 1.
+/// Patternless numbers between −1 and 1.
 fn noise(len: usize) -> Vec<f64> {
     let mut state = len as u64;
     let mut next = || {
@@ -50,14 +50,14 @@ fn inverse(amplitudes: &[Complex64], len: usize) -> Vec<f64> {
     inverse_with(amplitudes, len, &mut Scratch::default())
 }
 
-/// Root of the mean square of the differences, relative to that of `expected`.
+/// Root mean square of the differences, relative to the root mean square of `expected`.
 fn error(found: &[f64], expected: &[f64]) -> f64 {
     let square = |x: f64| x * x;
     let differences: f64 = found.iter().zip(expected).map(|(a, b)| square(a - b)).sum();
     (differences / expected.iter().map(|x| square(*x)).sum::<f64>()).sqrt()
 }
 
-/// The largest difference relative to the root mean square of `expected`.
+/// Largest difference, relative to the root mean square of `expected`.
 fn largest_error(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let rms = (expected.iter().map(|x| x * x).sum::<f64>() / expected.len() as f64).sqrt();
@@ -114,7 +114,7 @@ fn reference_inverse(amplitudes: &[Complex64], len: usize) -> Vec<f64> {
     samples
 }
 
-/// What rounding may do: 1e-15 for each doubling.
+/// Allowed rounding error: 1e-15 for each doubling of the length.
 fn tolerance(len: usize) -> f64 {
     1e-15 * (len as f64).log2().max(1.0)
 }
@@ -169,7 +169,7 @@ fn missing_amplitudes_are_zero_however_many_are_missing() {
             let mut padded = amplitudes[..given].to_vec();
             padded.resize(len / 2 + 1, Complex64::ZERO);
             let expected = inverse(&padded, len);
-            // A full spectrum before it leaves nothing in the scratch.
+            // A full spectrum leaves numbers in the scratch, which must not matter.
             inverse_with(&amplitudes, len, &mut scratch);
             let found = inverse_with(&amplitudes[..given], len, &mut scratch);
             assert!(found == expected, "{given} amplitudes of {len} samples");
@@ -263,7 +263,7 @@ fn fast_lengths_are_the_least_even_numbers_of_small_factors() {
     }
 }
 
-/// Half a length with a large prime factor is transformed by a chirp: against passes over the whole circle.
+/// A half length with a large prime factor is transformed by a chirp: compared with passes over the whole circle.
 #[test]
 fn a_length_with_a_large_prime_factor_has_the_same_transform() {
     for len in [2 * 151, 2 * 1009, 6 * 401] {

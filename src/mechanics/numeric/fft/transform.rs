@@ -1,5 +1,5 @@
-//! The real transforms by a complex one of half the length, and that one by rows and columns; their
-//! lengths and factors.
+//! The real transforms by a complex one of half the length, itself split into rows and columns; their lengths and
+//! factors.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
@@ -17,13 +17,13 @@ pub(super) struct Plan {
     pub(super) points: usize,
     rows: Stages,
     columns: Stages,
-    /// e^{2πi 8jk/M}, by eights `j` of a row, then by row `k`.
+    /// e^{2πi 8jk/M}, ordered by eights `j` of a row, then by row `k`.
     turns: Vec<[f64; 2]>,
-    /// e^{2πi lk/M} of the eight numbers `l` = 0 … 7, by row `k`.
+    /// e^{2πi lk/M} for `l` = 0 … 7 in each eight, ordered by row `k`.
     turns_in_eight: Vec<Eight>,
-    /// e^{2πi k/2M} of the first point `k` of each eight.
+    /// e^{2πi k/2M} for the first point `k` of each eight.
     halves: Vec<[f64; 2]>,
-    /// e^{2πi l/2M}.
+    /// e^{2πi l/2M} for `l` = 0 … 7.
     halves_in_eight: Eight,
 }
 
@@ -47,8 +47,8 @@ impl Plan {
     }
 }
 
-/// The divisor of `points` that makes the fewest idle lanes, along rows and along columns; of
-/// those that make as few, the one nearest to the square root, so that a line fits the cache.
+/// The divisor of `points` with the fewest idle lanes along rows and columns. Of equals, the one nearest to the square
+/// root, so that a line fits the cache.
 fn number_of_rows(points: usize) -> usize {
     let divisors = (1..=points.isqrt()).filter(|n| points.is_multiple_of(*n));
     let shapes = divisors.flat_map(|n| [(n, points / n), (points / n, n)]);
@@ -88,7 +88,7 @@ impl WithSimd for Forward<'_> {
             for (j, out) in eights.iter_mut().enumerate() {
                 let k = row * plan.columns.len + 8 * j;
                 let z = Eight::of_pairs(sixteen(samples, 2 * k + 16, &mut [0.0; 16]));
-                // Real and imaginary parts exchanged turn the sign of the exponent.
+                // Exchanging real and imaginary parts flips the sign of the exponent.
                 out.re = z.im;
                 out.im = z.re;
             }
@@ -137,7 +137,7 @@ fn fold<S: Simd>(simd: S, plan: &Plan, amplitudes: &[Complex64], scratch: &mut S
         let out = &mut points[row * width..][..width];
         for (j, (out, turn)) in out.iter_mut().zip(halves).enumerate() {
             let k = row * columns + 8 * j;
-            // Neither X_k nor X_{M−k} is given: the spectrum of a smooth motion is short.
+            // Both X_k and X_{M−k} are beyond the amplitudes: the spectrum of a smooth motion is short.
             if k >= amplitudes.len() && k + amplitudes.len() + 7 <= plan.points {
                 *out = Eight::ZERO;
                 continue;
@@ -158,8 +158,8 @@ fn fold<S: Simd>(simd: S, plan: &Plan, amplitudes: &[Complex64], scratch: &mut S
     }
 }
 
-/// `X_k = s [Z_k + conj Z_{M−k} − i e^{−2πi k/N} (Z_k − conj Z_{M−k})]`, k < M, of Z with real and
-/// imaginary parts exchanged and its first number once more at its end.
+/// `X_k = s [Z_k + conj Z_{M−k} − i e^{−2πi k/N} (Z_k − conj Z_{M−k})]`, k < M. `exchanged` holds Z with real and
+/// imaginary parts exchanged, and its first number again at the end.
 #[inline(always)]
 fn unfold<S: Simd>(
     simd: S,
@@ -190,8 +190,8 @@ fn unfold<S: Simd>(
     }
 }
 
-/// The sixteen of `numbers` before index `end`; at the ends of the slice a copy in `own`, zero where
-/// there is no number. Elsewhere no copy, which would take as long as all that follows.
+/// The sixteen of `numbers` before index `end`. Only at the ends of the slice it copies into `own`, padded with zeros:
+/// a copy takes as long as all that follows.
 #[inline(always)]
 fn sixteen<'a>(numbers: &'a [f64], end: usize, own: &'a mut [f64; 16]) -> &'a [f64; 16] {
     let whole = end.checked_sub(16).and_then(|start| numbers.get(start..end));
@@ -210,7 +210,7 @@ fn some_of_sixteen(numbers: &[f64], end: usize, own: &mut [f64; 16]) {
     }
 }
 
-/// Memory that one transform after the other may use, of any length.
+/// Working memory, reusable by transforms of any length.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     rows: Vec<Eight>,
@@ -220,7 +220,7 @@ pub(crate) struct Scratch {
     numbers: Vec<f64>,
 }
 
-/// The first `len` items of `memory`; their content is arbitrary.
+/// The first `len` items of `memory`, with arbitrary content.
 fn room<T: Clone>(memory: &mut Vec<T>, len: usize, new: T) -> &mut [T] {
     if memory.len() < len {
         memory.resize(len, new);
@@ -228,17 +228,17 @@ fn room<T: Clone>(memory: &mut Vec<T>, len: usize, new: T) -> &mut [T] {
     &mut memory[..len]
 }
 
-/// Writes `Z_k = Σ_j z_j e^{+2πi jk/M}` of the points in `scratch.rows` into `numbers`, real and
-/// imaginary parts alternating.
+/// Writes `Z_k = Σ_j z_j e^{+2πi jk/M}` from the points in `scratch.rows` into `numbers`, real and imaginary parts
+/// alternating.
 ///
-/// The index is split, j = C·r + c and k = s + R·t for R rows and C columns, and the sum with it:
+/// For R rows and C columns, the indices j = C·r + c and k = s + R·t split the sum:
 ///
 /// ```text
 /// Z_{s+Rt} = Σ_c e^{2πi ct/C} [ e^{2πi cs/M} Σ_r z_{Cr+c} e^{2πi rs/R} ]
 /// ```
 ///
-/// Eight columns are transformed at a time, multiplied, and turned over into rows; then eight of
-/// the other direction. No vector ever holds two numbers that are to be added to each other.
+/// It transforms eight columns at a time, multiplies them and transposes them into rows; then eight rows at a time. No
+/// vector ever holds two numbers that must be added to each other.
 #[inline(always)]
 fn complex<S: Simd>(simd: S, plan: &Plan, scratch: &mut Scratch, numbers: &mut [f64]) {
     let (rows, columns) = (plan.rows.len, plan.columns.len);
@@ -263,7 +263,7 @@ fn complex<S: Simd>(simd: S, plan: &Plan, scratch: &mut Scratch, numbers: &mut [
     }
 }
 
-/// Multiplies the eights number `at` of all rows by their factors and turns them over.
+/// Multiplies eight number `at` of all rows by its factors and transposes it.
 #[inline(always)]
 fn turn<S: Simd>(simd: S, plan: &Plan, at: usize, line: &[Eight], turned: &mut [Eight]) {
     let (rows, columns) = (plan.rows.len, plan.columns.len);

@@ -17,7 +17,7 @@ pub(super) struct Eight {
 impl Eight {
     pub(super) const ZERO: Self = Self { re: [0.0; 8], im: [0.0; 8] };
 
-    /// The vector number `at` of [`Vector::PER_EIGHT`].
+    /// Vector number `at`, below [`Vector::PER_EIGHT`].
     #[inline(always)]
     pub(super) fn vector<S: Simd>(&self, simd: S, at: usize) -> Vector<S> {
         let (re, im) = (S::as_simd_f64s(&self.re).0, S::as_simd_f64s(&self.im).0);
@@ -31,7 +31,7 @@ impl Eight {
         S::as_mut_simd_f64s(&mut self.im).0[at] = vector.im;
     }
 
-    /// Real and imaginary parts of pairs one after another.
+    /// Reads real and imaginary parts that alternate.
     #[inline(always)]
     pub(super) fn of_pairs(numbers: &[f64; 16]) -> Self {
         let mut eight = Self::ZERO;
@@ -41,7 +41,7 @@ impl Eight {
         eight
     }
 
-    /// The same from the last number to the first.
+    /// Reads like [`Self::of_pairs`], from the last number to the first.
     #[inline(always)]
     pub(super) fn of_pairs_backwards(numbers: &[f64; 16]) -> Self {
         let mut eight = Self::ZERO;
@@ -51,8 +51,7 @@ impl Eight {
         eight
     }
 
-    /// Writes the first `count` numbers, or all eight where `count` is larger, each real part followed
-    /// by its imaginary part.
+    /// Writes the first `count` numbers, at most eight, each real part followed by its imaginary part.
     #[inline(always)]
     pub(super) fn write_pairs(&self, numbers: &mut [f64], count: usize) {
         let mut pairs = [0.0; 16];
@@ -88,7 +87,7 @@ pub(super) struct Vector<S: Simd> {
 }
 
 impl<S: Simd> Vector<S> {
-    /// How many of them make an [`Eight`].
+    /// Number of vectors in an [`Eight`].
     pub(super) const PER_EIGHT: usize = 8 / S::F64_LANES;
 
     #[inline(always)]

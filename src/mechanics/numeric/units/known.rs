@@ -1,8 +1,8 @@
-//! Dimensions, and the units this program reads.
+//! Dimensions, and the units that this program reads.
 
 use std::f64::consts::PI;
 
-/// Exponents of mass, length and time that a value is measured in; an angle is a pure number.
+/// Exponents of mass, length and time in a unit; an angle is a pure number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Dimension {
     mass: i8,
@@ -56,8 +56,7 @@ impl Dimension {
         Self { mass, length, time }
     }
 
-    /// The SI unit as this program writes it; empty for a pure number, and for a dimension in
-    /// which this program measures nothing.
+    /// SI unit as this program writes it; empty for a pure number and for a dimension that this program does not use.
     ///
     /// ```
     /// use flexlink::numeric::Dimension;
@@ -67,8 +66,7 @@ impl Dimension {
         self.name_and_unit().map_or("", |(_, unit)| unit)
     }
 
-    /// What is measured in this dimension, with its article; `None` where this program measures
-    /// nothing in it.
+    /// Quantity of this dimension, with its article; `None` for a dimension that this program does not use.
     pub fn name(&self) -> Option<&'static str> {
         self.name_and_unit().map(|(name, _)| name)
     }
@@ -99,7 +97,7 @@ impl Dimension {
         })
     }
 
-    /// The dimension of `self · otherⁿ`; `None` beyond what any unit needs.
+    /// Dimension of `self · otherⁿ`; `None` if an exponent overflows.
     pub(super) fn times(self, other: Self, n: i8) -> Option<Self> {
         let exponent = |own: i8, other: i8| own.checked_add(other.checked_mul(n)?);
         Some(Self {
@@ -110,11 +108,11 @@ impl Dimension {
     }
 }
 
-/// A unit by itself: coefficient · 10^exponent of the SI unit.
+/// A single unit: coefficient · 10^exponent of the SI unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KnownUnit {
     pub(super) symbol: &'static str,
-    /// A whole number wherever the factor is a finite decimal one, so that nothing is lost.
+    /// A whole number wherever the factor is a finite decimal, so that no digit is lost.
     pub(super) coefficient: f64,
     pub(super) exponent: i32,
     pub(super) dimension: Dimension,
@@ -182,7 +180,7 @@ pub(super) const KNOWN: [KnownUnit; 51] = [
     unit("deg", PI / 180.0, 0, Dimension::NONE),
     unit("rpm", PI / 30.0, 0, Dimension::RATE),
     unit("1", 1.0, 0, Dimension::NONE),
-    // The same letters with the Greek small mu instead of the micro sign.
+    // The same units with the Greek small mu instead of the micro sign.
     unit("μm", 1.0, -6, Dimension::LENGTH),
     unit("μs", 1.0, -6, Dimension::TIME),
 ];
@@ -196,10 +194,10 @@ pub(super) fn known(symbol: &str) -> Option<&'static KnownUnit> {
     KNOWN.iter().find(|unit| unit.symbol == symbol)
 }
 
-/// The known symbol that `word` is spelt most like, if one is near at all.
+/// The known symbol spelt most like `word`, if one is near.
 pub(super) fn nearest(word: &str) -> Option<&'static str> {
     let likeness = |symbol: &str| {
-        // Capitals only decide between equals: `pa` is Pa. So does the first letter: `cn` is cm.
+        // Case and the first letter only decide between equals: `pa` is Pa, `cn` is cm.
         let same_start = word.chars().next() == symbol.chars().next();
         strsim::jaro(&word.to_lowercase(), &symbol.to_lowercase())
             + 0.01 * strsim::jaro(word, symbol)
@@ -210,8 +208,8 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
     best.filter(|(_, score)| *score > 0.66).map(|(symbol, _)| symbol)
 }
 
-/// True if a word is a unit's symbol, capitals aside and with or without a power, such as `rad` or
-/// `s2`, or two that run together, such as `Nm`. A `d` stands for *desired* more often than for days.
+/// True if a word is a unit's symbol in any case, with or without a power, such as `rad` or `s2`, or two symbols run
+/// together, such as `Nm`. `d` is excluded: it stands for *desired* more often than for days.
 pub(crate) fn reads_as_unit(word: &str) -> bool {
     let lower = word.to_lowercase();
     let word = lower.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -219,7 +217,7 @@ pub(crate) fn reads_as_unit(word: &str) -> bool {
     KNOWN.iter().any(|unit| same(unit.symbol, word)) || split(word, same).is_some()
 }
 
-/// The symbols that run together in `Nm`, `ozin` or `inlb`: of a force or mass and of a length.
+/// The two symbols run together in `Nm`, `ozin` or `inlb`: one of a force or mass, one of a length.
 pub(super) fn run_together(word: &str) -> Option<[&'static str; 2]> {
     split(word, |symbol, word| symbol == word)
 }
@@ -242,22 +240,22 @@ fn split(word: &str, same: impl Fn(&str, &str) -> bool) -> Option<[&'static str;
 /// A decimal number without its sign.
 const NUMBER: &str = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?";
 
-/// A factor's power: `^2`, `**-1` or `²`.
+/// Power of a factor: `^2`, `**-1` or `²`.
 const POWER: &str = r"((\^|\*\*)[+-]?[0-9]{1,2}|⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?";
 
-/// Regular expression (ECMA 262) of a quantity: what `sign` matches, a number and a product of known
-/// units. It checks neither the dimension nor that only one unit follows the stroke.
+/// Regular expression (ECMA 262) of a quantity: the pattern `sign`, a number and a product of known units. It checks
+/// neither the dimension nor that only one unit follows the stroke.
 ///
-/// It matches all that [`parse_quantity`](super::parse_quantity) reads, except signs that `sign` does
-/// not match and powers of more than two digits.
+/// It matches all that [`parse_quantity`](super::parse_quantity) reads, except signs outside `sign` and powers of more
+/// than two digits.
 pub(crate) fn quantity_pattern(sign: &str) -> String {
     let symbols: Vec<&str> = KNOWN.iter().map(|unit| unit.symbol).collect();
     let factor = format!("({}){POWER}", symbols.join("|"));
-    // It holds the units only once, because editors show the whole expression.
+    // Contains the units only once, because editors show the whole expression.
     format!(r"^\s*{sign}{NUMBER}\s*(/\s*)?({factor}(\s*[*/·⋅]\s*(?=\S)|\s+|$))+$")
 }
 
-/// True for a rate such as `1/min` or `Hz`, by which motors are said to make turns; `1/s` is one of radians.
+/// True for a rate such as `1/min` or `Hz`, which may count a motor's turns; `1/s` counts radians.
 pub(crate) fn may_count_turns(unit: &str) -> bool {
     let words = || unit.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty());
     let has_angle = words().any(|word| ["rad", "mrad", "deg", "rpm"].contains(&word));

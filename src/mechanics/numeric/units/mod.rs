@@ -1,4 +1,4 @@
-//! Values that carry their unit as text, such as `"5e4 N cm^2"`, and their value in SI.
+//! Values with their unit as text, such as `"5e4 N cm^2"`, and their conversion to SI.
 
 mod known;
 mod unit;

@@ -1,4 +1,4 @@
-//! Units, and values that carry theirs as text.
+//! Units, and quantities as text.
 
 use thiserror::Error;
 
@@ -7,11 +7,11 @@ use crate::text::{excerpt, visible};
 
 /// A unit, such as `N m^2` or `kg/m`: a factor to SI and a dimension.
 ///
-/// Factors are separated by blanks, `*`, `·` or `⋅`; a power is written `^2`, `^-1`, `**2` or
-/// `²`; one `/` may precede the last factor.
+/// Blanks, `*`, `·` or `⋅` separate factors; a power is written `^2`, `^-1`, `**2` or `²`; one `/` may precede the last
+/// factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
-    /// Kept apart from the power of ten, so that 135 cm is 1.35 m to the last bit.
+    /// Factor without its power of ten, so that 135 cm is 1.35 m to the last bit.
     coefficient: f64,
     exponent: i32,
     dimension: Dimension,
@@ -59,30 +59,30 @@ impl Unit {
             unit.exponent += found.exponent * i32::from(power);
             unit.dimension = unit.dimension.times(found.dimension, power).ok_or_else(malformed)?;
         }
-        // The factor of `um^60 m^-59`, a length, is no number.
+        // The unit `um^60 m^-59` is a length, but its factor underflows.
         let is_in_range = unit.coefficient.is_normal() && unit.to_si(1.0).is_normal();
         if is_in_range { Ok(unit) } else { Err(malformed()) }
     }
 
-    /// The value in SI of `value` in this unit.
+    /// Converts `value` in this unit to SI.
     pub fn to_si(&self, value: f64) -> f64 {
         let product = if self.coefficient.to_bits() == 1.0_f64.to_bits() {
             value
         } else {
             value * self.coefficient
         };
-        // Powers of ten up to 22 are exact, those of negative exponent never are.
+        // Powers of ten up to 22 are exact, negative powers are not.
         let scale = 10.0_f64.powi(self.exponent.abs());
         if self.exponent < 0 { product / scale } else { product * scale }
     }
 
-    /// What the unit measures.
+    /// Dimension of the unit.
     pub fn dimension(&self) -> Dimension {
         self.dimension
     }
 }
 
-/// The factors of a product; an empty one where a sign of multiplication has no factor.
+/// Factors of a product; an empty one where a sign of multiplication lacks a factor.
 fn factors(product: &str) -> Vec<&str> {
     let mut found = Vec::new();
     for part in product.split(['*', '·', '⋅']) {
@@ -95,7 +95,7 @@ fn factors(product: &str) -> Vec<&str> {
     found
 }
 
-/// Takes `cm^2` or `cm²` apart.
+/// Splits `cm^2` or `cm²` into word and power.
 fn word_and_power(factor: &str) -> Option<(&str, i8)> {
     let end = factor.find(|c| c == '^' || superscript(c).is_some()).unwrap_or(factor.len());
     let (word, power) = factor.split_at(end);
@@ -113,14 +113,14 @@ fn word_and_power(factor: &str) -> Option<(&str, i8)> {
     Some((word, power))
 }
 
-/// The digit or sign that is written raised.
+/// The digit or sign of a superscript.
 fn superscript(c: char) -> Option<char> {
     const RAISED: [char; 11] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹', '⁻'];
     let place = RAISED.iter().position(|raised| *raised == c)?;
     "0123456789-".chars().nth(place)
 }
 
-/// The SI value of text such as `"150 cm"`, which must measure what is expected.
+/// SI value of text such as `"150 cm"`, which must have the expected dimension.
 ///
 /// ```
 /// use flexlink::numeric::{Dimension, parse_quantity};
@@ -129,7 +129,7 @@ fn superscript(c: char) -> Option<char> {
 /// ```
 ///
 /// # Errors
-/// [`UnitError`] says what is wrong with the number, its unit or its dimension.
+/// [`UnitError`] for a wrong number, unit or dimension.
 pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError> {
     let (number, unit) = split_number(text).ok_or(UnitError::NotANumber)?;
     let unit = unit.trim();
@@ -155,8 +155,8 @@ pub fn parse_quantity(text: &str, expected: Dimension) -> Result<f64, UnitError>
     if value.is_finite() { Ok(value) } else { Err(UnitError::NotFinite) }
 }
 
-/// The decimal number that `text` begins with, and the rest; `None` where there is no number or
-/// it goes on in a way that leaves doubt, as in `1,5` and `1_000`.
+/// Splits off the decimal number at the start of `text`. Returns `None` without a number or if the rest makes it
+/// doubtful, as in `1,5` and `1_000`.
 pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let digits = |from: usize| {
@@ -182,13 +182,12 @@ pub(crate) fn split_number(text: &str) -> Option<(f64, &str)> {
     Some((number.parse().ok()?, rest))
 }
 
-/// Text that is no value with a unit, or no unit.
+/// Error in a quantity or a unit.
 ///
-/// The text reads on from what was found: `length = "1.5"` *has no unit, but must be a length
-/// such as m*.
+/// Its text continues a sentence that names the input: `length = "1.5"` *has no unit, but must be a length such as m*.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum UnitError {
-    /// It does not begin with a decimal number.
+    /// The text does not begin with a decimal number.
     #[error("does not begin with a number such as 1.5 or 2e-3")]
     NotANumber,
     /// The number, or its value in SI, is too large.
@@ -197,46 +196,46 @@ pub enum UnitError {
     /// A number without a unit where a dimension is expected.
     #[error("has no unit, but must be {}", wanted(*.expected))]
     NoUnit {
-        /// What is expected.
+        /// Expected dimension.
         expected: Dimension,
     },
-    /// The unit measures something else.
+    /// A unit of another dimension.
     #[error("is {}, but must be {}", described(.unit, *.found), wanted(*.expected))]
     WrongDimension {
-        /// The unit, as it was found.
+        /// The unit as written.
         unit: String,
-        /// What it measures.
+        /// Dimension of the unit.
         found: Dimension,
-        /// What is expected.
+        /// Expected dimension.
         expected: Dimension,
     },
-    /// A word that is no unit.
+    /// An unknown unit.
     #[error("has the unknown unit `{}`", visible(&excerpt(.unit)))]
     UnknownUnit {
-        /// The word, as it was found.
+        /// The word as written.
         unit: String,
-        /// The known unit that is spelt most like it, if one is.
+        /// The known unit spelt most like it, if one is near.
         nearest: Option<&'static str>,
     },
     /// A rate that may count turns.
     #[error("is in {}, which may count turns or radians", visible(&excerpt(.unit)))]
     TurnsOrRadians {
-        /// The unit, as it was found.
+        /// The unit as written.
         unit: String,
     },
     /// More than one unit may belong below the stroke.
     #[error("is ambiguous: only one unit may follow the only `/`")]
     Ambiguous,
-    /// No unit at all, or signs in between that make no sense.
+    /// No unit, or signs in between that make no sense.
     #[error("has the malformed unit `{}`", visible(&excerpt(.unit)))]
     Malformed {
-        /// The unit, as it was found.
+        /// The unit as written.
         unit: String,
     },
 }
 
 impl UnitError {
-    /// What to write instead.
+    /// Suggests a remedy.
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NoUnit { .. } => Some("a number without quotes is in SI units".into()),
