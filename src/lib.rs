@@ -1,11 +1,10 @@
 //! flexlink: the hub torque that makes the tip of a flexible link follow a wanted motion.
 //!
-//! A straight link turns about a hub, in the horizontal plane or under gravity. Given the motion that its *tip* is to
-//! make, this library finds the torque that a motor must apply at the *hub* (E. Bayo, *A
-//! Finite-Element Approach to Control the End-Point Motion of a Single-Link Flexible Robot*,
-//! J. Robotic Systems 4(1), 1987; "eq n" in these docs is that paper's numbering). The torque
-//! starts before the tip moves and outlasts its motion, because bending waves travel at finite
-//! speed.
+//! A straight link turns about a hub, in the horizontal plane or under gravity. From the wanted motion of its *tip* this
+//! library computes the torque of the motor at the *hub* (E. Bayo, *A Finite-Element Approach to Control the End-Point
+//! Motion of a Single-Link Flexible Robot*, J. Robotic Systems 4(1), 1987; "eq n" in these docs is that paper's
+//! numbering). The torque starts before the tip moves and outlasts its motion, because bending waves travel at finite
+//! speed. Arms have up to nine such links.
 //!
 //! # From a tip motion to a torque
 //!
@@ -72,8 +71,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The features `cli` and `report` are on by default; without them the library compiles neither a
-//! command line nor fonts.
+//! The features `cli` and `report` are on by default. Without them the library compiles neither a command line nor
+//! fonts.
 //!
 //! # Notation
 //!
@@ -105,19 +104,29 @@
 //!
 //! A caret in a comment marks a complex amplitude of e^{+iωt}.
 //!
+//! # Where to change it
+//!
+//! | change | place |
+//! |---|---|
+//! | boundary condition of the hub | `mechanics/beam/recursion.rs`, `HubResponse::at_axis`: it moves the link's apparent inertia to the axis and adds the hub's. `batch/hub.rs` has the same for vectors of frequencies |
+//! | a joint of another kind | its parameters: [`link::Hub`]; its unit motion: [`beam`] (`recursion`, `pivoted`, `loaded`) and `mechanics/response/shape.rs`; its names of files and columns: `files/store/names.rs` and `files/csv/heading.rs` |
+//! | a column of torque.csv | `files/store/names.rs` has its name, `run_tables.rs` beside it the history |
+//! | a number of each joint in summary.json, sweeps and limits | one entry in `study/result/quantities.rs` |
+//! | a warning | a variant of the room's enum, with its text and hint. `Solution::warnings` holds it; `cli` prints it, `store` writes it into summary.json, and `--deny-warnings` ends with exit code 4 |
+//! | an option of several commands | `cli/options` |
+//!
 //! # Invariants
 //!
 //! * [`numeric`] knows no beam, [`link`] knows no file.
-//! * Only [`spec`], [`csv`] and [`store`] read files, only [`csv`] and [`store`] write, only `cli`
-//!   prints.
-//! * A [`link::Link`] or [`motion::TipMotion`] that exists is valid; nothing repairs its input.
+//! * Only the floor `files` reads and writes files of the user. Only `cli` prints.
+//! * A [`link::Link`] or [`motion::TipMotion`] is valid from its construction. Input is refused, not repaired.
 //! * Warnings are returned values.
 //! * Everything inside is SI.
-//! * Same input, same bytes, on any number of threads and on every processor: no sum depends on how
-//!   work is shared or on the width of vectors, no product is fused with a sum, and all functions
-//!   beyond the square root come from `libm`. Only [`model::Dense`], with which `verify` compares, and the
-//!   fitted values of [`fit`] have other last digits on each processor, as faer rounds; what is written of the
-//!   first is its bound, fitted values are printed with fewer digits.
+//! * The same input gives the same bytes, on any number of threads and on every processor. No sum depends on the
+//!   sharing of work or on the width of vectors, no product is fused with a sum, and all functions beyond the square
+//!   root come from `libm`. Two kinds of numbers have other last digits on other processors, since faer rounds
+//!   differently there: [`model::Dense`], whose bound `verify` writes, and the fitted values of [`fit`], which have
+//!   fewer digits in files.
 //!
 //! # References
 //!

@@ -50,7 +50,7 @@ pub(crate) fn modes<'py>(
     let found = until_pressed(py, found)?;
     warn(py, &found.warnings(&specification.arm))?;
     match &found.setting {
-        Setting::Level => Ok(level(py, &found)?),
+        Setting::Weightless => Ok(level(py, &found)?),
         Setting::Straight { .. } => Ok(in_pose(py, &found)?),
         Setting::AtRest { tip_m, holding_torques_n_m, .. } => {
             let table = in_pose(py, &found)?;

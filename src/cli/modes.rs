@@ -196,8 +196,10 @@ fn straight(
         let hint = "give it as --set 'gravity=[0, -9.81]'";
         return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     };
-    let (exact, omega_rad_s) = resolved(link, plan, count)?;
-    let highest_rad_s = omega_rad_s.last().copied().unwrap_or_default();
+    let is_resolved = plan.is_automatic() || wanted == Wanted::Tables;
+    let exact = is_resolved.then(|| resolved(link, plan, count)).transpose()?;
+    let highest = exact.as_ref().and_then(|(_, omega_rad_s)| omega_rad_s.last().copied());
+    let highest_rad_s = highest.unwrap_or_default();
     let mut mesh = Mesh::new(link, plan)?;
     if plan.is_automatic() {
         mesh = mesh.resolving(highest_rad_s, POSE_TOLERANCE);
@@ -248,7 +250,7 @@ fn straight(
     let (mut zeros, mut shapes) = (Vec::new(), None);
     if wanted == Wanted::Tables {
         check_shapes(2 * free.modes.len() * mesh.nodes_m().len())?;
-        zeros.push(zeros_on(&exact, count, highest_rad_s));
+        zeros.extend(exact.iter().map(|(mesh, _)| zeros_on(mesh, count, highest_rad_s)));
         let nodes_m = mesh.nodes_m().to_vec();
         let across = |shape: &Vec<f64>| vec![shape.iter().map(|v| [-sin * v, cos * v]).collect()];
         shapes = Some(ArmShapes {
@@ -290,7 +292,7 @@ fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, 
     let held = PoseHub::Spring(spring_n_m_rad);
     let shape = |omega: f64| mode(&mesh, omega).shape.displacements(&mesh);
     Ok(ModesResult {
-        setting: Setting::Level,
+        setting: Setting::Weightless,
         free: settled(PoseHub::Free, &omega_rad_s, &shape),
         held: settled(held, &held.frequencies(&mesh, count), &|_| Vec::new()),
         joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],
@@ -347,7 +349,7 @@ fn zeros_on(mesh: &Mesh, count: usize, highest_rad_s: f64) -> LinkZeros {
 fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesResult) -> usize {
     console::remarks(remarks);
     let mut warnings = 0;
-    if let ([one], [mesh], Setting::Level) = (arm.links(), &found.meshes[..], &found.setting) {
+    if let ([one], [mesh], Setting::Weightless) = (arm.links(), &found.meshes[..], &found.setting) {
         let modes = found.free.modes.iter();
         let omega_rad_s: Vec<f64> = modes.map(|mode| mode.square_per_s2.sqrt()).collect();
         console::remarks(Remark::on_modes(&one.link, mesh, &omega_rad_s));
@@ -360,7 +362,8 @@ fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesR
     warnings += coarse.len();
     console::warnings(coarse);
     let falls = [&found.free, &found.held].map(SettledModes::falls);
-    let level = (found.setting == Setting::Level).then(|| warn_of_gravity(&arm.links()[0].link));
+    let level =
+        (found.setting == Setting::Weightless).then(|| warn_of_gravity(&arm.links()[0].link));
     warnings + warn_of_fall(arm, falls) + level.unwrap_or_default()
 }
 

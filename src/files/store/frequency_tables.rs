@@ -44,7 +44,7 @@ const DAMPING: &str = "damping_ratio";
 /// The columns of modes: without gravity nothing grows, and of a straight link in a pose no damping is computed.
 fn columns_of(setting: &Setting, own: &SettledModes) -> Vec<(String, Vec<f64>)> {
     let numbers = NUMBERS.iter().filter(|(name, _)| match setting {
-        Setting::Level => *name != GROWTH,
+        Setting::Weightless => *name != GROWTH,
         Setting::Straight { .. } => *name != DAMPING,
         Setting::AtRest { .. } => true,
     });
@@ -106,7 +106,7 @@ impl ModesResult {
                 whole.1.append(&mut values);
             }
         }
-        let links = (self.setting != Setting::Level).then_some(("link", &links[..]));
+        let links = (self.setting != Setting::Weightless).then_some(("link", &links[..]));
         write_columns(out, links, &borrowed(&columns), digits)
     }
 }
@@ -257,7 +257,7 @@ pub fn modes_json(found: &ModesResult) -> String {
     };
     let (free, held) = (&found.free, &found.held);
     as_text(&match &found.setting {
-        Setting::Level => {
+        Setting::Weightless => {
             let mut all = list(free);
             all.extend(found.zeros.iter().flat_map(of_link));
             all.extend(found.meshes.iter().map(|mesh| ("x_m".into(), json!(mesh.nodes_m()))));

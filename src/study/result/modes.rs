@@ -29,7 +29,7 @@ pub struct ModesResult {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Setting {
     /// One link without gravity, in any direction.
-    Level,
+    Weightless,
     /// One straight link, with the weight that pulls along it.
     Straight {
         /// Direction of the link in rad, counterclockwise from x.
@@ -79,7 +79,7 @@ impl ModesResult {
     /// Warnings of errors that the mesh, or the order of the polynomials, causes. Those of zeros name the link of an arm.
     pub fn warnings(&self, arm: &Arm) -> Vec<Notice> {
         let (held, by) = match self.setting {
-            Setting::Level => ("held mode", Refined::Elements),
+            Setting::Weightless => ("held mode", Refined::Elements),
             Setting::Straight { .. } => ("mode with the hub held", Refined::Elements),
             Setting::AtRest { .. } => ("mode with the rotors held", Refined::Orders),
         };

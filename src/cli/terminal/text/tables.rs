@@ -23,7 +23,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
         Vec::new()
     };
     match &found.setting {
-        Setting::Level => {
+        Setting::Weightless => {
             let without = if link.drive().is_some() { ", without the rotor" } else { "" };
             lines.push(format!("hub free{without}"));
         }
@@ -50,7 +50,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     // The swing of one link is mode 0.
     let first = usize::from(!matches!(found.setting, Setting::Straight { .. }));
     lines.extend(mode_rows(found, &found.free, first));
-    if found.setting == Setting::Level {
+    if found.setting == Setting::Weightless {
         lines.extend(found.zeros.iter().flat_map(zero_rows));
     }
     lines.push(joints_held(arm));
