@@ -197,7 +197,6 @@ mod tests {
     fn every_kind_of_warning_of_a_sweep_has_a_sentence() {
         let sources = [
             include_str!("../inverse/warning.rs"),
-            include_str!("../inverse/arm/warning.rs"),
             include_str!("../response/error.rs"),
             include_str!("../result/tip_error.rs"),
         ];

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::options::common::{angle_rad, quantity};
 use crate::terminal::{Exit, Failure, console};
 use flexlink::csv::{TableFormat, read_path_table};
-use flexlink::inverse::check_reach;
+use flexlink::inverse::{SolutionWarning, check_reach};
 use flexlink::motion::{ArmPath, Curve};
 use flexlink::numeric::Dimension;
 use flexlink::spec::ArmSpecification;
@@ -212,6 +212,6 @@ pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, F
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
     let warning = check_reach(&arm.arm, &path)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
-    console::warnings(warning);
+    console::warnings(warning.map(SolutionWarning::from));
     Ok(usize::from(warning.is_some()))
 }
