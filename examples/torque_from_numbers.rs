@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     solution.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     println!("time_s,torque_N_m");
-    for (k, torque_n_m) in solution.torque_n_m.iter().enumerate() {
+    for (k, torque_n_m) in solution.hub().torque_n_m.iter().enumerate() {
         println!("{:.3},{torque_n_m:.6}", solution.grid.time_s(k));
     }
     Ok(())

@@ -28,23 +28,23 @@ const DIFFERENCED: f64 = 2.5;
 /// If one does.
 pub fn check_finite(solution: &Solution) {
     let tip = &solution.tip;
-    let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
+    let hub_acceleration_rad_s2 = solution.acceleration_rad_s2(0).into_owned();
     let histories = [
-        ("torque", &solution.torque_n_m),
-        ("rigid torque", &solution.rigid_torque_n_m),
-        ("hub angle", &solution.hub_angle_rad),
-        ("hub rate", &solution.hub_rate_rad_s),
+        ("torque", &solution.hub().torque_n_m),
+        ("rigid torque", &solution.hub().rigid_torque_n_m),
+        ("hub angle", &solution.hub().angle_rad),
+        ("hub rate", &solution.hub().rate_rad_s),
         ("hub acceleration", &hub_acceleration_rad_s2),
-        ("rigid hub angle", &solution.rigid_hub_angle_rad),
-        ("root moment", &solution.root_moment_n_m),
-        ("displacement", &tip.displacement_m),
-        ("velocity", &tip.velocity_m_s),
-        ("acceleration", &tip.acceleration_m_s2),
+        ("rigid hub angle", &solution.hub().rigid_angle_rad),
+        ("root moment", &solution.links[0].root_moment_n_m),
+        ("displacement", &tip[0].displacement_m),
+        ("velocity", &tip[0].velocity_m_s),
+        ("acceleration", &tip[0].acceleration_m_s2),
     ];
     for (name, samples) in histories {
         assert!(samples.len() == solution.grid.len && finite(samples), "{name}");
     }
-    if let Some(motor) = &solution.motor {
+    if let Some(motor) = &solution.hub().motor {
         for samples in [&motor.torque_n_m, &motor.angle_rad, &motor.rate_rad_s, &motor.power_w] {
             assert!(finite(samples), "a motor's history");
         }
@@ -57,13 +57,13 @@ pub fn check_finite(solution: &Solution) {
         check_table(&table);
     }
     check_metrics(&Metrics::of(solution));
-    let accuracy = solution.accuracy;
-    let shares = accuracy.errors.iter().flat_map(|(_, errors)| {
+    let errors = solution.hub().errors;
+    let shares = errors.iter().flat_map(|(_, errors)| {
         [Some(errors.mesh), Some(errors.window), errors.step, errors.modes]
     });
-    let mut shares = shares.flatten().chain([accuracy.tip]);
+    let mut shares = shares.flatten().chain([solution.tip_error]);
     let are_shares = shares.all(|share| share.is_finite() && share >= 0.0);
-    assert!(are_shares, "{accuracy:?}");
+    assert!(are_shares, "{errors:?}");
     for warning in &solution.warnings {
         let text = warning.to_string();
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
@@ -121,20 +121,21 @@ pub fn check_linear(first: &Solution, second: &Solution, both: &Solution) {
     let period = both.band.fft_length as f64;
     let round_off = TRANSFORM * f64::EPSILON * period.log2() * period.sqrt();
     let norm = |solution: &&Solution| {
-        let squares = solution.tip.acceleration_m_s2.iter().map(|a| a * a);
+        let squares = solution.tip[0].acceleration_m_s2.iter().map(|a| a * a);
         squares.sum::<f64>().sqrt()
     };
-    let way = all.iter().map(|solution| largest(&solution.tip.displacement_m)).fold(0.0, f64::max);
+    let way =
+        all.iter().map(|solution| largest(&solution.tip[0].displacement_m)).fold(0.0, f64::max);
     let step_s = both.grid.step_s;
     // Displacements are rounded, too, before they are differenced twice.
     let rounded = 10.0 * f64::EPSILON * both.grid.len as f64 * way / step_s.powi(2);
     let noise = DIFFERENCED * (round_off * all.iter().map(norm).sum::<f64>() + rounded);
     let bins = all.iter().map(|solution| solution.band.frequencies).max().unwrap_or(0);
     let transfers: f64 = transfers(both, bins).iter().sum();
-    let torques: f64 = all.iter().map(|solution| largest(&solution.torque_n_m)).sum();
+    let torques: f64 = all.iter().map(|solution| largest(&solution.hub().torque_n_m)).sum();
     let allowed = 2.0 / period * transfers * noise + round_off * torques;
-    let sum = first.torque_n_m.iter().zip(&second.torque_n_m).map(|(a, b)| a + b);
-    for (k, (both, sum)) in both.torque_n_m.iter().zip(sum).enumerate() {
+    let sum = first.hub().torque_n_m.iter().zip(&second.hub().torque_n_m).map(|(a, b)| a + b);
+    for (k, (both, sum)) in both.hub().torque_n_m.iter().zip(sum).enumerate() {
         let off = (both - sum).abs();
         assert!(off <= allowed, "{both:e} is not {sum:e} at {k}: off by {off:e} of {allowed:e}");
     }
@@ -142,11 +143,11 @@ pub fn check_linear(first: &Solution, second: &Solution, both: &Solution) {
 
 /// Largest |T̂/â| of every bin above zero, in kg m; the first stands for the mean velocity, too.
 fn transfers(solution: &Solution, bins: usize) -> Vec<f64> {
-    let friction_n_m_s_rad = solution.model.link().joint().friction_n_m_s_rad;
+    let friction_n_m_s_rad = solution.link().joint().friction_n_m_s_rad;
     let (law, length_m) = (solution.law(), solution.mesh().length_m());
     let omegas: Vec<f64> =
         (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();
-    let found = solution.model.tip_transfers(&omegas);
+    let found = solution.links[0].model.tip_transfers(&omegas);
     let size = |(omega, tip): (&f64, TipTransfer)| {
         let factor = law.stiffness_factor(*omega);
         let bent = (tip.deflection_s2 / factor).norm() * omega * friction_n_m_s_rad / length_m;
@@ -183,21 +184,21 @@ pub fn bending(model: &dyn Model) -> Option<f64> {
 /// # Panics
 /// If it is not.
 pub fn check_rigid(link: &Link, solution: &Solution, nyquist_rad_s: f64) {
-    let Some(bending) = bending(&*solution.model) else { return };
+    let Some(bending) = bending(&*solution.links[0].model) else { return };
     let law = solution.law();
     let bent = bending * law.lambda(nyquist_rad_s).norm();
     let period = solution.band.fft_length as f64;
     let round_off = TRANSFORM * f64::EPSILON * (period.log2() * period.sqrt() + period);
     let (length_m, inertia) = (link.length_m(), link.rigid_inertia_kg_m2());
     let drag = inertia * law.mass_rate_per_s() + link.hub().viscous_friction_n_m_s_rad;
-    let acceleration = largest(&solution.tip.acceleration_m_s2);
-    let moving = drag * largest(&solution.tip.velocity_m_s);
+    let acceleration = largest(&solution.tip[0].acceleration_m_s2);
+    let moving = drag * largest(&solution.tip[0].velocity_m_s);
     // A payload that lies far inboard takes away most of what its mass adds at the tip; each is rounded.
     let payload = link.payload();
     let taken_away = payload.mass_kg * (length_m + payload.offset_m.abs()).powi(2);
     let allowed = (bent * period.sqrt() + round_off) * (inertia * acceleration + moving) / length_m
         + round_off * taken_away * acceleration / length_m;
-    let pairs = solution.torque_n_m.iter().zip(&solution.rigid_torque_n_m);
+    let pairs = solution.hub().torque_n_m.iter().zip(&solution.hub().rigid_torque_n_m);
     for (torque, rigid) in pairs {
         let off = (torque - rigid).abs();
         assert!(off <= allowed, "{torque:e} is not {rigid:e}: off by {off:e} of {allowed:e}");

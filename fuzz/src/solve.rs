@@ -92,7 +92,13 @@ fn check_scaled(problem: &Problem, motions: &TwoMotions, exponent: i32) {
     let Some(one) = solved(problem, motions.sum([1.0, 1.0])) else { return };
     let Some(other) = solved(problem, motions.sum([factor, factor])) else { return };
     let histories = |of: &Solution| {
-        [&of.torque_n_m, &of.hub_angle_rad, &of.hub_rate_rad_s, &of.root_moment_n_m].map(Vec::clone)
+        [
+            &of.hub().torque_n_m,
+            &of.hub().angle_rad,
+            &of.hub().rate_rad_s,
+            &of.links[0].root_moment_n_m,
+        ]
+        .map(Vec::clone)
     };
     for (one, other) in histories(&one).iter().zip(&histories(&other)) {
         let other_than = |(a, b): (&f64, &f64)| (a * factor - b).abs() > 0.0;

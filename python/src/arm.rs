@@ -1,19 +1,21 @@
 //! An arm of several links, its path and its solution.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use flexlink::cli::options::common::refuse_for_arms;
+use flexlink::cli::problem::Problem;
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::{Exit, Failure, memory};
 use flexlink::csv::{InputFile, PathTable};
-use flexlink::inverse::{ArmJoint, ArmSolution as LibrarySolution, Unwatched};
+use flexlink::inverse::{JointMotion, Resources};
 use flexlink::motion::{PathColumn, PathColumns, Recording};
 use flexlink::result::Notice;
 use flexlink::spec::{ArmSpecification, Described};
-use flexlink::store::{OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
-use flexlink::verify::AnySolution;
 
 use crate::arrays::{column, dictionary, frame, places, rows};
 use crate::keywords::{self, solve_options};
@@ -24,10 +26,7 @@ use crate::motion::{
     unpickled_file,
 };
 use crate::pool;
-use flexlink::cli::options::common::refuse_for_arms;
-use flexlink::cli::problem::{ArmAndPath, Solved};
-use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::{Exit, Failure, memory};
+use crate::solved::SolvedRun;
 
 /// Keywords of `write`.
 const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
@@ -146,6 +145,14 @@ impl GivenPath {
         Ok(Self::Samples(Box::new(columns)))
     }
 
+    /// The file, where it is one.
+    pub(crate) fn file(&self) -> Option<&InputFile> {
+        match self {
+            Self::File(file) => Some(file),
+            Self::Samples(_) => None,
+        }
+    }
+
     pub(crate) fn table(&self, options: &SolveOptions) -> Result<PathTable, Failure> {
         let table = match self {
             Self::File(file) => options.resample.path_of(file, &options.read)?,
@@ -181,11 +188,8 @@ impl GivenPath {
 /// column for each joint, the inner one first; units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct ArmSolution {
-    source: Source,
     given: Arc<GivenPath>,
-    keywords: Vec<String>,
-    solved: Solved<LibrarySolution>,
-    pub(crate) warnings: Vec<Notice>,
+    pub(crate) run: SolvedRun,
 }
 
 /// Solves an arm.
@@ -199,64 +203,21 @@ pub(crate) fn solved_arm(
     refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
     let mut specification = arm.specification.clone();
     options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
-    let problem = (&arm.source.file, specification);
-    let solved = ArmAndPath::of(problem, given.table(&options)?)?.solve(memory::available())?;
-    Ok(ArmSolution::new(arm.source.clone(), Arc::new(given), keywords, solved))
+    let problem = Problem::of_arm(&arm.source.file, *specification, given.table(&options)?)?;
+    let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
+    let run = SolvedRun::of(problem, &resources, (arm.source.clone(), keywords))?;
+    Ok(ArmSolution { given: Arc::new(given), run })
 }
 
 impl ArmSolution {
-    pub(crate) fn new(
-        source: Source,
-        given: Arc<GivenPath>,
-        keywords: Vec<String>,
-        solved: Solved<LibrarySolution>,
-    ) -> Self {
-        let limits = solved.exceeded.iter().map(Notice::from);
-        let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
-        Self { source, given, keywords, solved, warnings }
-    }
-
     fn of_joints<'py>(
         &self,
         py: Python<'py>,
-        of: impl Fn(&ArmJoint) -> &[f64],
+        of: impl Fn(&JointMotion) -> &[f64],
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let solution = &self.solved.solution;
+        let solution = self.run.solution();
         let histories: Vec<&[f64]> = solution.joints.iter().map(of).collect();
         rows(py, &histories, solution.grid.len)
-    }
-
-    fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
-        let changes = self.source.changes.iter();
-        let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);
-        solve_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
-    }
-
-    /// What a run of the command would record, of arm and path that are no files the arguments alone.
-    fn inputs(&self, options: &SolveOptions) -> RunInputs {
-        match &*self.given {
-            GivenPath::File(path) if self.source.is_file => {
-                RunInputs::of_solve(&self.source.file, path, options.arguments())
-            }
-            _ => RunInputs::of_arguments(options.arguments()),
-        }
-    }
-
-    /// The content of summary.json.
-    fn record(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
-        let Solved { solution, metrics, .. } = &self.solved;
-        let findings = self.solved.findings(None);
-        Summary::of_arm(self.inputs(options), solution, metrics, &findings, outputs)
-    }
-
-    pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
-        let options = self.options(more)?;
-        let (solution, outputs) = (&self.solved.solution, options.outputs());
-        options.nodes.check(&AnySolution::Arm(solution).nodes_m())?;
-        let summary = self.record(&options, &outputs);
-        let folder = OutputFolder::stage(folder, &|_| {})?;
-        let tables = RunTables::of_arm(solution, &outputs);
-        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
     }
 }
 
@@ -265,7 +226,7 @@ impl ArmSolution {
     /// Times in s; those of the path, and before and after it.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let grid = &self.solved.solution.grid;
+        let grid = &self.run.solution().grid;
         PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
     }
 
@@ -284,29 +245,29 @@ impl ArmSolution {
     /// Angle in rad of each joint: of its link's root against the tip of the link before, of the first joint against x.
     #[getter]
     fn joint_angle<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.of_joints(py, |joint| &joint.angle[0])
+        self.of_joints(py, |joint| &joint.angle_rad)
     }
 
     /// Rate in rad/s of each joint.
     #[getter]
     fn joint_rate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.of_joints(py, |joint| &joint.angle[1])
+        self.of_joints(py, |joint| &joint.rate_rad_s)
     }
 
     /// Direction in rad of each link's chord, from joint to joint.
     #[getter]
     fn chord_angle<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let solution = &self.solved.solution;
-        let histories: Vec<&[f64]> = solution.links.iter().map(|own| &own.chord[0][..]).collect();
+        let solution = self.run.solution();
+        let histories: Vec<&[f64]> = solution.shapes().map(|own| &own.chord[0][..]).collect();
         rows(py, &histories, solution.grid.len)
     }
 
     /// x and y of the tip in m.
     #[getter]
     fn tip<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let solution = &self.solved.solution;
-        let [x, y] = &solution.tip;
-        rows(py, &[&x[0], &y[0]], solution.grid.len)
+        let solution = self.run.solution();
+        let places: Vec<&[f64]> = solution.tip.iter().map(|own| &own.displacement_m[..]).collect();
+        rows(py, &places, solution.grid.len)
     }
 
     /// x and y in m of the nodes of a link, numbered from 0: an array over time, node and axis.
@@ -315,8 +276,8 @@ impl ArmSolution {
         py: Python<'py>,
         link: usize,
     ) -> Result<Bound<'py, PyArray3<f64>>, Raised> {
-        let solution = &self.solved.solution;
-        let Some(shape) = solution.links.get(link) else {
+        let solution = self.run.solution();
+        let Some(shape) = solution.shapes().nth(link) else {
             let links = solution.links.len();
             let message = format!("link = {link}, but must be below {links}, the number of links");
             return Err(usage(&message, None).into());
@@ -330,9 +291,7 @@ impl ArmSolution {
     /// What summary.json of a run holds.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
-        let options = self.options(Vec::new())?;
-        let summary = self.record(&options, &options.outputs());
-        Ok(py.import("json")?.call_method1("loads", (summary.to_json(),))?)
+        Ok(py.import("json")?.call_method1("loads", (self.run.summary(self.given.file())?,))?)
     }
 
     /// How exact the answer is, as in summary.json.
@@ -344,13 +303,13 @@ impl ArmSolution {
     /// What the user must know: warnings that were given to Python's filters, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.warnings)
+        objects(py, &self.run.warnings)
     }
 
     /// What is possible but rare, often a slip of units.
     #[getter]
     fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.solved.remarks.iter().map(Notice::from).collect::<Vec<_>>())
+        objects(py, &self.run.remarks().iter().map(Notice::from).collect::<Vec<_>>())
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if arm and
@@ -364,7 +323,7 @@ impl ArmSolution {
         keywords: Option<Bound<'_, PyDict>>,
     ) -> Result<(), Raised> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
-        Ok(py.detach(|| pool::apart(|| self.write_into(&folder, more)))?)
+        Ok(py.detach(|| pool::apart(|| self.run.write_into(&folder, self.given.file(), more)))?)
     }
 
     /// The histories as a `pandas.DataFrame` over the time, a column for each joint: ``torque1``, ``torque2``.
@@ -378,7 +337,7 @@ impl ArmSolution {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, own) = (slf.py(), slf.get());
         let (file, columns) = own.given.pickled(py)?;
-        let arguments = (own.source.pickled(), file, columns, own.keywords.clone());
+        let arguments = (own.run.source.pickled(), file, columns, own.run.keywords.clone());
         Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
     }
 
@@ -397,7 +356,7 @@ impl ArmSolution {
     }
 
     fn __repr__(&self) -> String {
-        let solution = &self.solved.solution;
+        let solution = self.run.solution();
         format!("ArmSolution(samples={}, joints={})", solution.grid.len, solution.joints.len())
     }
 }

@@ -13,10 +13,10 @@ use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
 use pyo3::types::PyDict;
 
+use flexlink::cli::terminal::memory;
 use flexlink::text::excerpt;
 
 use crate::messages::{Raised, usage};
-use flexlink::cli::terminal::memory;
 
 /// The numbers of a column: an array of one dimension, or what NumPy makes one of. Whole numbers and those of other
 /// widths are converted, complex ones, texts and objects are refused.

@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 
+use flexlink::cli::fit::{Problem, Unfitted, check_output};
+use flexlink::cli::options::common::option;
+use flexlink::cli::terminal::{Failure, console};
 use flexlink::fit::{FitOutcome, Replaced};
 use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
@@ -12,9 +15,6 @@ use crate::arm::Arm;
 use crate::interrupt::until_pressed;
 use crate::link::{Link, Source, described_by};
 use crate::messages::{Raised, objects, usage, warn};
-use flexlink::cli::fit::{Problem, Unfitted, check_output};
-use flexlink::cli::options::common::option;
-use flexlink::cli::terminal::{Failure, console};
 
 /// A link or an arm fitted to measurements.
 #[pyclass(frozen, module = "flexlink")]

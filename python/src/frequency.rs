@@ -7,6 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use flexlink::cli::frf::Frf;
+use flexlink::cli::modes::{Wanted, computed};
 use flexlink::response::{PoseMode, SettledModes};
 use flexlink::result::{ModesResult, Notice, Setting};
 use flexlink::spec::ArmSpecification;
@@ -17,8 +19,6 @@ use crate::interrupt::until_pressed;
 use crate::keywords;
 use crate::link::{Link, described_by};
 use crate::messages::{Raised, usage, warn};
-use flexlink::cli::frf::Frf;
-use flexlink::cli::modes::{Wanted, computed};
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
 ///

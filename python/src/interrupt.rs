@@ -7,12 +7,13 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
+use flexlink::cli::terminal::Failure;
+
 use crate::messages::Raised;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::pool;
-use flexlink::cli::terminal::Failure;
 
 /// Between two looks whether Ctrl-C was pressed.
 const LOOK: Duration = Duration::from_millis(50);

@@ -9,13 +9,13 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
+use flexlink::cli::options::common::option;
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::Failure;
 use flexlink::text::did_you_mean;
 
 use crate::messages::{Raised, usage};
 use crate::motion::COLUMNS;
-use flexlink::cli::options::common::option;
-use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::Failure;
 
 /// Gives keywords the names of their options.
 pub(crate) fn rename(keywords: &Bound<'_, PyDict>, renamed: &[(&str, &str)]) -> PyResult<()> {

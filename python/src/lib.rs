@@ -8,7 +8,8 @@
 //! | `pool`, `interrupt` | threads that survive a fork; Ctrl-C |
 //! | `link` | a link and its file |
 //! | `motion`, `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
-//! | `arm` | the same of an arm |
+//! | `solved` | what solutions of links and arms share |
+//! | `arm` | arms, their paths and their solutions |
 //! | `frequency`, `trajectory` | modes and responses; motions by profile |
 //! | `simulate`, `simulate_arm`, `play` | torques played on links and arms, and what a call says of them |
 //! | `sweep`, `sweep_work`, `fit` | what the commands of these names do |
@@ -33,6 +34,7 @@ mod simulate;
 mod simulate_arm;
 mod solution;
 mod solve;
+mod solved;
 mod stored;
 mod sweep;
 mod sweep_work;

@@ -6,13 +6,13 @@ use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use flexlink::cli::options::inputs::described;
+use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::InputFile;
 use flexlink::spec::{Described, LinkDocument, Override, Specification};
 
 use crate::keywords;
 use crate::messages::{Raised, usage};
-use flexlink::cli::options::inputs::described;
-use flexlink::cli::terminal::{Exit, Failure};
 
 /// What errors call keywords.
 const KEYWORDS: &str = "keywords";

@@ -7,6 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::{InputFile, MotionTable, read_motion_table_as};
 use flexlink::link::{Gravity, Link as LibraryLink};
 use flexlink::motion::{MotionColumns, Periods, TipMotion, TipTarget};
@@ -17,8 +19,6 @@ use crate::keywords;
 use crate::link::{Link, PickledSource, Source, described_by};
 use crate::messages::{Raised, of_reading, usage};
 use crate::pool;
-use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::{Exit, Failure};
 
 /// What messages call samples that are from no file.
 pub(crate) const MOTION: &str = "motion";

@@ -3,6 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use flexlink::cli::options::play::initial_tip_m;
+use flexlink::cli::terminal::{Exit, Failure, memory};
 use flexlink::link::Link as LibraryLink;
 use flexlink::motion::TipTarget;
 use flexlink::response::{
@@ -14,8 +16,6 @@ use crate::keywords;
 use crate::link::described_by;
 use crate::messages::{Raised, usage};
 use crate::motion::Motion;
-use flexlink::cli::options::play::initial_tip_m;
-use flexlink::cli::terminal::{Exit, Failure, memory};
 
 /// Keywords of `simulate` for a link, and for an arm, with blanks between.
 pub(crate) const OF_LINK: &str = "torque hub_angle hub_rate hold until feedback reference reference_rate initial_tip periodic target state";

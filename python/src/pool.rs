@@ -5,10 +5,9 @@ use std::process;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::system::{Stopped, stop_by};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-
-use flexlink::cli::terminal::{Exit, Failure};
 
 /// The threads, and the process that started them. A child of `fork` has the memory of its parent, but not its threads:
 /// it would wait for them forever, as in a `multiprocessing.Pool`.

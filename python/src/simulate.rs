@@ -8,6 +8,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use flexlink::cli::terminal::{Failure, console, memory};
 use flexlink::csv::{InputFile, TableError};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::Unwatched;
@@ -29,7 +30,6 @@ use crate::motion::path_of;
 use crate::play::{Keywords, Playing};
 use crate::pool;
 use crate::simulate_arm::ArmSimulation;
-use flexlink::cli::terminal::{Failure, console, memory};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 

@@ -7,6 +7,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use flexlink::beam::MeshPlan;
+use flexlink::cli::options::play_arm::{ArmTorques, Start, feedback};
+use flexlink::cli::simulate::arm::{nodes_m, refusal};
+use flexlink::cli::terminal::{Exit, Failure, console};
 use flexlink::csv::InputFile;
 use flexlink::inverse::Unwatched;
 use flexlink::numeric::TimeGrid;
@@ -27,9 +30,6 @@ use crate::messages::{Raised, objects, usage};
 use crate::play::{HALF_A_FEEDBACK, Keywords, OF_ARM, OF_LINK, history, refuse_both};
 use crate::pool;
 use crate::simulate::state;
-use flexlink::cli::options::play_arm::{ArmTorques, Start, feedback};
-use flexlink::cli::simulate::arm::{nodes_m, refusal};
-use flexlink::cli::terminal::{Exit, Failure, console};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 type Columns<'py> = Bound<'py, PyArray2<f64>>;

@@ -3,7 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::inverse::{Resources, invert_with};
+use flexlink::cli::problem::Problem;
+use flexlink::cli::terminal::{Failure, memory};
+use flexlink::inverse::Resources;
 use flexlink::spec::Specification;
 
 use crate::arm::{Arm, GivenPath, solved_arm};
@@ -11,9 +13,9 @@ use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
 use crate::messages::warn;
-use crate::motion::Call;
+use crate::motion::{Call, MOTION};
 use crate::solution::Solution;
-use flexlink::cli::terminal::{Failure, memory};
+use crate::solved::SolvedRun;
 
 /// Computes the hub torque that makes the tip of a link follow a motion, or the torques of an arm.
 ///
@@ -49,13 +51,13 @@ pub(crate) fn solve<'py>(
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
         let arguments = keywords::arguments(&keywords)?;
         let solution = until_pressed(py, || solved_arm(arm, given, arguments))?;
-        warn(py, &solution.warnings)?;
+        warn(py, &solution.run.warnings)?;
         return Ok(Bound::new(py, solution)?.into_any());
     }
     let link = described_by::<Link>(link)?.get();
     let call = Call::take(time, &keywords)?;
     let solution = until_pressed(py, || solved(link, call))?;
-    warn(py, &solution.warnings)?;
+    warn(py, &solution.run.warnings)?;
     Ok(Bound::new(py, solution)?.into_any())
 }
 
@@ -76,6 +78,9 @@ pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
         ..Resources::default()
     };
     let mesh = options.nodes.mesh(own, mesh.clone())?;
-    let solution = invert_with(own, &mesh, &motion, &options.analysis(analysis), &resources)?;
-    Ok(Solution::new(link, (given, reading), arguments, solution))
+    let analysis = options.analysis(analysis);
+    let specification = Specification { mesh, analysis, ..link.specification.clone() };
+    let problem = Problem::of_link(MOTION, specification, motion);
+    let run = SolvedRun::of(problem, &resources, (link.source.clone(), arguments))?;
+    Ok(Solution { given, reading, run })
 }

@@ -7,6 +7,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::compare::Cell;
 use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
@@ -14,7 +15,6 @@ use flexlink::store::read_result;
 use crate::arrays::{frame, rows, view};
 use crate::messages::{Raised, objects, usage};
 use crate::pool;
-use flexlink::cli::terminal::{Exit, Failure};
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 

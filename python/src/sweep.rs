@@ -7,6 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
 
+use flexlink::cli::sweep::tally::Tally;
+use flexlink::cli::terminal::{Failure, memory};
 use flexlink::sweep::{SweepKind, in_order};
 
 use crate::arm::{Arm, GivenPath};
@@ -18,8 +20,6 @@ use crate::messages::{Raised, in_python, warn};
 use crate::motion::Call;
 use crate::pool;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
-use flexlink::cli::sweep::tally::Tally;
-use flexlink::cli::terminal::{Failure, memory};
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary:
 /// the values of each key that cases change, then arrays of numbers, not a number where a case has none, and the lists

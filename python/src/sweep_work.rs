@@ -6,25 +6,25 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::csv::PathTable;
-use flexlink::inverse::{Resources, invert_with};
-use flexlink::motion::{MotionScale, Periods, TipMotion};
-use flexlink::result::{Metrics, Notice};
-use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
-use flexlink::sweep::{ArmCase, CaseNumbers, SolvedCase, SweepKind};
-
-use crate::arm::{Arm, ArmSolution, GivenPath};
-use crate::keywords::{self, solve_options};
-use crate::link::{Link, Source};
-use crate::messages::usage;
-use crate::motion::{Given, Motion};
-use crate::solution::Solution;
 use flexlink::cli::options::common::refuse_for_arms;
 use flexlink::cli::options::inputs::scale_arguments;
-use flexlink::cli::problem::ArmAndPath;
+use flexlink::cli::problem::{Problem as Solvable, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
 use flexlink::cli::terminal::{Exit, Failure};
+use flexlink::csv::{InputFile, PathTable};
+use flexlink::inverse::Resources;
+use flexlink::motion::{MotionScale, Periods, TipMotion};
+use flexlink::result::Notice;
+use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
+use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
+
+use crate::arm::{Arm, GivenPath};
+use crate::keywords::{self, solve_options};
+use crate::link::{Link, Source};
+use crate::messages::usage;
+use crate::motion::{Given, MOTION, Motion};
+use crate::solved::SolvedRun;
 
 /// Factors on the motion among the changes of a case.
 const DISTANCE: &str = "distance*";
@@ -123,7 +123,7 @@ pub(crate) struct Shared {
 /// What is solved in each case.
 enum Problem {
     Link(Box<OfLink>),
-    Arm { given: Arc<GivenPath>, path: Box<PathTable>, links: usize },
+    Arm { given: Box<GivenPath>, path: Box<PathTable>, links: usize },
 }
 
 /// A motion as it was given, that of the link as it is, and its periods, which most cases have.
@@ -149,7 +149,7 @@ impl Shared {
             let periods = Arc::new(Periods::of(&motion));
             (motion, periods)
         };
-        let kind = if own.drive().is_some() { SweepKind::Driven } else { SweepKind::Solved };
+        let kind = SweepKind::of_links(&[own]);
         let problem =
             Problem::Link(Box::new(OfLink { given, length_m: own.length_m(), motion, periods }));
         Self::of(&link.source, outputs, problem, kind)
@@ -174,10 +174,9 @@ impl Shared {
         let arm_of = &arm.specification.arm;
         path.path(&arm_of.lengths_m())?;
         let joints = arm_of.links().len();
-        let is_driven = arm_of.links().iter().any(|own| own.link.drive().is_some());
         let kind =
-            if is_driven { SweepKind::DrivenArm { joints } } else { SweepKind::Arm { joints } };
-        let problem = Problem::Arm { given: Arc::new(given), path: Box::new(path), links: joints };
+            SweepKind::of_links(&arm_of.links().iter().map(|own| &own.link).collect::<Vec<_>>());
+        let problem = Problem::Arm { given: Box::new(given), path: Box::new(path), links: joints };
         Self::of(&arm.source, outputs, problem, kind)
     }
 
@@ -202,59 +201,65 @@ impl Shared {
     fn outcome(&self, number: usize, case: &Case) -> Row {
         let overrides = self.source.overrides(&case.link)?;
         let folder = self.outputs.folder_of(number);
-        match self.document.described(&self.source.file.shown, &overrides)? {
-            Described::Link(specification) => self.solve(*specification, case, folder),
-            Described::Arm(specification) => self.solve_arm(specification, case, folder),
+        let described = self.document.described(&self.source.file.shown, &overrides)?;
+        let (problem, motion_file) = match described {
+            Described::Link(specification) => {
+                self.link_problem(*specification, case, folder.is_some())?
+            }
+            Described::Arm(specification) => self.arm_problem(*specification, case)?,
+        };
+        let periods = match &self.problem {
+            Problem::Link(of) => Some(&*of.periods),
+            Problem::Arm { .. } => None,
+        };
+        let resources =
+            Resources { memory_bytes: self.memory_bytes, periods, ..Resources::default() };
+        let arguments = self.outputs.arguments_of(case);
+        let source = self.source.changed(case.link.clone());
+        let run = SolvedRun::of(problem, &resources, (source, arguments))?;
+        let Solved { solution, metrics, exceeded, .. } = &run.solved;
+        let first_rad_s = solution.natural_frequencies_rad_s(1).first().copied();
+        let numbers = self.kind.solved(&SolvedCase { solution, metrics, first_rad_s });
+        let own = solution.warnings.iter().map(Notice::from);
+        let notices = own.chain(exceeded.iter().map(of_limit)).collect();
+        if let Some(folder) = folder {
+            run.write_into(&folder, motion_file, Vec::new())?;
         }
+        Ok((numbers, notices))
     }
 
-    fn solve(&self, specification: Specification, case: &Case, folder: Option<PathBuf>) -> Row {
+    /// The problem of a case, and the file of its motion, where it is one.
+    fn link_problem(
+        &self,
+        specification: Specification,
+        case: &Case,
+        has_tables: bool,
+    ) -> Result<(Solvable, Option<&InputFile>), Failure> {
         let Problem::Link(of) = &self.problem else {
             return Err(usage(&"one link, but must be an arm as without the changes", None));
         };
-        let OfLink { given, length_m, motion, periods } = &**of;
+        let OfLink { given, length_m, motion, .. } = &**of;
         let options = &self.outputs.options;
-        let Specification { link, mesh, analysis, limits, .. } = &specification;
+        let Specification { link, mesh, analysis, .. } = &specification;
         // Angles are arcs of the link's length, which may be what is varied, as may its start angle.
         let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
         let motion = if is_alike { motion.clone() } else { given.motion(link, options)?.0 };
         let motion = motion
             .scaled(case.scale)
             .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let resources = Resources {
-            memory_bytes: self.memory_bytes,
-            periods: Some(periods),
-            ..Resources::default()
-        };
         let mesh = options.nodes.mesh(link, mesh.clone())?;
-        let analysis = match folder {
-            Some(_) => options.analysis(analysis),
-            None => analysis.without_tables(),
-        };
-        let solution = invert_with(link, &mesh, &motion, &analysis, &resources)?;
-        let metrics = Metrics::of(&solution);
-        let first_rad_s = solution.natural_frequencies_rad_s(1).first().copied();
-        let found = SolvedCase { solution: &solution, metrics: &metrics, first_rad_s };
-        let numbers = self.kind.solved(&found);
-        let exceeded = metrics.exceeded(&[*limits]);
-        let limits = exceeded.iter().map(of_limit);
-        let own = solution.warnings.iter().map(Notice::from);
-        let notices = own.chain(limits).collect();
-        if let Some(folder) = folder {
-            let link = Link { source: self.source.changed(case.link.clone()), specification };
-            let given = (Arc::clone(given), Vec::new());
-            let arguments = self.outputs.arguments_of(case);
-            Solution::new(&link, given, arguments, solution).write_into(&folder, Vec::new())?;
-        }
-        Ok((numbers, notices))
+        let analysis =
+            if has_tables { options.analysis(analysis) } else { analysis.without_tables() };
+        let specification = Specification { mesh, analysis, ..specification };
+        Ok((Solvable::of_link(MOTION, specification, motion), given.file()))
     }
 
-    fn solve_arm(
+    /// The same of an arm.
+    fn arm_problem(
         &self,
-        mut specification: Box<ArmSpecification>,
+        mut specification: ArmSpecification,
         case: &Case,
-        folder: Option<PathBuf>,
-    ) -> Row {
+    ) -> Result<(Solvable, Option<&InputFile>), Failure> {
         let Problem::Arm { given, path, links } = &self.problem else {
             return Err(usage(&"an arm, but must be one link as without the changes", None));
         };
@@ -268,19 +273,6 @@ impl Shared {
             .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
         let nodes = &self.outputs.options.nodes;
         nodes.meshes(&specification.arm, &mut specification.meshes)?;
-        let solved =
-            ArmAndPath::of((&self.source.file, specification), path)?.solve(self.memory_bytes)?;
-        let (solution, metrics) = (&solved.solution, &solved.metrics);
-        let limits = solved.exceeded.iter().map(of_limit);
-        let own = solution.warnings.iter().map(Notice::from);
-        let notices = own.chain(limits).collect();
-        let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
-        if let Some(folder) = folder {
-            let source = self.source.changed(case.link.clone());
-            let arguments = self.outputs.arguments_of(case);
-            let own = ArmSolution::new(source, Arc::clone(given), arguments, solved);
-            own.write_into(&folder, Vec::new())?;
-        }
-        Ok((numbers, notices))
+        Ok((Solvable::of_arm(&self.source.file, specification, path)?, given.file()))
     }
 }

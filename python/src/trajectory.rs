@@ -5,13 +5,13 @@ use clap::Parser;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use flexlink::cli::terminal::Failure;
+use flexlink::cli::trajectory::Trajectory;
 use flexlink::motion::{MotionColumns, PathColumns};
 
 use crate::arrays::dictionary;
 use crate::interrupt::until_pressed;
 use crate::keywords;
-use flexlink::cli::terminal::Failure;
-use flexlink::cli::trajectory::Trajectory;
 
 /// Keywords of `trajectory`.
 #[derive(Parser)]

@@ -230,7 +230,7 @@ mod tests {
         run.joints[0].motor = Some(motor);
         run.joints[0].limits.hub_rate_rad_s = Some(2.0);
         run.joints[0].limits.deflection_m = Some(0.2);
-        let moment_n_m = 1.01 * largest(&solution().root_moment_n_m);
+        let moment_n_m = 1.01 * largest(&solution().links[0].root_moment_n_m);
         let moment_words = format!("reaches {} N m", significant(moment_n_m, 4));
         let peaks = [
             ("torque", "peak_torque_n_m", 1.401, "1.401 N m"),
@@ -271,7 +271,7 @@ mod tests {
             hub_rate_rad_s: half(&run.joints[0].rate_rad_s),
             power_w: half(&power),
             deflection_m: half(run.bent().histories.last().unwrap()),
-            bending_moment_n_m: half(&solution().root_moment_n_m),
+            bending_moment_n_m: half(&solution().links[0].root_moment_n_m),
             motor_torque_n_m: half(&run.joints[0].motor.as_ref().unwrap().torque_n_m),
             motor_rate_rad_s: half(&run.joints[0].motor.as_ref().unwrap().rate_rad_s),
             motor_power_w: half(&power),

@@ -79,11 +79,11 @@ pub(super) fn run() -> StoredRun {
         },
         name: String::new(),
         joints: vec![StoredJoint {
-            torque_n_m: solution.torque_n_m.clone(),
-            angle_rad: solution.hub_angle_rad.clone(),
-            rate_rad_s: solution.hub_rate_rad_s.clone(),
-            rigid_torque_n_m: Some(solution.rigid_torque_n_m.clone()),
-            rigid_angle_rad: Some(solution.rigid_hub_angle_rad.clone()),
+            torque_n_m: solution.hub().torque_n_m.clone(),
+            angle_rad: solution.hub().angle_rad.clone(),
+            rate_rad_s: solution.hub().rate_rad_s.clone(),
+            rigid_torque_n_m: Some(solution.hub().rigid_torque_n_m.clone()),
+            rigid_angle_rad: Some(solution.hub().rigid_angle_rad.clone()),
             motor: None,
             readings: readings.clone(),
             errors: vec![],
@@ -93,7 +93,7 @@ pub(super) fn run() -> StoredRun {
             second_order: SecondOrder::None,
             kept_modes: None,
             origin_rad: 0.0,
-            tip: solution.tip.clone(),
+            tip: solution.tip[0].clone(),
             deflections_m: Some(StoredNodes {
                 nodes: all.clone(),
                 times_s: times_s.clone(),
@@ -179,7 +179,7 @@ fn moments_written_are_taken_as_they_are() {
 fn an_estimate_that_misses_the_summary_is_none() {
     let mut run = run();
     assert!(view(&run).moments(0).is_some());
-    let exact = largest(&solution().root_moment_n_m);
+    let exact = largest(&solution().links[0].root_moment_n_m);
     run.readings.push(("peak_root_moment_n_m".to_owned(), exact));
     assert!(view(&run).moments(0).is_some());
     // With three digits the second differences are noise.

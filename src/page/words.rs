@@ -248,7 +248,6 @@ mod tests {
     fn every_kind_of_warning_of_a_sweep_has_a_sentence() {
         let sources = [
             include_str!("../mechanics/inverse/warning.rs"),
-            include_str!("../mechanics/inverse/arm/warning.rs"),
             include_str!("../mechanics/response/error.rs"),
             include_str!("../study/result/tip_error.rs"),
         ];

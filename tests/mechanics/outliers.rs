@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use flexlink::csv::MotionTable;
-use flexlink::inverse::Warning;
+use flexlink::inverse::SolutionWarning;
 use flexlink::link::{Damping, Hub, Link, LinkParts, Segment};
 use flexlink::motion::MotionColumns;
 use flexlink::numeric::largest;
@@ -317,8 +317,8 @@ fn a_bad_sample_that_is_not_refused_is_told_by_the_error_of_the_input_or_a_warni
         };
         let found = solved(&link, &read);
         let apart = apart(&found, &exact);
-        let claimed = found.accuracy.errors.torque.input.unwrap_or(0.0);
-        let kinds: Vec<_> = found.warnings.iter().map(Warning::kind).collect();
+        let claimed = found.hub().errors.torque.input.unwrap_or(0.0);
+        let kinds: Vec<_> = found.warnings.iter().map(SolutionWarning::kind).collect();
         if apart < 1e-3 {
             counts[1] += 1;
         } else if 2.0 * claimed >= apart {

@@ -171,7 +171,7 @@ fn recorded(link: &Link, text: &str) -> Result<Solution, TableError> {
 
 /// Largest difference of the torques at any time, over the peak of the first.
 pub(crate) fn apart(found: &Solution, exact: &Solution) -> f64 {
-    apart_in(found, exact, |solution| solution.torque_n_m.clone())
+    apart_in(found, exact, |solution| solution.hub().torque_n_m.clone())
 }
 
 /// The same of any history.
@@ -196,7 +196,7 @@ fn apart_in(found: &Solution, exact: &Solution, of: fn(&Solution) -> Vec<f64>) -
 fn the_papers_motion_keeps_its_torque_with_jitter_and_few_decimals() {
     let link = paper();
     let exact = solved(&link, &Move::PAPER.exact(1));
-    let peak_n_m = largest(&exact.torque_n_m);
+    let peak_n_m = largest(&exact.hub().torque_n_m);
     assert!((peak_n_m - 1.313).abs() < 1e-3, "{peak_n_m}");
     let mut random = Random(1);
     // A microsecond of two milliseconds.
@@ -205,11 +205,11 @@ fn the_papers_motion_keeps_its_torque_with_jitter_and_few_decimals() {
     {
         let found = recorded(&link, &Move::PAPER.file(decimals, jitter, 0.0, &mut random)).unwrap();
         let apart = apart(&found, &exact);
-        let input = found.accuracy.errors.torque.input;
+        let input = found.hub().errors.torque.input;
         println!("{decimals} decimals, jitter {jitter}: {apart:.2e}, stated {input:?}");
         assert!(apart < most, "{decimals} decimals, jitter {jitter}: {apart}");
         assert_eq!(input.is_some(), decimals < 12);
-        assert_eq!(found.motion.recording().jitter.is_some(), jitter > 0.0);
+        assert_eq!(found.motion.tip().unwrap().recording().jitter.is_some(), jitter > 0.0);
     }
     let stray = Move::PAPER.file(12, 0.2, 0.0, &mut random);
     let Err(error) = recorded(&link, &stray) else { panic!("jitter of a fifth of a step") };
@@ -225,7 +225,7 @@ fn noise_on_the_papers_motion_is_followed_as_closely_as_it_deserves() {
         let table = read_motion_table("move.csv", text.as_bytes(), 1.5).unwrap();
         let motion = table.with_noise(deviation_m).unwrap().into_motion().unwrap();
         let found = solved(&link, &motion);
-        let (apart, input) = (apart(&found, &exact), found.accuracy.errors.torque.input.unwrap());
+        let (apart, input) = (apart(&found, &exact), found.hub().errors.torque.input.unwrap());
         println!("noise {deviation_m}: {apart:.2e}, stated {input:.2e}");
         assert!(apart < input, "{deviation_m}: {apart} {input}");
         // The times of the torque are told with their error where that is more than 5 %.
@@ -270,8 +270,8 @@ fn the_stated_input_error_holds_for_random_links_and_motions() {
                 refused += 1;
                 continue;
             };
-            let errors = found.accuracy.errors.torque;
-            let others = errors.mesh + errors.window + exact.accuracy.errors.torque.mesh;
+            let errors = found.hub().errors.torque;
+            let others = errors.mesh + errors.window + exact.hub().errors.torque.mesh;
             let stated = errors.input.unwrap() + others;
             let apart = apart(&found, &exact);
             println!(
@@ -307,10 +307,10 @@ fn the_stated_input_error_holds_for_velocities_and_accelerations_of_few_digits()
             let decimals =
                 (2.0 + f64::from(case as u32 / 3 % 3) - peak.log10().floor()) as usize - 1;
             let found = recorded(&link, &wanted.file_of(order, decimals)).unwrap();
-            let errors = found.accuracy.errors;
+            let errors = found.hub().errors;
             let of_torque = (apart(&found, &exact), errors.torque);
             let of_hub = (
-                apart_in(&found, &exact, Solution::hub_acceleration_rad_s2),
+                apart_in(&found, &exact, |own| own.acceleration_rad_s2(0).into_owned()),
                 errors.hub_acceleration.unwrap(),
             );
             for (apart, own) in [of_torque, of_hub] {
@@ -344,7 +344,7 @@ fn the_stated_input_error_holds_for_kinks_of_accelerations() {
         };
         let exact = solved(&link, &wanted.exact(8));
         let found = recorded(&link, &wanted.file_of(2, 16)).unwrap();
-        let (apart, own) = (apart(&found, &exact), found.accuracy.errors.torque);
+        let (apart, own) = (apart(&found, &exact), found.hub().errors.torque);
         let stated = own.mesh + own.window + own.input.unwrap_or(0.0);
         println!("case {case}, {} steps: {apart:.1e} of {stated:.1e}", wanted.steps);
         // Below that the two cut-offs, each for its own samples, and the mesh have a larger share.
@@ -369,7 +369,7 @@ fn a_cosine_states_no_error_of_its_samples() {
         }
         let table = read_motion_table("cycle.csv", text.as_bytes(), 1.5).unwrap();
         let motion = table.with_ends(Ends::Periodic).into_motion().unwrap();
-        let input = solved(&link, &motion).accuracy.errors.torque.input;
+        let input = solved(&link, &motion).hub().errors.torque.input;
         assert!(input.is_none_or(|input| input < 1e-6), "{rows}: {input:?}");
     }
 }
@@ -386,7 +386,7 @@ fn a_table_of_five_rows_is_not_known_between_them() {
         }
         let table = read_motion_table("move.csv", text.as_bytes(), 1.5).unwrap();
         let motion = table.resampled(0.001).unwrap().into_motion().unwrap();
-        let input = solved(&link, &motion).accuracy.errors.torque.input;
+        let input = solved(&link, &motion).hub().errors.torque.input;
         assert!(input.is_some_and(|input| input > 0.1), "{rows}: {input:?}");
     }
 }
@@ -420,7 +420,7 @@ fn the_stated_input_error_holds_for_coarse_tables_that_are_resampled() {
             continue;
         };
         let found = solved(&link, &motion);
-        let (apart, own) = (apart(&found, &exact), found.accuracy.errors.torque);
+        let (apart, own) = (apart(&found, &exact), found.hub().errors.torque);
         let stated = own.mesh + own.window + own.input.unwrap_or(0.0);
         println!("case {case}, order {order}, {rows} rows: {apart:.1e} of {stated:.1e}");
         let ratio = stated / apart;

@@ -11,7 +11,7 @@ use crate::csv::{
 use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::REPORTED_MODES;
-use crate::motion::{Ends, MotionError, MotionScale, TipMotion};
+use crate::motion::{Ends, Motion, MotionError, MotionScale, TipMotion};
 use crate::numeric::{Dimension, parse_quantity};
 use crate::result::Remark;
 use crate::spec::{
@@ -317,16 +317,34 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
-/// Remarks on a link file, and on the link and the motion of its solution.
-pub fn remarks(of_file: &[Remark], solution: &Solution) -> Vec<Remark> {
-    let link = solution.link();
-    let highest = TAU * solution.band.highest_hz;
-    let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let within = modes.iter().filter(|omega| **omega <= highest).count();
-    modes.truncate(within.max(1));
-    let of_modes = Remark::on_modes(link, solution.mesh(), &modes);
+/// Remarks on a link or an arm as its file has them, on its motion, of which so many samples were replaced, and on its
+/// solution.
+pub fn remarks(of_file: &[Remark], solution: &Solution, dropped: usize) -> Vec<Remark> {
     let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
-    let of_motion = Remark::on_motion(link, &solution.motion, travel_m, tolerance);
-    let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
-    of_file.iter().cloned().chain(of_modes).chain(of_motion).chain(of_solution).collect()
+    let of_motion = match &solution.motion {
+        Motion::Tip(motion) => {
+            let highest = TAU * solution.band.highest_hz;
+            let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+            let within = modes.iter().filter(|omega| **omega <= highest).count();
+            modes.truncate(within.max(1));
+            remarks_on_link((solution, motion), &modes)
+        }
+        Motion::Path(path) => {
+            let dropped = Remark::on_dropped(dropped).into_iter();
+            dropped.chain(Remark::on_path(path, travel_m, tolerance)).collect()
+        }
+    };
+    let of_motion = of_motion.into_iter().chain(Remark::on_timing(solution));
+    of_file.iter().cloned().chain(of_motion).collect()
+}
+
+/// Remarks on the first modes of a link, and on its motion.
+pub(crate) fn remarks_on_link(
+    (solution, motion): (&Solution, &TipMotion),
+    modes_rad_s: &[f64],
+) -> Vec<Remark> {
+    let (link, travel_m) = (solution.link(), solution.tip_travel_m());
+    let of_modes = Remark::on_modes(link, solution.mesh(), modes_rad_s);
+    let of_motion = Remark::on_motion(link, motion, travel_m, solution.analysis.tip_tolerance());
+    of_modes.into_iter().chain(of_motion).chain(Remark::on_jumps(solution)).collect()
 }

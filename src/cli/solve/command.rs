@@ -12,9 +12,9 @@ use super::run::{Page, Run, SolveOptions, SolvedRun};
 use super::table::{WriteArgs, WrittenTable};
 use crate::cli::options::common::SyncArgs;
 use crate::cli::options::inputs::{LINK, MOTION};
-use crate::cli::problem::{LinkOrArm, Solved};
+use crate::cli::problem::Solved;
 use crate::cli::terminal::files::{keep, read_once};
-use crate::cli::terminal::text::{arm_text, rows_text, solve_text, verify_text};
+use crate::cli::terminal::text::{rows_text, solve_text, verify_text};
 use crate::cli::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, console};
 use crate::cli::verify::refuse_failed;
 
@@ -108,7 +108,7 @@ impl Solve {
         self.table.check_motion(ends, step_s)?;
         let stages = self.print.stages();
         let solved = run.solve(&stages)?;
-        let solution = solved.solved.solution.any();
+        let solution = &solved.solved.solution;
         let table = self.table.table(solution, run.problem.plans(), &stages)?;
         let mut summary = self.table.recorded_in(run.summary(&solved), table.as_ref());
         match output {
@@ -218,13 +218,9 @@ impl Solve {
         console::warnings(limits);
         let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
-            let any = solution.any();
-            let written = self.written(&any.grid(), summary);
-            let text = match solution {
-                LinkOrArm::Link(solution) => solve_text(solution, metrics, written),
-                LinkOrArm::Arm(solution) => arm_text(solution, metrics, written),
-            };
-            text + &self.options.nodes.text(&any.nodes_m()) + &checks + &self.page_line()
+            let written = self.written(&solution.grid, summary);
+            let nodes = self.options.nodes.text(&solution.nodes_m());
+            solve_text(solution, metrics, written) + &nodes + &checks + &self.page_line()
         };
         self.print(summary, text, table.map(|table| (table, &*checks)))
     }

@@ -51,7 +51,7 @@ impl Solve {
         let compared = |folder: &Path, durability| {
             let stages = self.print.stages();
             let solved = run.solve(&stages).and_then(|solved| {
-                let solution = solved.solved.solution.any();
+                let solution = &solved.solved.solution;
                 let found = table.table(solution, run.problem.plans(), &stages)?;
                 let summary = table.recorded_in(run.summary(&solved), found.as_ref());
                 run.write((&solved, &summary), (folder, durability), Page::Left, &stages)

@@ -14,7 +14,7 @@ use crate::verify::Verification;
 use crate::cli::options::common::{NodeArgs, digits_arguments};
 use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described};
 use crate::cli::options::reading::ReadArgs;
-use crate::cli::problem::{LinkOrArm, Problem, Solved};
+use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
 use crate::cli::terminal::{Failure, StageBar, console, memory};
 
@@ -128,7 +128,7 @@ pub(super) struct Run<'a> {
 
 /// A solution, with its checks if `--verify` asks for them.
 pub(super) struct SolvedRun {
-    pub(super) solved: Solved<LinkOrArm>,
+    pub(super) solved: Solved,
     pub(super) verification: Option<Verification>,
     /// Memory in bytes that was free before.
     memory_bytes: Option<usize>,
@@ -161,7 +161,7 @@ impl<'a> Run<'a> {
         let memory_bytes = memory::available();
         let analysis = |analysis: &Analysis| self.options.analysis(analysis);
         let solved = self.problem.solve(analysis, memory_bytes, stages)?;
-        self.options.nodes.check(&solved.solution.any().nodes_m())?;
+        self.options.nodes.check(&solved.solution.nodes_m())?;
         let verify = || solved.verified(self.problem.plans(), self.options.digits, stages);
         let verification = self.options.verify.then(verify).transpose()?;
         Ok(SolvedRun { solved, verification, memory_bytes })
@@ -173,10 +173,7 @@ impl<'a> Run<'a> {
         let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
         let (metrics, findings) = (&solved.metrics, solved.findings(verification.as_ref()));
         let outputs = self.options.outputs();
-        match &solved.solution {
-            LinkOrArm::Link(own) => Summary::of_solution(inputs, own, metrics, &findings, &outputs),
-            LinkOrArm::Arm(own) => Summary::of_arm(inputs, own, metrics, &findings, &outputs),
-        }
+        Summary::of_solution(inputs, &solved.solution, metrics, &findings, &outputs)
     }
 
     /// Writes the results into a folder.
@@ -188,18 +185,12 @@ impl<'a> Run<'a> {
         stages: &StageBar,
     ) -> Result<(), Failure> {
         let outputs = self.options.outputs();
-        let (tables, page_bytes) = match &run.solved.solution {
-            LinkOrArm::Arm(solution) => (RunTables::of_arm(solution, &outputs), 0),
-            LinkOrArm::Link(solution) => {
-                let deflections = outputs.deflections(solution)?;
-                memory::check_nodes(deflections.bytes(), run.memory_bytes)?;
-                if deflections.bytes() >= LARGE {
-                    stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
-                }
-                let bytes = outputs.page_bytes(&deflections);
-                (RunTables::of_solution(solution, deflections), bytes)
-            }
-        };
+        let tables = RunTables::of_solution(&run.solved.solution, &outputs)?;
+        memory::check_nodes(tables.nodal_bytes(), run.memory_bytes)?;
+        if let Some(deflections) = tables.on_request().filter(|table| table.bytes() >= LARGE) {
+            stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
+        }
+        let page_bytes = tables.on_request().map_or(0, |table| outputs.page_bytes(table));
         // Drawn from memory before the folder is locked: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {
             stages.at("drawing");

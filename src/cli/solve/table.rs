@@ -6,12 +6,13 @@ use clap::{Args, Parser, ValueEnum};
 
 use crate::beam::MeshPlan;
 use crate::csv::Digits;
+use crate::inverse::Solution;
 use crate::motion::Ends;
 use crate::response::Interpolation;
 use crate::result::{Notice, TorqueTable};
 use crate::store::{SUMMARY, Summary, TableRecord, TorqueFile, TorqueForm, is_result_file};
 use crate::text::{plain, shown_path, significant};
-use crate::verify::{AnySolution, TableError, table_error};
+use crate::verify::{TableError, table_error};
 
 use crate::cli::options::common::{option, seconds};
 use crate::cli::terminal::console::is_standard_output;
@@ -154,28 +155,24 @@ impl WriteArgs {
     /// The table of a link or an arm, its error measured. `None` without --write.
     pub(super) fn table(
         &self,
-        solved: AnySolution<'_>,
+        solution: &Solution,
         plans: &[MeshPlan],
         stages: &StageBar,
     ) -> Result<Option<WrittenTable>, Failure> {
         if self.write.is_none() {
             return Ok(None);
         }
-        let (words, has_motor) = match solved {
-            AnySolution::Link(solution) => (&OF_LINK, solution.motor.is_some()),
-            AnySolution::Arm(solution) => {
-                (&OF_ARM, solution.joints.iter().any(|joint| joint.motor.is_some()))
-            }
-        };
-        let table = self.shaped(solved.torques(), solved.ends());
+        let words = if solution.joints.len() > 1 { &OF_ARM } else { &OF_LINK };
+        let has_motor = solution.joints.iter().any(|joint| joint.motor.is_some());
+        let table = self.shaped(TorqueTable::of(solution), solution.motion.ends());
         let error = if self.hold.is_some() || self.window.is_some() {
             stages.at("playing");
-            Some(table_error(solved, plans, &table, memory::available())?)
+            Some(table_error(solution, plans, &table, memory::available())?)
         } else {
             None
         };
         let motor = has_motor.then(|| words.motor.to_owned());
-        let tip_tolerance = solved.analysis().tip_tolerance();
+        let tip_tolerance = solution.analysis.tip_tolerance();
         Ok(Some(self.written((table, error), tip_tolerance, words, motor)))
     }
 

@@ -205,14 +205,14 @@ impl<'a> Cases<'a> {
     }
 
     /// The arm file with the changes of a case, which must have the joints of the first one.
-    pub(crate) fn arm(&self, values: &CaseValues) -> Result<Box<ArmSpecification>, Failure> {
+    pub(crate) fn arm(&self, values: &CaseValues) -> Result<ArmSpecification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
         let must = self.first.links().len();
         let links = match self.document.described(&self.link_file.shown, &overrides)? {
             Described::Arm(mut found) if found.arm.links().len() == must => {
                 let nodes = &self.shared.outputs.nodes;
                 nodes.meshes(&found.arm, &mut found.meshes).map_err(of_case)?;
-                return Ok(found);
+                return Ok(*found);
             }
             Described::Arm(found) => found.arm.links().len(),
             Described::Link(_) => 1,
@@ -330,9 +330,12 @@ impl OutputsArgs {
         folder.chain(self.arguments()).collect()
     }
 
-    /// The tables of a case with this mesh; refuses nodes that it does not have.
-    pub(crate) fn of_case(&self, mesh: &Mesh) -> Result<RunOutputs, Failure> {
-        self.nodes.check(&[mesh.nodes_m()])?;
+    /// The tables of a case whose links have these nodes; refuses nodes that it does not have. Meshes of arms differ from case
+    /// to case: one without such a node is no reason to end all others.
+    pub(crate) fn of_case(&self, nodes_m: &[&[f64]]) -> Result<RunOutputs, Failure> {
+        let is_arm = nodes_m.len() > 1;
+        let checked = self.nodes.check(nodes_m);
+        checked.map_err(|refused| if is_arm { of_case(refused) } else { refused })?;
         Ok(self.nodes.outputs(self.digits))
     }
 

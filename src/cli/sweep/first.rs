@@ -60,15 +60,7 @@ impl First {
 
     /// Which numbers its torques have.
     pub(super) fn kind(&self) -> SweepKind {
-        match self {
-            Self::Link(first) if first.link.drive().is_some() => SweepKind::Driven,
-            Self::Link(_) => SweepKind::Solved,
-            Self::Arm { arm, .. } => {
-                let joints = self.links().len();
-                let is_driven = arm.links().iter().any(|own| own.link.drive().is_some());
-                if is_driven { SweepKind::DrivenArm { joints } } else { SweepKind::Arm { joints } }
-            }
-        }
+        SweepKind::of_links(&self.links())
     }
 
     /// The link, or those of the arm.

@@ -3,23 +3,23 @@
 use std::path::Path;
 use std::slice::from_ref;
 
-use crate::csv::{InputFile, PathTable};
+use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
-use crate::inverse::{Resources, Unwatched, invert_with};
+use crate::inverse::{Resources, Unwatched};
+use crate::motion::Motion;
 use crate::response::{Play, PlayError, Torque, simulate};
-use crate::result::{FollowedTarget, Metrics, Notice, PlayedMetrics, Remark};
+use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark};
 use crate::spec::Specification;
 use crate::store::{
     Findings, OutputFolder, PlayFindings, RunInputs, RunTables, SimulateFiles, Summary,
 };
-use crate::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
-use crate::verify::AnySolution;
+use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
 use super::first::{First, FirstLink};
 use super::tally::of_limit;
-use crate::cli::options::inputs::remarks;
-use crate::cli::problem::{ArmAndPath, Solved};
+use crate::cli::options::inputs::{remarks, remarks_on_link};
+use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::{Exit, Failure, memory};
 
 /// What came of a case.
@@ -54,96 +54,69 @@ impl Cases<'_> {
     /// Works on a case, numbered from 0, within its share of the memory.
     pub(crate) fn outcome(&self, case: usize) -> Outcome {
         let found = self.within_memory(|bytes| match (&self.first, &self.torque_file) {
-            (First::Link(first), None) => self.solve(case, first, bytes),
             (First::Link(first), Some(torque)) => self.play(case, first, torque, bytes),
-            (First::Arm { path, .. }, _) => self.solve_arm(case, path, bytes),
+            _ => self.solve(case, bytes),
         });
         Outcome::of(found, || self.remarks(case))
     }
 
-    /// Solves a case, numbered from 0.
-    fn solve(
-        &self,
-        case: usize,
-        first: &FirstLink,
-        memory_bytes: Option<usize>,
-    ) -> Result<Found, Failure> {
-        let values = self.plan.case(case);
-        let specification = self.specification(&values)?;
-        let Specification { link, mesh, analysis, limits, .. } = &specification;
-        let motion = self.motion_of(first, link, values.motion)?;
-        let resources =
-            Resources { memory_bytes, periods: Some(&first.periods), ..Resources::default() };
-        let solution = invert_with(link, mesh, &motion, analysis, &resources)?;
-        let metrics = Metrics::of(&solution);
-        let first_rad_s = solution.natural_frequencies_rad_s(1);
-        let found = SolvedCase {
-            solution: &solution,
-            metrics: &metrics,
-            first_rad_s: first_rad_s.first().copied(),
-        };
-        let numbers = self.kind.solved(&found);
-        let exceeded = metrics.exceeded(&[*limits]);
-        if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
-            let arguments = self.arguments(&values);
-            let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
-            let remarks = remarks(&specification.remarks, &solution);
-            let findings = Findings {
-                limits: from_ref(limits),
-                exceeded: &exceeded,
-                verification: None,
-                remarks: &remarks,
-            };
-            let outputs = self.shared.outputs.of_case(solution.mesh())?;
-            let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
-            let deflections = outputs.deflections(&solution)?;
-            memory::check_nodes(deflections.bytes(), memory_bytes)?;
-            let folder = self.stage(&folder)?;
-            let tables = RunTables::of_solution(&solution, deflections);
-            outputs.write(folder, tables, (&summary, None), &Unwatched)?;
+    /// The link or the arm of a case with its motion.
+    fn problem(&self, values: &CaseValues) -> Result<Problem, Failure> {
+        match &self.first {
+            First::Link(first) => {
+                let specification = self.specification(values)?;
+                let motion = self.motion_of(first, &specification.link, values.motion)?;
+                Ok(Problem::of_link(&self.motion_file.shown, specification, motion))
+            }
+            First::Arm { path, .. } => {
+                let scale = self.shared.scale.scale() * values.motion;
+                let specification = self.arm(values)?;
+                let path = path.slowed(scale.duration);
+                let path =
+                    path.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
+                Problem::of_arm(&self.link_file, specification, path)
+            }
         }
-        let own = solution.warnings.iter().map(Notice::from);
-        let limits = exceeded.iter().map(of_limit);
-        let of_modes = Remark::on_modes(link, solution.mesh(), &first_rad_s);
-        let (travel_m, tolerance) = (solution.tip_travel_m(), analysis.tip_tolerance());
-        let of_motion = Remark::on_motion(link, &motion, travel_m, tolerance);
-        let of_link = specification.remarks.iter().cloned().chain(of_modes);
-        let remarks = of_link.chain(of_motion).chain(Remark::on_jumps(&solution));
-        let remarks = remarks.chain(Remark::on_timing(&solution));
-        Ok((numbers, own.chain(limits).collect(), remarks.collect()))
     }
 
-    /// Solves a case of an arm, numbered from 0.
-    fn solve_arm(
-        &self,
-        case: usize,
-        path: &PathTable,
-        memory_bytes: Option<usize>,
-    ) -> Result<Found, Failure> {
+    /// Solves a case, numbered from 0.
+    fn solve(&self, case: usize, memory_bytes: Option<usize>) -> Result<Found, Failure> {
         let values = self.plan.case(case);
-        let specification = self.arm(&values)?;
-        let scale = self.shared.scale.scale() * values.motion;
-        let path = path.slowed(scale.duration);
-        let path = path.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let solved = ArmAndPath::of((&self.link_file, specification), path)?.solve(memory_bytes)?;
+        let problem = self.problem(&values)?;
+        let periods = match &self.first {
+            First::Link(first) => Some(&first.periods),
+            First::Arm { .. } => None,
+        };
+        let resources = Resources { memory_bytes, periods, ..Resources::default() };
+        let solved = problem.solved_within(&resources)?;
+        let (of_file, dropped) = (&problem.specification.remarks, problem.dropped());
+        let Solved { solution, metrics, exceeded, .. } = &solved;
+        let first_rad_s = solution.natural_frequencies_rad_s(1);
+        let found = SolvedCase { solution, metrics, first_rad_s: first_rad_s.first().copied() };
+        let numbers = self.kind.solved(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
-            // Meshes differ from case to case: one without such a node is no reason to end all others.
-            let nodes_m = AnySolution::Arm(&solved.solution).nodes_m();
-            let checked = self.shared.outputs.nodes.check(&nodes_m);
-            checked.map_err(|refused| Failure { exit: Exit::InputRefused, ..refused })?;
-            let outputs = self.shared.outputs.nodes.outputs(self.shared.outputs.digits);
-            let (findings, metrics) = (solved.findings(None), &solved.metrics);
-            let summary = Summary::of_arm(inputs, &solved.solution, metrics, &findings, &outputs);
-            let tables = RunTables::of_arm(&solved.solution, &outputs);
+            let remarks = remarks(of_file, solution, dropped);
+            let findings = Findings { remarks: &remarks, ..solved.findings(None) };
+            let outputs = self.shared.outputs.of_case(&solution.nodes_m())?;
+            let summary = Summary::of_solution(inputs, solution, metrics, &findings, &outputs);
+            let tables = RunTables::of_solution(solution, &outputs)?;
+            memory::check_nodes(tables.nodal_bytes(), memory_bytes)?;
             outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
-        let Solved { solution, metrics, exceeded, remarks, .. } = &solved;
-        let numbers = self.kind.of_arm(&ArmCase { solution, metrics });
-        let own = solution.warnings.iter().map(Notice::from);
-        let limits = exceeded.iter().map(of_limit);
-        Ok((numbers, own.chain(limits).collect(), remarks.clone()))
+        let notices = solution.warnings.iter().map(Notice::from);
+        let notices = notices.chain(exceeded.iter().map(of_limit)).collect();
+        // A link's modes above the first are not computed for the tally alone.
+        let remarks = match &solution.motion {
+            Motion::Tip(motion) => {
+                let of_link = remarks_on_link((solution, motion), &first_rad_s);
+                let of_timing = Remark::on_timing(solution);
+                of_file.iter().cloned().chain(of_link).chain(of_timing).collect()
+            }
+            Motion::Path(_) => remarks(of_file, solution, dropped),
+        };
+        Ok((numbers, notices, remarks))
     }
 
     /// Plays the torque on a case, numbered from 0.
@@ -187,7 +160,7 @@ impl Cases<'_> {
             };
             let inputs =
                 RunInputs::of_simulate(&self.link_file, &files, play.input.is_torque(), arguments);
-            let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
+            let outputs = self.shared.outputs.of_case(&[simulation.mesh.nodes_m()])?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
             let target = Some(&target);
             let limits = from_ref(limits);

@@ -5,7 +5,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::cli::options::inputs::ChangeArgs;
 use crate::cli::terminal::text::{binding_text, found_text};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
-use crate::inverse::{ArmSolution, ArmWarning, Resources, Solution, Warning, invert_with};
+use crate::inverse::{Resources, Solution, SolutionWarning, invert_with};
 use crate::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
 use crate::result::{
     ArmFitProblem, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak,
@@ -99,22 +99,19 @@ impl Search<'_> {
     ) -> Result<Found, Failure> {
         let (Some(arm), None) = (arm, self.steps) else { return self.given() };
         refuse_no_limit(&arm.limits)?;
-        let (profile, fit) = self.searched(
-            |arm: &ArmSolution| arm.warnings.iter().map(ArmWarning::kind).collect(),
-            |profile| {
-                shortest_arm_fit(&ArmFitProblem {
-                    arm: &arm.arm,
-                    plans: &arm.meshes,
-                    analysis: &arm.analysis,
-                    memory_bytes: memory::available(),
-                    limits: &arm.limits,
-                    curve,
-                    profile,
-                    step_s: self.step_s,
-                    outer_rad: self.outer_rad,
-                })
-            },
-        )?;
+        let (profile, fit) = self.searched(|profile| {
+            shortest_arm_fit(&ArmFitProblem {
+                arm: &arm.arm,
+                plans: &arm.meshes,
+                analysis: &arm.analysis,
+                memory_bytes: memory::available(),
+                limits: &arm.limits,
+                curve,
+                profile,
+                step_s: self.step_s,
+                outer_rad: self.outer_rad,
+            })
+        })?;
         let values = Metrics::of(&fit.solution).limited(&arm.limits);
         let warnings = &fit.solution.warnings;
         let found = self.told(profile, (&fit, warnings.len(), ""), &values);
@@ -159,19 +156,16 @@ impl Search<'_> {
     ) -> Result<(Found, Solution), Failure> {
         let Specification { link, mesh, analysis, limits, .. } = specification;
         refuse_no_limit(std::slice::from_ref(limits))?;
-        let (profile, fit) = self.searched(
-            |link: &Solution| kinds(link),
-            |profile| {
-                shortest_fit(&FitProblem {
-                    link,
-                    plan: mesh,
-                    analysis,
-                    memory_bytes: memory::available(),
-                    limits,
-                    motion: OpenMotion { profile, course, step_s: self.step_s },
-                })
-            },
-        )?;
+        let (profile, fit) = self.searched(|profile| {
+            shortest_fit(&FitProblem {
+                link,
+                plan: mesh,
+                analysis,
+                memory_bytes: memory::available(),
+                limits,
+                motion: OpenMotion { profile, course, step_s: self.step_s },
+            })
+        })?;
         let values = Metrics::of(&fit.solution).limited(&[*limits]);
         let of = match course.ends() {
             Ends::Periodic => " each way",
@@ -185,17 +179,16 @@ impl Search<'_> {
 
     /// The fit of the profile; of the best one, after a note for each of what it needs. The best is the shortest of those
     /// whose solution has no warning, and of those that are as short the one farthest from its limit.
-    fn searched<S>(
+    fn searched(
         &self,
-        warnings: impl Fn(&S) -> Vec<&'static str>,
-        fit: impl Fn(Profile) -> Result<Fit<S>, FitError>,
-    ) -> Result<(Profile, Fit<S>), Failure> {
+        fit: impl Fn(Profile) -> Result<Fit, FitError>,
+    ) -> Result<(Profile, Fit), Failure> {
         let stages = StageBar::new();
         stages.at("trying durations");
         if let Choice::Profile(profile) = self.profile {
             return Ok((profile, fit(profile)?));
         }
-        let share = |fit: &Fit<S>| fit.binding.map_or(0.0, |binding| binding.share());
+        let share = |fit: &Fit| fit.binding.map_or(0.0, |binding| binding.share());
         let mut best = None;
         let (mut notes, mut refused, mut last) = (Vec::new(), Vec::new(), None);
         for profile in Profile::ALL {
@@ -207,7 +200,7 @@ impl Search<'_> {
                     continue;
                 }
             };
-            let kinds = warnings(&own.solution);
+            let kinds = kinds(&own.solution);
             let rank = (!kinds.is_empty(), own.steps);
             let duration_s = plain(self.time_s(own.steps));
             let kinds = if rank.0 { format!(" ({})", kinds.join(", ")) } else { String::new() };
@@ -232,10 +225,10 @@ impl Search<'_> {
     }
 
     /// Tells the duration that was found, and which of the limits binds.
-    fn told<S>(
+    fn told(
         &self,
         profile: Profile,
-        (fit, warnings, of): (&Fit<S>, usize, &str),
+        (fit, warnings, of): (&Fit, usize, &str),
         values: &[LimitedValue],
     ) -> Found {
         let duration_s = plain(self.time_s(fit.steps));
@@ -324,8 +317,8 @@ pub(super) fn not_made(error: &CurveError) -> Failure {
     Failure::new(Exit::Usage, error, error.hint())
 }
 
-/// Kinds of the warnings of a link's solution, and of the remark on an acceleration that jumps, which no motor follows.
+/// Kinds of the warnings of a solution, and of the remark on an acceleration that jumps, which no motor follows.
 fn kinds(solution: &Solution) -> Vec<&'static str> {
-    let warnings = solution.warnings.iter().map(Warning::kind);
+    let warnings = solution.warnings.iter().map(SolutionWarning::kind);
     warnings.chain(Remark::on_jumps(solution).iter().map(Remark::kind)).collect()
 }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::cli::options::common::{angle_rad, quantity};
 use crate::cli::terminal::{Exit, Failure, console};
 use crate::csv::{TableFormat, read_path_table};
-use crate::inverse::check_reach;
+use crate::inverse::{SolutionWarning, check_reach};
 use crate::motion::{ArmPath, Curve};
 use crate::numeric::Dimension;
 use crate::spec::ArmSpecification;
@@ -212,6 +212,6 @@ pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, F
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
     let warning = check_reach(&arm.arm, &path)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
-    console::warnings(warning);
+    console::warnings(warning.map(SolutionWarning::from));
     Ok(usize::from(warning.is_some()))
 }

@@ -85,7 +85,7 @@ impl RunOutputs {
     ///
     /// # Errors
     /// [`ParameterError`] if a node is not one of the mesh.
-    pub fn deflections<'a>(
+    pub(super) fn deflections<'a>(
         &self,
         solution: &'a Solution,
     ) -> Result<NodalTable<'a>, ParameterError> {

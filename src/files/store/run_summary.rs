@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
@@ -11,10 +12,10 @@ use super::outputs::RunOutputs;
 use super::run_tables::RunTables;
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
-use crate::inverse::{ArmSolution, Solution, Unwatched};
+use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution, Unwatched};
 use crate::link::{Arm, Link};
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::{Ends, Prescribed, TipMotion};
+use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
 use crate::response::{
     ArmPlay, ArmPlayWarning, Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedArm,
     Simulation,
@@ -86,7 +87,7 @@ pub struct PlayedRun<'a> {
 /// # let folder = folder.path().join("out");
 /// write_solution(&folder, &solution)?;
 /// let StoredResult::Runs(runs) = read_result(&folder)? else { unreachable!() };
-/// assert_eq!(runs[0].joints[0].torque_n_m.len(), solution.torque_n_m.len());
+/// assert_eq!(runs[0].joints[0].torque_n_m.len(), solution.grid.len);
 /// assert!(runs[0].origin.inputs.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -98,9 +99,8 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
     let (inputs, findings) = (RunInputs::default(), Findings::default());
     let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
     let folder = OutputFolder::stage(folder, &|_| {})?;
-    let deflections = outputs.deflections(solution);
-    let deflections = deflections.map_err(|error| folder.refused(PLACES.name(1), error))?;
-    let tables = RunTables::of_solution(solution, deflections);
+    let tables = RunTables::of_solution(solution, &outputs);
+    let tables = tables.map_err(|error| folder.refused(PLACES.name(1), error))?;
     outputs.write(folder, tables, (&summary, None), &Unwatched)
 }
 
@@ -113,98 +113,27 @@ impl Summary {
         findings: &Findings,
         outputs: &RunOutputs,
     ) -> Self {
-        let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
-        let (link, law) = (solution.link(), solution.law());
-        let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
-        let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
-        let mut values = json!({
-            "mesh": mesh_values(solution.mesh()),
-            "motion": motion_values(&solution.motion, metrics),
-            "periods_s": periods_s,
-            "natural_frequencies_hz": hertz,
-            "modal_damping_ratios": law.modal_ratios(&frequencies),
-            "zeros_per_s": solution.zeros_per_s(REPORTED_ZEROS),
-            "analysis": analysis_values(solution),
-            "results": metrics.hub().by_name(),
-            "errors": solution.accuracy,
-        });
-        if let Some(found) = solution.second_order() {
-            values["second_order"] = json!({
-                "order": found.order,
-                "iterations": found.iterations,
-                "contraction": found.contraction,
-                "largest_slope": found.largest_slope,
-                "torque_change": found.torque_change,
-                "left_out": found.left_out.flatten(),
-            });
+        let (arm, link) = (&solution.arm, solution.link());
+        let mut values = match &solution.motion {
+            Motion::Tip(motion) => link_values((solution, motion), metrics),
+            Motion::Path(path) => arm_values((solution, path), metrics),
+        };
+        if let Some(found) = &solution.second_order {
+            values["second_order"] = second_order_record(solution, found);
         }
         store_limits(&mut values, findings.limits);
-        if link.has_weight() {
-            values["frequencies_without_gravity"] = json!(true);
-        }
-        let drive = Some(link.drive().copied());
-        let summary = Self { drive, values, ..Self::of("solve", inputs, link, law) };
+        let summary = if solution.links.len() == 1 {
+            if link.has_weight() {
+                values["frequencies_without_gravity"] = json!(true);
+            }
+            let drive = Some(link.drive().copied());
+            Self { drive, ..Self::of("solve", inputs, link, solution.law()) }
+        } else {
+            Self::titled("solve", inputs, arm.title())
+        };
         let warnings = solution.warnings.iter().map(Notice::from).collect();
-        summary.with_findings(warnings, findings, outputs.files([link]))
-    }
-
-    /// The summary of an arm's solution of which `outputs` are written.
-    pub fn of_arm(
-        inputs: RunInputs,
-        solution: &ArmSolution,
-        metrics: &Metrics,
-        findings: &Findings,
-        outputs: &RunOutputs,
-    ) -> Self {
-        let ArmSolution { arm, grid, path, analysis, findings: found, links, .. } = solution;
-        let (first, last) = path.moving_samples();
-        let iteration = found.iteration;
-        let mut values = json!({
-            "arm": arm_record(arm, solution.elements()),
-            "motion": {
-                "given": match path.prescribed() {
-                    Prescribed::Tip => "tip",
-                    Prescribed::Angles => "angles",
-                },
-                "moves_from_s": path.grid().time_s(first),
-                "moves_until_s": path.grid().time_s(last),
-                "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
-                "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
-            },
-            "analysis": {
-                "tolerance": analysis.tolerance(),
-                "tip_tolerance": analysis.tip_tolerance(),
-                "step_s": grid.step_s,
-                "window_start_s": grid.time_s(0),
-                "window_end_s": grid.end_s(),
-                "period_s": solution.period_s,
-                "cutoff_hz": solution.cutoff_hz,
-                "first_zero_per_s": solution.first_zero_per_s,
-            },
-            "results": {
-                "farthest_m": solution.way_m,
-                "joints": metrics.joints.iter().map(joint_record).collect::<Vec<_>>(),
-            },
-            "errors": { "tip": solution.expected_tip_error(), "joints": solution.errors },
-            "second_order": {
-                "order": found.order,
-                "iterations": iteration.iterations,
-                "contraction": iteration.contraction,
-                "largest_slopes":
-                    links.iter().map(|link| link.largest_slope).collect::<Vec<f64>>(),
-                "torque_change": iteration.second_order_change,
-                "left_out": found.left_out.flatten(),
-                "fallback": found.fallback,
-            },
-        });
-        store_limits(&mut values, findings.limits);
-        let summary = Self { values, ..Self::titled("solve", inputs, arm.title()) };
-        let warnings = solution.warnings.iter().map(Notice::from).collect();
-        summary.with_findings(
-            warnings,
-            findings,
-            outputs.files(arm.links().iter().map(|own| &own.link)),
-        )
+        let files = outputs.files(arm.links().iter().map(|own| &own.link));
+        Self { values, ..summary }.with_findings(warnings, findings, files)
     }
 
     /// The summary with what is known of its solution.
@@ -329,6 +258,103 @@ impl Summary {
         let files = files.into_iter().map(str::to_owned).collect();
         Self { warnings, files, ..self }
     }
+}
+
+/// Numbers of a solution of one link.
+fn link_values((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -> Value {
+    let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
+    let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
+    let errors = ErrorsRecord {
+        tip: solution.tip_error,
+        tip_model: solution.tip_model_error,
+        hub: Some(&solution.hub().errors),
+        joints: None,
+    };
+    json!({
+        "mesh": mesh_values(solution.mesh()),
+        "motion": motion_values(motion, metrics),
+        "periods_s": periods_s,
+        "natural_frequencies_hz": hertz,
+        "modal_damping_ratios": solution.law().modal_ratios(&frequencies),
+        "zeros_per_s": solution.zeros_per_s(REPORTED_ZEROS),
+        "analysis": analysis_values(solution),
+        "results": metrics.hub().by_name(),
+        "errors": errors,
+    })
+}
+
+/// Numbers of a solution of an arm.
+fn arm_values((solution, path): (&Solution, &ArmPath), metrics: &Metrics) -> Value {
+    let Solution { arm, grid, analysis, band, links, joints, .. } = solution;
+    let (first, last) = path.moving_samples();
+    let errors = ErrorsRecord {
+        tip: solution.expected_tip_error(),
+        tip_model: None,
+        hub: None,
+        joints: Some(joints.iter().map(|joint| &joint.errors).collect()),
+    };
+    json!({
+        "arm": arm_record(arm, links.iter().map(|link| link.mesh().elements().len())),
+        "motion": {
+            "given": match path.prescribed() {
+                Prescribed::Tip => "tip",
+                Prescribed::Angles => "angles",
+            },
+            "moves_from_s": path.grid().time_s(first),
+            "moves_until_s": path.grid().time_s(last),
+            "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
+            "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
+        },
+        "analysis": {
+            "tolerance": analysis.tolerance(),
+            "tip_tolerance": analysis.tip_tolerance(),
+            "step_s": grid.step_s,
+            "window_start_s": grid.time_s(0),
+            "window_end_s": grid.end_s(),
+            "period_s": band.period_s,
+            "cutoff_hz": band.cutoff_hz,
+            "first_zero_per_s": solution.first_zero_per_s,
+        },
+        "results": {
+            "farthest_m": solution.tip_travel_m(),
+            "joints": metrics.joints.iter().map(joint_record).collect::<Vec<_>>(),
+        },
+        "errors": errors,
+    })
+}
+
+/// Errors of a solution: those of the tip, then those of the hub, or of each joint of an arm.
+#[derive(Serialize)]
+struct ErrorsRecord<'a> {
+    tip: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tip_model: Option<f64>,
+    #[serde(flatten)]
+    hub: Option<&'a PerQuantity<QuantityErrors>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints: Option<Vec<&'a PerQuantity<QuantityErrors>>>,
+}
+
+/// The second-order terms of a solution, with the largest slope of the link or of each link of an arm.
+fn second_order_record(solution: &Solution, found: &SecondOrderFindings) -> Value {
+    let SecondOrderFindings { order, iteration, left_out, fallback } = found;
+    let mut record = json!({
+        "order": order,
+        "iterations": iteration.iterations,
+        "contraction": iteration.contraction,
+    });
+    let slopes: Vec<_> = solution.links.iter().filter_map(|link| link.largest_slope).collect();
+    match &slopes[..] {
+        [slope] => record["largest_slope"] = json!(slope),
+        slopes => record["largest_slopes"] = json!(slopes),
+    }
+    record["torque_change"] = json!(iteration.second_order_change);
+    record["left_out"] = json!(left_out.flatten());
+    if slopes.len() > 1 {
+        record["fallback"] = json!(fallback);
+    }
+    record
 }
 
 /// Stores the limits of a single link, or those of each joint, where there are some.

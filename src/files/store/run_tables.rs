@@ -8,8 +8,9 @@ use super::names::{
 };
 use super::outputs::RunOutputs;
 use crate::beam::{Mesh, NodalHistories};
-use crate::inverse::{ArmLinkShape, ArmSolution, MotorHistories, NodalTable, Solution};
+use crate::inverse::{LinkShape, MotorHistories, NodalTable, Solution};
 use crate::link::{Arm, Link, ParameterError};
+use crate::motion::TipMotionHistories;
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::{PlayedArm, Simulation};
 use crate::result::FollowedTarget;
@@ -44,7 +45,7 @@ pub(super) struct NodalColumns<'a> {
 }
 
 /// Histories of a quantity at a node of a link of an arm.
-type OfNode = for<'a> fn(&'a ArmLinkShape, usize) -> Vec<&'a Vec<f64>>;
+type OfNode = for<'a> fn(&'a LinkShape, usize) -> Vec<&'a Vec<f64>>;
 
 /// A quantity of a node at the times of its table.
 pub(super) struct NodalColumn<'a> {
@@ -109,7 +110,7 @@ fn on_mesh<'a>(link: &'a Link, mesh: &'a Mesh) -> Vec<LinkNodes<'a>> {
 }
 
 /// The links of an arm with these nodes.
-fn of_links<'a>(arm: &'a Arm, nodes_m: impl Iterator<Item = &'a Vec<f64>>) -> Vec<LinkNodes<'a>> {
+fn of_links<'a>(arm: &'a Arm, nodes_m: impl IntoIterator<Item = &'a [f64]>) -> Vec<LinkNodes<'a>> {
     let links = (1..).zip(arm.links()).zip(nodes_m).map(|((number, own), nodes_m)| LinkNodes {
         link: &own.link,
         name: own.name.clone().unwrap_or_else(|| usize::to_string(&number)),
@@ -120,48 +121,59 @@ fn of_links<'a>(arm: &'a Arm, nodes_m: impl Iterator<Item = &'a Vec<f64>>) -> Ve
 }
 
 impl<'a> RunTables<'a> {
-    /// The tables of a link's solution with its [deflections](RunOutputs::deflections).
-    pub fn of_solution(solution: &'a Solution, deflections: NodalTable<'a>) -> Self {
-        let Solution { tip, hub_angle_rad, hub_rate_rad_s, rigid_hub_angle_rad, .. } = solution;
-        let mut hub = columns([hub_angle_rad, hub_rate_rad_s, rigid_hub_angle_rad]);
-        hub.insert(2, Cow::from(solution.hub_acceleration_rad_s2()));
-        let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
-        let files = [
-            (&TORQUE, columns([&solution.torque_n_m])),
-            (&RIGID_TORQUE, columns([&solution.rigid_torque_n_m])),
-            (&ANGLE, hub),
-            (&TIP, columns(tip)),
-            (&MOTOR, motor(solution.motor.as_ref())),
-        ];
-        Self {
-            histories: tables(&solution.grid, files.map(|(file, hub)| (file, vec![hub]))),
-            nodal: vec![],
-            on_request: Some(deflections),
-            links: on_mesh(solution.link(), solution.mesh()),
-            mesh: Some(solution.mesh()),
-        }
+    /// Deflections of a link's nodes, from which the tables at nodes are computed while they are written; none of an arm.
+    pub fn on_request(&self) -> Option<&NodalTable<'a>> {
+        self.on_request.as_ref()
     }
 
-    /// The tables of an arm's solution that `outputs` names.
-    pub fn of_arm(solution: &'a ArmSolution, outputs: &RunOutputs) -> Self {
-        let ArmSolution { arm, grid, joints, links, tip, .. } = solution;
-        let (mut files, mut chords) = ([(); 5].map(|()| Vec::new()), Vec::new());
-        for (joint, link) in joints.iter().zip(links) {
-            let [angle, rate, acceleration] = &joint.angle;
-            let [x, y] = &joint.force_n;
+    /// Memory in bytes of the tables that are computed while they are written.
+    pub fn nodal_bytes(&self) -> usize {
+        self.on_request.as_ref().map_or(0, NodalTable::bytes)
+    }
+
+    /// The tables of a solution that `outputs` names.
+    ///
+    /// # Errors
+    /// [`ParameterError`] if a node is not one of the mesh.
+    pub fn of_solution(
+        solution: &'a Solution,
+        outputs: &RunOutputs,
+    ) -> Result<Self, ParameterError> {
+        let Solution { arm, grid, joints, links, tip, .. } = solution;
+        let mut files = [(); 5].map(|()| Vec::new());
+        for (number, joint) in joints.iter().enumerate() {
+            let mut angles = columns([&joint.angle_rad, &joint.rate_rad_s, &joint.rigid_angle_rad]);
+            angles.insert(2, solution.acceleration_rad_s2(number));
             let own = [
                 columns([&joint.torque_n_m]),
                 columns([&joint.rigid_torque_n_m]),
-                columns([angle, rate, acceleration, &joint.rigid_angle_rad]),
+                angles,
                 motor(joint.motor.as_ref()),
-                columns([x, y]),
+                joint.force_n.as_ref().map_or_else(Vec::new, |force| columns(force.each_ref())),
             ];
             files.iter_mut().zip(own).for_each(|(joints, own)| joints.push(own));
-            let [angle, rate, acceleration] = &link.chord;
-            chords.push(columns([angle, rate, acceleration, &link.chord_length_m]));
         }
+        let chords = solution.shapes().map(|LinkShape { chord, chord_length_m, .. }| {
+            let [angle, rate, acceleration] = chord;
+            columns([angle, rate, acceleration, chord_length_m])
+        });
+        let motions: [fn(&TipMotionHistories) -> &Vec<f64>; 3] =
+            [|tip| &tip.displacement_m, |tip| &tip.velocity_m_s, |tip| &tip.acceleration_m_s2];
+        let tips = motions.into_iter().flat_map(|of| tip.iter().map(move |tip| Cow::from(of(tip))));
         let files = [&TORQUE, &RIGID_TORQUE, &ANGLE, &MOTOR, &FORCE].into_iter().zip(files);
-        let files = files.chain([(&CHORD, chords), (&TIP, vec![of_plane(tip)])]);
+        let files = files.chain([(&CHORD, chords.collect()), (&TIP, vec![tips.collect()])]);
+        let tables = Self {
+            histories: tables(grid, files),
+            nodal: vec![],
+            on_request: None,
+            links: vec![],
+            mesh: None,
+        };
+        if let [link] = &links[..] {
+            let on_request = Some(outputs.deflections(solution)?);
+            let (links, mesh) = (on_mesh(link.link(), link.mesh()), Some(link.mesh()));
+            return Ok(Self { on_request, links, mesh, ..tables });
+        }
         let times = outputs.nodal_rows(grid);
         let nodal: [(_, _, OfNode); 3] = [
             (&PLACES, true, |own, node| own.positions_m[node].iter().collect()),
@@ -171,28 +183,23 @@ impl<'a> RunTables<'a> {
         let nodal = nodal.into_iter().filter(|(_, is_written, _)| *is_written);
         let nodal = nodal.map(|(file, _, of)| {
             let mut all = Vec::new();
-            for (link, own) in links.iter().enumerate() {
+            for (link, (shape, nodes_m)) in solution.shapes().zip(solution.nodes_m()).enumerate() {
                 // A link that has fewer nodes than another does not have all of a list.
-                let is_there = |node: &usize| *node < own.nodes_m.len();
-                for node in outputs.nodes_of(&own.nodes_m).into_iter().filter(is_there) {
+                let is_there = |node: &usize| *node < nodes_m.len();
+                for node in outputs.nodes_of(nodes_m).into_iter().filter(is_there) {
                     let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
                         link,
                         letter,
                         node,
                         values: times.taken(values),
                     };
-                    all.extend(of(own, node).into_iter().enumerate().map(column));
+                    all.extend(of(shape, node).into_iter().enumerate().map(column));
                 }
             }
             NodalColumns { file, times, columns: all }
         });
-        Self {
-            histories: tables(grid, files),
-            nodal: nodal.collect(),
-            on_request: None,
-            links: of_links(arm, links.iter().map(|link| &link.nodes_m)),
-            mesh: None,
-        }
+        let nodal = nodal.collect();
+        Ok(Self { nodal, links: of_links(arm, solution.nodes_m()), ..tables })
     }
 
     /// The tables of a link's simulation, with a target or without.
@@ -262,7 +269,7 @@ impl<'a> RunTables<'a> {
             histories: tables(grid, files).into_iter().chain(wanted(target)).collect(),
             nodal: vec![NodalColumns { file: &PLACES, times, columns: all }],
             on_request: None,
-            links: of_links(arm, nodes_m.iter()),
+            links: of_links(arm, nodes_m.iter().map(Vec::as_slice)),
             mesh: None,
         }
     }

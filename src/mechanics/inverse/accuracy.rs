@@ -180,19 +180,6 @@ pub struct QuantityErrors {
     pub model: Option<f64>,
 }
 
-/// How exact a solution is.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Accuracy {
-    /// Largest distance of the tip that is solved from the wanted one, over its travel.
-    pub tip: f64,
-    /// How far the tip of a link with all second-order terms strays under the torque, over its travel; none likewise.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tip_model: Option<f64>,
-    /// What each quantity may be off by, over its own peak.
-    #[serde(flatten)]
-    pub errors: PerQuantity<QuantityErrors>,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::accuracy::PerQuantity;
 use super::amplitudes::Probes;
 use super::analysis::{Resources, Unwatched};
-use super::bent_answer::{Bent, BentAnswer, SecondOrderFindings};
+use super::bent_answer::{Bent, BentAnswer};
 use super::curves::{Curves, Shape, size};
 use super::error::InversionError;
 use super::mesh_error::TORQUES_N_M;
@@ -18,9 +18,10 @@ use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::Problem;
 use super::rest::{Rest, Return, left_to_return, lengthened};
+use super::solution::SecondOrderFindings;
 use super::spectra::DrivenModel;
 use crate::beam::MeshPlan;
-use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, Iteration, SecondOrder, follow};
+use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, SecondOrder, follow};
 use crate::link::Link;
 use crate::model::Model;
 use crate::motion::TipPeriod;
@@ -348,21 +349,18 @@ impl<'a> BentProblem<'a> {
     /// What the answer is beside its histories.
     pub(super) fn findings(&self, model: &dyn Model, answer: &BentAnswer) -> Bent {
         let Followed { motion, iteration, .. } = &answer.found;
-        let Iteration { iterations, contraction, second_order_change, .. } = *iteration;
         let left_out = match self.second_order {
             SecondOrder::Full => None,
             _ => Some(self.left_out(model, answer)),
         };
         let findings = SecondOrderFindings {
             order: self.second_order,
-            iterations,
-            contraction,
-            largest_slope: motion.largest_slope,
-            torque_change: second_order_change,
+            iteration: *iteration,
             left_out,
+            fallback: None,
         };
         let shape = Shape::of(motion, self.second_order, model.mesh().nodes_m());
-        Bent { findings, shape }
+        Bent { findings, largest_slope: motion.largest_slope, shape }
     }
 
     /// The same motion with all terms, where fewer were asked for: what it changes of the torque, over its range; none

@@ -6,33 +6,17 @@ use super::analysis::Unwatched;
 use super::curves::{Curves, Shape};
 use super::periodic_answer::PeriodicAnswer;
 use super::rest::Rest;
+use super::solution::SecondOrderFindings;
 use super::spectra::{DrivenModel, HubSpectra};
 use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, SecondOrder};
 use crate::model::Model;
 use crate::motion::TipPeriod;
 
-/// What was found of the second order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SecondOrderFindings {
-    /// What was counted.
-    pub order: SecondOrder,
-    /// Number of iterations.
-    pub iterations: usize,
-    /// Change of the torque by the last iteration over that by the one before.
-    pub contraction: Option<f64>,
-    /// Largest slope |w'| of the link from its chord.
-    pub largest_slope: f64,
-    /// What the second order changed of the torque, over its range.
-    pub torque_change: f64,
-    /// What the terms that were not counted change of the torque, over its range: none where all were counted, and
-    /// none within where the motion is refused with all of them.
-    pub left_out: Option<Option<f64>>,
-}
-
 /// What a solution holds of a bent link beside its histories.
-#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bent {
     pub(super) findings: SecondOrderFindings,
+    /// Largest slope |w'| of the link from its chord.
+    pub(super) largest_slope: f64,
     /// Places of the nodes over the period.
     pub(super) shape: Shape,
 }

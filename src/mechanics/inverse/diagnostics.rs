@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::accuracy::{Accuracy, Quantity, QuantityErrors, ShareOf};
+use super::accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
 use super::analysis::{Analysis, Unwatched};
-use super::bent_answer::SecondOrderFindings;
 use super::curves::size;
 use super::histories::Histories;
 use super::periodic_answer::PeriodicAnswer;
+use super::solution::SecondOrderFindings;
 use super::spectra::DrivenModel;
 use super::warning::Warning;
 use crate::beam::Mesh;
@@ -66,7 +66,10 @@ pub(super) struct Diagnostics<'a> {
     /// What was counted of the second order.
     pub(super) second_order: Option<SecondOrderFindings>,
     pub(super) histories: &'a Histories,
-    pub(super) accuracy: &'a Accuracy,
+    /// Distances of the tip over its travel: of the solved one from the wanted one, and of one with all terms.
+    pub(super) tip_error: f64,
+    pub(super) tip_model_error: Option<f64>,
+    pub(super) errors: &'a PerQuantity<QuantityErrors>,
     /// What shear and rotary inertia change of the torque; none of a slender link.
     pub(super) thick: Option<f64>,
 }
@@ -74,7 +77,7 @@ pub(super) struct Diagnostics<'a> {
 impl Diagnostics<'_> {
     /// All warnings that there is reason for.
     pub(super) fn warnings(&self) -> Vec<Warning> {
-        let Self { model, motion, answer, accuracy, .. } = *self;
+        let Self { model, motion, answer, errors, .. } = *self;
         let (mesh, tolerance) = (model.mesh(), self.analysis.tolerance());
         let spectrum = &answer.period.spectrum;
         let (Edge { cut, seam }, of) = (self.edge, self.shares());
@@ -83,7 +86,7 @@ impl Diagnostics<'_> {
             share: end.share,
         });
         let tip_missed = spectrum.cutoff.shortfall.map(|shortfall| Warning::TipMissed {
-            share: accuracy.tip,
+            share: self.tip_error,
             tolerance: self.followed(),
             shortfall,
         });
@@ -94,7 +97,7 @@ impl Diagnostics<'_> {
         let times = rows as f64 / given as f64;
         let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
         let coarse = |kind: fn(QuantityErrors) -> f64| {
-            Some(accuracy.errors.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
+            Some(errors.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
         };
         let coarse_mesh = coarse(|errors| errors.mesh)
             .map(|(quantity, error)| Warning::CoarseMesh { of, quantity, error });
@@ -133,7 +136,7 @@ impl Diagnostics<'_> {
 
     /// The torque that the samples do not determine.
     fn uncertain_input(&self) -> Option<Warning> {
-        let torque = self.accuracy.errors.torque.input.filter(|share| *share > UNCERTAIN)?;
+        let torque = self.errors.torque.input.filter(|share| *share > UNCERTAIN)?;
         Some(Warning::UncertainInput { of: self.shares(), share: torque })
     }
 
@@ -144,11 +147,11 @@ impl Diagnostics<'_> {
 
     /// An iteration that hardly converges, and second-order terms that were not counted.
     fn of_second_order(&self) -> impl Iterator<Item = Warning> {
-        let slow = self.second_order.and_then(|found| found.contraction);
+        let slow = self.second_order.and_then(|found| found.iteration.contraction);
         let slow = slow.filter(|factor| *factor > SLOW);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
         let tolerance = self.analysis.tolerance();
-        let iteration = self.accuracy.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
+        let iteration = self.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
         let inexact = Some(iteration.worst()).filter(|(_, error)| *error > tolerance);
         let inexact = inexact.map(|(quantity, share)| Warning::InexactIteration {
             quantity,
@@ -169,7 +172,7 @@ impl Diagnostics<'_> {
     /// The worst of the quantities beside the torque, which has warnings of its own.
     fn inexact_window(&self) -> Option<Warning> {
         let tolerance = self.analysis.tolerance();
-        let mut shares = self.accuracy.errors.of_kind(|errors| errors.window);
+        let mut shares = self.errors.of_kind(|errors| errors.window);
         // A torque that is cut off is cut off at the motor and along the link as well.
         if shares.torque > tolerance {
             (shares.motor_torque, shares.bending_moment) = (None, None);
@@ -247,7 +250,7 @@ impl Diagnostics<'_> {
 
     /// The linear model where it does not hold.
     fn inexact_model(&self) -> Option<Warning> {
-        let (tip, errors) = (self.accuracy.tip_model?, self.accuracy.errors.torque);
+        let (tip, errors) = (self.tip_model_error?, self.errors.torque);
         // The thickness has a warning of its own.
         let torque = errors.model? - self.thick.unwrap_or(0.0);
         let counts = tip > INEXACT_TIP || torque > INEXACT_TORQUE;

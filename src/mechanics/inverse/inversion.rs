@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::accuracy::{Accuracy, PerQuantity, QuantityErrors};
+use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
 use super::bent::{BentOnMesh, BentProblem};
 use super::bent_answer::Bent;
@@ -14,13 +14,14 @@ use super::mesh_error::{MeshAnswer, uncertain};
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, Problem};
-use super::solution::{Band, Solution};
+use super::solution::{Band, JointMotion, LinkMotion, LinkSpectra, Solution};
+use super::warning::SolutionWarning;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
-use crate::motion::{Ends, TipMotion};
+use crate::motion::{Ends, Motion, TipMotion};
 use crate::numeric::{TimeGrid, fast_length};
 
 /// Distance from whole turns, in turns, up to which a cycle under gravity ends in the direction in which it begins.
@@ -181,34 +182,37 @@ pub struct WindowTorques {
     pub motor_n_m: Option<Vec<f64>>,
 }
 
-/// The torques for another sampling of the motion on a solution's link, on the same mesh and over the
-/// same window; the first sample is at the window's start.
-///
-/// # Errors
-/// As [`invert_with`](super::invert_with).
-pub fn torques_over_window(
-    solution: &Solution,
-    motion: &TipMotion,
-    resources: &Resources<'_>,
-) -> Result<WindowTorques, InversionError> {
-    let (first_zero, model) = (solution.first_zero_per_s, &*solution.model);
-    let problem = Problem::new(motion, &solution.analysis, first_zero, *resources)?;
-    let answer = if solution.bent.is_some() {
-        let bent = BentProblem::of(&problem, model.link(), first_zero)?;
-        let given = (solution.band.period_s / motion.grid().step_s).ceil() as usize;
-        let shortest = bent.shortest_len()?;
-        let is_cycle = motion.cycles().is_some();
-        let len = if is_cycle { shortest } else { shortest.max(fast_length(given)) };
-        bent.answer(model, len)?.periodic(model)
-    } else {
-        problem.answer_over(model, solution.band.period_s)?
-    };
-    let grid = problem.grid_over(&solution.grid);
-    let histories = Histories::of(&answer, model, solution.hub_tail, (0.0, grid))?;
-    Ok(WindowTorques {
-        hub_n_m: histories.torque_n_m,
-        motor_n_m: histories.motor.map(|motor| motor.torque_n_m),
-    })
+impl Solution {
+    /// The torques of one link for another sampling of its motion, on the same mesh and over the same window; the first sample
+    /// is at the window's start. None of an arm.
+    ///
+    /// # Errors
+    /// As [`invert_with`](super::invert_with).
+    pub fn torques_over_window(
+        &self,
+        motion: &TipMotion,
+        resources: &Resources<'_>,
+    ) -> Result<Option<WindowTorques>, InversionError> {
+        let Some(LinkSpectra { hub_tail, shape, .. }) = &self.spectra else { return Ok(None) };
+        let (first_zero, model) = (self.first_zero_per_s, &*self.links[0].model);
+        let problem = Problem::new(motion, &self.analysis, first_zero, *resources)?;
+        let answer = if shape.is_some() {
+            let bent = BentProblem::of(&problem, model.link(), first_zero)?;
+            let given = (self.band.period_s / motion.grid().step_s).ceil() as usize;
+            let shortest = bent.shortest_len()?;
+            let is_cycle = motion.cycles().is_some();
+            let len = if is_cycle { shortest } else { shortest.max(fast_length(given)) };
+            bent.answer(model, len)?.periodic(model)
+        } else {
+            problem.answer_over(model, self.band.period_s)?
+        };
+        let grid = problem.grid_over(&self.grid);
+        let histories = Histories::of(&answer, model, *hub_tail, (0.0, grid))?;
+        Ok(Some(WindowTorques {
+            hub_n_m: histories.torque_n_m,
+            motor_n_m: histories.motor.map(|motor| motor.torque_n_m),
+        }))
+    }
 }
 
 fn first_zero(mesh: &Mesh) -> Option<f64> {
@@ -240,15 +244,14 @@ impl Problem<'_> {
             let omegas_rad_s = &spectrum.omegas_rad_s[..spectrum.band_len()];
             thick_share(model, omegas_rad_s, &answer.moving_torque_n_m(link))
         };
-        let accuracy = Accuracy {
-            tip: answer.period.tip_error_m() / answer.period.histories.largest_travel_m(),
-            tip_model: model.map(|model| model.tip),
-            errors: errors
-                .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors })
-                .with(model.map(|model| model.with_thickness(thick)), |errors, model| {
-                    QuantityErrors { model: Some(model), ..errors }
-                }),
-        };
+        let tip_error = answer.period.tip_error_m() / answer.period.histories.largest_travel_m();
+        let tip_model_error = model.map(|model| model.tip);
+        let errors = errors
+            .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors })
+            .with(model.map(|model| model.with_thickness(thick)), |errors, model| QuantityErrors {
+                model: Some(model),
+                ..errors
+            });
         let warnings = Diagnostics {
             model: &*answering.model,
             motion: self.motion,
@@ -257,34 +260,52 @@ impl Problem<'_> {
             edge,
             second_order: bent.as_ref().map(|bent| bent.findings),
             histories: &histories,
-            accuracy: &accuracy,
+            tip_error,
+            tip_model_error,
+            errors: &errors,
             thick,
-        }
-        .warnings();
+        };
+        let warnings = warnings.warnings().into_iter().map(SolutionWarning::from).collect();
         let (first, last) = self.motion.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
-        Ok(Solution {
-            motion: self.motion.clone(),
-            analysis: *self.analysis,
-            grid,
+        let hub = JointMotion {
             torque_n_m: histories.torque_n_m,
             rigid_torque_n_m: histories.rigid_torque_n_m,
-            hub_angle_rad: histories.hub_angle_rad,
-            hub_rate_rad_s: histories.hub_rate_rad_s,
-            rigid_hub_angle_rad: histories.rigid_hub_angle_rad,
-            root_moment_n_m: histories.root_moment_n_m,
-            tip: histories.tip,
+            angle_rad: histories.hub_angle_rad,
+            rate_rad_s: histories.hub_rate_rad_s,
+            acceleration_rad_s2: None,
+            rigid_angle_rad: histories.rigid_hub_angle_rad,
+            force_n: None,
             motor: histories.motor,
+            errors,
+        };
+        let link = LinkMotion {
+            root_moment_n_m: histories.root_moment_n_m,
+            largest_slope: bent.as_ref().map(|bent| bent.largest_slope),
+            shape: None,
+            model: answering.model,
+        };
+        Ok(Solution {
+            arm: link.link().clone().into(),
+            motion: Motion::Tip(self.motion.clone()),
+            analysis: *self.analysis,
+            grid,
+            joints: vec![hub],
+            links: vec![link],
+            tip: vec![histories.tip],
+            tip_error,
+            tip_model_error,
             moving: (on_grid(first), on_grid(last)),
             first_zero_per_s: answering.first_zero_per_s,
-            accuracy,
             band: Band::of(&answer.period.spectrum, answer.hub.torque_n_m.len()),
+            second_order: bent.as_ref().map(|bent| bent.findings),
             warnings,
-            model: answering.model,
-            hub: answer.hub,
-            hub_tail: answering.hub_tail,
-            period: answer.period,
-            bent: bent.map(Arc::new),
+            spectra: Some(LinkSpectra {
+                hub: answer.hub,
+                period: answer.period,
+                hub_tail: answering.hub_tail,
+                shape: bent.map(|bent| Arc::new(bent.shape)),
+            }),
         })
     }
 }

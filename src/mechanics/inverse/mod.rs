@@ -31,19 +31,15 @@ mod solution;
 mod spectra;
 mod warning;
 
-pub use accuracy::{Accuracy, PerQuantity, Quantity, QuantityErrors, ShareOf};
+pub use accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
-pub use arm::{
-    ArmError, ArmFindings, ArmJoint, ArmLinkShape, ArmSolution, ArmWarning, Straying, check_reach,
-    invert_arm,
-};
-pub use bent_answer::SecondOrderFindings;
+pub use arm::{ArmError, check_reach, invert_arm, invert_motion};
 pub(crate) use curves::size;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]
 pub(crate) use inversion::tests;
-pub use inversion::{WindowTorques, invert, invert_with, torques_over_window};
+pub use inversion::{WindowTorques, invert, invert_with};
 pub use nodal_table::NodalTable;
-pub use solution::{Band, Solution};
-pub use warning::Warning;
+pub use solution::{Band, JointMotion, LinkMotion, LinkShape, SecondOrderFindings, Solution};
+pub use warning::{SolutionWarning, Straying, Warning};

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::solution::Solution;
+use super::solution::{LinkSpectra, Solution};
 use crate::motion::{TAIL_TERMS, TailTerms};
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, largest};
 use crate::system::end_if_stopped;
@@ -60,6 +60,7 @@ impl PanelSamples {
 /// How the rows of a nodal table are computed from samples.
 pub(super) struct RowPlan<'a> {
     pub(super) solution: &'a Solution,
+    pub(super) spectra: &'a LinkSpectra,
     /// Numbers of the nodes, one a column.
     pub(super) nodes: Vec<usize>,
     /// Times of the rows.
@@ -89,7 +90,7 @@ impl RowPlan<'_> {
     /// Upper bound of what the images of the motion in other periods subtract from a value.
     fn largest_images(&self) -> f64 {
         let Some(tails) = &self.tails else { return 0.0 };
-        let history = self.solution.period.images().history(0);
+        let history = self.spectra.period.images().history(0);
         let most =
             |all: &[TailTerms], m: usize| all.iter().fold(0.0, |most: f64, t| most.max(t[m].abs()));
         (0..TAIL_TERMS).map(|m| most(tails, m) * most(history, m)).sum()
@@ -186,7 +187,7 @@ impl NodalBlock<'_> {
                     row[channel] = *s;
                 }
             }
-            plan.solution.period.images().history(0)
+            plan.spectra.period.images().history(0)
         });
         for row in rows.start..rows.end {
             let mut sum = plan.sampling.row(&self.rows, samples, row);
@@ -296,8 +297,8 @@ mod tests {
         let mut spiked = solution(4000);
         let nodes: Vec<usize> = (0..spiked.mesh().nodes_m().len()).collect();
         for (row, every) in [(0, 1), (511, 1), (512, 1), (511, 7), (512, 7)] {
-            spiked.hub_angle_rad.fill(0.0);
-            spiked.hub_angle_rad[row * every] = -1e6;
+            spiked.joints[0].angle_rad.fill(0.0);
+            spiked.joints[0].angle_rad[row * every] = -1e6;
             let table = spiked.displacements(&nodes, NonZeroUsize::new(every).unwrap()).unwrap();
             let block = table.block(0, &Unwatched);
             let mut above = 0;

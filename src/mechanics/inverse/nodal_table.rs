@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -9,10 +10,11 @@ use super::analysis::{Stage, Unwatched, Watch};
 use super::curves::Shape;
 use super::histories::SlowTails;
 use super::nodal_rows::{NodalBlock, PanelSamples, RowPlan};
-use super::solution::Solution;
+use super::solution::{LinkSpectra, Solution};
 use super::spectra::DrivenModel;
 use crate::beam::{Checkpoints, NodalHistories, NodalQuantity};
 use crate::link::ParameterError;
+use crate::motion::Ends;
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 use crate::system::end_if_stopped;
 
@@ -45,7 +47,7 @@ impl Solution {
     /// Deflection w in m from the hub's tangent line at `nodes`, every `every`-th sample.
     ///
     /// # Errors
-    /// [`ParameterError`] if a node is not one of the mesh.
+    /// [`ParameterError`] if a node is not one of the mesh, or of an arm, whose links have [shapes](Self::shapes).
     pub fn deflections(
         &self,
         nodes: &[usize],
@@ -60,8 +62,7 @@ impl Solution {
         nodes: &[usize],
         times: ThinnedGrid,
     ) -> Result<NodalTable<'_>, ParameterError> {
-        self.mesh().check_nodes(nodes)?;
-        Ok(NodalTable::new(self, nodes, times, NodalQuantity::Deflection))
+        NodalTable::new(self, nodes, times, NodalQuantity::Deflection)
     }
 
     /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) at `nodes`, every `every`-th sample.
@@ -87,8 +88,7 @@ impl Solution {
         nodes: &[usize],
         every: NonZeroUsize,
     ) -> Result<NodalTable<'_>, ParameterError> {
-        self.mesh().check_nodes(nodes)?;
-        Ok(NodalTable::new(self, nodes, self.grid.thinned(every), NodalQuantity::Moment))
+        NodalTable::new(self, nodes, self.grid.thinned(every), NodalQuantity::Moment)
     }
 }
 
@@ -98,21 +98,43 @@ impl<'a> NodalTable<'a> {
         nodes: &[usize],
         times: ThinnedGrid,
         quantity: NodalQuantity,
+    ) -> Result<Self, ParameterError> {
+        let Some(spectra) = &solution.spectra else {
+            let must = "must be one: those of an arm have their shapes in the solution";
+            return Err(ParameterError::new("links", solution.links.len(), "", must));
+        };
+        solution.mesh().check_nodes(nodes)?;
+        Ok(Self::of((solution, spectra), nodes, times, quantity))
+    }
+
+    fn of(
+        (solution, spectra): (&'a Solution, &'a LinkSpectra),
+        nodes: &[usize],
+        times: ThinnedGrid,
+        quantity: NodalQuantity,
     ) -> Self {
-        let pair = &solution.period.spectrum.pair;
+        let (pair, model) = (&spectra.period.spectrum.pair, &*solution.links[0].model);
         let first = solution.grid.in_period(times.index(0), pair.len());
         let sampling = Sampling::new(pair, solution.band.frequencies, first, times.every());
         let tails = match quantity {
-            NodalQuantity::Deflection if solution.bent.is_none() => {
-                SlowTails::of(&*solution.model, solution.first_zero_per_s)
-                    .filter(|_| solution.motion.cycles().is_none())
+            NodalQuantity::Deflection if spectra.shape.is_none() => {
+                SlowTails::of(model, solution.first_zero_per_s)
+                    .filter(|_| solution.motion.ends() != Ends::Periodic)
             }
             _ => None,
         };
-        let tails = tails.map(|tails| tails.nodal_tails(&*solution.model, nodes));
+        let tails = tails.map(|tails| tails.nodal_tails(model, nodes));
         let nodes = nodes.to_vec();
-        let turned_rad = solution.turned_rad();
-        let plan = RowPlan { solution, nodes, times, sampling, arms_m: None, turned_rad, tails };
+        // Displacements are counted along the hub's tangent line or, of a bent link, along the chord.
+        let turned_rad = match &spectra.shape {
+            None => Cow::Borrowed(&solution.joints[0].angle_rad[..]),
+            Some(_) => {
+                let length_m = solution.mesh().length_m();
+                solution.tip[0].displacement_m.iter().map(|m| m / length_m).collect()
+            }
+        };
+        let arms_m = None;
+        let plan = RowPlan { solution, spectra, nodes, times, sampling, arms_m, turned_rad, tails };
         let mut table = Self { plan, quantity, block: 1, whole: OnceLock::new() };
         let fewest = table.len().div_ceil(MOST_ROW_BLOCKS).max(1);
         table.block = table.len().max(1);
@@ -128,14 +150,14 @@ impl<'a> NodalTable<'a> {
         let nodes_m = self.plan.solution.mesh().nodes_m();
         let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
         // A bent link is turned along its chord: other samples are wanted.
-        let whole = if self.plan.solution.bent.is_some() { OnceLock::new() } else { self.whole };
+        let whole = if self.plan.spectra.shape.is_some() { OnceLock::new() } else { self.whole };
         Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, whole, ..self }
     }
 
     /// The bending moments at the same nodes and times.
     pub(crate) fn moments(&self) -> Self {
-        let RowPlan { solution, nodes, times, .. } = &self.plan;
-        Self::new(solution, nodes, *times, NodalQuantity::Moment)
+        let RowPlan { solution, spectra, nodes, times, .. } = &self.plan;
+        Self::of((solution, spectra), nodes, *times, NodalQuantity::Moment)
     }
 
     /// The same table in blocks of so many rows.
@@ -231,10 +253,10 @@ impl<'a> NodalTable<'a> {
         nodes_at_once: usize,
         watch: &dyn Watch,
     ) -> PanelSamples {
-        let RowPlan { solution, nodes: all, sampling, .. } = &self.plan;
+        let RowPlan { solution, spectra, nodes: all, sampling, .. } = &self.plan;
         let len = sampling.samples_for(rows);
         let mut samples = PanelSamples::zeros(self.plan.panels(), len);
-        let driven = DrivenModel { watch, ..solution.driven() };
+        let driven = DrivenModel { watch, ..spectra.driven(&*solution.links[0].model) };
         let groups: Vec<&[usize]> = all.chunks(nodes_at_once).collect();
         let mut checkpoints = driven.checkpoints(groups.iter().skip(1).copied());
         // The first group takes a pass through the whole mesh, the others together one more.
@@ -245,10 +267,10 @@ impl<'a> NodalTable<'a> {
                 if number == 0 { (0, first_pass) } else { (first_pass + number - 1, 1) };
             driven.begin(passes, done);
             let advance = |bins| watch.advance(share * bins);
-            let spectra = match &solution.bent {
-                Some(bent) => {
+            let spectra = match &spectra.shape {
+                Some(shape) => {
                     advance(solution.band.frequencies);
-                    self.spectra_of(&bent.shape, nodes)
+                    self.spectra_of(shape, nodes)
                 }
                 None => driven.nodal_spectra_from(&mut checkpoints, nodes, self.quantity, advance),
             };
@@ -273,7 +295,7 @@ impl<'a> NodalTable<'a> {
             NodalQuantity::Deflection if self.plan.arms_m.is_some() => &shape.arcs_m,
             NodalQuantity::Deflection => &shape.deflections_m,
         };
-        let pair = &self.plan.solution.period.spectrum.pair;
+        let pair = &self.plan.spectra.period.spectrum.pair;
         nodes.par_iter().map(|node| pair.amplitudes(&histories[*node])).collect()
     }
 
@@ -346,7 +368,11 @@ mod tests {
                     let samples = table.block(0, &Unwatched).samples;
                     let bytes = size_of_val(samples.samples());
                     assert_eq!(table.sample_bytes(), bytes, "{nodes:?}, {rows} rows, {every}");
-                    let amplitudes = solution.driven().nodal_spectra(nodes, table.quantity);
+                    let amplitudes = table
+                        .plan
+                        .spectra
+                        .driven(&*solution.links[0].model)
+                        .nodal_spectra(nodes, table.quantity);
                     let bytes =
                         bytes + amplitudes.iter().map(|row| size_of_val(&row[..])).sum::<usize>();
                     let transforms = table.bytes() - bytes;

@@ -2,19 +2,19 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::accuracy::Accuracy;
+use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Unwatched};
-use super::bent_answer::{Bent, SecondOrderFindings};
-use super::curves::size;
+use super::curves::{Shape, size};
 use super::histories::{HubMotion, MotorHistories, cut, tip_deflection_m};
 use super::spectra::{DrivenModel, HubSpectra};
-use super::warning::Warning;
+use super::warning::{SolutionWarning, Straying};
 use crate::beam::Mesh;
-use crate::link::Link;
+use crate::elastica::{AngleHistories, Iteration, SecondOrder};
+use crate::link::{Arm, Link};
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
 use crate::model::Model;
-use crate::motion::{Ends, TailTerms, TipMotion, TipMotionHistories, TipPeriod, TipSpectrum};
-use crate::numeric::TimeGrid;
+use crate::motion::{Ends, Motion, TailTerms, TipMotionHistories, TipPeriod, TipSpectrum};
+use crate::numeric::{Size, TimeGrid};
 
 /// Frequencies that were solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,8 @@ pub struct Band {
     pub fft_length: usize,
     /// Frequencies solved for, zero included.
     pub frequencies: usize,
-    /// The highest of them in Hz.
+    /// The highest of them in Hz; of an arm the highest that its histories hold, which its turning links bring above the
+    /// path's cut-off.
     pub highest_hz: f64,
     /// Frequency in Hz up to which the motion is followed as it is, and from which it rolls off; none
     /// where every frequency of the samples is solved for.
@@ -48,61 +49,134 @@ impl Band {
     }
 }
 
-/// What the hub must do so that the tip moves as wanted, with the link, the motion and the analysis.
+/// What the joints must do so that the tip moves as wanted, with the link or the arm, the motion and the analysis.
 ///
-/// All histories are samples on [`Solution::grid`], the trajectory's samples with lead and lag added
-/// where its own rest is too short.
+/// All histories are samples on [`Solution::grid`], the motion's samples with lead and lag added where its own rest is too
+/// short.
 #[derive(Clone)]
 pub struct Solution {
-    /// The link on the mesh that the answer was computed on.
-    pub model: Arc<dyn Model>,
+    /// The arm; one link is an arm of one.
+    pub arm: Arm,
     /// The wanted motion.
-    pub motion: TipMotion,
+    pub motion: Motion,
     /// How exact the answer was to be.
     pub analysis: Analysis,
     /// Times of all histories.
     pub grid: TimeGrid,
-    /// Torque T at the hub in N m.
-    pub torque_n_m: Vec<f64>,
-    /// Torque in N m that the same link would need, were it rigid.
-    pub rigid_torque_n_m: Vec<f64>,
-    /// Hub angle θ in rad.
-    pub hub_angle_rad: Vec<f64>,
-    /// Hub rate in rad/s.
-    pub hub_rate_rad_s: Vec<f64>,
-    /// Hub angle in rad of the rigid link, `v_tip/L`.
-    pub rigid_hub_angle_rad: Vec<f64>,
-    /// Moment in N m that the hub exerts on the link's root.
-    pub root_moment_n_m: Vec<f64>,
-    /// Motion of the tip.
-    pub tip: TipMotionHistories,
-    /// What the motor does; none for a link without a drive.
-    pub motor: Option<MotorHistories>,
+    /// The joints, the inner one first; of one link its hub.
+    pub joints: Vec<JointMotion>,
+    /// The links on the meshes that the answer was computed on, the inner one first.
+    pub links: Vec<LinkMotion>,
+    /// Each coordinate of the tip: of one link the displacement along its arc, of several x and y.
+    pub tip: Vec<TipMotionHistories>,
+    /// Largest distance of the solved tip from the wanted one, over its travel.
+    pub tip_error: f64,
+    /// How far the tip of a link with all second-order terms strays under the torque, over its travel; none with weight, where
+    /// second-order terms are counted, and of an arm.
+    pub tip_model_error: Option<f64>,
     /// Numbers of the grid's samples between which the tip moves: the last at rest before the
     /// motion and the first at rest after it.
     pub moving: (usize, usize),
-    /// First zero of torque → tip in 1/s; none where the mesh has none.
+    /// First zero of torque → tip in 1/s, of an arm the smallest of its links'; none where no mesh has one.
     pub first_zero_per_s: Option<f64>,
-    /// How exact each quantity is.
-    pub accuracy: Accuracy,
     /// Frequencies that were solved for.
     pub band: Band,
+    /// The second-order terms, where gravity acts, they were asked for, or links are several.
+    pub second_order: Option<SecondOrderFindings>,
     /// What the user must know.
-    pub warnings: Vec<Warning>,
+    pub warnings: Vec<SolutionWarning>,
+    /// The spectra of one link, from which motions of its nodes are computed on request.
+    pub(super) spectra: Option<LinkSpectra>,
+}
+
+/// One joint over the window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointMotion {
+    /// Torque T in N m that turns its link, and the link before the other way.
+    pub torque_n_m: Vec<f64>,
+    /// Torque in N m that the same links would need, were they rigid.
+    pub rigid_torque_n_m: Vec<f64>,
+    /// Angle θ in rad: of the first joint against x, of the others that of their link's root against the tip of the link
+    /// before.
+    pub angle_rad: Vec<f64>,
+    /// Rate in rad/s.
+    pub rate_rad_s: Vec<f64>,
+    /// Acceleration in rad/s²; none of one link, where [`Solution::acceleration_rad_s2`] computes it.
+    pub acceleration_rad_s2: Option<Vec<f64>>,
+    /// Angle in rad of the same joint between rigid links.
+    pub rigid_angle_rad: Vec<f64>,
+    /// Force in N along x and y on its link's inner end; none of one link.
+    pub force_n: Option<[Vec<f64>; 2]>,
+    /// Its motor, where it has a drive.
+    pub motor: Option<MotorHistories>,
+    /// How exact each of its quantities is.
+    pub errors: PerQuantity<QuantityErrors>,
+}
+
+/// One link over the window.
+#[derive(Debug, Clone)]
+pub struct LinkMotion {
+    /// The link on its mesh.
+    pub model: Arc<dyn Model>,
+    /// Moment in N m that its joint exerts on its root.
+    pub root_moment_n_m: Vec<f64>,
+    /// Largest slope |w'| from its chord; none of a link that is solved on its hub's tangent line.
+    pub largest_slope: Option<f64>,
+    /// Histories of its nodes; none of one link, where [`Solution::deflections`] and the like compute them.
+    pub shape: Option<LinkShape>,
+}
+
+/// The shape of a link over the window: a history for each node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkShape {
+    /// Direction of its chord in rad, rate and acceleration.
+    pub chord: AngleHistories,
+    /// Length of its chord in m.
+    pub chord_length_m: Vec<f64>,
+    /// Direction of its root's tangent line in rad.
+    pub root_rad: Vec<f64>,
+    /// x and y of the nodes in m.
+    pub positions_m: Vec<[Vec<f64>; 2]>,
+    /// Deflection of the nodes from the chord in m.
+    pub deflections_m: Vec<Vec<f64>>,
+    /// Bending moment at the nodes in N m.
+    pub moments_n_m: Vec<Vec<f64>>,
+}
+
+/// The second-order terms of a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondOrderFindings {
+    /// The terms that were counted.
+    pub order: SecondOrder,
+    /// Their iteration.
+    pub iteration: Iteration,
+    /// Largest change of a torque by the terms that were not counted, over its range: none where all were counted, and
+    /// none within where the motion is refused with all of them.
+    pub left_out: Option<Option<f64>>,
+    /// How far the tip strays where the iteration of all terms does not converge and fewer are counted instead; terms left
+    /// out are then not looked for otherwise.
+    pub fallback: Option<Straying>,
+}
+
+/// The solution of one link in frequency.
+#[derive(Clone)]
+pub(super) struct LinkSpectra {
     /// Amplitudes at the hub over the band.
     pub(super) hub: HubSpectra,
     pub(super) period: Arc<TipPeriod>,
     /// The hub angle's slow tail, where damping leaves one.
     pub(super) hub_tail: Option<TailTerms>,
-    /// Where the nodes of a link under gravity, or with second-order terms, are.
-    pub(super) bent: Option<Arc<Bent>>,
+    /// Places of the nodes over the period, of a link under gravity or with second-order terms.
+    pub(super) shape: Option<Arc<Shape>>,
 }
 
-impl Solution {
-    pub(super) fn driven(&self) -> DrivenModel<'_> {
-        DrivenModel { model: &*self.model, period: &self.period, watch: &Unwatched }
+impl LinkSpectra {
+    pub(super) fn driven<'a>(&'a self, model: &'a dyn Model) -> DrivenModel<'a> {
+        DrivenModel { model, period: &self.period, watch: &Unwatched }
     }
+}
 
+impl LinkMotion {
     /// The link.
     pub fn link(&self) -> &Link {
         self.model.link()
@@ -112,69 +186,129 @@ impl Solution {
     pub fn mesh(&self) -> &Mesh {
         self.model.mesh()
     }
+}
 
-    /// The damping law with all its numbers.
-    pub fn law(&self) -> &DampingLaw {
-        self.model.law()
+impl Solution {
+    /// The first joint: the hub of one link.
+    pub fn hub(&self) -> &JointMotion {
+        &self.joints[0]
     }
 
-    /// The first `count` natural frequencies in rad/s, the rigid rotation left out.
+    /// The first link.
+    pub fn link(&self) -> &Link {
+        self.links[0].link()
+    }
+
+    /// The mesh of the first link.
+    pub fn mesh(&self) -> &Mesh {
+        self.links[0].mesh()
+    }
+
+    /// The damping law of the first link with all its numbers.
+    pub fn law(&self) -> &DampingLaw {
+        self.links[0].model.law()
+    }
+
+    /// The first `count` natural frequencies of the first link in rad/s, the rigid rotation left out.
     pub fn natural_frequencies_rad_s(&self, count: usize) -> Vec<f64> {
         natural_frequencies(self.mesh(), count)
     }
 
-    /// The first `count` zeros of torque → tip in 1/s.
+    /// The first `count` zeros of torque → tip of the first link in 1/s.
     pub fn zeros_per_s(&self, count: usize) -> Vec<f64> {
         torque_zeros(self.mesh(), count)
     }
 
-    /// Hub acceleration in rad/s², computed by each call: most solutions are read without it.
-    pub fn hub_acceleration_rad_s2(&self) -> Vec<f64> {
-        let per_length = 1.0 / self.mesh().length_m();
-        let hub = HubMotion { period: &self.period, tail: self.hub_tail, per_length };
-        let spectrum = &self.period.spectrum;
-        let excess = spectrum.pair.samples(spectrum.derivative(&self.hub.excess_angle_rad, 2));
-        hub.on(&self.grid, &excess, &self.tip.acceleration_m_s2, 2)
+    /// Distances of the nodes of each link from its joint in m.
+    pub fn nodes_m(&self) -> Vec<&[f64]> {
+        self.links.iter().map(|link| link.mesh().nodes_m()).collect()
+    }
+
+    /// The shapes of an arm's links; of one link nothing.
+    pub fn shapes(&self) -> impl Iterator<Item = &LinkShape> {
+        self.links.iter().filter_map(|link| link.shape.as_ref())
+    }
+
+    /// Number of a joint as metrics, limits and remarks of an arm call it, from 0; none of one link, whose joint is its hub.
+    pub fn number_of(&self, joint: usize) -> Option<usize> {
+        (self.joints.len() > 1).then_some(joint)
+    }
+
+    /// Angle of a joint in rad; of a tip that moves before its motion and after it, while it follows its motion.
+    pub(crate) fn followed_rad(&self, joint: usize) -> &[f64] {
+        let (first, last) = self.moving;
+        match self.motion.ends() {
+            Ends::Moving => &self.joints[joint].angle_rad[first..=last],
+            _ => &self.joints[joint].angle_rad,
+        }
+    }
+
+    /// Acceleration of a joint in rad/s². That of one link is computed by each call: most solutions are read without it.
+    pub fn acceleration_rad_s2(&self, joint: usize) -> Cow<'_, [f64]> {
+        match (&self.joints[joint].acceleration_rad_s2, &self.spectra) {
+            (None, Some(LinkSpectra { hub, period, hub_tail, .. })) => {
+                let per_length = 1.0 / self.mesh().length_m();
+                let motion = HubMotion { period, tail: *hub_tail, per_length };
+                let spectrum = &period.spectrum;
+                let excess = spectrum.pair.samples(spectrum.derivative(&hub.excess_angle_rad, 2));
+                motion.on(&self.grid, &excess, &self.tip[0].acceleration_m_s2, 2).into()
+            }
+            (known, _) => known.as_deref().unwrap_or_default().into(),
+        }
     }
 
     /// How far the tip moves from where it starts, in m: of one that moves before its motion and after it, within that.
     pub fn tip_travel_m(&self) -> f64 {
-        match self.motion.ends() {
-            Ends::Moving => self.period.histories.largest_travel_m(),
-            _ => self.tip.largest_travel_m(),
+        match (&self.tip[..], &self.spectra) {
+            ([x, y], _) => farthest_m([&x.displacement_m, &y.displacement_m]),
+            (_, Some(spectra)) if self.motion.ends() == Ends::Moving => {
+                spectra.period.histories.largest_travel_m()
+            }
+            _ => self.tip[0].largest_travel_m(),
         }
     }
 
-    /// What was found of the second order, where gravity acts or it was asked for.
-    pub fn second_order(&self) -> Option<&SecondOrderFindings> {
-        self.bent.as_deref().map(|bent| &bent.findings)
+    /// How far the tip is expected to be from where it should be, at most, over its travel: what the solved one is off, or what
+    /// fewer terms than all lead it off by where these do not converge.
+    pub fn expected_tip_error(&self) -> f64 {
+        let fallback = self.second_order.and_then(|found| found.fallback);
+        Size::larger(self.tip_error, fallback.map_or(0.0, Straying::share))
+    }
+
+    /// The largest error of a kind, over all quantities of all joints.
+    pub fn worst(&self, kind: impl Fn(&QuantityErrors) -> f64) -> f64 {
+        let errors = self.joints.iter().flat_map(|joint| joint.errors.iter());
+        errors.map(|(_, errors)| kind(&errors)).fold(0.0, Size::larger)
     }
 
     /// What errors of a history are a share of: its peak or, with gravity, its largest value less its smallest.
     pub fn size_of(&self, history: &[f64]) -> f64 {
-        size(history, self.link().has_weight())
+        size(history, self.arm.has_weight())
     }
 
-    /// How far the line has turned that displacements of the nodes are counted along: the hub's tangent line or, of a
-    /// bent link, the chord.
-    pub(super) fn turned_rad(&self) -> Cow<'_, [f64]> {
-        if self.bent.is_none() {
-            return Cow::Borrowed(&self.hub_angle_rad);
+    /// Deflection of a link's tip from the tangent line of its joint in m; of one link `v_tip − Lθ`.
+    pub fn tip_deflection_m(&self, link: usize) -> Vec<f64> {
+        let LinkMotion { model, shape, .. } = &self.links[link];
+        if let Some(LinkShape { chord, chord_length_m, root_rad, .. }) = shape {
+            // The tip is on the chord: it deflects by the chord times the root's slope.
+            let slopes = chord[0].iter().zip(root_rad).map(|(chord, root)| chord - root);
+            let chords = chord_length_m.iter().zip(slopes);
+            return chords.map(|(length, slope)| length * libm::sin(slope)).collect();
         }
-        let length_m = self.mesh().length_m();
-        self.tip.displacement_m.iter().map(|m| m / length_m).collect()
+        if let Some(shape) = self.spectra.as_ref().and_then(|spectra| spectra.shape.as_ref()) {
+            let tip = shape.deflections_m.last();
+            return tip.map_or_else(Vec::new, |tip| cut(tip, &self.grid));
+        }
+        let JointMotion { angle_rad, rigid_angle_rad, .. } = &self.joints[link];
+        tip_deflection_m(rigid_angle_rad, angle_rad, model.mesh().length_m())
     }
+}
 
-    /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
-    pub fn tip_deflection_m(&self) -> Vec<f64> {
-        if let Some(bent) = &self.bent {
-            return bent
-                .shape
-                .deflections_m
-                .last()
-                .map_or_else(Vec::new, |tip| cut(tip, &self.grid));
-        }
-        let length_m = self.mesh().length_m();
-        tip_deflection_m(&self.rigid_hub_angle_rad, &self.hub_angle_rad, length_m)
-    }
+/// Largest distance in m of a tip at these x and y from where it starts.
+pub(super) fn farthest_m([x_m, y_m]: [&[f64]; 2]) -> f64 {
+    let far = |(x, y): (&f64, &f64)| {
+        let [dx, dy] = [x - x_m[0], y - y_m[0]];
+        (dx * dx + dy * dy).sqrt()
+    };
+    x_m.iter().zip(y_m).map(far).fold(0.0, f64::max)
 }

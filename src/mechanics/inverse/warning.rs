@@ -1,3 +1,4 @@
+use serde::Serialize;
 use thiserror::Error;
 
 use super::accuracy::{Quantity, ShareOf};
@@ -6,6 +7,53 @@ use crate::text::{about_percent, significant};
 
 /// Largest change of the torque that the first order in the thickness is valid for.
 const MOST_THICK: f64 = 0.3;
+
+/// A warning of a solution, and the joint of an arm that it is of.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("{}{warning}", joint.map_or_else(String::new, |joint| format!("joint {}: ", joint + 1)))]
+pub struct SolutionWarning {
+    /// Number of the joint of an arm, from 0; none of one link, and of what concerns the whole arm.
+    pub joint: Option<usize>,
+    /// The warning.
+    pub warning: Warning,
+}
+
+impl From<Warning> for SolutionWarning {
+    fn from(warning: Warning) -> Self {
+        Self { joint: None, warning }
+    }
+}
+
+impl SolutionWarning {
+    /// Name of the kind, for machines.
+    pub fn kind(&self) -> &'static str {
+        self.warning.kind()
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        self.warning.hint()
+    }
+}
+
+/// How far the tip of a solution with fewer terms strays at most from where it should be, over its travel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Straying {
+    /// As the joints, moved as solved, lead it.
+    Measured(f64),
+    /// By how much shorter the chords of bent links are; of an arm that no equation in time moves.
+    Estimated(f64),
+}
+
+impl Straying {
+    /// The share of the travel.
+    pub fn share(self) -> f64 {
+        match self {
+            Self::Measured(share) | Self::Estimated(share) => share,
+        }
+    }
+}
 
 /// Something that the user must know to believe the answer. Returned, never printed here.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -244,6 +292,25 @@ pub enum Warning {
         /// Error over its peak.
         error: f64,
     },
+    /// An elbow that hardly tells how the links follow the tip.
+    #[error(
+        "the sine of the elbow's angle falls to {sine:.3} at {time_s:.3} s: the arm is nearly stretched or folded there"
+    )]
+    NearlyStretched {
+        /// The sine.
+        sine: f64,
+        /// When, in s.
+        time_s: f64,
+    },
+    /// Second-order terms that do not converge, so that those of first order alone are counted.
+    #[error(
+        "the second-order terms do not converge, only those of first order are counted: the tip strays by {}",
+        strays(*straying)
+    )]
+    FellBack {
+        /// How far.
+        straying: Straying,
+    },
 }
 
 impl Warning {
@@ -269,6 +336,8 @@ impl Warning {
             Self::ThickLink { .. } => "thick_link",
             Self::CoarseMesh { .. } => "coarse_mesh",
             Self::FewModes { .. } => "few_modes",
+            Self::NearlyStretched { .. } => "nearly_stretched",
+            Self::FellBack { .. } => "fell_back_to_first_order",
         }
     }
 
@@ -313,9 +382,27 @@ impl Warning {
             }
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
+            Self::NearlyStretched { .. } => {
+                "a path that stays away from the stretched arm and from the first joint"
+            }
+            Self::FellBack { .. } => {
+                "a slower or smoother motion, or stiffer links; analysis.second_order = \"full\" refuses instead"
+            }
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {
                 "more elements, mesh.elements = \"auto\" or a smoother motion"
             }
+        }
+    }
+}
+
+fn strays(straying: Straying) -> String {
+    let share = significant(straying.share(), 2);
+    match straying {
+        Straying::Measured(_) => {
+            format!("{share} of its way, measured with the joints moved as solved")
+        }
+        Straying::Estimated(_) => {
+            format!("about {share} of its way, estimated by how much shorter bent links are")
         }
     }
 }

@@ -18,6 +18,7 @@ mod scale;
 mod spectrum;
 mod tip_motion;
 mod uncertain;
+mod wanted;
 
 pub use course::Course;
 pub use curve::Curve;
@@ -40,3 +41,4 @@ pub use scale::{MotionScale, TipTarget};
 pub(crate) use spectrum::TipSpectrum;
 pub use spectrum::{Cutoff, InputBand, Shortfall};
 pub use tip_motion::{EndVelocity, TipMotion};
+pub use wanted::Motion;

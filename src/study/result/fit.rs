@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::limits::{Limits, Reached, reached};
 use crate::beam::MeshPlan;
 use crate::inverse::{
-    Analysis, ArmError, ArmSolution, InversionError, Resources, Solution, invert_arm, invert_with,
+    Analysis, ArmError, InversionError, Resources, Solution, invert_arm, invert_with,
 };
 use crate::link::{Arm, Link};
 use crate::motion::{
@@ -113,11 +113,11 @@ fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
 
 /// The fewest steps found within the limits.
 #[derive(Clone)]
-pub struct Fit<S = Solution> {
+pub struct Fit {
     /// Steps of the motion.
     pub steps: usize,
     /// Its solution.
-    pub solution: S,
+    pub solution: Solution,
     /// The limit that it comes closest to; none if none is set.
     pub binding: Option<Reached>,
     /// Why the motion of a step less is not solved; none where it exceeds a limit.
@@ -126,9 +126,9 @@ pub struct Fit<S = Solution> {
     pub shorter_tried: usize,
 }
 
-impl<S> Fit<S> {
+impl Fit {
     /// The motion of so many steps if it is within the limits that it reaches.
-    fn within(steps: usize, solution: S, reached: Vec<Reached>) -> Option<Self> {
+    fn within(steps: usize, solution: Solution, reached: Vec<Reached>) -> Option<Self> {
         let binding = reached.into_iter().max_by(|a, b| a.share().total_cmp(&b.share()));
         // A value with a larger error is not known to be within any limit.
         let fits = |reached: Reached| reached.share() <= 1.0 && reached.error <= TELLING;
@@ -189,8 +189,6 @@ pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
 
 /// Motions that differ in their number of steps alone.
 trait Trials {
-    type Solution;
-
     /// Most steps that are tried.
     const MOST_STEPS: usize;
 
@@ -198,10 +196,10 @@ trait Trials {
     fn step_s(&self) -> f64;
 
     /// The motion of so many steps with its torques; none where it exceeds a limit.
-    fn tried(&self, steps: usize) -> Result<Option<Fit<Self::Solution>>, FitError>;
+    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError>;
 
     /// The fewest steps within the limits, see [`shortest_fit`].
-    fn shortest(&self) -> Result<Fit<Self::Solution>, FitError> {
+    fn shortest(&self) -> Result<Fit, FitError> {
         let (mut refused, upper) = self.doubled()?;
         let mut last = FEWEST_STEPS - 1;
         let mut found = upper;
@@ -222,7 +220,7 @@ trait Trials {
     }
 
     /// The first of doubled durations that fits, and those before it.
-    fn doubled(&self) -> Result<(Vec<usize>, Fit<Self::Solution>), FitError> {
+    fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
         let (mut refused, mut failed) = (Vec::new(), None);
         let mut steps = FEWEST_STEPS;
         while steps <= Self::MOST_STEPS {
@@ -251,7 +249,7 @@ trait Trials {
     }
 
     /// Tries a number of steps, unless it was refused before; adds it to these if it does not fit.
-    fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit<Self::Solution>> {
+    fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit> {
         if refused.contains(&steps) {
             return None;
         }
@@ -276,8 +274,6 @@ fn grid(end: usize) -> impl Iterator<Item = usize> {
 }
 
 impl Trials for FitProblem<'_> {
-    type Solution = Solution;
-
     const MOST_STEPS: usize = MOST_STEPS;
 
     fn step_s(&self) -> f64 {
@@ -371,13 +367,11 @@ pub struct ArmFitProblem<'a> {
 ///
 /// # Errors
 /// [`FitError`] where no duration fits.
-pub fn shortest_arm_fit(problem: &ArmFitProblem) -> Result<Fit<ArmSolution>, FitError> {
+pub fn shortest_arm_fit(problem: &ArmFitProblem) -> Result<Fit, FitError> {
     problem.shortest()
 }
 
 impl Trials for ArmFitProblem<'_> {
-    type Solution = ArmSolution;
-
     /// An arm that exceeds its limits in a motion as slow as that does so by its weight.
     const MOST_STEPS: usize = 1 << 14;
 
@@ -385,7 +379,7 @@ impl Trials for ArmFitProblem<'_> {
         self.step_s
     }
 
-    fn tried(&self, steps: usize) -> Result<Option<Fit<ArmSolution>>, FitError> {
+    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
         let places = self.curve.sampled(self.profile, steps, [0, 0])?;
         let columns = PathColumns::of_tip(self.step_s, &places, self.outer_rad);
         let path = ArmPath::new(columns, &self.arm.lengths_m())?;

@@ -5,10 +5,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use thiserror::Error;
 
-use super::answer::{Answer, AnsweredJoint};
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
 use super::quantities::QUANTITIES;
-use crate::inverse::{MotorHistories, QuantityErrors};
+use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
 use crate::text::{given, significant};
@@ -250,13 +249,12 @@ fn exceeded(mut values: Vec<LimitedValue>) -> Vec<Exceeded> {
     values.into_iter().map(Exceeded).collect()
 }
 
-/// How near a solution, of a link or of an arm, comes to each limit of its joints, in the order of the link file.
-pub fn reached<'a>(answer: impl Into<Answer<'a>>, limits: &[Limits]) -> Vec<Reached> {
-    let answer = answer.into();
-    let metrics = Metrics::of_answer(&answer);
-    let joints = answer.joints.iter().zip(&metrics.joints).zip(limits);
-    let of = |((joint, metrics), limits): ((&AnsweredJoint, &JointMetrics), &Limits)| {
-        let errors = Errors::of(&answer, joint, metrics);
+/// How near a solution comes to each limit of its joints, in the order of the link file.
+pub fn reached(solution: &Solution, limits: &[Limits]) -> Vec<Reached> {
+    let metrics = Metrics::of(solution);
+    let joints = metrics.joints.iter().zip(limits).enumerate();
+    let of = |(number, (metrics, limits)): (usize, (&JointMetrics, &Limits))| {
+        let errors = Errors::of(solution, number, metrics);
         let values = metrics.limited(limits);
         values.map(|value| Reached { value, error: errors.of_value(&value) }).collect::<Vec<_>>()
     };
@@ -288,30 +286,28 @@ struct Errors<'a> {
 }
 
 impl<'a> Errors<'a> {
-    fn of(answer: &Answer, joint: &AnsweredJoint, metrics: &'a JointMetrics) -> Self {
+    fn of(solution: &Solution, number: usize, metrics: &'a JointMetrics) -> Self {
+        let (joint, has_weight) = (&solution.joints[number], solution.arm.has_weight());
         let errors = joint.errors.of_kind(all_kinds);
         // With gravity errors are shares of ranges.
         let per_peak = |error: f64, history: &[f64]| {
-            if answer.has_weight {
-                error * answer.size_of(history) / largest(history)
-            } else {
-                error
-            }
+            if has_weight { error * solution.size_of(history) / largest(history) } else { error }
         };
         let of_motor = |error: Option<f64>, history: fn(&MotorHistories) -> &Vec<f64>| {
-            let history = joint.motor.map(history);
+            let history = joint.motor.as_ref().map(history);
             error.zip(history).map_or(0.0, |(error, history)| per_peak(error, history))
         };
-        let turned_rad = if answer.has_weight {
-            answer.size_of(joint.angle_rad)
+        let turned_rad = if has_weight {
+            solution.size_of(solution.followed_rad(number))
         } else {
             metrics.peak_hub_angle_rad.value
         };
         Self {
             metrics,
-            torque: per_peak(errors.torque, joint.torque_n_m),
-            rate: per_peak(errors.hub_rate, joint.rate_rad_s),
-            deflection_m: errors.hub_angle * (joint.length_m * turned_rad),
+            torque: per_peak(errors.torque, &joint.torque_n_m),
+            rate: per_peak(errors.hub_rate, &joint.rate_rad_s),
+            deflection_m: errors.hub_angle
+                * (solution.links[number].link().length_m() * turned_rad),
             motor_torque: of_motor(errors.motor_torque, |motor| &motor.torque_n_m),
             motor_rate: of_motor(errors.motor_rate, |motor| &motor.rate_rad_s),
         }

@@ -1,9 +1,8 @@
 //! Numbers of a solution and of a simulation that a person reads first.
 
-use super::answer::{Answer, AnsweredJoint};
 use super::peak::{Peak, Peaks};
-use crate::inverse::MotorHistories;
-use crate::motion::Ends;
+use crate::inverse::{MotorHistories, Solution};
+use crate::motion::{Ends, TipMotionHistories};
 use crate::numeric::{TimeGrid, dot, extremes};
 use crate::response::{PlayedArm, Simulation};
 
@@ -74,18 +73,22 @@ pub struct MotorMetrics {
 }
 
 impl Metrics {
-    /// Reads the numbers off a solution, of a link or of an arm.
-    pub fn of<'a>(answer: impl Into<Answer<'a>>) -> Self {
-        Self::of_answer(&answer.into())
-    }
-
-    pub(super) fn of_answer(answer: &Answer) -> Self {
-        let peaks = answer.peaks();
-        let [velocity, acceleration] = [0, 1].map(|order| peaks.of(&(answer.tip)(order)));
+    /// Reads the numbers off a solution.
+    pub fn of(solution: &Solution) -> Self {
+        let peaks = Peaks::in_solution(solution);
+        // In the plane the magnitude counts.
+        let peak = |of: fn(&TipMotionHistories) -> &[f64]| match &solution.tip[..] {
+            [x, y] => {
+                let pairs = of(x).iter().zip(of(y));
+                peaks.of(&pairs.map(|(x, y)| libm::hypot(*x, *y)).collect::<Vec<_>>())
+            }
+            along => peaks.of(of(&along[0])),
+        };
+        let joints = 0..solution.joints.len();
         Self {
-            joints: answer.joints.iter().map(|joint| JointMetrics::of(answer, joint)).collect(),
-            peak_tip_velocity_m_s: velocity,
-            peak_tip_acceleration_m_s2: acceleration,
+            joints: joints.map(|number| JointMetrics::of(solution, number)).collect(),
+            peak_tip_velocity_m_s: peak(|tip| &tip.velocity_m_s),
+            peak_tip_acceleration_m_s2: peak(|tip| &tip.acceleration_m_s2),
         }
     }
 
@@ -96,39 +99,43 @@ impl Metrics {
 }
 
 impl JointMetrics {
-    fn of(answer: &Answer, joint: &AnsweredJoint) -> Self {
-        let (grid, peaks) = (answer.grid, answer.peaks());
-        let (torque, angle) = (joint.torque_n_m, joint.angle_rad);
+    fn of(solution: &Solution, number: usize) -> Self {
+        let (grid, peaks) = (&solution.grid, Peaks::in_solution(solution));
+        let (joint, link) = (&solution.joints[number], &solution.links[number]);
+        let (torque, angle) = (&joint.torque_n_m[..], solution.followed_rad(number));
         let peak_torque_n_m = peaks.of(torque);
-        let peak_rigid_torque_n_m = peaks.of(joint.rigid_torque_n_m);
+        let peak_rigid_torque_n_m = peaks.of(&joint.rigid_torque_n_m);
+        let is_cycle = solution.motion.ends() == Ends::Periodic;
         let turned = |from_rad: f64| {
             peaks.of(&angle.iter().map(|angle| angle - from_rad).collect::<Vec<_>>())
         };
         let mut peak_hub_angle_rad = turned(angle[0]);
-        if answer.ends == Ends::Periodic {
+        if is_cycle {
             // A cycle begins anywhere: its hub turns by the range of the angle, both of whose ends lie between samples.
             let [low, high] = extremes(angle);
             peak_hub_angle_rad = turned(low);
             peak_hub_angle_rad.value += turned(high).value - (high - low);
         }
-        let timed = |time_s: f64| (answer.ends != Ends::Periodic).then_some(time_s);
-        let acts = |torque: &[f64], peak| Acting::in_answer(answer, (torque, peak), TIMING_LEVEL);
+        let timed = |time_s: f64| (!is_cycle).then_some(time_s);
+        let (first, last) = solution.moving;
+        let acts =
+            |torque: &[f64], peak| Acting::in_solution(solution, (torque, peak), TIMING_LEVEL);
         let acting = acts(torque, peak_torque_n_m);
         Self {
-            joint: joint.number,
+            joint: solution.number_of(number),
             peak_torque_n_m,
             rms_torque_n_m: acting.rms(torque),
             peak_rigid_torque_n_m,
             torque_ratio: peak_torque_n_m.value / peak_rigid_torque_n_m.value,
-            lead_s: timed(answer.moving_s[0] - acting.start_s(grid)),
-            lag_s: timed(acting.end_s(grid) - answer.moving_s[1]),
+            lead_s: timed(grid.time_s(first) - acting.start_s(grid)),
+            lag_s: timed(acting.end_s(grid) - grid.time_s(last)),
             end_angles_rad: [angle[0], angle[angle.len() - 1]],
             peak_hub_angle_rad,
-            peak_hub_rate_rad_s: peaks.of(joint.rate_rad_s),
-            peak_power_w: peaks.of_product(torque, joint.rate_rad_s),
-            peak_root_moment_n_m: peaks.of(joint.root_moment_n_m),
-            peak_deflection_m: peaks.of(&(joint.deflection_m)()),
-            motor: joint.motor.map(|motor| MotorMetrics::of(motor, &peaks, acts)),
+            peak_hub_rate_rad_s: peaks.of(&joint.rate_rad_s),
+            peak_power_w: peaks.of_product(torque, &joint.rate_rad_s),
+            peak_root_moment_n_m: peaks.of(&link.root_moment_n_m),
+            peak_deflection_m: peaks.of(&solution.tip_deflection_m(number)),
+            motor: joint.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks, acts)),
         }
     }
 }
@@ -263,11 +270,15 @@ pub(super) struct Acting {
 impl Acting {
     /// When a torque of a solution with this peak acts, at a level that is a share of it. With gravity, or against friction,
     /// the torque acts where it differs from what it is at the ends.
-    pub(super) fn in_answer(answer: &Answer, (torque, peak): (&[f64], Peak), level: f64) -> Self {
-        match answer.ends {
+    pub(super) fn in_solution(
+        solution: &Solution,
+        (torque, peak): (&[f64], Peak),
+        level: f64,
+    ) -> Self {
+        match solution.motion.ends() {
             Ends::Periodic => Self { first: 0, last: torque.len() - 1, before: 0.0, after: 0.0 },
-            Ends::AtRest if !answer.has_weight => Self::of(torque, level * peak.value),
-            _ => Self::beyond_rest(torque, level * answer.size_of(torque)),
+            Ends::AtRest if !solution.arm.has_weight() => Self::of(torque, level * peak.value),
+            _ => Self::beyond_rest(torque, level * solution.size_of(torque)),
         }
     }
 

@@ -1,7 +1,6 @@
 //! Numbers of a result that a person reads first, limits and the shortest motion within them, and
 //! results read back.
 
-mod answer;
 mod channels;
 mod errors;
 mod fit;
@@ -17,7 +16,6 @@ mod stored;
 mod tip_error;
 mod torque_table;
 
-pub use answer::Answer;
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
 pub use fit::{

@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::answer::{Answer, AnsweredJoint};
 use super::metrics::{Acting, JointMetrics, Metrics, timing_errors_s};
+use super::peak::Peaks;
 use super::remark::{DENSITIES_KG_M3, DURATIONS_S, FIRST_FREQUENCIES_HZ, MODULI_PA, Remark};
 use crate::beam::Mesh;
-use crate::inverse::Solution;
+use crate::inverse::{JointMotion, Solution};
 use crate::link::Link;
 use crate::modal::Thickness;
 use crate::motion::{ArmPath, TipMotion, Uncertainty};
@@ -76,30 +76,30 @@ impl Remark {
 
     /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
     pub fn on_jumps(solution: &Solution) -> Option<Self> {
-        let cutoff_hz = solution.band.cutoff_hz.filter(|_| solution.motion.jumps())?;
-        let peak_m_s2 = Answer::from(solution).peaks().of(&solution.tip.acceleration_m_s2).value;
-        let share = peak_m_s2 / solution.motion.largest_acceleration_m_s2() - 1.0;
+        let motion = solution.motion.tip().filter(|motion| motion.jumps())?;
+        let cutoff_hz = solution.band.cutoff_hz?;
+        let peak_m_s2 = Peaks::in_solution(solution).of(&solution.tip[0].acceleration_m_s2).value;
+        let share = peak_m_s2 / motion.largest_acceleration_m_s2() - 1.0;
         (share > OVERSHOOT).then_some(Self::Jumps { cutoff_hz, peak_m_s2, share })
     }
 
-    /// Remarks on the times of torques that the samples of the motion leave uncertain, of a link or of an arm.
-    pub fn on_timing<'a>(answer: impl Into<Answer<'a>>) -> Vec<Self> {
-        let answer = answer.into();
-        if answer.joints.iter().all(|joint| joint.errors.torque.input.is_none()) {
+    /// Remarks on the times of torques that the samples of the motion leave uncertain.
+    pub fn on_timing(solution: &Solution) -> Vec<Self> {
+        if solution.joints.iter().all(|joint| joint.errors.torque.input.is_none()) {
             return Vec::new();
         }
-        let joints = answer.joints.iter().zip(Metrics::of_answer(&answer).joints);
-        let of = |(joint, metrics): (&AnsweredJoint, JointMetrics)| {
+        let joints = solution.joints.iter().zip(Metrics::of(solution).joints);
+        let of = |(joint, metrics): (&JointMotion, JointMetrics)| {
             let share = joint.errors.torque.input?;
-            let torque = (joint.torque_n_m, metrics.peak_torque_n_m);
-            let [lead_s, lag_s] = timing_errors_s(answer.grid, share, |level| {
-                Acting::in_answer(&answer, torque, level)
+            let torque = (&joint.torque_n_m[..], metrics.peak_torque_n_m);
+            let [lead_s, lag_s] = timing_errors_s(&solution.grid, share, |level| {
+                Acting::in_solution(solution, torque, level)
             });
             // Told where they are a share of lead and lag that counts.
             let is_noticed =
                 lead_s > SURE * metrics.lead_s?.abs() || lag_s > SURE * metrics.lag_s?.abs();
-            let joint = joint.number.map(|number| number + 1);
-            let of_range = answer.has_weight;
+            let joint = metrics.joint.map(|number| number + 1);
+            let of_range = solution.arm.has_weight();
             is_noticed.then_some(Self::Timing { joint, share, of_range, lead_s, lag_s })
         };
         joints.filter_map(of).collect()

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
+use crate::inverse::Solution;
 use crate::numeric::{TimeGrid, dot, largest};
 
 /// Samples that are searched at a time.
@@ -72,7 +73,13 @@ pub(super) struct Peaks<'a> {
     pub(super) per_cycle: Option<f64>,
 }
 
-impl Peaks<'_> {
+impl<'a> Peaks<'a> {
+    /// Those of the histories of a solution.
+    pub(super) fn in_solution(Solution { grid, band, .. }: &'a Solution) -> Self {
+        let per_cycle = band.cutoff_hz.map(|_| 1.0 / (band.highest_hz * grid.step_s));
+        Self { grid, per_cycle }
+    }
+
     /// Largest magnitude of a history.
     pub(super) fn of(&self, samples: &[f64]) -> Peak {
         let at = |k: usize, part: usize| between(samples, k, part);

@@ -12,7 +12,7 @@ use super::tip_error::{LateTarget, StoredTarget};
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::elastica::SecondOrder;
-use crate::inverse::{ArmWarning, MotorHistories, Warning};
+use crate::inverse::{MotorHistories, SolutionWarning};
 use crate::link::Link;
 use crate::modal::ThickLink;
 use crate::motion::{Prescribed, TipMotionHistories};
@@ -225,8 +225,8 @@ macro_rules! notices {
 pub(crate) use notices;
 
 // Everything that a user must know, or may want to, becomes a notice so.
-notices!(ArmPlayWarning, ArmWarning, CoarseMesh, Exceeded, LateTarget, Remark);
-notices!(SimulationWarning, ThickLink, Warning);
+notices!(ArmPlayWarning, CoarseMesh, Exceeded, LateTarget, Remark);
+notices!(SimulationWarning, SolutionWarning, ThickLink);
 
 /// The table of a sweep.
 #[derive(Debug, Clone)]

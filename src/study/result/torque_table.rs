@@ -6,7 +6,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use super::metrics::Acting;
-use crate::inverse::{ArmSolution, Solution, size};
+use crate::inverse::{Solution, size};
 use crate::motion::Ends;
 use crate::numeric::{FourierPair, TimeGrid};
 use crate::response::Interpolation;
@@ -32,28 +32,19 @@ pub struct TorqueTable {
 }
 
 impl TorqueTable {
-    /// The torque of a link.
+    /// The torques of all joints.
     pub fn of(solution: &Solution) -> Self {
-        let from_s = solution.grid.time_s(solution.moving.0);
-        let torques_n_m = vec![solution.torque_n_m.clone()];
-        Self::of_joints((solution.grid, from_s), torques_n_m, solution.link().has_weight())
-    }
-
-    /// The torques of an arm.
-    pub fn of_arm(solution: &ArmSolution) -> Self {
         let torques = solution.joints.iter().map(|joint| joint.torque_n_m.clone());
-        let from_s = solution.path.grid().time_s(solution.path.moving_samples().0);
-        Self::of_joints((solution.grid, from_s), torques.collect(), solution.arm.has_weight())
-    }
-
-    fn of_joints(
-        (grid, moves_from_s): (TimeGrid, f64),
-        torques_n_m: Vec<Vec<f64>>,
-        has_weight: bool,
-    ) -> Self {
-        let (rows, interpolation) = (0..grid.len, Interpolation::default());
-        let (start_s, window) = (None, None);
-        Self { grid, torques_n_m, rows, moves_from_s, interpolation, start_s, window, has_weight }
+        Self {
+            grid: solution.grid,
+            torques_n_m: torques.collect(),
+            rows: 0..solution.grid.len,
+            moves_from_s: solution.grid.time_s(solution.moving.0),
+            interpolation: Interpolation::default(),
+            start_s: None,
+            window: None,
+            has_weight: solution.arm.has_weight(),
+        }
     }
 
     /// The values that a converter must put out that holds each for a step, so that the torque up to the Nyquist

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::inverse::{ArmSolution, Solution};
+use crate::inverse::Solution;
+use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::response::{ResidualVibration, Simulation};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
@@ -29,32 +30,23 @@ pub struct PlayedCase<'a> {
     pub tip_error: &'a TipError,
 }
 
-/// A case of an arm with computed torques.
-#[derive(Debug, Clone, Copy)]
-pub struct ArmCase<'a> {
-    /// The solution.
-    pub solution: &'a ArmSolution,
-    /// Metrics of the solution.
-    pub metrics: &'a Metrics,
-}
-
-/// Name of a column, and its number of a case, if the case has one.
+/// A column and the number that it shows of a case, where it has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
 type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
-type OfArm = (&'static str, fn(&ArmCase<'_>) -> Option<f64>);
 
-/// Columns of a link before and after those of its hub.
+/// The columns of a link before those of its hub; an arm has the last.
 const BEFORE: [Solved; 2] = [
     ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
     ("zero_1_per_s", |case| case.solution.first_zero_per_s),
 ];
+/// The columns of a link after those of its hub.
 const AFTER: [Solved; 6] = [
     ("band_hz", |case| Some(case.solution.band.cutoff_hz.unwrap_or(case.solution.band.highest_hz))),
-    ("tip_error", |case| Some(case.solution.accuracy.tip)),
-    ("torque_mesh_error", |case| Some(case.solution.accuracy.errors.torque.mesh)),
-    ("torque_window_error", |case| Some(case.solution.accuracy.errors.torque.window)),
-    ("torque_model_error", |case| case.solution.accuracy.errors.torque.model),
-    ("tip_model_error", |case| case.solution.accuracy.tip_model),
+    ("tip_error", |case| Some(case.solution.tip_error)),
+    ("torque_mesh_error", |case| Some(case.solution.hub().errors.torque.mesh)),
+    ("torque_window_error", |case| Some(case.solution.hub().errors.torque.window)),
+    ("torque_model_error", |case| case.solution.hub().errors.torque.model),
+    ("tip_model_error", |case| case.solution.tip_model_error),
 ];
 
 const PLAYED: [Played; 16] = [
@@ -78,17 +70,14 @@ const PLAYED: [Played; 16] = [
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
 ];
 
-/// First column of an arm, before those of its joints.
-const ARM: OfArm = ("zero_1_per_s", |case| case.solution.first_zero_per_s);
-
-/// Columns of an arm after those of its joints; errors are the worst of all joints.
-const ARM_ERRORS: [OfArm; 5] = [
-    ("contraction", |case| case.solution.findings.iteration.contraction),
+/// The columns of an arm after those of its joints; errors are the worst of all joints.
+const AFTER_JOINTS: [Solved; 5] = [
+    ("contraction", |case| case.solution.second_order?.iteration.contraction),
     ("tip_error", |case| Some(case.solution.tip_error)),
     ("mesh_error", |case| Some(case.solution.worst(|errors| errors.mesh))),
     ("window_error", |case| Some(case.solution.worst(|errors| errors.window))),
     ("iteration_error", |case| {
-        let is_iterated = case.solution.findings.iteration.iterations > 0;
+        let is_iterated = case.solution.second_order?.iteration.iterations > 0;
         is_iterated.then(|| case.solution.worst(|errors| errors.iteration.unwrap_or(0.0)))
     }),
 ];
@@ -106,74 +95,71 @@ fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
 /// Kind of a sweep's numbers: the columns between those of the variations and the last two, `warnings` and `error`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
-    /// Torque for the motion.
-    Solved,
-    /// Torque of a link with a drive, with the columns of its motor.
-    Driven,
-    /// One torque played on every case.
+    /// Of the torques for the motion.
+    Solved {
+        /// Number of joints; 1 of one link.
+        joints: usize,
+        /// With those of motors.
+        is_driven: bool,
+    },
+    /// Of one torque played on every case.
     Played,
-    /// Torques of an arm for its path.
-    Arm {
-        /// Number of joints.
-        joints: usize,
-    },
-    /// Torques of an arm with a drive, with the columns of its motors.
-    DrivenArm {
-        /// Number of joints.
-        joints: usize,
-    },
 }
 
 /// Numbers of a case, in the order of the columns; `None` for a missing number.
 pub type CaseNumbers = Vec<Option<f64>>;
 
+/// A column of a sweep: of a whole case, or of a joint by its index.
+enum Column {
+    Whole(Solved),
+    Joint(usize, &'static JointQuantity),
+}
+
 impl SweepKind {
+    /// The kind of sweep that solves these links.
+    pub fn of_links(links: &[&Link]) -> Self {
+        let is_driven = links.iter().any(|link| link.drive().is_some());
+        Self::Solved { joints: links.len(), is_driven }
+    }
+
+    /// The columns of solved cases.
+    fn solved_columns(joints: usize, is_driven: bool) -> Vec<Column> {
+        let of_joint =
+            |joint, is_of_motor| swept(is_of_motor).map(move |own| Column::Joint(joint, own));
+        let motor = |joint| of_joint(joint, true).filter(move |_| is_driven);
+        if joints == 1 {
+            let before = BEFORE.into_iter().map(Column::Whole).chain(of_joint(0, false));
+            return before.chain(AFTER.into_iter().map(Column::Whole)).chain(motor(0)).collect();
+        }
+        let of_joints = (0..joints).flat_map(|joint| of_joint(joint, false).chain(motor(joint)));
+        let before = BEFORE.into_iter().skip(1).map(Column::Whole).chain(of_joints);
+        before.chain(AFTER_JOINTS.into_iter().map(Column::Whole)).collect()
+    }
+
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
-        let hub = |is_of_motor| swept(is_of_motor).map(|own| own.column(None));
-        let of_link =
-            |columns: &[Solved]| columns.iter().map(|(name, _)| (*name).to_owned()).collect();
-        let of_arm =
-            |columns: &[OfArm]| columns.iter().map(|(name, _)| (*name).to_owned()).collect();
-        let parts: [Vec<String>; 4] = match self {
-            Self::Played => return PLAYED.map(|(name, _)| name.to_owned()).into(),
-            Self::Solved | Self::Driven => {
-                let motor = hub(true).filter(|_| self == Self::Driven).collect();
-                [of_link(&BEFORE), hub(false).collect(), of_link(&AFTER), motor]
-            }
-            Self::Arm { joints } | Self::DrivenArm { joints } => {
-                let of_joint = |joint| self.of_joint().map(move |own| own.column(Some(joint)));
-                let joints = (1..=joints).flat_map(of_joint).collect();
-                [of_arm(&[ARM]), joints, of_arm(&ARM_ERRORS), vec![]]
-            }
+        let Self::Solved { joints, is_driven } = self else {
+            return PLAYED.map(|(name, _)| name.to_owned()).into();
         };
-        parts.concat()
+        let name = |column| match column {
+            Column::Whole((name, _)) => name.to_owned(),
+            Column::Joint(joint, own) => own.column((joints > 1).then_some(joint + 1)),
+        };
+        Self::solved_columns(joints, is_driven).into_iter().map(name).collect()
     }
 
-    /// Columns of each joint of an arm.
-    fn of_joint(self) -> impl Iterator<Item = &'static JointQuantity> {
-        let driven = swept(true).filter(move |_| matches!(self, Self::DrivenArm { .. }));
-        swept(false).chain(driven)
-    }
-
-    /// Numbers of a solved case.
+    /// The numbers of a solved case; none of a sweep that plays.
     pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
-        let hub = |is_of_motor| swept(is_of_motor).map(|own| (own.of)(case.metrics.hub()));
-        let driven = hub(true).filter(|_| self == Self::Driven);
-        let of = |(_, of): &Solved| of(case);
-        BEFORE.iter().map(of).chain(hub(false)).chain(AFTER.iter().map(of)).chain(driven).collect()
+        let Self::Solved { joints, is_driven } = self else { return Vec::new() };
+        let number = |column| match column {
+            Column::Whole((_, of)) => of(case),
+            Column::Joint(joint, own) => case.metrics.joints.get(joint).and_then(own.of),
+        };
+        Self::solved_columns(joints, is_driven).into_iter().map(number).collect()
     }
 
     /// Numbers of a case with a played torque.
     pub fn played(case: &PlayedCase) -> CaseNumbers {
         PLAYED.iter().map(|(_, of)| of(case)).collect()
-    }
-
-    /// Numbers of a case of an arm with the joints of these columns.
-    pub fn of_arm(self, case: &ArmCase) -> CaseNumbers {
-        let joints = case.metrics.joints.iter();
-        let of_joints = joints.flat_map(|joint| self.of_joint().map(move |own| (own.of)(joint)));
-        let of_arm = |(_, of): &OfArm| of(case);
-        [of_arm(&ARM)].into_iter().chain(of_joints).chain(ARM_ERRORS.iter().map(of_arm)).collect()
     }
 }

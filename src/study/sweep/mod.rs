@@ -5,7 +5,7 @@ mod columns;
 mod in_order;
 mod variation;
 
-pub use columns::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
+pub use columns::{CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 pub use in_order::in_order;
 pub use variation::{Operation, Variation, VariationError};
 

@@ -3,28 +3,16 @@
 use thiserror::Error;
 
 use crate::beam::MeshPlan;
-use crate::inverse::{
-    Analysis, ArmSolution, InversionError, PerQuantity, QuantityErrors, Solution,
-};
-use crate::motion::{Ends, MotionError};
-use crate::numeric::TimeGrid;
+use crate::inverse::{InversionError, Solution};
+use crate::motion::{Motion, MotionError};
 use crate::response::{HistoryError, SimulationError};
-use crate::result::{Limits, Notice, Reached, TorqueTable, reached};
-
-/// The solution of a link or of an arm.
-#[derive(Clone, Copy)]
-pub enum AnySolution<'a> {
-    /// One link that follows the motion of its tip.
-    Link(&'a Solution),
-    /// An arm that follows its path.
-    Arm(&'a ArmSolution),
-}
+use crate::result::{Limits, Reached, reached};
 
 /// A solution, the plans of its meshes, its limits, and its torques as written.
 #[derive(Clone, Copy)]
 pub struct Answer<'a> {
     /// The solution.
-    pub solution: AnySolution<'a>,
+    pub solution: &'a Solution,
     /// The plan of each link's mesh.
     pub plans: &'a [MeshPlan],
     /// The limits of each joint, its link and its motor.
@@ -35,97 +23,20 @@ pub struct Answer<'a> {
     pub written_torques_n_m: &'a [Vec<f64>],
 }
 
-impl<'a> AnySolution<'a> {
-    /// The accuracy that was asked for.
-    pub fn analysis(self) -> &'a Analysis {
-        match self {
-            Self::Link(solution) => &solution.analysis,
-            Self::Arm(solution) => &solution.analysis,
-        }
-    }
-
-    /// The ends of the motion. A path begins and ends at rest.
-    pub fn ends(self) -> Ends {
-        match self {
-            Self::Link(solution) => solution.motion.ends(),
-            Self::Arm(_) => Ends::AtRest,
-        }
-    }
-
-    /// Warnings of the solution.
-    pub fn warnings(self) -> Vec<Notice> {
-        match self {
-            Self::Link(solution) => solution.warnings.iter().map(Notice::from).collect(),
-            Self::Arm(solution) => solution.warnings.iter().map(Notice::from).collect(),
-        }
-    }
-
-    /// Distances of the nodes of each link from its joint in m.
-    pub fn nodes_m(self) -> Vec<&'a [f64]> {
-        match self {
-            Self::Link(solution) => vec![solution.mesh().nodes_m()],
-            Self::Arm(solution) => solution.links.iter().map(|link| &link.nodes_m[..]).collect(),
-        }
-    }
-
-    /// The torques as a table.
-    pub fn torques(self) -> TorqueTable {
-        match self {
-            Self::Link(solution) => TorqueTable::of(solution),
-            Self::Arm(solution) => TorqueTable::of_arm(solution),
-        }
-    }
-
-    /// Times of all histories.
-    pub fn grid(self) -> TimeGrid {
-        match self {
-            Self::Link(solution) => solution.grid,
-            Self::Arm(solution) => solution.grid,
-        }
-    }
-
-    /// True if gravity acts in the plane of motion.
-    pub(super) fn has_weight(self) -> bool {
-        match self {
-            Self::Link(solution) => solution.link().has_weight(),
-            Self::Arm(solution) => solution.arm.has_weight(),
-        }
-    }
-
-    /// Largest distance of the tip from its start in m.
-    pub(super) fn travel_m(self) -> f64 {
-        match self {
-            Self::Link(solution) => solution.tip_travel_m(),
-            Self::Arm(solution) => solution.way_m,
-        }
-    }
-
-    /// Errors of the quantities of each joint.
-    pub(super) fn errors(self) -> &'a [PerQuantity<QuantityErrors>] {
-        match self {
-            Self::Link(solution) => std::slice::from_ref(&solution.accuracy.errors),
-            Self::Arm(solution) => &solution.errors,
-        }
-    }
-}
-
 impl Answer<'_> {
     /// Share of the tip's travel by which the solved tip may miss the wanted one. A path of angles is cut off by the arcs of
     /// its links, which may be longer than the travel of the tip.
     pub(super) fn tip_tolerance(&self) -> f64 {
-        let tolerance = self.solution.analysis().tip_tolerance();
-        match self.solution {
-            AnySolution::Link(_) => tolerance,
-            AnySolution::Arm(solution) => tolerance.max(solution.tip_error),
+        let Solution { analysis, motion, tip_error, .. } = self.solution;
+        match motion {
+            Motion::Tip(_) => analysis.tip_tolerance(),
+            Motion::Path(_) => analysis.tip_tolerance().max(*tip_error),
         }
     }
 
     /// Every value that has a limit, with its measured error.
     pub(super) fn reached(&self) -> Vec<Reached> {
-        match self.solution {
-            AnySolution::Link(solution) => reached(solution, self.limits),
-            AnySolution::Arm(solution) => reached(solution, self.limits),
-        }
+        reached(self.solution, self.limits)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Kinds of checks, each with its bound.
 
-use super::answer::{Answer, AnySolution};
+use super::answer::Answer;
 use crate::beam::MeshPlan;
+use crate::motion::Motion;
 use crate::result::Check;
 
 /// Bound on what elements, modes or a step of the user's own choice may change; no tolerance sets it.
@@ -52,7 +53,7 @@ impl Kind {
         name: "tip_error",
         what: "tip, the link's own damping",
         of: "the tip's travel",
-        bound: |answer| answer.tip_tolerance() + TIP.max(answer.solution.analysis().tolerance()),
+        bound: |answer| answer.tip_tolerance() + TIP.max(answer.solution.analysis.tolerance()),
         hint: "a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or more --digits",
     };
     pub(super) const TIP_ERROR_VISCOUS: Self = Self {
@@ -124,7 +125,7 @@ impl Kind {
         name: "wrap_around",
         what: "at the window's edge",
         of: PEAK,
-        bound: |answer| answer.solution.analysis().tolerance(),
+        bound: |answer| answer.solution.analysis.tolerance(),
         hint: "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag",
     };
     pub(super) const MODES: Self = Self {
@@ -138,7 +139,7 @@ impl Kind {
         name: "iteration",
         what: "with further iterations",
         of: PEAK,
-        bound: |answer| answer.solution.analysis().tolerance(),
+        bound: |answer| answer.solution.analysis.tolerance(),
         hint: "a slower motion or a stiffer link",
     };
     pub(super) const STEP: Self = Self {
@@ -168,9 +169,9 @@ impl Kind {
         name: "energy",
         what: "work less energy held and lost",
         of: "the largest energy",
-        bound: |answer| match answer.solution {
-            AnySolution::Link(solution) => ENERGY.min(solution.analysis.tolerance()),
-            AnySolution::Arm(_) => ENERGY_OF_ARM,
+        bound: |answer| match &answer.solution.motion {
+            Motion::Tip(_) => ENERGY.min(answer.solution.analysis.tolerance()),
+            Motion::Path(_) => ENERGY_OF_ARM,
         },
         hint: "a shorter step or a smoother motion",
     };

@@ -5,7 +5,7 @@ mod check;
 mod playback;
 mod table;
 
-pub use answer::{Answer, AnySolution, VerificationError};
+pub use answer::{Answer, VerificationError};
 pub use table::{TableError, table_error};
 
 use std::error::Error;
@@ -15,13 +15,11 @@ use serde::Serialize;
 
 use crate::beam::{ElementCount, MeshPlan};
 use crate::elastica::SecondOrder;
-use crate::inverse::{
-    ArmSolution, Quantity, QuantityErrors, Resources, Solution, invert_arm, torques_over_window,
-};
+use crate::inverse::{Quantity, QuantityErrors, Resources, Solution, invert_arm};
 use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
-use crate::motion::Ends;
+use crate::motion::{ArmPath, Ends, Motion, TipMotion};
 use crate::numeric::{Size, largest, magnitude};
 use crate::result::{Check, Reached};
 use check::{Kind, PEAK, RANGE};
@@ -64,18 +62,17 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     checks.extend(worst(&Kind::MESH, answer, |errors| Some(errors.mesh)));
     checks.extend(with_the_step_halved(answer)?);
     // A cycle has no edge.
-    let has_edge = answer.solution.ends() != Ends::Periodic;
+    let has_edge = answer.solution.motion.ends() != Ends::Periodic;
     checks.extend(worst(&Kind::WINDOW, answer, |errors| has_edge.then_some(errors.window)));
     checks.extend(worst(&Kind::MODES, answer, |errors| errors.modes));
     checks.extend(worst(&Kind::ITERATION, answer, |errors| errors.iteration));
-    match answer.solution {
-        AnySolution::Link(solution) => {
-            checks.extend([dense_transfer(answer, solution), energy]);
-            let strays = solution.accuracy.tip_model;
-            checks.extend(strays.map(|strays| Kind::MODEL.measured(answer, strays)));
-        }
-        AnySolution::Arm(solution) => checks.extend([rigid_arm(answer, solution), energy]),
-    }
+    let model = match &answer.solution.motion {
+        Motion::Tip(_) => dense_transfer(answer, answer.solution),
+        Motion::Path(path) => rigid_arm(answer, path),
+    };
+    checks.extend([model, energy]);
+    let strays = answer.solution.tip_model_error;
+    checks.extend(strays.map(|strays| Kind::MODEL.measured(answer, strays)));
     checks.extend(answer.reached().iter().map(|reached| within(answer, reached)));
     Ok(Verification { checks })
 }
@@ -93,17 +90,17 @@ fn worst(
     answer: &Answer,
     of_kind: impl Fn(QuantityErrors) -> Option<f64>,
 ) -> Option<Check> {
-    let joints = answer.solution.errors().iter();
+    let joints = answer.solution.joints.iter().map(|joint| &joint.errors);
     let joints = joints.filter(|errors| of_kind(errors.torque).is_some());
     let each = joints.map(|errors| errors.of_kind(|own| of_kind(own).unwrap_or(0.0)).worst());
     let larger =
         |a: (Quantity, f64), b: (Quantity, f64)| if b.1 > a.1 || b.1.is_nan() { b } else { a };
     let (quantity, error) = each.reduce(larger)?;
-    let of = if answer.solution.has_weight() { RANGE } else { PEAK };
+    let of = if answer.solution.arm.has_weight() { RANGE } else { PEAK };
     let check = Check { of: of.to_owned(), ..kind.measured(answer, error) };
-    Some(match answer.solution {
-        AnySolution::Link(_) => of_quantity(quantity, check),
-        AnySolution::Arm(_) => Check { what: format!("all joints {}", check.what), ..check },
+    Some(match answer.solution.joints.len() {
+        1 => of_quantity(quantity, check),
+        _ => Check { what: format!("all joints {}", check.what), ..check },
     })
 }
 
@@ -136,13 +133,15 @@ fn within(answer: &Answer, reached: &Reached) -> Check {
 /// Change of the torques with the motion sampled twice as often. A link is solved again, and its motor has a check besides;
 /// an arm has measured it where the step limits its band.
 fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
-    let AnySolution::Link(solution) = answer.solution else {
+    let solution = answer.solution;
+    let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };
+    let finer = solution.motion.tip().map(TipMotion::twice_as_often).transpose()?;
+    let finer = finer.map(|finer| solution.torques_over_window(&finer, &resources)).transpose()?;
+    let Some(finer) = finer.flatten() else {
         return Ok(worst(&Kind::STEP, answer, |errors| errors.step).into_iter().collect());
     };
-    let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };
-    let finer = torques_over_window(solution, &solution.motion.twice_as_often()?, &resources)?;
-    let change =
-        torque_change(&solution.torque_n_m, &finer.hub_n_m, 2, (solution.link().has_weight(), 0.0));
+    let size = (solution.arm.has_weight(), 0.0);
+    let change = torque_change(&solution.hub().torque_n_m, &finer.hub_n_m, 2, size);
     let torque = of_quantity(Quantity::Torque, Kind::STEP.measured(answer, change));
     let motor = motor_change(solution, finer.motor_n_m.as_deref());
     let motor = motor.map(|change| Kind::STEP_OF_MOTOR.measured(answer, change));
@@ -155,9 +154,9 @@ fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError
 /// Taken at the worst sample, since the motor must turn its rotor through that spike too.
 fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
     // The inversion has measured it where the step limits the band.
-    let measured = solution.accuracy.errors.motor_torque.and_then(|errors| errors.step);
+    let measured = solution.hub().errors.motor_torque.and_then(|errors| errors.step);
     measured.or_else(|| {
-        let (own, finer) = (&solution.motor.as_ref()?.torque_n_m, finer?);
+        let (own, finer) = (&solution.hub().motor.as_ref()?.torque_n_m, finer?);
         let pairs = own.iter().zip(finer.iter().step_by(2));
         let most = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger);
         Some(most / largest(finer))
@@ -167,8 +166,8 @@ fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
 /// The transfer from tip to torque against the paper's dense system, at frequencies around the first
 /// modes.
 fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
-    let kind = Kind::DENSE;
-    if solution.model.kept_modes() != KeptModes::All {
+    let (kind, model) = (Kind::DENSE, &solution.links[0].model);
+    if model.kept_modes() != KeptModes::All {
         return kind.not_measured("the link is reduced to few modes");
     }
     let elements = solution.mesh().elements().len();
@@ -177,7 +176,7 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
             "{elements} elements, more than the {MOST_ELEMENTS_OF_DENSE_SOLVE} that are factorised"
         ));
     }
-    let Some(dense) = Dense::assemble(solution.model.on_mesh().clone()) else {
+    let Some(dense) = Dense::assemble(model.on_mesh().clone()) else {
         return kind.not_measured("its modes are no finite numbers");
     };
     let modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
@@ -187,7 +186,7 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
     for k in 0..FREQUENCIES {
         // The odd offset keeps these off the poles and zeros of an undamped link.
         let omega = low * libm::pow(high / low, (k as f64 + 0.37) / FREQUENCIES as f64);
-        let exact = solution.model.tip_transfer(omega).inertia_kg_m;
+        let exact = model.tip_transfer(omega).inertia_kg_m;
         let found = dense.tip_transfer(omega).inertia_kg_m;
         let apart = magnitude(found - exact) / magnitude(exact);
         worst = Size::larger(worst, apart);
@@ -201,8 +200,8 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
 }
 
 /// The same path with links that do not bend, against the torques of the rigid arm.
-fn rigid_arm(answer: &Answer, solution: &ArmSolution) -> Check {
-    match rigid_arm_error(solution, answer.memory_bytes) {
+fn rigid_arm(answer: &Answer, path: &ArmPath) -> Check {
+    match rigid_arm_error((answer.solution, path), answer.memory_bytes) {
         Ok(apart) => Kind::RIGID_ARM.measured(answer, apart),
         Err(error) => Kind::RIGID_ARM.not_measured(error.to_string()),
     }
@@ -210,7 +209,7 @@ fn rigid_arm(answer: &Answer, solution: &ArmSolution) -> Check {
 
 /// Largest difference of a torque from that of the rigid arm, over the range of the latter.
 fn rigid_arm_error(
-    solution: &ArmSolution,
+    (solution, path): (&Solution, &ArmPath),
     memory_bytes: Option<usize>,
 ) -> Result<f64, Box<dyn Error>> {
     let (mut links, mut plans) = (Vec::new(), Vec::new());
@@ -233,7 +232,7 @@ fn rigid_arm_error(
     })?;
     let linear = solution.analysis.with_second_order(SecondOrder::None);
     let resources = Resources { memory_bytes, ..Resources::default() };
-    let stiff = invert_arm(&arm, &plans, &solution.path, &linear, &resources)?;
+    let stiff = invert_arm(&arm, &plans, path, &linear, &resources)?;
     let joints = || stiff.joints.iter();
     let least = LEAST_SIZE * largest_range(joints().map(|joint| &joint.rigid_torque_n_m));
     let apart = joints().map(|joint| {

@@ -2,12 +2,12 @@
 
 use std::error::Error;
 
-use super::answer::{Answer, AnySolution, Unplayed, VerificationError};
+use super::answer::{Answer, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
-use crate::inverse::{ArmSolution, Resources, Solution, invert_with, size};
+use crate::inverse::{Resources, Solution, invert_with, size};
 use crate::link::{Damping, Link, LinkParts};
 use crate::modal::held_frequencies;
-use crate::motion::{Ends, TipTarget};
+use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
 use crate::numeric::{Size, largest, largest_difference};
 use crate::response::{
     EnergyAccount, EnergyBalance, HubReference, Interpolation, Play, Simulation, SimulationError,
@@ -45,9 +45,10 @@ struct Moved {
 /// Plays the written torque, or moves the joints as solved: errors of the tip, those of the solved tip included, and the
 /// balance of energy.
 pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
-    let (played, unplayed) = match answer.solution {
-        AnySolution::Link(solution) => (played_link(answer, solution), Kind::TIP_ERROR),
-        AnySolution::Arm(_) => (moved(answer, Kind::OF_JOINTS), Kind::TIP_OF_JOINTS),
+    let solution = answer.solution;
+    let (played, unplayed) = match &solution.motion {
+        Motion::Tip(motion) => (played_link(answer, motion), Kind::TIP_ERROR),
+        Motion::Path(_) => (moved(answer, Kind::OF_JOINTS), Kind::TIP_OF_JOINTS),
     };
     let Played { mut tip, energy } = match played {
         Ok(played) => played,
@@ -58,10 +59,9 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
         Err(Unplayed::Error(error)) => return Err(error),
     };
     // Without a cut-off the tip is solved for at all frequencies of the samples.
-    if let AnySolution::Link(solution) = answer.solution
-        && answer.tip_tolerance() > 0.0
-    {
-        let error = tip_error(solution, &wanted_tip(solution), &solution.tip.displacement_m);
+    if let Some(motion) = solution.motion.tip().filter(|_| answer.tip_tolerance() > 0.0) {
+        let wanted = wanted_tip(solution, motion);
+        let error = tip_error(solution, &wanted, &solution.tip[0].displacement_m);
         tip.push(Kind::TIP_SOLVED.measured(answer, error));
     }
     Ok(Played { tip, energy })
@@ -69,7 +69,7 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
 
 /// Plays a torque on a link as it starts to follow its motion.
 pub(super) fn simulated(
-    solution: &Solution,
+    (solution, motion): (&Solution, &TipMotion),
     torque_n_m: &[f64],
     interpolation: Interpolation,
     memory_bytes: Option<usize>,
@@ -77,25 +77,25 @@ pub(super) fn simulated(
     let (link, grid) = (solution.link(), solution.grid);
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, torque_n_m.to_vec())?;
-    let initial_tip_m = solution.tip.displacement_m[0];
+    let initial_tip_m = solution.tip[0].displacement_m[0];
     let moving =
-        State::turning(link, grid.time_s(0), [initial_tip_m, solution.tip.velocity_m_s[0]]);
+        State::turning(link, grid.time_s(0), [initial_tip_m, solution.tip[0].velocity_m_s[0]]);
     let play = Play {
         interpolation,
         initial_tip_m,
         memory_bytes,
-        is_large: solution.second_order().is_some(),
-        state: (solution.motion.ends() == Ends::Moving).then_some(&moving),
-        cycle_turn_rad: turn_of_cycle_rad(solution),
+        is_large: solution.second_order.is_some(),
+        state: (motion.ends() == Ends::Moving).then_some(&moving),
+        cycle_turn_rad: turn_of_cycle_rad(link, motion),
         ..Play::of(&torque)
     };
     Ok(simulate_on(link, solution.mesh().clone(), &play)?)
 }
 
 /// Plays the written torque on a link, or moves its hub.
-fn played_link(answer: &Answer, solution: &Solution) -> Result<Played, Unplayed> {
-    let written_n_m = &answer.written_torques_n_m[0];
-    let (link, ends) = (solution.link(), solution.motion.ends());
+fn played_link(answer: &Answer, motion: &TipMotion) -> Result<Played, Unplayed> {
+    let (solution, written_n_m) = (answer.solution, &answer.written_torques_n_m[0]);
+    let (link, ends) = (solution.link(), motion.ends());
     let ratio = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => Some(*ratio),
         _ => None,
@@ -104,24 +104,25 @@ fn played_link(answer: &Answer, solution: &Solution) -> Result<Played, Unplayed>
         Some(_) if ends == Ends::Moving => {
             return Err("hysteretic damping has no state of a tip that has always moved".into());
         }
-        Some(ratio) if solution.second_order().is_some() => {
-            return played_viscous(answer, solution, ratio);
+        Some(ratio) if solution.second_order.is_some() => {
+            return played_viscous(answer, motion, ratio);
         }
-        None if solution.second_order().is_some() => return moved(answer, Kind::OF_HUB),
+        None if solution.second_order.is_some() => return moved(answer, Kind::OF_HUB),
         _ => {}
     }
-    let simulation = simulated(solution, written_n_m, Interpolation::Cubic, answer.memory_bytes)?;
+    let (followed, memory_bytes) = ((solution, motion), answer.memory_bytes);
+    let simulation = simulated(followed, written_n_m, Interpolation::Cubic, memory_bytes)?;
     let Some(modes) = simulation.modes() else { return moved(answer, Kind::OF_HUB) };
     let straight_m = modes.straight_tip_m(written_n_m);
     let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
     let bound = allowed_tip_error(answer, solution, between_m);
-    let wanted = wanted_tip(solution);
+    let wanted = wanted_tip(solution, motion);
     let error = |tip_m: &[f64]| tip_error(solution, &wanted, tip_m);
     let played_m = &simulation.tip.displacement_m;
     let tip = if let Some(ratio) = ratio {
         // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
         // but by a computable amount; the tip less this amount must be the wanted motion.
-        let apart_m = modes.apart_m(ratio, &solution.tip.acceleration_m_s2);
+        let apart_m = modes.apart_m(ratio, &solution.tip[0].acceleration_m_s2);
         let is_cycle = ends == Ends::Periodic;
         // Both begin where the tip does: the rigid rotation is another from law to law.
         let start_m = if is_cycle { apart_m[0] } else { 0.0 };
@@ -139,9 +140,8 @@ fn played_link(answer: &Answer, solution: &Solution) -> Result<Played, Unplayed>
 }
 
 /// Turn in rad of a cycle; `None` for a motion that does not repeat.
-pub(super) fn turn_of_cycle_rad(solution: &Solution) -> Option<f64> {
-    let is_cycle = solution.motion.ends() == Ends::Periodic;
-    is_cycle.then(|| solution.motion.travel_m() / solution.link().length_m())
+fn turn_of_cycle_rad(link: &Link, motion: &TipMotion) -> Option<f64> {
+    (motion.ends() == Ends::Periodic).then(|| motion.travel_m() / link.length_m())
 }
 
 /// The check of a simulation's balance of energy.
@@ -157,7 +157,8 @@ fn energy(answer: &Answer, simulation: &Simulation) -> Check {
 /// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the hub of
 /// this solution. Viscous damping has an equation in time, so that weight and second order are played. The written torque is
 /// not played; its law of damping is in the transfer.
-fn played_viscous(answer: &Answer, solution: &Solution, ratio: f64) -> Result<Played, Unplayed> {
+fn played_viscous(answer: &Answer, motion: &TipMotion, ratio: f64) -> Result<Played, Unplayed> {
+    let solution = answer.solution;
     let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
         return Err("hysteretic damping has no equation in time, and no mode".into());
     };
@@ -166,11 +167,10 @@ fn played_viscous(answer: &Answer, solution: &Solution, ratio: f64) -> Result<Pl
     let unsolved = |error: &dyn Error| Unplayed::Reason(format!("with viscous damping: {error}"));
     let link = Link::new(LinkParts { damping, ..solution.link().clone().into() });
     let link = link.map_err(|error| unsolved(&error))?;
-    let (motion, analysis) = (&solution.motion, &solution.analysis);
-    let viscous = invert_with(&link, &answer.plans[0], motion, analysis, &resources);
+    let viscous = invert_with(&link, &answer.plans[0], motion, &solution.analysis, &resources);
     let viscous = viscous.map_err(|error| unsolved(&error))?;
-    let written_torques_n_m = std::slice::from_ref(&viscous.torque_n_m);
-    let answer = Answer { solution: AnySolution::Link(&viscous), written_torques_n_m, ..*answer };
+    let written_torques_n_m = std::slice::from_ref(&viscous.hub().torque_n_m);
+    let answer = Answer { solution: &viscous, written_torques_n_m, ..*answer };
     let Played { tip, energy } = moved(&answer, Kind::OF_HUB_VISCOUS)?;
     let (name, what) = ("energy_viscous".to_owned(), "energy, viscous damping".to_owned());
     Ok(Played { tip, energy: Check { name, what, ..energy } })
@@ -182,12 +182,12 @@ fn played_viscous(answer: &Answer, solution: &Solution, ratio: f64) -> Result<Pl
 /// Torques would let a link or an arm with weight fall from an upright pose; joints that are moved do not.
 fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<Played, Unplayed> {
     let solution = answer.solution;
-    let Moved { tip_error, torques_n_m, energy } = match solution {
-        AnySolution::Link(solution) => moved_link(answer, solution)?,
-        AnySolution::Arm(solution) => moved_arm(answer, solution)?,
+    let Moved { tip_error, torques_n_m, energy } = match &solution.motion {
+        Motion::Tip(motion) => moved_link(answer, motion)?,
+        Motion::Path(path) => moved_arm(answer, path)?,
     };
-    let stated = solution.errors().iter().map(|errors| {
-        errors.of_kind(|of| {
+    let stated = solution.joints.iter().map(|joint| {
+        joint.errors.of_kind(|of| {
             of.mesh + of.window + of.step.unwrap_or(0.0) + of.iteration.unwrap_or(0.0)
         })
     });
@@ -195,46 +195,44 @@ fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<Played, Unplayed> 
     let of_motion = stated.iter().fold(0.0, |most: f64, own| {
         most.larger(own.hub_angle).larger(own.hub_acceleration.unwrap_or(0.0))
     });
-    let allowed = |stated: f64| AMPLIFIED * (stated + solution.analysis().tolerance());
+    let allowed = |stated: f64| AMPLIFIED * (stated + solution.analysis.tolerance());
     let bound = (tip.bound)(answer).min(answer.tip_tolerance() + allowed(of_motion));
     let mut checks = vec![tip.measured_to(tip_error, bound)];
     let least_n_m = LEAST_SIZE * largest_range(&torques_n_m);
-    let size = (solution.has_weight(), least_n_m);
+    let size = (solution.arm.has_weight(), least_n_m);
     let joints = answer.written_torques_n_m.iter().zip(&torques_n_m).zip(&stated);
     for (number, ((written, needed), stated)) in (1..).zip(joints) {
         let change = torque_change(written, needed, 1, size);
         let least = (torque.bound)(answer);
-        match solution {
-            AnySolution::Link(_) => {
-                checks.push(torque.measured_to(change, least.max(allowed(stated.torque))));
-            }
-            AnySolution::Arm(_) => {
-                let bound = least.max(allowed(of_motion).min(CHOSEN));
-                let at_rest = change_at_rest(written, needed, least_n_m);
-                for (kind, found) in [(torque, change), (Kind::TORQUE_AT_REST, at_rest)] {
-                    let check = kind.measured_to(found, bound);
-                    let name = format!("{}{number}", check.name);
-                    checks.push(Check { name, what: format!("{} {number}", check.what), ..check });
-                }
-            }
+        if solution.joints.len() == 1 {
+            checks.push(torque.measured_to(change, least.max(allowed(stated.torque))));
+            continue;
+        }
+        let bound = least.max(allowed(of_motion).min(CHOSEN));
+        let at_rest = change_at_rest(written, needed, least_n_m);
+        for (kind, found) in [(torque, change), (Kind::TORQUE_AT_REST, at_rest)] {
+            let check = kind.measured_to(found, bound);
+            let name = format!("{}{number}", check.name);
+            checks.push(Check { name, what: format!("{} {number}", check.what), ..check });
         }
     }
     Ok(Played { tip: checks, energy })
 }
 
 /// Moves the hub of a link.
-fn moved_link(answer: &Answer, solution: &Solution) -> Result<Moved, Unplayed> {
-    let (grid, wanted) = (solution.grid, wanted_tip(solution));
+fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
+    let (solution, link) = (answer.solution, answer.solution.link());
+    let (grid, wanted) = (solution.grid, wanted_tip(solution, motion));
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let hub = HubReference::new(&time_s, solution.hub_angle_rad.clone(), None)?;
+    let hub = HubReference::new(&time_s, solution.hub().angle_rad.clone(), None)?;
     let play = Play {
         memory_bytes: answer.memory_bytes,
         is_large: true,
-        cycle_turn_rad: turn_of_cycle_rad(solution),
+        cycle_turn_rad: turn_of_cycle_rad(link, motion),
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
-    let simulation = simulate_on(solution.link(), solution.mesh().clone(), &play);
+    let simulation = simulate_on(link, solution.mesh().clone(), &play);
     let simulation = simulation.map_err(|error| match error {
         SimulationError::NotConverged { .. } => "the motion of its hub does not converge".into(),
         SimulationError::Cycle(_) => "the link does not settle".into(),
@@ -248,15 +246,16 @@ fn moved_link(answer: &Answer, solution: &Solution) -> Result<Moved, Unplayed> {
 }
 
 /// Moves the joints of an arm.
-fn moved_arm(answer: &Answer, solution: &ArmSolution) -> Result<Moved, Unplayed> {
+fn moved_arm(answer: &Answer, path: &ArmPath) -> Result<Moved, Unplayed> {
+    let (solution, travel_m) = (answer.solution, answer.solution.tip_travel_m());
     let moved = solution.moved().map_err(|error| Unplayed::Reason(error.to_string()))?;
-    if moved.change[0] > solution.analysis.tolerance() * solution.way_m {
-        let change = significant(moved.change[0] / solution.way_m, 2);
+    if moved.change[0] > solution.analysis.tolerance() * travel_m {
+        let change = significant(moved.change[0] / travel_m, 2);
         let reason = format!("the last refinement moves the tip by {change} of its travel");
         return Err(Unplayed::Reason(reason));
     }
     Ok(Moved {
-        tip_error: solution.tip_error_of(&moved),
+        tip_error: solution.tip_error_of(&moved, path),
         energy: Kind::ENERGY.measured(answer, moved.imbalance()),
         torques_n_m: moved.torques_n_m,
     })
@@ -269,7 +268,7 @@ fn moved_arm(answer: &Answer, solution: &ArmSolution) -> Result<Moved, Unplayed>
 /// or the tolerance. The tip tolerance of the analysis is added.
 fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
     let (link, analysis) = (solution.link(), &solution.analysis);
-    let peak = largest(&solution.torque_n_m);
+    let peak = largest(&solution.hub().torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
     let played = (driven_m + between_m) / solution.tip_travel_m();
@@ -279,13 +278,13 @@ fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f6
 /// The written torque less the hub's friction.
 fn net_torque(written_n_m: &[f64], solution: &Solution) -> Vec<f64> {
     let friction = solution.link().joint().friction_n_m_s_rad;
-    let samples = written_n_m.iter().zip(&solution.hub_rate_rad_s);
+    let samples = written_n_m.iter().zip(&solution.hub().rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }
 
 /// The wanted motion over the window of a solution.
-pub(super) fn wanted_tip(solution: &Solution) -> TipTarget {
-    solution.motion.target(solution.grid.time_s(0), solution.grid.end_s())
+pub(super) fn wanted_tip(solution: &Solution, motion: &TipMotion) -> TipTarget {
+    motion.target(solution.grid.time_s(0), solution.grid.end_s())
 }
 
 /// Largest error of a tip against the wanted motion, over its travel.

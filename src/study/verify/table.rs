@@ -1,10 +1,11 @@
 //! The error of the tip under a table of torques.
 
-use super::answer::{AnySolution, VerificationError};
+use super::answer::VerificationError;
 use super::playback::{simulated, wanted_tip};
 use crate::beam::MeshPlan;
-use crate::inverse::ArmSolution;
+use crate::inverse::Solution;
 use crate::link::{Arm, Link};
+use crate::motion::Motion;
 use crate::numeric::rounded;
 use crate::response::{
     ArmPlay, ArmPose, ArmStart, Feedback, HubReference, Interpolation, Played, SimulationError,
@@ -47,32 +48,30 @@ pub struct TableError {
 /// # Errors
 /// [`VerificationError`] where a link or an arm cannot be played.
 pub fn table_error(
-    solution: AnySolution<'_>,
+    solution: &Solution,
     plans: &[MeshPlan],
     table: &TorqueTable,
     memory_bytes: Option<usize>,
 ) -> Result<TableError, VerificationError> {
-    let grid = solution.grid();
+    let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let gains = match solution {
-        AnySolution::Arm(solution) if falls(solution) => gains(&solution.arm),
-        _ => Vec::new(),
-    };
+    let gains = if falls(solution) { gains(&solution.arm) } else { Vec::new() };
     let played = |table: &TorqueTable| -> Result<(Vec<Vec<f64>>, f64), VerificationError> {
         let (torques_n_m, interpolation) = (table.whole_n_m(), table.interpolation());
-        match solution {
-            AnySolution::Link(solution) => {
-                let simulation = simulated(solution, &torques_n_m[0], interpolation, memory_bytes)?;
+        match &solution.motion {
+            Motion::Tip(motion) => {
+                let (followed, torque_n_m) = ((solution, motion), &torques_n_m[0]);
+                let simulation = simulated(followed, torque_n_m, interpolation, memory_bytes)?;
                 let change_m = match &simulation.played {
                     Played::Modes(_) => 0.0,
                     Played::Elastica(bent) => bent.tip_change_m,
                 };
                 Ok((vec![simulation.tip.displacement_m], change_m))
             }
-            AnySolution::Arm(solution) => {
+            Motion::Path(_) => {
                 let torques = torques_n_m.iter().map(|own| Torque::new(&time_s, own.clone()));
                 let torques = torques.collect::<Result<Vec<_>, _>>()?;
-                let start_rad = solution.joints.iter().map(|joint| joint.angle[0][0]);
+                let start_rad = solution.joints.iter().map(|joint| joint.angle_rad[0]);
                 let play = ArmPlay {
                     torques: &torques,
                     interpolation,
@@ -89,7 +88,7 @@ pub fn table_error(
         }
     };
     let (of_table, change_m) = played(table)?;
-    let (of_solved, solved_change_m) = played(&solution.torques())?;
+    let (of_solved, solved_change_m) = played(&TorqueTable::of(solution))?;
     let tips = solved_and_wanted_m(solution);
     let off = |k: usize| {
         let axes = of_table.iter().zip(&of_solved).zip(&tips);
@@ -101,29 +100,25 @@ pub fn table_error(
         }
     };
     let errors: Vec<f64> = (0..grid.len).map(off).collect();
-    let tip = TipError::among(&errors, (&grid, solution.travel_m()), 0.0);
+    let tip = TipError::among(&errors, (&grid, solution.tip_travel_m()), 0.0);
     Ok(TableError { tip, change_m: change_m + solved_change_m, feedback: gains })
 }
 
 /// Each coordinate of the tip in m, as solved and as wanted: the displacement of a link's, x and y of an arm's.
-fn solved_and_wanted_m(solution: AnySolution) -> Vec<[Vec<f64>; 2]> {
-    match solution {
-        AnySolution::Link(solution) => {
-            let wanted = wanted_tip(solution);
-            vec![[solution.tip.displacement_m.clone(), wanted.displacement_m().to_vec()]]
+fn solved_and_wanted_m(solution: &Solution) -> Vec<[Vec<f64>; 2]> {
+    let wanted = |axis: usize| match &solution.motion {
+        Motion::Tip(motion) => wanted_tip(solution, motion).displacement_m().to_vec(),
+        Motion::Path(path) => {
+            (0..solution.grid.len).map(|k| solution.wanted_tip_m(path, k)[axis]).collect()
         }
-        AnySolution::Arm(solution) => {
-            let wanted =
-                |axis: usize| (0..solution.grid.len).map(move |k| solution.wanted_tip_m(k)[axis]);
-            let of = |axis: usize| [solution.tip[axis][0].clone(), wanted(axis).collect()];
-            vec![of(0), of(1)]
-        }
-    }
+    };
+    let axes = solution.tip.iter().enumerate();
+    axes.map(|(axis, tip)| [tip.displacement_m.clone(), wanted(axis)]).collect()
 }
 
 /// A feedback around each joint as solved; empty without gains.
 fn feedback(
-    solution: &ArmSolution,
+    solution: &Solution,
     gains: &[[f64; 2]],
     time_s: &[f64],
     interpolation: Interpolation,
@@ -133,24 +128,25 @@ fn feedback(
         _ => samples.to_vec(),
     };
     let joints = gains.iter().zip(&solution.joints).map(|([kp, kd], joint)| {
-        let [angle, rate, _] = &joint.angle;
-        let reference = HubReference::new(time_s, reference(angle), Some(reference(rate)))?;
+        let [angle, rate] = [&joint.angle_rad, &joint.rate_rad_s].map(|own| reference(own));
+        let reference = HubReference::new(time_s, angle, Some(rate))?;
         Ok(Feedback::new(*kp, *kd, reference).map_err(SimulationError::from)?)
     });
     joints.collect()
 }
 
 /// True if an arm with free joints leaves a pose of its way, held there by its torques, or if that is not known.
-fn falls(solution: &ArmSolution) -> bool {
+fn falls(solution: &Solution) -> bool {
     let leaves = |row: usize| {
-        let directions_rad: Vec<f64> =
-            solution.links.iter().map(|link| link.chord[0][row]).collect();
+        let directions_rad: Vec<f64> = solution.shapes().map(|link| link.chord[0][row]).collect();
         let pose = ArmPose::of(&solution.arm, &directions_rad, (0.0, 0));
         let modes = pose.and_then(|pose| pose.modes(None, 1));
         modes.map_or(true, |modes| modes.iter().any(|mode| mode.square_per_s2 < 0.0))
     };
     let last = solution.grid.len - 1;
-    solution.arm.has_weight() && (0..=POSES).any(|k| leaves(k * last / POSES))
+    solution.shapes().next().is_some()
+        && solution.arm.has_weight()
+        && (0..=POSES).any(|k| leaves(k * last / POSES))
 }
 
 /// Gains in N m/rad and N m s/rad, of two digits, that hold an arm in any pose: the stiffness of each joint exceeds what the weight of all links

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 
 use flexlink::beam::ElementCount;
 use flexlink::csv::{TableFormat, read_path_table};
-use flexlink::inverse::{Analysis, ArmJoint, ArmSolution, PerQuantity, QuantityErrors};
+use flexlink::inverse::{Analysis, JointMotion, PerQuantity, QuantityErrors, Solution};
 use flexlink::link::{Arm, Damping, Hub, LinkParts, Payload, Segment};
 use flexlink::motion::ArmPath;
 use flexlink::result::{JointMetrics, Metrics, Remark};
@@ -104,15 +104,10 @@ fn random_way(random: &mut Random, arm: &Arm, case: usize) -> Way {
 }
 
 /// Largest difference of a history over the samples of the path, over its range with weight and else its peak.
-fn apart(
-    found: &ArmSolution,
-    exact: &ArmSolution,
-    joint: usize,
-    of: fn(&ArmJoint) -> &[f64],
-) -> f64 {
+fn apart(found: &Solution, exact: &Solution, joint: usize, of: fn(&JointMotion) -> &[f64]) -> f64 {
     let [own, other] = [found, exact].map(|solution| {
         let (history, before) = (of(&solution.joints[joint]), -solution.grid.first);
-        &history[before as usize..][..solution.path.grid().len]
+        &history[before as usize..][..solution.motion.grid().len]
     });
     let all = of(&found.joints[joint]);
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
@@ -123,20 +118,20 @@ fn apart(
 
 /// True over stated errors of the torque, the angle and the rate of each joint: that of the input alone, and that with all
 /// other kinds.
-fn ratios(found: &ArmSolution, exact: &ArmSolution) -> Vec<[f64; 2]> {
+fn ratios(found: &Solution, exact: &Solution) -> Vec<[f64; 2]> {
     let mut ratios = Vec::new();
     let mut add = |apart: f64, own: QuantityErrors| {
         let input = own.input.unwrap();
         let all = input + own.mesh + own.window + 2.0 * own.iteration.unwrap_or(0.0);
         ratios.push([apart / input, apart / all]);
     };
-    for (joint, errors) in found.errors.iter().enumerate() {
+    for (joint, JointMotion { errors, .. }) in found.joints.iter().enumerate() {
         let PerQuantity { torque, hub_angle, hub_rate, .. } = *errors;
         add(apart(found, exact, joint, |own| &own.torque_n_m), torque);
-        add(apart(found, exact, joint, |own| &own.angle[1]), hub_rate);
+        add(apart(found, exact, joint, |own| &own.rate_rad_s), hub_rate);
         // Without weight its error is a share of its largest turn.
         if found.arm.has_weight() {
-            add(apart(found, exact, joint, |own| &own.angle[0]), hub_angle);
+            add(apart(found, exact, joint, |own| &own.angle_rad), hub_angle);
         }
     }
     ratios
@@ -212,8 +207,8 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
         let metrics = Metrics::of(&found);
         let remarks = Remark::on_timing(&found);
         // Rounded samples leave their rest later than exact ones.
-        let (first, last) = found.path.moving_samples();
-        let [from_s, until_s] = [first, last].map(|sample| found.path.grid().time_s(sample));
+        let (first, last) = found.motion.path().unwrap().moving_samples();
+        let [from_s, until_s] = [first, last].map(|sample| found.motion.grid().time_s(sample));
         let times_s = metrics
             .joints
             .iter()
@@ -243,7 +238,7 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
     assert!(!remarks.is_empty());
     for remark in remarks {
         let Remark::Timing { joint: Some(joint), share, .. } = remark else { panic!("{remark}") };
-        assert_eq!(Some(share), flat.errors[joint - 1].torque.input);
+        assert_eq!(Some(share), flat.joints[joint - 1].errors.torque.input);
         assert!(remark.to_string().contains(" % of its peak: "), "{remark}");
     }
 }
@@ -273,7 +268,7 @@ fn the_peaks_of_an_arm_do_not_change_with_the_step() {
         for (own, other) in numbers(own).into_iter().zip(numbers(other)) {
             assert!((own / other - 1.0).abs() < 1e-5, "joint {joint}: {own} {other}");
         }
-        let sampled = largest(coarse.joints[joint].angle[1].iter().copied());
+        let sampled = largest(coarse.joints[joint].rate_rad_s.iter().copied());
         missed = missed.max(1.0 - sampled / other.peak_hub_rate_rad_s.value);
     }
     assert!(missed > 1e-4, "the largest samples are the peaks: {missed:e}");

@@ -3,7 +3,7 @@
 use flexlink::beam::ElementCount;
 use flexlink::elastica::{ElasticaError, SecondOrder};
 use flexlink::inverse::{
-    Analysis, ArmError, ArmSolution, ArmWarning, InversionError, Resources, Straying, invert_arm,
+    Analysis, ArmError, InversionError, Resources, Solution, Straying, Warning, invert_arm,
 };
 use flexlink::link::Arm;
 use flexlink::motion::{ArmPath, PathColumns};
@@ -40,13 +40,13 @@ fn share(u: f64) -> f64 {
     u.powi(4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
 }
 
-fn straying(found: &ArmSolution) -> Straying {
-    assert_eq!(found.findings.order, SecondOrder::First);
-    let told = found.warnings.iter().find_map(|warning| match warning {
-        ArmWarning::FellBack { straying } => Some(*straying),
+fn straying(found: &Solution) -> Straying {
+    assert_eq!(found.second_order.unwrap().order, SecondOrder::First);
+    let told = found.warnings.iter().find_map(|found| match found.warning {
+        Warning::FellBack { straying } => Some(straying),
         _ => None,
     });
-    assert_eq!(found.findings.fallback, told);
+    assert_eq!(found.second_order.unwrap().fallback, told);
     told.expect("a warning")
 }
 

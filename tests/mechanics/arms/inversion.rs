@@ -2,7 +2,7 @@
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::elastica::SecondOrder;
-use flexlink::inverse::{Analysis, ArmSolution, ArmWarning, Resources, invert_arm};
+use flexlink::inverse::{Analysis, Resources, Solution, SolutionWarning, Warning, invert_arm};
 use flexlink::link::{
     Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, LumpedMass, Segment,
 };
@@ -58,7 +58,7 @@ pub(super) fn solved(
     path: &ArmPath,
     count: ElementCount,
     analysis: &Analysis,
-) -> ArmSolution {
+) -> Solution {
     invert_arm(arm, &plans(arm, count), path, analysis, &Resources::default()).expect("a solution")
 }
 
@@ -87,9 +87,10 @@ fn torques_and_angles_of_a_sampled_path_are_those_of_an_independent_program() {
                     "{off:e} {joint} {k} {:?}",
                     expected.second_order
                 );
-                let off = own.angle[0][sample] - expected.joint_angle_rad[joint][k];
+                let off = own.angle_rad[sample] - expected.joint_angle_rad[joint][k];
                 assert!(off.abs() < angle_bound, "{off:e} {joint} {k}");
-                let off = found.links[joint].chord[0][sample] - expected.chord_angle_rad[joint][k];
+                let off = found.shapes().nth(joint).unwrap().chord[0][sample]
+                    - expected.chord_angle_rad[joint][k];
                 assert!(off.abs() < angle_bound, "{off:e} {joint} {k}");
             }
         }
@@ -104,7 +105,10 @@ fn the_tip_follows_the_path_and_errors_are_measured() {
     let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     let share = Turn { from_rad: 0.0, by_rad: 1.0, duration_s: 1.5 };
-    let [x, y] = &found.tip;
+    let [x, y] = [0, 1].map(|axis: usize| {
+        let tip = &found.tip[axis];
+        [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2]
+    });
     // What a cut-off leaves out of the tip, 1e-6 of its way, counts with its frequency in rates and accelerations.
     for (order, bound) in [1.4e-6, 1e-4, 4e-3].into_iter().enumerate() {
         for k in 0..found.grid.len {
@@ -115,8 +119,8 @@ fn the_tip_follows_the_path_and_errors_are_measured() {
             assert!(off < bound, "{off:e} of order {order} at {}", found.grid.time_s(k));
         }
     }
-    let last = found.links[1].positions_m.last().expect("nodes");
-    assert!(largest(last[0].iter().zip(&x[0]).map(|(a, b)| a - b)) < 1e-9);
+    let last = found.shapes().nth(1).unwrap().positions_m.last().expect("nodes");
+    assert!(largest(last[0].iter().zip(x[0]).map(|(a, b)| a - b)) < 1e-9);
     assert!(found.tip_error < 1e-6 && found.tip_error > 1e-9, "{:e}", found.tip_error);
     let mesh = found.worst(|own| own.mesh);
     let finer = solved(&arm, &path, ElementCount::Total(64), &Analysis::default());
@@ -158,7 +162,7 @@ fn stiff_links_are_the_rigid_arm() {
         let pairs = joint.torque_n_m.iter().zip(&joint.rigid_torque_n_m);
         let off = largest(pairs.map(|(a, b)| a - b)) / range;
         assert!(off < 1e-6 && range > 1.0, "{off:e} of {range} N m");
-        let pairs = joint.angle[0].iter().zip(&joint.rigid_angle_rad);
+        let pairs = joint.angle_rad.iter().zip(&joint.rigid_angle_rad);
         assert!(largest(pairs.map(|(a, b)| a - b)) < 1e-6);
     }
 }
@@ -168,7 +172,7 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     let arm = arm(&two_links(), [0.0, -9.81]);
     let first = Analysis::default().with_second_order(SecondOrder::First);
     let found = solved(&arm, &line(&arm, 1.5), ElementCount::Total(8), &first);
-    let left_out = found.findings.left_out.flatten().expect("a share");
+    let left_out = found.second_order.unwrap().left_out.flatten().expect("a share");
     assert!((1e-3..1e-2).contains(&left_out), "{left_out:e}");
     let (level, upright) = (self::arm(&two_links(), [0.0; 2]), &arm);
     let cases =
@@ -188,7 +192,7 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
             largest(changes) / (all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min))
         });
         let changed = changed.fold(0.0, f64::max);
-        let told = own.findings.left_out.flatten().expect("a share");
+        let told = own.second_order.unwrap().left_out.flatten().expect("a share");
         assert!((told / changed - 1.0).abs() < 0.05, "{told:e} is told, {changed:e} is changed");
     }
     assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
@@ -196,16 +200,17 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     let tip = [column("x", &shares, 0.9, 0.397), column("y", &shares, 0.0, 0.0)];
     let stretching = path(&arm, PathColumns { time_s, tip: Some(tip), angles: vec![] });
     let slow = solved(&arm, &stretching, ElementCount::Total(8), &first);
-    let stretched = |warning: &ArmWarning| matches!(warning, ArmWarning::NearlyStretched { .. });
+    let stretched =
+        |warning: &SolutionWarning| matches!(warning.warning, Warning::NearlyStretched { .. });
     assert!(slow.warnings.iter().any(stretched), "{:?}", slow.warnings);
 }
 
-pub(super) fn moved(found: &ArmSolution) -> Result<PlayedArm, SimulationError> {
-    let highest = std::f64::consts::TAU * found.cutoff_hz.expect("a cut-off");
+pub(super) fn moved(found: &Solution) -> Result<PlayedArm, SimulationError> {
+    let highest = std::f64::consts::TAU * found.band.cutoff_hz.expect("a cut-off");
     let joints = found.joints.iter().map(|joint| MovedJoint {
-        angle_rad: joint.angle[0][0],
-        rate_rad_s: joint.angle[1][0],
-        accelerations_rad_s2: &joint.angle[2],
+        angle_rad: joint.angle_rad[0],
+        rate_rad_s: joint.rate_rad_s[0],
+        accelerations_rad_s2: &joint.acceleration_rad_s2.as_ref().unwrap(),
     });
     let joints: Vec<MovedJoint<'_>> = joints.collect();
     move_arm(&found.arm, &joints, &found.grid, (highest, 1e-7))
@@ -232,8 +237,9 @@ fn joints_moved_as_found_lead_the_tip_along_its_path() {
         let arm = arm(&parts, gravity);
         let found = solved(&arm, &line(&arm, 1.5), ElementCount::Auto, &Analysis::default());
         let played = moved(&found).expect("a motion");
-        let pairs = |axis: usize| found.tip[axis][0].iter().zip(&played.tip[axis][0]);
-        let off = [0, 1].map(|axis| largest(pairs(axis).map(|(a, b)| a - b)) / found.way_m);
+        let pairs = |axis: usize| found.tip[axis].displacement_m.iter().zip(&played.tip[axis][0]);
+        let off =
+            [0, 1].map(|axis| largest(pairs(axis).map(|(a, b)| a - b)) / found.tip_travel_m());
         assert!(largest(off.into_iter()) < 1e-6, "{off:?}, {:e}", played.change[0]);
         for (joint, torque) in found.joints.iter().zip(&played.torques_n_m) {
             let range = largest(torque.iter().copied());

@@ -2,7 +2,7 @@
 
 use flexlink::beam::ElementCount;
 use flexlink::elastica::SecondOrder;
-use flexlink::inverse::{Analysis, ArmJoint, ArmSolution};
+use flexlink::inverse::{Analysis, JointMotion, Solution};
 use flexlink::link::{Arm, Damping, Link, LinkParts, LumpedMass, Payload, Segment};
 use flexlink::motion::{ArmPath, PathColumns};
 use flexlink::response::{
@@ -13,22 +13,22 @@ use flexlink::response::{
 use super::inversion::{arm, column, largest, path, plans, sampled, solved};
 use super::two_links;
 
-fn times_s(found: &ArmSolution) -> Vec<f64> {
+fn times_s(found: &Solution) -> Vec<f64> {
     (0..found.grid.len).map(|k| found.grid.time_s(k)).collect()
 }
 
 /// Feedback of every joint around its angle and rate as solved.
-fn feedback(found: &ArmSolution, (kp, kd): (f64, f64)) -> Vec<Feedback> {
-    let of = |joint: &ArmJoint| {
-        let [angle, rate, _] = &joint.angle;
+fn feedback(found: &Solution, (kp, kd): (f64, f64)) -> Vec<Feedback> {
+    let of = |joint: &JointMotion| {
+        let JointMotion { angle_rad: angle, rate_rad_s: rate, .. } = joint;
         let reference = HubReference::new(&times_s(found), angle.clone(), Some(rate.clone()));
         Feedback::new(kp, kd, reference.expect("a reference")).expect("gains")
     };
     found.joints.iter().map(of).collect()
 }
 
-fn torques(found: &ArmSolution) -> Vec<Torque> {
-    let of = |joint: &ArmJoint| {
+fn torques(found: &Solution) -> Vec<Torque> {
+    let of = |joint: &JointMotion| {
         Torque::new(&times_s(found), joint.torque_n_m.clone()).expect("a torque")
     };
     found.joints.iter().map(of).collect()
@@ -53,16 +53,17 @@ fn played(
 }
 
 /// Largest distance of the tip from that which was solved, over the tip's way.
-fn strays(found: &ArmSolution, played: &PlayedArm) -> f64 {
+fn strays(found: &Solution, played: &PlayedArm) -> f64 {
     let off = |k: usize| {
-        let [x, y] = [0, 1].map(|axis: usize| played.tip[axis][0][k] - found.tip[axis][0][k]);
+        let [x, y] =
+            [0, 1].map(|axis: usize| played.tip[axis][0][k] - found.tip[axis].displacement_m[k]);
         (x * x + y * y).sqrt()
     };
-    largest((0..found.grid.len).map(off)) / found.way_m
+    largest((0..found.grid.len).map(off)) / found.tip_travel_m()
 }
 
-fn start(found: &ArmSolution) -> Vec<f64> {
-    found.joints.iter().map(|joint| joint.angle[0][0]).collect()
+fn start(found: &Solution) -> Vec<f64> {
+    found.joints.iter().map(|joint| joint.angle_rad[0]).collect()
 }
 
 /// Hub radii, a mass on each link, friction, a payload with offset and inertia.

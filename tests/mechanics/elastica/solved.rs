@@ -52,7 +52,7 @@ fn apart(a: (&Solution, &[f64]), b: (&Solution, &[f64])) -> f64 {
 }
 
 fn torque_apart(a: &Solution, b: &Solution) -> f64 {
-    apart((a, &a.torque_n_m), (b, &b.torque_n_m)) / range(&b.torque_n_m)
+    apart((a, &a.hub().torque_n_m), (b, &b.hub().torque_n_m)) / range(&b.hub().torque_n_m)
 }
 
 #[test]
@@ -60,16 +60,16 @@ fn a_link_that_hardly_bends_takes_the_torque_of_the_rigid_one() {
     let mut parts = under(DOWN, -1.2, arm());
     parts.segments[0] = Segment::uniform(1.1, 2e6, 0.5);
     let found = solved(&parts);
-    let rigid = apart((&found, &found.torque_n_m), (&found, &found.rigid_torque_n_m));
-    assert!(rigid < 1e-5 * range(&found.torque_n_m), "{rigid:e}");
+    let rigid = apart((&found, &found.hub().torque_n_m), (&found, &found.hub().rigid_torque_n_m));
+    assert!(rigid < 1e-5 * range(&found.hub().torque_n_m), "{rigid:e}");
     // m g L/2 and the payload's weight, at both ends: closed form.
     let held = |angle: f64| 9.81 * (0.5 * 1.1 * 0.55 + 0.2 * 1.1) * f64::cos(angle);
-    let ends = [found.torque_n_m[0], *found.torque_n_m.last().expect("samples")];
+    let ends = [found.hub().torque_n_m[0], *found.hub().torque_n_m.last().expect("samples")];
     for (torque, angle) in ends.into_iter().zip([-1.2, 0.5]) {
         assert!((torque / held(angle) - 1.0).abs() < 1e-5, "{torque} at {angle}");
     }
-    let last_rad = found.hub_angle_rad.last().expect("samples");
-    assert!((found.hub_angle_rad[0] + 1.2).abs() < 1e-5 && (last_rad - 0.5).abs() < 1e-5);
+    let last_rad = found.hub().angle_rad.last().expect("samples");
+    assert!((found.hub().angle_rad[0] + 1.2).abs() < 1e-5 && (last_rad - 0.5).abs() < 1e-5);
 }
 
 #[test]
@@ -78,8 +78,8 @@ fn a_turned_plane_takes_the_same_torques_and_turns_the_hub_angle() {
     let (sine, cosine) = 2.1_f64.sin_cos();
     let turned = solved(&under([9.81 * sine, -9.81 * cosine], 0.9, arm()));
     assert!(torque_apart(&turned, &found) < 1e-9, "{:e}", torque_apart(&turned, &found));
-    let turned_rad: Vec<f64> = turned.hub_angle_rad.iter().map(|angle| angle - 2.1).collect();
-    assert!(apart((&turned, &turned_rad), (&found, &found.hub_angle_rad)) < 1e-9);
+    let turned_rad: Vec<f64> = turned.hub().angle_rad.iter().map(|angle| angle - 2.1).collect();
+    assert!(apart((&turned, &turned_rad), (&found, &found.hub().angle_rad)) < 1e-9);
 }
 
 /// The stated errors of mesh and window against a solution on a far finer mesh, with a far tighter tolerance.
@@ -91,12 +91,13 @@ fn stated_errors_are_those_against_a_finer_mesh_and_a_longer_period() {
         let parts = under(DOWN, -1.2, LinkParts { damping, ..arm() });
         let tight = Analysis::new(1e-8, None, None).expect("an analysis");
         let exact = solved_with(&parts, &tight, Some(48));
-        let finer = range(&exact.torque_n_m);
+        let finer = range(&exact.hub().torque_n_m);
         for elements in [4, 8] {
             let found = solved_with(&parts, &Analysis::default(), Some(elements));
             assert!(found.warnings.is_empty(), "{:?}", found.warnings);
-            let errors = &found.accuracy.errors;
-            let torque = apart((&found, &found.torque_n_m), (&exact, &exact.torque_n_m)) / finer;
+            let errors = &found.hub().errors;
+            let torque =
+                apart((&found, &found.hub().torque_n_m), (&exact, &exact.hub().torque_n_m)) / finer;
             let stated = |errors: &flexlink::inverse::QuantityErrors| {
                 errors.mesh + errors.window + errors.iteration.expect("an iteration")
             };
@@ -105,8 +106,8 @@ fn stated_errors_are_those_against_a_finer_mesh_and_a_longer_period() {
             // Where the mesh is what counts, it is known.
             let share = torque / errors.torque.mesh;
             assert!(elements > 4 || (0.7..1.3).contains(&share), "{share}");
-            let turn = apart((&found, &found.hub_angle_rad), (&exact, &exact.hub_angle_rad));
-            let turn = turn / range(&exact.hub_angle_rad);
+            let turn = apart((&found, &found.hub().angle_rad), (&exact, &exact.hub().angle_rad));
+            let turn = turn / range(&exact.hub().angle_rad);
             let said = stated(&errors.hub_angle);
             assert!(turn < 1.3 * said, "{turn:e} of {said:e}");
         }
@@ -124,7 +125,7 @@ fn what_rings_at_the_ends_is_within_what_is_stated() {
     let motion = Profile::Septic.motion(1.0, 1.2, 600).expect("a motion");
     let analysis = Analysis::new(1e-5, None, None).expect("an analysis");
     let found = invert(&link, &plan, &motion, &analysis).expect("a solution");
-    let errors = &found.accuracy.errors;
+    let errors = &found.hub().errors;
     // About half a second at either end, several cycles of what rings.
     let ends = |history: &[f64]| {
         let (first, last) = (&history[..250], &history[history.len() - 250..]);
@@ -132,9 +133,9 @@ fn what_rings_at_the_ends_is_within_what_is_stated() {
         swing(first).max(swing(last)) / range(history)
     };
     let told = found.warnings.iter().any(|w| ["wrap_around", "inexact_window"].contains(&w.kind()));
-    let rate = ends(&found.hub_rate_rad_s);
+    let rate = ends(&found.hub().rate_rad_s);
     assert!(rate < 3.0 * errors.hub_rate.window, "{rate:e} of {:e}", errors.hub_rate.window);
-    let torque = ends(&found.torque_n_m);
+    let torque = ends(&found.hub().torque_n_m);
     assert!(torque < 3.0 * errors.torque.window, "{torque:e} of {:e}", errors.torque.window);
     assert!(told || errors.torque.window <= 1e-5, "{:?}", found.warnings);
 }
@@ -145,18 +146,18 @@ fn the_last_node_moves_as_the_tip_and_the_first_moment_is_the_roots() {
     let last = found.mesh().nodes_m().len() - 1;
     let every = NonZeroUsize::MIN;
     let nodes = found.displacements(&[0, last], every).expect("nodes").histories();
-    let tip = apart((&found, &nodes.samples[1]), (&found, &found.tip.displacement_m));
+    let tip = apart((&found, &nodes.samples[1]), (&found, &found.tip[0].displacement_m));
     assert!(tip < 1e-12, "{tip:e}");
     assert!(nodes.samples[0].iter().all(|root| root.abs() < 1e-15));
     let moments = found.moments(&[0, last], every).expect("nodes").histories();
-    let root = apart((&found, &moments.samples[0]), (&found, &found.root_moment_n_m));
-    assert!(root < 1e-12 * range(&found.root_moment_n_m), "{root:e}");
+    let root = apart((&found, &moments.samples[0]), (&found, &found.links[0].root_moment_n_m));
+    assert!(root < 1e-12 * range(&found.links[0].root_moment_n_m), "{root:e}");
     // The payload has a small inertia of its own, but no offset.
     assert!(range(&moments.samples[1]) < 1e-2 * range(&moments.samples[0]));
     // The tip's deflection from the hub's tangent line, by two ways.
     let bent = found.deflections(&[last], every).expect("a node").histories();
-    assert!(apart((&found, &bent.samples[0]), (&found, &found.tip_deflection_m())) < 1e-12);
-    let turned = found.hub_angle_rad.iter().zip(&found.rigid_hub_angle_rad);
+    assert!(apart((&found, &bent.samples[0]), (&found, &found.tip_deflection_m(0))) < 1e-12);
+    let turned = found.hub().angle_rad.iter().zip(&found.hub().rigid_angle_rad);
     let steepest = turned.map(|(hub, rigid)| (hub - rigid).abs()).fold(0.0, f64::max);
     let most = bent.samples[0].iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     assert!(most < 1.1 * steepest.sin() && most > 0.98 * 1.1 * steepest.sin(), "{most}");
@@ -167,27 +168,27 @@ fn a_motor_follows_the_hub_and_holds_the_weight_behind_its_gear() {
     let drive =
         Drive { joint_stiffness_n_m_rad: 400.0, rotor_inertia_kg_m2: 1e-5, gear_ratio: 50.0 };
     let found = solved(&under(DOWN, -1.2, LinkParts { drive: Some(drive), ..arm() }));
-    let motor = found.motor.as_ref().expect("a motor");
+    let motor = found.hub().motor.as_ref().expect("a motor");
     for k in [0, found.grid.len - 1] {
-        assert!((motor.torque_n_m[k] * 50.0 / found.torque_n_m[k] - 1.0).abs() < 1e-5);
-        let twisted = found.hub_angle_rad[k] + found.torque_n_m[k] / 400.0;
+        assert!((motor.torque_n_m[k] * 50.0 / found.hub().torque_n_m[k] - 1.0).abs() < 1e-5);
+        let twisted = found.hub().angle_rad[k] + found.hub().torque_n_m[k] / 400.0;
         assert!((motor.angle_rad[k] / 50.0 - twisted).abs() < 1e-9);
     }
-    assert!(found.accuracy.errors.motor_torque.is_some() && found.warnings.is_empty());
+    assert!(found.hub().errors.motor_torque.is_some() && found.warnings.is_empty());
 }
 
 #[test]
 fn no_gravity_in_the_plane_and_no_second_order_is_the_linear_link() {
     let (flat, plain) = (solved(&under([0.0; 2], -1.2, arm())), solved(&arm()));
-    assert!(flat.torque_n_m == plain.torque_n_m && flat.second_order().is_none());
-    let start = flat.hub_angle_rad[0] - plain.hub_angle_rad[0];
+    assert!(flat.hub().torque_n_m == plain.hub().torque_n_m && flat.second_order.is_none());
+    let start = flat.hub().angle_rad[0] - plain.hub().angle_rad[0];
     assert!((start + 1.2).abs() < 1e-12, "{start}");
     // Without weight all terms change little of a link that bends little.
     let all = Analysis::default().with_second_order(SecondOrder::Full);
     let full = solved_with(&arm(), &all, None);
     let change = torque_apart(&full, &plain);
     assert!(change < 1e-2 && change > 1e-4, "{change:e}");
-    let said = full.second_order().expect("second order").torque_change;
+    let said = full.second_order.expect("second order").iteration.second_order_change;
     assert!((said / change - 1.0).abs() < 0.3, "{said:e}");
 }
 
@@ -195,7 +196,7 @@ fn no_gravity_in_the_plane_and_no_second_order_is_the_linear_link() {
 fn terms_that_are_left_out_and_count_are_told() {
     let left_out = |level: SecondOrder, parts: &LinkParts| {
         let found = solved_with(parts, &Analysis::default().with_second_order(level), Some(8));
-        found.warnings.iter().find_map(|warning| match warning {
+        found.warnings.iter().find_map(|found| match found.warning {
             Warning::SecondOrderLeftOut { share } => Some(share.expect("all terms converge")),
             _ => None,
         })
@@ -221,11 +222,11 @@ fn a_link_that_bends_very_far_is_solved_without_the_terms_that_do_not_converge()
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(16)), 1e-6);
         let found = invert(&link, &plan.expect("a plan"), &motion, &Analysis::default());
         let found = found.expect("a solution");
-        let pairs = found.torque_n_m.iter().zip(&found.root_moment_n_m);
+        let pairs = found.hub().torque_n_m.iter().zip(&found.links[0].root_moment_n_m);
         let off = pairs.map(|(torque, root)| (torque - root).abs()).fold(0.0, f64::max);
         let told = found.warnings.iter().any(|warning| warning.kind() == "inexact_iteration");
-        let error = found.accuracy.errors.torque.iteration.expect("an iteration");
-        (off / range(&found.torque_n_m), error, told)
+        let error = found.hub().errors.torque.iteration.expect("an iteration");
+        (off / range(&found.hub().torque_n_m), error, told)
     };
     let (apart, error, told) = off(5.0);
     assert!(apart < 1e-6 && error < 1e-6 && !told, "{apart:e}, {error:e}");

@@ -76,13 +76,13 @@ fn with_errors(value: f64, errors: QuantityErrors) -> f64 {
 
 /// Peak torque at the hub in N m, its measured errors added.
 fn hub_peak(solution: &Solution) -> f64 {
-    with_errors(Metrics::of(solution).hub().peak_torque_n_m.value, solution.accuracy.errors.torque)
+    with_errors(Metrics::of(solution).hub().peak_torque_n_m.value, solution.hub().errors.torque)
 }
 
 /// The same of the motor.
 fn motor_peak(solution: &Solution) -> f64 {
     let motor = Metrics::of(solution).hub().motor.unwrap();
-    with_errors(motor.peak_torque_n_m.value, solution.accuracy.errors.motor_torque.unwrap())
+    with_errors(motor.peak_torque_n_m.value, solution.hub().errors.motor_torque.unwrap())
 }
 
 /// A peak of every number of steps from 4 on; none where it cannot be solved.
@@ -268,9 +268,9 @@ fn the_shortest_cycle_within_a_torque_in_the_mean_is_found() {
         let motion = TipMotion::with_ends(columns, Ends::Periodic).unwrap();
         let Specification { link, mesh, analysis, .. } = &link;
         let solution = invert(link, mesh, &motion, analysis).unwrap();
-        let torque = &solution.torque_n_m;
+        let torque = &solution.hub().torque_n_m;
         let mean = torque.iter().map(|own| own * own).sum::<f64>() / torque.len() as f64;
-        with_errors(mean.sqrt(), solution.accuracy.errors.torque)
+        with_errors(mean.sqrt(), solution.hub().errors.torque)
     };
     let limit = 1.001 * rms(&course, 40);
     let limits = Limits { rms_torque_n_m: Some(limit), ..Limits::default() };

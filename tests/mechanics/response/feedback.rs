@@ -31,8 +31,8 @@ fn a_hysteretic_link_in_a_stiff_loop_moves_as_on_the_moved_hub() {
     let wanted = solved(&link, &plan, &smooth(220), 1e-8);
     let torque = torque_of(&wanted);
     let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
-    let rate = Some(wanted.hub_rate_rad_s.clone());
-    let hub = HubReference::new(&time_s, wanted.hub_angle_rad.clone(), rate).unwrap();
+    let rate = Some(wanted.hub().rate_rad_s.clone());
+    let hub = HubReference::new(&time_s, wanted.hub().angle_rad.clone(), rate).unwrap();
     let until_s = Some(time_s[time_s.len() - 1] + 2.0);
     for is_large in [false, true] {
         let moved = Play { until_s, is_large, ..Play::turning(&hub) };
@@ -140,8 +140,8 @@ type Gains = (f64, f64);
 /// Feedback around the hub motion of a solution, its rate given or not.
 fn around(solution: &Solution, (kp, kd): Gains, with_rate: bool) -> Feedback {
     let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
-    let rate = with_rate.then(|| solution.hub_rate_rad_s.clone());
-    let reference = HubReference::new(&time_s, solution.hub_angle_rad.clone(), rate).unwrap();
+    let rate = with_rate.then(|| solution.hub().rate_rad_s.clone());
+    let reference = HubReference::new(&time_s, solution.hub().angle_rad.clone(), rate).unwrap();
     Feedback::new(kp, kd, reference).unwrap()
 }
 
@@ -158,7 +158,7 @@ fn feedback_has_nothing_to_do_on_the_right_link() {
             let feedback = around(&wanted, gains, true);
             let play = Play { feedback: Some(&feedback), ..Play::of(&torque) };
             let found = played(&link, &plan, &play);
-            let error = difference(&found.tip.displacement_m, &wanted.tip.displacement_m);
+            let error = difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m);
             assert!(error < 1e-9, "{gains:?}: {error:e}");
         }
     }
@@ -189,7 +189,7 @@ fn astray(payload_kg: f64, gains: Option<Gains>) -> (f64, f64) {
     let play = Play { feedback: feedback.as_ref(), until_s: Some(12.0), ..Play::of(&torque) };
     let found = played(&damped(|parts| parts.payload.mass_kg = payload_kg), &plan, &play);
     // Where it is to stay once there.
-    let mut displacement_m = wanted.tip.displacement_m.clone();
+    let mut displacement_m = wanted.tip[0].displacement_m.clone();
     displacement_m.resize(found.grid.len, 0.5);
     let error =
         FollowedTarget::of(&found, &TipTarget::new(found.grid, displacement_m)).unwrap().tip_error;

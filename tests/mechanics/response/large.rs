@@ -206,9 +206,9 @@ fn the_tip_follows_under_the_torque_that_was_solved() {
         let wanted = invert(&link, &mesh_of(&link, 20), &motion, &analysis).unwrap();
         let torque = torque_of(&wanted);
         let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
-        let hub = HubReference::new(&time_s, wanted.hub_angle_rad.clone(), None).unwrap();
+        let hub = HubReference::new(&time_s, wanted.hub().angle_rad.clone(), None).unwrap();
         let gains = Feedback::new(20.0, 2.0, hub.clone()).unwrap();
-        let initial_tip_m = wanted.tip.displacement_m[0];
+        let initial_tip_m = wanted.tip[0].displacement_m[0];
         let of_torque = Play { initial_tip_m, ..Play::of(&torque) };
         let plays = [
             ("torque", of_torque),
@@ -217,9 +217,9 @@ fn the_tip_follows_under_the_torque_that_was_solved() {
         ];
         for (name, play) in plays {
             let found = large(&link, &play);
-            let tip = difference(&found.tip.displacement_m, &wanted.tip.displacement_m);
-            let torque = difference(&found.torque_n_m, &wanted.torque_n_m);
-            let hub = difference(&found.hub_angle_rad, &wanted.hub_angle_rad);
+            let tip = difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m);
+            let torque = difference(&found.torque_n_m, &wanted.hub().torque_n_m);
+            let hub = difference(&found.hub_angle_rad, &wanted.hub().angle_rad);
             // Upright, the torque alone lets every error grow.
             let most = if name == "torque" && start_rad > 0.0 { 1e-4 } else { 5e-6 };
             assert!(tip < most, "{name} from {start_rad}: tip {tip:e}");
@@ -230,10 +230,10 @@ fn the_tip_follows_under_the_torque_that_was_solved() {
             assert!(error.tip < 1e-6 && error.hub_angle < 1e-6, "{error:?}");
         }
         // The check can fail: a torque that is off by a thousandth misses.
-        let off = wanted.torque_n_m.iter().map(|torque| 1.001 * torque).collect();
+        let off = wanted.hub().torque_n_m.iter().map(|torque| 1.001 * torque).collect();
         let off = Torque::new(&time_s, off).unwrap();
         let found = large(&link, &Play { initial_tip_m, ..Play::of(&off) });
-        let tip = difference(&found.tip.displacement_m, &wanted.tip.displacement_m);
+        let tip = difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m);
         assert!(tip > 1e-4, "{tip:e}");
     }
 }

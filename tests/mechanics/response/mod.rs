@@ -98,7 +98,7 @@ fn solved(link: &Link, plan: &MeshPlan, motion: &TipMotion, tolerance: f64) -> S
 /// A torque of the inversion, to be played.
 fn torque_of(solution: &Solution) -> Torque {
     let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
-    Torque::new(&time_s, solution.torque_n_m.clone()).unwrap()
+    Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap()
 }
 
 fn played(link: &Link, plan: &MeshPlan, play: &Play) -> Simulation {

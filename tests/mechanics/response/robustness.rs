@@ -57,7 +57,7 @@ fn solution(file: &str, settings: &[&str], analysis: &Analysis) -> Solution {
 fn worst_percent(found: &Simulation, wanted: &Solution, until_s: f64) -> f64 {
     let all = 0..wanted.grid.len;
     let len = all.filter(|k| wanted.grid.time_s(*k) < until_s + 1e-9).count();
-    let displacement_m = wanted.tip.displacement_m[..len].to_vec();
+    let displacement_m = wanted.tip[0].displacement_m[..len].to_vec();
     let target = TipTarget::new(TimeGrid { len, ..wanted.grid }, displacement_m);
     // Of the whole travel, though the target may end before it does.
     100.0 * FollowedTarget::of(found, &target).unwrap().tip_error.worst_m / 0.5
@@ -101,7 +101,7 @@ fn a_wrong_link_misses_by_that_and_by_the_law_under_the_papers() {
 fn rigid_torque(file: &str) -> (Solution, Simulation) {
     let wanted = solution(file, &[], &whole_band(Analysis::default()));
     let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
-    let torque = Torque::new(&time_s, wanted.rigid_torque_n_m.clone()).unwrap();
+    let torque = Torque::new(&time_s, wanted.hub().rigid_torque_n_m.clone()).unwrap();
     let (link, plan) = example(file, &[]);
     let found = played(&link, &plan, &Play { until_s: Some(5.5), ..Play::of(&torque) });
     (wanted, found)

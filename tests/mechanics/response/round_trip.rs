@@ -41,13 +41,13 @@ impl RoundTrip {
         let torque = torque_of(&wanted);
         let found = played(link, &plan, &Play { interpolation, ..Play::of(&torque) });
         Self {
-            tip: difference(&found.tip.displacement_m, &wanted.tip.displacement_m),
-            hub_angle: difference(&found.hub_angle_rad, &wanted.hub_angle_rad),
-            hub_rate: difference(&found.hub_rate_rad_s, &wanted.hub_rate_rad_s),
+            tip: difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m),
+            hub_angle: difference(&found.hub_angle_rad, &wanted.hub().angle_rad),
+            hub_rate: difference(&found.hub_rate_rad_s, &wanted.hub().rate_rad_s),
             others: [
-                difference(&found.tip.velocity_m_s, &wanted.tip.velocity_m_s),
-                difference(&found.tip.acceleration_m_s2, &wanted.tip.acceleration_m_s2),
-                difference(&found.hub_acceleration_rad_s2, &wanted.hub_acceleration_rad_s2()),
+                difference(&found.tip.velocity_m_s, &wanted.tip[0].velocity_m_s),
+                difference(&found.tip.acceleration_m_s2, &wanted.tip[0].acceleration_m_s2),
+                difference(&found.hub_acceleration_rad_s2, &wanted.acceleration_rad_s2(0)),
             ],
         }
     }

@@ -35,7 +35,7 @@ fn tapered() -> Link {
 /// Reported over true error, the latter against a mesh of eight times as many elements.
 fn reported_over_true(solution: &Solution, link: &Link, motion: &TipMotion) -> f64 {
     let finer = solved(link, 8 * solution.mesh().elements().len(), motion);
-    solution.accuracy.errors.torque.mesh / torque_difference(solution, &finer, 0)
+    solution.hub().errors.torque.mesh / torque_difference(solution, &finer, 0)
 }
 
 #[test]
@@ -62,8 +62,8 @@ fn an_automatic_mesh_begins_too_coarse_for_its_band() {
         let slow = Smooth { travel_m: 3.0, duration_s: 21.0, steps, ..Smooth::MOVE };
         let written = slow.acceleration_m_s2().iter().map(|a| (a * 1e12).round() / 1e12).collect();
         let solution = automatic(&link, &accelerated(slow.time_s(), written), 1e-6);
-        assert!(solution.accuracy.errors.torque.mesh < 1e-6);
-        assert!(peak(&solution.torque_n_m) < 1.0);
+        assert!(solution.hub().errors.torque.mesh < 1e-6);
+        assert!(peak(&solution.hub().torque_n_m) < 1.0);
     }
 }
 
@@ -73,8 +73,7 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
         let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
         for tolerance in [1e-2, 1e-4, 1e-6] {
             let solution = automatic(&link, &motion, tolerance);
-            let worst =
-                |solution: &Solution| solution.accuracy.errors.of_kind(|e| e.mesh).worst().1;
+            let worst = |solution: &Solution| solution.hub().errors.of_kind(|e| e.mesh).worst().1;
             let error = worst(&solution);
             assert!(error <= tolerance, "{error:e} for {tolerance:e}");
             let elements = solution.mesh().elements().len();
@@ -94,7 +93,7 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
 fn the_error_falls_with_the_fourth_power_of_the_element_length() {
     let link = link(|_| ());
     let motion = Smooth { duration_s: 0.5, steps: 500, ..Smooth::MOVE }.motion();
-    let errors = [16, 32, 64].map(|n| solved(&link, n, &motion).accuracy.errors.torque.mesh);
+    let errors = [16, 32, 64].map(|n| solved(&link, n, &motion).hub().errors.torque.mesh);
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((3.9..4.1).contains(&order), "{errors:?}");
@@ -116,11 +115,7 @@ fn a_mesh_that_was_chosen_may_be_finer_than_any_automatic_one() {
     let link = link(|_| ());
     let solution = solved(&link, 5000, &Smooth { steps: 32, ..Smooth::MOVE }.motion());
     assert_eq!(solution.mesh().elements().len(), 5000);
-    assert!(
-        solution.accuracy.errors.torque.mesh < 1e-9,
-        "{:e}",
-        solution.accuracy.errors.torque.mesh
-    );
+    assert!(solution.hub().errors.torque.mesh < 1e-9, "{:e}", solution.hub().errors.torque.mesh);
 }
 
 #[test]
@@ -144,7 +139,7 @@ fn the_reported_error_is_that_of_the_series_in_the_fourth_power_over_the_better_
     let change = torque_difference(&fine, &coarse, 0);
     assert!(change > 0.01, "{change}");
     let expected = 16.0 / 15.0 * change;
-    let found = coarse.accuracy.errors.torque.mesh;
+    let found = coarse.hub().errors.torque.mesh;
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} is not {expected}");
 }
 
@@ -158,7 +153,7 @@ fn the_reported_error_is_sixteen_fifteenths_of_what_halved_elements_change() {
         let (coarse, fine) =
             (solved(&link, elements, &motion), solved(&link, 2 * elements, &motion));
         let expected = 16.0 / 15.0 * torque_difference(&fine, &coarse, 0);
-        let off = coarse.accuracy.errors.torque.mesh / expected - 1.0;
+        let off = coarse.hub().errors.torque.mesh / expected - 1.0;
         assert!(off.abs() < 2e-3, "{elements} elements: {off:e} of {expected}");
     }
 }

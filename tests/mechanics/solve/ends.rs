@@ -118,24 +118,34 @@ fn apart(found: &Solution, longer: &Solution, from_s: f64) -> Vec<(&'static str,
     let deflections =
         |of: &Solution| of.deflections(&nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let mut pairs = vec![
-        ("torque", found.torque_n_m.clone(), longer.torque_n_m.clone(), false),
-        ("rigid torque", found.rigid_torque_n_m.clone(), longer.rigid_torque_n_m.clone(), false),
-        ("hub angle", found.hub_angle_rad.clone(), longer.hub_angle_rad.clone(), true),
-        ("hub rate", found.hub_rate_rad_s.clone(), longer.hub_rate_rad_s.clone(), false),
+        ("torque", found.hub().torque_n_m.clone(), longer.hub().torque_n_m.clone(), false),
         (
-            "hub acceleration",
-            found.hub_acceleration_rad_s2(),
-            longer.hub_acceleration_rad_s2(),
+            "rigid torque",
+            found.hub().rigid_torque_n_m.clone(),
+            longer.hub().rigid_torque_n_m.clone(),
             false,
         ),
-        ("root moment", found.root_moment_n_m.clone(), longer.root_moment_n_m.clone(), false),
-        ("tip", found.tip.displacement_m.clone(), longer.tip.displacement_m.clone(), true),
-        ("velocity", found.tip.velocity_m_s.clone(), longer.tip.velocity_m_s.clone(), false),
+        ("hub angle", found.hub().angle_rad.clone(), longer.hub().angle_rad.clone(), true),
+        ("hub rate", found.hub().rate_rad_s.clone(), longer.hub().rate_rad_s.clone(), false),
+        (
+            "hub acceleration",
+            found.acceleration_rad_s2(0).into_owned(),
+            longer.acceleration_rad_s2(0).into_owned(),
+            false,
+        ),
+        (
+            "root moment",
+            found.links[0].root_moment_n_m.clone(),
+            longer.links[0].root_moment_n_m.clone(),
+            false,
+        ),
+        ("tip", found.tip[0].displacement_m.clone(), longer.tip[0].displacement_m.clone(), true),
+        ("velocity", found.tip[0].velocity_m_s.clone(), longer.tip[0].velocity_m_s.clone(), false),
     ];
     for (own, other) in deflections(found).into_iter().zip(deflections(longer)) {
         pairs.push(("deflection", own, other, false));
     }
-    if let (Some(own), Some(other)) = (&found.motor, &longer.motor) {
+    if let (Some(own), Some(other)) = (&found.hub().motor, &longer.hub().motor) {
         pairs.push(("motor torque", own.torque_n_m.clone(), other.torque_n_m.clone(), false));
         pairs.push(("motor angle", own.angle_rad.clone(), other.angle_rad.clone(), true));
         pairs.push(("motor rate", own.rate_rad_s.clone(), other.rate_rad_s.clone(), false));
@@ -174,7 +184,7 @@ fn a_cycle_is_that_of_the_motion_repeated_thirty_times() {
         assert!((motion.travel_m() - travel_m).abs() < 1e-12);
         let found = solved(&parts, &motion).unwrap();
         assert_eq!((found.grid.first, found.grid.len), (0, all.len()));
-        let (_, window) = found.accuracy.errors.of_kind(|errors| errors.window).worst();
+        let (_, window) = found.hub().errors.of_kind(|errors| errors.window).worst();
         assert_eq!(window.to_bits(), 0, "nothing is cut off");
         let longer = solved(&parts, &repeated(samples, 30, travel_m)).unwrap();
         for (name, off) in apart(&found, &longer, 15.0 * CYCLE_S) {
@@ -239,7 +249,7 @@ fn a_harmonic_takes_the_torque_of_its_transfer() {
         let excess = tip.deflection_s2 / stiffness / link.length_m() * damped;
         let rate = derived * (1.0 / link.length_m() + excess);
         let amplitude = 0.03 * (tip.inertia_kg_m * damped + 0.05 * rate);
-        for (k, torque) in found.torque_n_m.iter().enumerate() {
+        for (k, torque) in found.hub().torque_n_m.iter().enumerate() {
             let turned = Complex64::cis(2.0 * TAU * k as f64 / 90.0);
             let expected = (amplitude * turned).re;
             assert!((torque - expected).abs() < 1e-9 * amplitude.norm(), "{torque} {expected}");

@@ -9,7 +9,8 @@ use flexlink::link::{Damping, Payload, Taper};
 
 /// ∫ T θ̇ dt over the window, which begins and ends at rest.
 fn work_j(solution: &Solution) -> f64 {
-    let power = solution.torque_n_m.iter().zip(&solution.hub_rate_rad_s).map(|(t, rate)| t * rate);
+    let power =
+        solution.hub().torque_n_m.iter().zip(&solution.hub().rate_rad_s).map(|(t, rate)| t * rate);
     power.sum::<f64>() * solution.grid.step_s
 }
 
@@ -42,7 +43,7 @@ fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f
 
 /// Largest kinetic energy of the link, were it rigid.
 fn kinetic_j(solution: &Solution, inertia_kg_m2: f64) -> f64 {
-    let rate = peak(&solution.tip.velocity_m_s) / solution.mesh().length_m();
+    let rate = peak(&solution.tip[0].velocity_m_s) / solution.mesh().length_m();
     0.5 * inertia_kg_m2 * rate * rate
 }
 
@@ -70,8 +71,8 @@ fn the_work_of_the_torque_is_what_a_drag_on_the_mass_dissipates() {
     let solution = solved(&link, 24, &Smooth { steps: 1024, ..Smooth::MOVE }.motion());
     // α ∫ (∫ m̄ v̇² dx + I_H θ̇² + m_t v̇_tip²) dt
     let beam = velocity_squared_n_m(&solution, 0.8);
-    let hub = solution.hub_rate_rad_s.iter().map(|rate| 0.1 * rate * rate);
-    let tip = solution.tip.velocity_m_s.iter().map(|v| payload_kg * v * v);
+    let hub = solution.hub().rate_rad_s.iter().map(|rate| 0.1 * rate * rate);
+    let tip = solution.tip[0].velocity_m_s.iter().map(|v| payload_kg * v * v);
     let all = beam.iter().zip(hub).zip(tip).map(|((beam, hub), tip)| beam + hub + tip);
     let dissipated_j = alpha_per_s * all.sum::<f64>() * solution.grid.step_s;
     let share = work_j(&solution) / dissipated_j - 1.0;
@@ -86,7 +87,7 @@ fn the_work_of_the_torque_is_what_the_hub_rubs_away() {
         parts.hub.viscous_friction_n_m_s_rad = friction;
     });
     let solution = solved(&link, 10, &Smooth::MOVE.motion());
-    let rubbed = solution.hub_rate_rad_s.iter().map(|rate| friction * rate * rate);
+    let rubbed = solution.hub().rate_rad_s.iter().map(|rate| friction * rate * rate);
     let rubbed_j = rubbed.sum::<f64>() * solution.grid.step_s;
     assert!((work_j(&solution) / rubbed_j - 1.0).abs() < 1e-5);
 }

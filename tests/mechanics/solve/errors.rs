@@ -116,7 +116,7 @@ fn a_frequency_at_which_no_torque_moves_the_tip() {
     // A bin of the period is moved onto that frequency by a change of the step.
     let step_s = Smooth::MOVE.step_s();
     let beside = found(step_s).unwrap();
-    assert!(beside.warnings.iter().any(|w| matches!(w, Warning::BlockedTip { .. })));
+    assert!(beside.warnings.iter().any(|w| matches!(w.warning, Warning::BlockedTip { .. })));
     let bin = (blocked_rad_s * beside.band.period_s / TAU).round();
     let samples = beside.band.fft_length as f64;
     let step_s = bin * TAU / (samples * blocked_rad_s);

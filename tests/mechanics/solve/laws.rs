@@ -50,7 +50,7 @@ proptest! {
         let sum = (0..sum.len()).map(|k| a * sum[k] + b * scale * forcing(k)).collect();
         let (first, second) = (solved(&link, 6, &Smooth::MOVE.motion()), solved(&link, 6, &kinked));
         let both = solved(&link, 6, &accelerated(time_s.clone(), sum));
-        let allowed = a.abs() * peak(&first.torque_n_m) + b.abs() * peak(&second.torque_n_m);
+        let allowed = a.abs() * peak(&first.hub().torque_n_m) + b.abs() * peak(&second.hub().torque_n_m);
         let all = [&first, &second, &both].map(samples);
         let from = all.iter().map(|s| s.start).min().unwrap();
         let until = all.iter().map(|s| s.end).max().unwrap();
@@ -67,8 +67,8 @@ proptest! {
         let later = Smooth::MOVE.time_s().iter().map(|time_s| time_s + shift_s).collect();
         let shifted = solved(&link, 6, &accelerated(later, Smooth::MOVE.acceleration_m_s2()));
         let first = solved(&link, 6, &Smooth::MOVE.motion());
-        prop_assert_eq!(&shifted.torque_n_m, &first.torque_n_m);
-        prop_assert_eq!(&shifted.hub_angle_rad, &first.hub_angle_rad);
+        prop_assert_eq!(&shifted.hub().torque_n_m, &first.hub().torque_n_m);
+        prop_assert_eq!(&shifted.hub().angle_rad, &first.hub().angle_rad);
         let later_s = shifted.grid.time_s(0) - first.grid.time_s(0);
         prop_assert!((later_s - shift_s).abs() < 1e-12);
     }
@@ -112,8 +112,8 @@ proptest! {
         let back = Smooth { travel_m: -0.5, ..Smooth::MOVE };
         let there = solved(&link, 6, &Smooth::MOVE.motion());
         let back = solved(&link, 6, &back.motion());
-        let opposite: Vec<f64> = back.torque_n_m.iter().map(|t| -t).collect();
-        prop_assert_eq!(there.torque_n_m, opposite);
+        let opposite: Vec<f64> = back.hub().torque_n_m.iter().map(|t| -t).collect();
+        prop_assert_eq!(&there.hub().torque_n_m, &opposite);
     }
 
     /// Without damping and friction nothing tells the past from the future: the torque that leads the
@@ -144,7 +144,7 @@ proptest! {
         let forward = solved(&undamped, 6, &accelerated(time_s.clone(), forward));
         let backward = solved(&undamped, 6, &accelerated(time_s, backward));
         let mirrored = |k: i64| i64::from(steps) - k;
-        let peak = peak(&forward.torque_n_m);
+        let peak = peak(&forward.hub().torque_n_m);
         for k in samples(&forward) {
             let difference = torque_at(&forward, k) - torque_at(&backward, mirrored(k));
             prop_assert!(difference.abs() <= PADDING * peak, "{difference:e} at {k}");
@@ -176,9 +176,9 @@ proptest! {
             if !samples(&rubbing).contains(&k) {
                 continue;
             }
-            let expected = free.torque_n_m[index] + b * free.hub_rate_rad_s[index];
+            let expected = free.hub().torque_n_m[index] + b * free.hub().rate_rad_s[index];
             let error = (torque_at(&rubbing, k) - expected).abs();
-            prop_assert!(error <= tolerance * peak(&rubbing.torque_n_m), "{error:e} at {k}");
+            prop_assert!(error <= tolerance * peak(&rubbing.hub().torque_n_m), "{error:e} at {k}");
         }
     }
 }

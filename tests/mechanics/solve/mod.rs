@@ -146,7 +146,9 @@ fn refused(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> InversionError {
-    invert(link, plan, motion, analysis).map(|solution| solution.torque_n_m.len()).unwrap_err()
+    invert(link, plan, motion, analysis)
+        .map(|solution| solution.hub().torque_n_m.len())
+        .unwrap_err()
 }
 
 fn peak(samples: &[f64]) -> f64 {
@@ -156,7 +158,7 @@ fn peak(samples: &[f64]) -> f64 {
 /// Torque at sample `k` of the trajectory's own numbering; outside the window it is nothing.
 fn torque_at(solution: &Solution, k: i64) -> f64 {
     let index = usize::try_from(k - solution.grid.first).ok();
-    index.and_then(|index| solution.torque_n_m.get(index)).copied().unwrap_or(0.0)
+    index.and_then(|index| solution.hub().torque_n_m.get(index)).copied().unwrap_or(0.0)
 }
 
 /// Samples of the trajectory's own numbering that a window covers.
@@ -171,7 +173,7 @@ fn torque_difference(a: &Solution, b: &Solution, shift: i64) -> f64 {
     let from = a_samples.start.min(b_samples.start - shift);
     let until = a_samples.end.max(b_samples.end - shift);
     let differences = (from..until).map(|k| torque_at(a, k) - torque_at(b, k + shift));
-    differences.fold(0.0_f64, |m, d| m.max(d.abs())) / peak(&a.torque_n_m)
+    differences.fold(0.0_f64, |m, d| m.max(d.abs())) / peak(&a.hub().torque_n_m)
 }
 
 /// The analysis with every frequency of the samples, where a law is to hold to the last digits.

@@ -39,9 +39,12 @@ fn assert_same(found: &Solution, expected: &Solution, tolerance: f64) {
         solution.moments(&nodes, NonZeroUsize::MIN).unwrap().histories().samples.concat()
     };
     for (what, error) in [
-        ("torque", difference(&found.torque_n_m, &expected.torque_n_m)),
-        ("hub angle", difference(&found.hub_angle_rad, &expected.hub_angle_rad)),
-        ("root moment", difference(&found.root_moment_n_m, &expected.root_moment_n_m)),
+        ("torque", difference(&found.hub().torque_n_m, &expected.hub().torque_n_m)),
+        ("hub angle", difference(&found.hub().angle_rad, &expected.hub().angle_rad)),
+        (
+            "root moment",
+            difference(&found.links[0].root_moment_n_m, &expected.links[0].root_moment_n_m),
+        ),
         ("deflections", difference(&bent(found), &bent(expected))),
         ("moments", difference(&stressed(found), &stressed(expected))),
     ] {
@@ -62,8 +65,8 @@ fn all_modes_together_are_the_whole_link() {
         let whole = solved(&link, 8, &motion);
         let summed = invert(&link, &mesh_of(&link, 8), &motion, &keeping(16)).unwrap();
         assert_same(&summed, &whole, 1e-9);
-        assert!(summed.accuracy.errors.torque.modes.unwrap() < 1e-9);
-        assert_eq!(whole.accuracy.errors.torque.modes, None);
+        assert!(summed.hub().errors.torque.modes.unwrap() < 1e-9);
+        assert_eq!(whole.hub().errors.torque.modes, None);
     }
 }
 
@@ -107,7 +110,7 @@ fn a_reduction_tells_what_it_costs() {
     let mut before = f64::INFINITY;
     for modes in [2, 4, 8] {
         let reduced = invert(&link, &plan, &motion, &keeping(modes)).unwrap();
-        let told = reduced.accuracy.errors.torque.modes.unwrap();
+        let told = reduced.hub().errors.torque.modes.unwrap();
         let found = torque_difference(&whole, &reduced, 0);
         assert!((found - told).abs() < 1e-5 + 0.01 * told, "{modes} modes: {told}");
         assert!(told < before, "{modes} modes cost {told}, fewer {before}");

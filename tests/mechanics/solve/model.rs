@@ -65,7 +65,7 @@ fn the_tip_strays_as_far_as_in_a_geometrically_exact_code() {
         });
         let motion = Profile::Septic.motion(case.travel_m, case.duration_s, 500).unwrap();
         let solution = solved(&link.unwrap(), &motion, &Analysis::default());
-        let claimed = solution.accuracy.tip_model.unwrap() / case.strays;
+        let claimed = solution.tip_model_error.unwrap() / case.strays;
         let of = (case.stiffness_n_m2, case.travel_m);
         assert!(claimed > 0.9 && claimed < case.most, "{claimed} of {} at {of:?}", case.strays);
         assert_eq!(warns(&solution), case.strays >= 0.01, "{of:?}");
@@ -106,10 +106,10 @@ fn the_claim_is_half_to_thirty_times_what_all_terms_change_of_the_torque() {
         // Over the times that both have.
         let first = solution.grid.first.max(full.grid.first);
         let from = |own: &Solution| usize::try_from(first - own.grid.first).unwrap();
-        let [own, full] = [&solution, &full].map(|own| &own.torque_n_m[from(own)..]);
+        let [own, full] = [&solution, &full].map(|own| &own.hub().torque_n_m[from(own)..]);
         let len = own.len().min(full.len());
         let truth = largest_difference(&own[..len], &full[..len]) / largest(own);
-        let claimed = solution.accuracy.errors.torque.model.unwrap();
+        let claimed = solution.hub().errors.torque.model.unwrap();
         // Below that the tolerance of the window is as large.
         if truth > 1e-5 {
             let factor = claimed / truth;
@@ -141,7 +141,7 @@ fn what_a_simulation_claims_is_half_to_thirty_times_what_all_terms_change() {
         let motion = Profile::Septic.motion(travel_m, duration_s, 200).unwrap();
         let solution = solved(&link, &motion, &Analysis::default());
         let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
-        let torque = Torque::new(&time_s, solution.torque_n_m).unwrap();
+        let torque = Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap();
         let play = |is_large| {
             let play = Play { is_large, ..Play::of(&torque) };
             simulate(&link, &mesh_of(&link, ELEMENTS), &play).unwrap()

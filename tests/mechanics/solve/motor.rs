@@ -25,10 +25,10 @@ fn driven(drive: Drive) -> Solution {
 #[test]
 fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
     let solution = driven(STIFF);
-    let motor = solution.motor.as_ref().unwrap();
-    assert_eq!(motor.torque_n_m, solution.torque_n_m);
-    assert_eq!(motor.angle_rad, solution.hub_angle_rad);
-    assert_eq!(motor.rate_rad_s, solution.hub_rate_rad_s);
+    let motor = solution.hub().motor.as_ref().unwrap();
+    assert_eq!(motor.torque_n_m, solution.hub().torque_n_m);
+    assert_eq!(motor.angle_rad, solution.hub().angle_rad);
+    assert_eq!(motor.rate_rad_s, solution.hub().rate_rad_s);
     let metrics = *Metrics::of(&solution).hub();
     let motor = metrics.motor.unwrap();
     assert_eq!(motor.peak_torque_n_m, metrics.peak_torque_n_m);
@@ -43,7 +43,7 @@ fn hub_peaks(metrics: &JointMetrics) -> (Peak, Peak) {
 #[test]
 fn a_link_without_a_drive_has_no_motor() {
     let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    assert!(solution.motor.is_none() && Metrics::of(&solution).hub().motor.is_none());
+    assert!(solution.hub().motor.is_none() && Metrics::of(&solution).hub().motor.is_none());
 }
 
 #[test]
@@ -63,10 +63,10 @@ fn a_motor_that_leaves_double_precision_is_an_error() {
 #[test]
 fn a_gear_trades_torque_for_angle_and_keeps_the_power() {
     let solution = driven(Drive { gear_ratio: 50.0, ..STIFF });
-    let motor = solution.motor.as_ref().unwrap();
-    close(&motor.torque_n_m, solution.torque_n_m.iter().map(|t| t / 50.0), 1e-14);
-    close(&motor.angle_rad, solution.hub_angle_rad.iter().map(|a| 50.0 * a), 1e-14);
-    let power = solution.torque_n_m.iter().zip(&solution.hub_rate_rad_s);
+    let motor = solution.hub().motor.as_ref().unwrap();
+    close(&motor.torque_n_m, solution.hub().torque_n_m.iter().map(|t| t / 50.0), 1e-14);
+    close(&motor.angle_rad, solution.hub().angle_rad.iter().map(|a| 50.0 * a), 1e-14);
+    let power = solution.hub().torque_n_m.iter().zip(&solution.hub().rate_rad_s);
     close(&motor.power_w, power.map(|(t, rate)| t * rate), 1e-12);
 }
 
@@ -77,8 +77,8 @@ fn the_joint_twists_by_torque_over_stiffness_and_the_rotor_takes_its_share() {
         rotor_inertia_kg_m2: 0.003,
         gear_ratio: 5.0,
     });
-    let motor = solution.motor.as_ref().unwrap();
-    let twisted = solution.hub_angle_rad.iter().zip(&solution.torque_n_m);
+    let motor = solution.hub().motor.as_ref().unwrap();
+    let twisted = solution.hub().angle_rad.iter().zip(&solution.hub().torque_n_m);
     close(&motor.angle_rad, twisted.map(|(a, t)| 5.0 * (a + t / 20.0)), 1e-12);
     // Central differences of the angle, written apart from the spectra.
     let step_s = solution.grid.step_s;
@@ -87,7 +87,7 @@ fn the_joint_twists_by_torque_over_stiffness_and_the_rotor_takes_its_share() {
     let torques = motor
         .angle_rad
         .windows(3)
-        .zip(&solution.torque_n_m[1..])
+        .zip(&solution.hub().torque_n_m[1..])
         .map(|(a, t)| t / 5.0 + 0.003 * (a[2] - 2.0 * a[1] + a[0]) / (step_s * step_s));
     close(&motor.torque_n_m[1..motor.torque_n_m.len() - 1], torques, 2e-3);
 }

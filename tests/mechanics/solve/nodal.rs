@@ -35,12 +35,12 @@ fn the_root_does_not_deflect_and_the_last_node_is_the_tip() {
         let displacements =
             solution.displacements(&all_nodes(&solution), NonZeroUsize::MIN).unwrap().histories();
         let tip = displacements.samples.last().unwrap();
-        let wanted = solution.tip.displacement_m.iter().copied();
+        let wanted = solution.tip[0].displacement_m.iter().copied();
         assert!(largest_difference(tip, wanted) < 1e-9 * 0.5);
         let deflection = deflections.samples.last().unwrap();
-        assert!(largest_difference(deflection, solution.tip_deflection_m().into_iter()) < 1e-9);
+        assert!(largest_difference(deflection, solution.tip_deflection_m(0).into_iter()) < 1e-9);
         let radius_m = link.hub().radius_m;
-        let root = solution.hub_angle_rad.iter().map(|theta| radius_m * theta);
+        let root = solution.hub().angle_rad.iter().map(|theta| radius_m * theta);
         assert!(largest_difference(&displacements.samples[0], root) < 1e-15);
     }
 }
@@ -62,18 +62,19 @@ fn chosen_nodes_and_rows_are_those_of_the_whole_table() {
 #[test]
 fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
     let solution = solved(&undamped(), 10, &Smooth::MOVE.motion());
-    let peak_n_m = peak(&solution.torque_n_m);
-    let acceleration = solution.hub_acceleration_rad_s2();
-    let hub = acceleration.iter().zip(&solution.hub_rate_rad_s);
+    let peak_n_m = peak(&solution.hub().torque_n_m);
+    let acceleration = solution.acceleration_rad_s2(0);
+    let hub = acceleration.iter().zip(&solution.hub().rate_rad_s);
     let left = solution
+        .hub()
         .torque_n_m
         .iter()
         .zip(hub)
         .map(|(torque, (acceleration, rate))| torque - 0.1 * acceleration - 0.1 * rate);
-    assert!(largest_difference(&solution.root_moment_n_m, left) < 1e-9 * peak_n_m);
+    assert!(largest_difference(&solution.links[0].root_moment_n_m, left) < 1e-9 * peak_n_m);
     let at_node = solution.moments(&[0], NonZeroUsize::MIN).unwrap().histories();
     let difference =
-        largest_difference(&at_node.samples[0], solution.root_moment_n_m.iter().copied());
+        largest_difference(&at_node.samples[0], solution.links[0].root_moment_n_m.iter().copied());
     assert!(difference < 1e-12 * peak_n_m);
 }
 
@@ -125,14 +126,14 @@ fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
         _ if node % 2 == 1 => 4.0,
         _ => 2.0,
     };
-    let hub_acceleration_rad_s2 = solution.hub_acceleration_rad_s2();
+    let hub_acceleration_rad_s2 = solution.acceleration_rad_s2(0);
     let balance = (1..solution.grid.len - 1).map(|k| {
         let second = |v: &Vec<f64>| (v[k - 1] - 2.0 * v[k] + v[k + 1]) / step_s.powi(2);
         let moment = |node: usize| weight(node) * spacing * node as f64 * second(&v[node]);
         let beam = 0.8 * nodes.iter().map(|node| moment(*node)).sum::<f64>() * spacing / 3.0;
-        0.1 * hub_acceleration_rad_s2[k] + 0.1 * solution.hub_rate_rad_s[k] + beam
+        0.1 * hub_acceleration_rad_s2[k] + 0.1 * solution.hub().rate_rad_s[k] + beam
     });
-    let torque = &solution.torque_n_m[1..solution.grid.len - 1];
+    let torque = &solution.hub().torque_n_m[1..solution.grid.len - 1];
     let difference = largest_difference(torque, balance) / peak(torque);
     assert!(difference < 5e-4, "{difference:e}");
 }
@@ -150,7 +151,7 @@ fn a_thinned_table_of_displacements_ends_with_the_tip_at_the_same_times() {
             .concat();
         assert_eq!(rows.len(), solution.grid.len.div_ceil(every));
         for (row, v) in rows.iter().enumerate() {
-            let tip = solution.tip.displacement_m[row * every];
+            let tip = solution.tip[0].displacement_m[row * every];
             assert!((v - tip).abs() < 1e-12, "row {row} of every {every}: {v} is not {tip}");
         }
     }

@@ -3,7 +3,7 @@
 use super::{
     Smooth, accelerated, link, mesh_of, samples, sine, solved, torque_difference, whole_band,
 };
-use flexlink::inverse::{Analysis, Resources, Solution, Warning, invert, torques_over_window};
+use flexlink::inverse::{Analysis, Resources, Solution, Warning, invert};
 use flexlink::link::Damping;
 
 /// With viscous damping the torque decays exponentially on both sides, as the zeros say.
@@ -24,9 +24,9 @@ fn a_trajectory_with_enough_rest_is_not_padded() {
     assert_eq!(solution.band.fft_length, 1280);
     assert_eq!(samples(&solution), 0..1280);
     assert!(
-        solution.accuracy.errors.torque.window <= 1e-6,
+        solution.hub().errors.torque.window <= 1e-6,
         "{:e}",
-        solution.accuracy.errors.torque.window
+        solution.hub().errors.torque.window
     );
     assert!(solution.warnings.is_empty());
 }
@@ -36,7 +36,7 @@ fn what_rest_there_is_counts_for_the_padding() {
     let link = link(|parts| parts.damping = VISCOUS);
     let period = |rest: [u32; 2]| {
         let solution = solved(&link, 16, &Smooth { rest, ..Smooth::MOVE }.motion());
-        assert!(solution.accuracy.errors.torque.window <= 1e-6, "{rest:?}");
+        assert!(solution.hub().errors.torque.window <= 1e-6, "{rest:?}");
         solution.band.fft_length
     };
     let bare = period([0, 0]);
@@ -52,7 +52,7 @@ fn the_edge_error_stays_below_the_tolerance() {
     for damping in [Damping::Hysteretic { ratio: 0.02 }, VISCOUS, Damping::None] {
         let link = link(|parts| parts.damping = damping.clone());
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
-        let edge = solution.accuracy.errors.torque.window;
+        let edge = solution.hub().errors.torque.window;
         assert!(edge <= 1e-6, "{damping:?}: {edge:e}");
         assert!(edge > 1e-9, "{damping:?}: far more padding than needed, {edge:e}");
     }
@@ -82,11 +82,11 @@ fn a_cut_torque_is_warned_about_with_what_is_cut() {
         panic!("{:?}", cut.warnings);
     };
     assert!((tolerance - 1e-6).abs() < 1e-18);
-    let peak = super::peak(&whole.torque_n_m);
+    let peak = super::peak(&whole.hub().torque_n_m);
     let outside = samples(&whole).filter(|k| !samples(&cut).contains(k));
     let largest = outside.fold(0.0_f64, |m, k| m.max(super::torque_at(&whole, k).abs()));
     assert!((share / (largest / peak) - 1.0).abs() < 1e-3, "{share} of {}", largest / peak);
-    assert!((cut.accuracy.errors.torque.window - share).abs() < 1e-15);
+    assert!((cut.hub().errors.torque.window - share).abs() < 1e-15);
     // What is written is the same torque.
     for k in samples(&cut) {
         assert!((super::torque_at(&cut, k) - super::torque_at(&whole, k)).abs() < 1e-6 * peak);
@@ -103,7 +103,7 @@ fn a_window_longer_than_needed_is_no_reason_to_warn() {
 /// Warnings but those of the step and of the model: the samples of the whole band do not hold the hub's acceleration, and the
 /// link bends by a tenth of its length.
 fn of_the_window(solution: &Solution) -> Vec<Warning> {
-    let warnings = solution.warnings.iter().copied();
+    let warnings = solution.warnings.iter().map(|own| own.warning);
     warnings.filter(|own| !["coarse_step", "inexact_model"].contains(&own.kind())).collect()
 }
 
@@ -142,11 +142,11 @@ fn another_sampling_of_a_motion_asks_for_the_same_torque_over_the_same_window() 
         accelerated(time_s, motion.acceleration_m_s2())
     };
     let solution = solved(&link, 16, &late(256));
-    let finer = torques_over_window(&solution, &late(512), &Resources::default());
-    let finer = finer.unwrap().hub_n_m;
+    let finer = solution.torques_over_window(&late(512), &Resources::default());
+    let finer = finer.unwrap().unwrap().hub_n_m;
     assert_eq!(finer.len(), 2 * solution.grid.len - 1);
-    let peak = super::peak(&solution.torque_n_m);
-    for (k, torque_n_m) in solution.torque_n_m.iter().enumerate() {
+    let peak = super::peak(&solution.hub().torque_n_m);
+    for (k, torque_n_m) in solution.hub().torque_n_m.iter().enumerate() {
         assert!((torque_n_m - finer[2 * k]).abs() < 4e-6 * peak, "sample {k}");
     }
 }

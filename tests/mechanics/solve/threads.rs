@@ -15,7 +15,7 @@ fn torque_and_nodes_have_the_same_bits_on_one_two_and_seven_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let solution = solved(&link, 12, &Smooth::MOVE.motion());
-            let torque = vec![solution.torque_n_m.clone(), solution.hub_angle_rad.clone()];
+            let torque = vec![solution.hub().torque_n_m.clone(), solution.hub().angle_rad.clone()];
             let deflections =
                 solution.deflections(&[12, 5], NonZeroUsize::MIN).unwrap().histories().samples;
             let moments = solution.moments(&[0, 7], NonZeroUsize::MIN).unwrap().histories().samples;

@@ -12,7 +12,7 @@ fn of_kind<'a>(solution: &'a Solution, kind: &str) -> &'a Warning {
     let mut found = solution.warnings.iter().filter(|warning| warning.kind() == kind);
     let only = found.next().unwrap_or_else(|| panic!("no {kind} in {:?}", solution.warnings));
     assert_eq!(found.count(), 0);
-    only
+    &only.warning
 }
 
 fn with_payload_inertia(damping: Damping) -> Link {
@@ -116,7 +116,7 @@ fn an_undamped_tip_that_is_blocked_rings_around_the_period() {
     };
     assert!(share > tolerance, "{warning}");
     assert!(period_s > 1000.0, "the period was lengthened in vain: {period_s} s");
-    assert!((solution.accuracy.errors.torque.window - share).abs() < 1e-15);
+    assert!((solution.hub().errors.torque.window - share).abs() < 1e-15);
     let warning = of_kind(&solution, "long_window");
     let Warning::LongWindow { rows, times } = *warning else { panic!("{warning}") };
     assert_eq!(rows, solution.grid.len);
@@ -179,7 +179,7 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
 
     let coarse = of_kind(&solution, "coarse_mesh");
     let Warning::CoarseMesh { error, .. } = *coarse else { panic!("{coarse}") };
-    assert!((error - solution.accuracy.errors.torque.mesh).abs() < 1e-15 && error > 0.01);
+    assert!((error - solution.hub().errors.torque.mesh).abs() < 1e-15 && error > 0.01);
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn modes_that_are_too_few_are_told_with_the_error_that_was_measured() {
     let solution = few(1);
     let warning = of_kind(&solution, "few_modes");
     let Warning::FewModes { error, .. } = *warning else { panic!("{warning}") };
-    let (_, worst) = solution.accuracy.errors.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
+    let (_, worst) = solution.hub().errors.of_kind(|errors| errors.modes.unwrap_or(0.0)).worst();
     assert!((error - worst).abs() < 1e-15 && error > 0.01, "{error}");
     assert!(few(8).warnings.is_empty(), "{:?}", few(8).warnings);
 }
@@ -218,7 +218,7 @@ fn a_torque_that_the_tip_does_not_settle_is_told_with_the_peak_at_twice_the_tole
     let Warning::UnsettledTorque { peak_n_m, looser_n_m, .. } = *warning else {
         panic!("{warning}")
     };
-    let peak = |solution: &Solution| largest(&solution.torque_n_m);
+    let peak = |solution: &Solution| largest(&solution.hub().torque_n_m);
     assert!((peak_n_m / peak(&solution) - 1.0).abs() < 0.01, "{warning}");
     let looser = peak(&solve(&motion, 4e-6));
     assert!((looser_n_m / looser - 1.0).abs() < 0.05, "{warning}, {looser} N m if solved anew");

@@ -14,7 +14,7 @@ use flexlink::model::{Dense, KeptModes, Model, model_of};
 use flexlink::motion::{MotionColumns, Profile, TipMotion};
 use flexlink::response::{Play, Torque, simulate};
 use flexlink::result::{Check, Limits, Metrics};
-use flexlink::verify::{Answer, AnySolution, Verification, verify};
+use flexlink::verify::{Answer, Verification, verify};
 
 /// A tapered link with hub radius, friction, a lumped mass and a payload.
 fn parts(stiffness_n_m2: f64, damping: Damping) -> LinkParts {
@@ -82,7 +82,7 @@ impl Run {
         let Self { plan, limits, solution } = self;
         let written_torques_n_m = &[written_torque_n_m.to_vec()];
         verify(&Answer {
-            solution: AnySolution::Link(solution),
+            solution,
             plans: from_ref(plan),
             limits: from_ref(limits),
             memory_bytes: None,
@@ -92,7 +92,7 @@ impl Run {
     }
 
     fn as_computed(&self) -> Verification {
-        self.verified(&self.solution.torque_n_m)
+        self.verified(&self.solution.hub().torque_n_m)
     }
 }
 
@@ -141,9 +141,9 @@ fn a_hysteretic_torque_strays_on_a_viscous_link_as_the_laws_differ() {
     let Run { plan, solution, .. } = &run;
     let link = solution.link();
     let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
-    let torque = Torque::new(&time_s, solution.torque_n_m.clone()).unwrap();
+    let torque = Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap();
     let tip_m = simulate(link, plan, &Play::of(&torque)).unwrap().tip.displacement_m;
-    let pairs = tip_m.iter().zip(&solution.tip.displacement_m);
+    let pairs = tip_m.iter().zip(&solution.tip[0].displacement_m);
     let strays = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / 0.5;
     assert!((1e-3..1e-2).contains(&strays), "{strays:e}");
 }
@@ -151,7 +151,7 @@ fn a_hysteretic_torque_strays_on_a_viscous_link_as_the_laws_differ() {
 #[test]
 fn a_torque_that_is_written_wrong_is_found() {
     let run = Run::usual();
-    let torque = &run.solution.torque_n_m;
+    let torque = &run.solution.hub().torque_n_m;
     let larger: Vec<f64> = torque.iter().map(|t| 1.001 * t).collect();
     assert_eq!(failed(&run.verified(&larger)), ["tip_error", "tip_error_viscous"]);
     let mut late = vec![0.0];
@@ -215,7 +215,7 @@ fn the_motors_torque_counts_where_it_is_worse_than_the_hubs() {
     let verification = run.as_computed();
     let mesh = check(&verification, "mesh_halving");
     assert_eq!(mesh.what, "motor torque with elements halved");
-    assert!(!mesh.passes && run.solution.accuracy.errors.torque.mesh < 1e-2);
+    assert!(!mesh.passes && run.solution.hub().errors.torque.mesh < 1e-2);
     assert!(!check(&verification, "step_halving_motor").passes);
     assert!(check(&verification, "step_halving").passes);
     let run = rome(Analysis::new(1e-4, None, None).unwrap());
@@ -231,7 +231,7 @@ fn every_limit_is_a_check_and_the_error_counts() {
     let metrics = *Metrics::of(&run.solution).hub();
     let motor = metrics.motor.unwrap();
     let (torque, power) = (metrics.peak_torque_n_m.value, motor.peak_power_w.value);
-    let errors = run.solution.accuracy.errors.torque;
+    let errors = run.solution.hub().errors.torque;
     let error = errors.mesh + errors.window;
     run.limits.torque_n_m = Some(torque * (1.0 + 0.5 * error));
     run.limits.motor_power_w = Some(1.01 * power);
@@ -246,7 +246,7 @@ fn every_limit_is_a_check_and_the_error_counts() {
 fn a_tip_that_is_solved_beyond_its_tolerance_is_found() {
     let mut run = Run::usual();
     assert!(found(&run.as_computed(), "tip_solved") <= 1e-6);
-    run.solution.tip.displacement_m[440] += 1e-6;
+    run.solution.tip[0].displacement_m[440] += 1e-6;
     assert_eq!(failed(&run.as_computed()), ["tip_solved"]);
     let whole = Analysis::default().with_tip_tolerance(0.0).unwrap();
     let run = Run::new(Damping::Hysteretic { ratio: 0.02 }, 24, &smooth(0.88, 880), whole);
@@ -272,7 +272,7 @@ fn a_torque_off_by_half_a_percent_is_found_under_either_law_at_every_ratio() {
         let run = Run::new(law, 24, &smooth(1.2, 1200), Analysis::default());
         let right = run.as_computed();
         assert_eq!(failed(&right), [] as [&str; 0], "ratio {ratio}: {right:?}");
-        let torque = &run.solution.torque_n_m;
+        let torque = &run.solution.hub().torque_n_m;
         let larger: Vec<f64> = torque.iter().map(|t| 1.005 * t).collect();
         let wrong = run.verified(&larger);
         assert_eq!(failed(&wrong), ["tip_error", "tip_error_viscous"], "ratio {ratio}: {wrong:?}");
@@ -284,7 +284,7 @@ fn more_bending_than_the_linear_model_holds_for_is_found() {
     let bent = |duration_s| {
         let law = Damping::Hysteretic { ratio: 0.02 };
         let run = Run::new(law, 24, &smooth(duration_s, 880), Analysis::default());
-        let deflections = run.solution.tip_deflection_m();
+        let deflections = run.solution.tip_deflection_m(0);
         let share = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs())) / 1.5;
         (share, failed(&run.as_computed()).contains(&"model"))
     };

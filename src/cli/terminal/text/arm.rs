@@ -1,23 +1,26 @@
 //! Summaries of an arm from `solve` and `simulate`.
 
-use crate::inverse::ArmSolution;
+use crate::inverse::Solution;
 use crate::link::{Arm, Damping};
-use crate::motion::Prescribed;
+use crate::motion::{ArmPath, Prescribed};
 use crate::result::{Metrics, PlayedJoint};
 use crate::store::PlayedRun;
 use crate::text::{instant, plain, significant, visible};
 
 use super::layout::LABEL;
 use super::played::{between, times, tip_error_line, tip_line};
-use super::runs::{errors_text, four, hub_line, joint_lines, labelled, order_text, turned};
+use super::runs::{four, hub_line, joint_lines, labelled, order_line, solution_errors, turned};
 
-/// Summary of an arm's solution; `written` describes its files.
-pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: String) -> String {
+/// The summary of an arm's solution; `written` says where its files are.
+pub(super) fn arm_text(
+    (solution, path): (&Solution, &ArmPath),
+    metrics: &Metrics,
+    written: String,
+) -> String {
     let arm = &solution.arm;
     let numbered = |what: &str, number: usize| format!("{what} {}", number + 1);
-    let links = solution.elements().into_iter().enumerate().map(|(number, elements)| {
-        (numbered("link", number), arm_link_line(solution, number, elements))
-    });
+    let links = (0..solution.links.len())
+        .map(|number| (numbered("link", number), arm_link_line(solution, number)));
     let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
         let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
         // The other lines contain their subject.
@@ -30,20 +33,20 @@ pub(crate) fn arm_text(solution: &ArmSolution, metrics: &Metrics, written: Strin
     });
     let own = |label: &str, line: String| (label.to_owned(), line);
     let lines = [own("arm", size_line(arm))].into_iter().chain(links);
+    let fallback = solution.second_order.and_then(|found| found.fallback);
+    let fallback = fallback.map_or("", |_| "; all terms do not converge");
     let lines = lines.chain([
         own("gravity", gravity_line(arm)),
-        own("path", path_line(solution)),
-        own("order", order_line(solution)),
+        own("path", path_line(solution, path)),
+        own("order", order_line(solution) + fallback),
     ]);
-    let of = if arm.has_weight() { "of the range" } else { "of the peak" };
-    let tip = Some(solution.expected_tip_error());
-    let errors = errors_text(&solution.errors, (tip, None), (false, of));
-    let end = [own("errors", errors), own("written", written)];
+    let end = [own("errors", solution_errors(solution)), own("written", written)];
     labelled(arm.title(), lines.chain(joints).chain(end))
 }
 
-fn arm_link_line(solution: &ArmSolution, number: usize, elements: usize) -> String {
+fn arm_link_line(solution: &Solution, number: usize) -> String {
     let own = &solution.arm.links()[number];
+    let elements = solution.links[number].mesh().elements().len();
     let name = own.name.as_deref().map(|name| format!("{}, ", visible(name))).unwrap_or_default();
     let [length, mass] = four([own.link.length_m(), own.link.mass_kg()]);
     let damping = match own.link.damping().name() {
@@ -66,29 +69,21 @@ pub(super) fn gravity_line(arm: &Arm) -> String {
     format!("{along_x}, {along_y} m/s²")
 }
 
-fn path_line(solution: &ArmSolution) -> String {
-    let grid = solution.path.grid();
-    let what = match solution.path.prescribed() {
+fn path_line(solution: &Solution, path: &ArmPath) -> String {
+    let grid = path.grid();
+    let what = match path.prescribed() {
         Prescribed::Tip => "of the tip",
         Prescribed::Angles => "as angles of the links",
     };
     let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
-    let [step, way] = four([grid.step_s, solution.way_m]);
-    let cutoff = solution.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
+    let [step, way] = four([grid.step_s, solution.tip_travel_m()]);
+    let cutoff = solution.band.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
         format!("up to {} Hz", significant(hertz, 4))
     });
     format!("{what}, {from} … {to} s at {step} s; the tip moves by {way} m;\n         {cutoff}")
 }
 
-fn order_line(solution: &ArmSolution) -> String {
-    let (findings, iteration) = (&solution.findings, &solution.findings.iteration);
-    let slopes: Vec<f64> = solution.links.iter().map(|link| link.largest_slope).collect();
-    let iterated = (iteration.second_order_change, iteration.iterations, iteration.contraction);
-    let fallback = findings.fallback.map_or("", |_| "; all terms do not converge");
-    order_text(findings.order, &slopes, iterated) + fallback
-}
-
-/// Summary of an arm's simulation; `written` describes its files.
+/// The summary of an arm's simulation; `written` says where its files are.
 pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
     let own = |label: &str, line: String| (label.to_owned(), line);
     let joints = run.metrics.joints.iter().enumerate().map(|(number, joint)| {

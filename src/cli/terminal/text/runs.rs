@@ -4,15 +4,16 @@ use std::f64::consts::TAU;
 use std::fmt::{Display, Write as _};
 
 use crate::beam::Mesh;
-use crate::elastica::SecondOrder;
-use crate::inverse::{PerQuantity, Quantity, QuantityErrors, Solution};
+use crate::elastica::{Iteration, SecondOrder};
+use crate::inverse::{Quantity, QuantityErrors, Solution};
 use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::Ends;
+use crate::motion::{Ends, Motion, TipMotion};
 use crate::numeric::ThinnedGrid;
 use crate::result::{JointMetrics, Metrics, MotorMetrics, Peak};
 use crate::text::{gigabytes, instant, plain, significant, visible};
 
+use super::arm::arm_text;
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
 
 /// Note about memory before its allocation.
@@ -28,6 +29,17 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
 
 /// Summary of a solution; `written` describes its files.
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
+    match &solution.motion {
+        Motion::Tip(motion) => link_text((solution, motion), metrics, written),
+        Motion::Path(path) => arm_text((solution, path), metrics, written),
+    }
+}
+
+fn link_text(
+    (solution, motion): (&Solution, &TipMotion),
+    metrics: &Metrics,
+    written: String,
+) -> String {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
     let before = [
@@ -36,7 +48,7 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
         ("gravity", gravity_line(solution)),
         ("order", order_line(solution)),
         ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
-        ("motion", motion_line(solution, metrics)),
+        ("motion", motion_line((solution, motion), metrics)),
     ];
     let after = [("errors", solution_errors(solution)), ("written", written)];
     labelled(link.title(), before.into_iter().chain(joint_lines(metrics.hub())).chain(after))
@@ -110,29 +122,22 @@ pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f
 fn gravity_line(solution: &Solution) -> String {
     let Some(gravity) = solution.link().gravity() else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
-    let start_rad = solution.rigid_hub_angle_rad[0];
-    let last_rad = solution.rigid_hub_angle_rad[solution.grid.len - 1];
+    let start_rad = solution.hub().rigid_angle_rad[0];
+    let last_rad = solution.hub().rigid_angle_rad[solution.grid.len - 1];
     let [start, last] = four([start_rad, last_rad]);
     format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
 }
 
-/// Order of the second-order terms, and their effect.
-fn order_line(solution: &Solution) -> String {
-    let Some(found) = solution.second_order() else { return String::new() };
-    let iterated = (found.torque_change, found.iterations, found.contraction);
-    order_text(found.order, &[found.largest_slope], iterated)
-}
-
-/// Order of the terms and largest slope of each link; then the largest change of a torque, over its peak or range, and
-/// the number of iterations with their contraction.
-pub(super) fn order_text(
-    order: SecondOrder,
-    slopes: &[f64],
-    (change, iterations, contraction): (f64, usize, Option<f64>),
-) -> String {
+/// What was counted of the second order, and what it brought.
+/// The order of the terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
+/// and the number of iterations with their contraction.
+pub(super) fn order_line(solution: &Solution) -> String {
+    let Some(found) = &solution.second_order else { return String::new() };
+    let Iteration { iterations, contraction, second_order_change: change, .. } = found.iteration;
+    let slopes: Vec<_> = solution.links.iter().filter_map(|link| link.largest_slope).collect();
     let slope = if slopes.len() > 1 { "slopes" } else { "slope" };
-    let slopes = format!("{slope} {}", list(slopes, 3));
-    let name = match order {
+    let slopes = format!("{slope} {}", list(&slopes, 3));
+    let name = match found.order {
         SecondOrder::None => return format!("none: linear; largest {slopes}"),
         SecondOrder::First => "first",
         SecondOrder::Full => "full",
@@ -173,15 +178,14 @@ fn list(values: &[f64], digits: usize) -> String {
 /// Velocity over its peak below which it is shown as rest.
 const ROUND_OFF: f64 = 1e-9;
 
-fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
-    let motion = &solution.motion;
+fn motion_line((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -> String {
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
     let farthest_m = solution.tip_travel_m();
     let [travel, farthest, duration] =
         [motion.travel_m(), farthest_m, grid.time_s(until) - grid.time_s(from)]
             .map(|number| significant(number, 3));
     if motion.ends() == Ends::Periodic {
-        return with_peaks(&cycle_line(solution, farthest_m), solution, metrics);
+        return with_peaks(&cycle_line(motion, farthest_m), solution, metrics);
     }
     let is_there_and_back = motion.travel_m().abs() <= 1e-6 * farthest_m;
     let travel =
@@ -202,9 +206,9 @@ fn motion_line(solution: &Solution, metrics: &Metrics) -> String {
     with_peaks(&format!("{travel} in {duration} s at {step} s"), solution, metrics)
 }
 
-/// A cycle: its travel or angle, and its period.
-fn cycle_line(solution: &Solution, farthest_m: f64) -> String {
-    let (grid, travel_m) = (solution.motion.grid(), solution.motion.travel_m());
+/// A cycle: how far it leads, or turns, in what time.
+fn cycle_line(motion: &TipMotion, farthest_m: f64) -> String {
+    let (grid, travel_m) = (motion.grid(), motion.travel_m());
     let [farthest, travel, period] = four([farthest_m, travel_m, grid.len as f64 * grid.step_s]);
     let step = significant(grid.step_s, 3);
     if travel_m == 0.0 {
@@ -304,21 +308,14 @@ const INPUT: &str = "input";
 /// A kind of error that a cycle lacks, because it is not cut out of a longer one.
 const WINDOW: &str = "window";
 
-fn solution_errors(solution: &Solution) -> String {
-    let errors = &solution.accuracy;
-    let is_cycle = solution.motion.ends() == Ends::Periodic;
-    let tip = solution.band.cutoff_hz.map(|_| errors.tip);
-    let of = if solution.link().has_weight() { "of the range" } else { "of the peak" };
-    errors_text(&[errors.errors], (tip, errors.tip_model), (is_cycle, of))
-}
-
-/// Errors of the tip, then the worst error of each kind, with its quantity unless it is the torque, and its joint out
+/// The errors of the tip, then the worst error of each kind, with its quantity where that is not the torque, and its joint
 /// of several.
-pub(super) fn errors_text(
-    errors: &[PerQuantity<QuantityErrors>],
-    (tip, tip_model): (Option<f64>, Option<f64>),
-    (is_cycle, of): (bool, &str),
-) -> String {
+pub(super) fn solution_errors(solution: &Solution) -> String {
+    let errors: Vec<_> = solution.joints.iter().map(|joint| joint.errors).collect();
+    let is_cycle = solution.motion.ends() == Ends::Periodic;
+    // The tip of one link that is solved at all frequencies of its samples is exact.
+    let has_error = errors.len() > 1 || solution.band.cutoff_hz.is_some();
+    let of = if solution.arm.has_weight() { "of the range" } else { "of the peak" };
     let kinds: [(&str, Kind); 6] = [
         ("mesh", |errors| Some(errors.mesh)),
         (WINDOW, |errors| Some(errors.window)),
@@ -329,7 +326,7 @@ pub(super) fn errors_text(
     ];
     let worst = kinds.iter().filter_map(|(name, kind)| {
         let is_measured = errors.iter().any(|own| kind(own.torque).is_some());
-        let joints = (1..).zip(errors).filter(|_| is_measured && !(is_cycle && *name == WINDOW));
+        let joints = (1..).zip(&errors).filter(|_| is_measured && !(is_cycle && *name == WINDOW));
         let worst = joints.map(|(joint, own)| {
             let (quantity, error) = own.of_kind(|own| kind(own).unwrap_or(0.0)).worst();
             (joint, own.torque.input, quantity, error)
@@ -347,9 +344,9 @@ pub(super) fn errors_text(
         Some((format!("{name}{of}"), format!("{torque}{error:.1e}")))
     });
     let share = |name: &str, share: f64| (name.to_owned(), format!("{share:.1e}"));
-    let tip = tip.map(|error| share("tip", error));
+    let tip = has_error.then(|| share("tip", solution.expected_tip_error()));
     let model = errors.iter().find_map(|own| own.torque.model).map(|error| share("model", error));
-    let tip_model = tip_model.map(|strays| share("model (tip)", strays));
+    let tip_model = solution.tip_model_error.map(|strays| share("model (tip)", strays));
     in_columns(tip.into_iter().chain(worst).chain(model).chain(tip_model), of)
 }
 

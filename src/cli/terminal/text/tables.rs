@@ -186,8 +186,8 @@ fn check_line(check: &Check) -> String {
     }
 }
 
-/// Description of a duration chosen out of those tried, with all limits that it keeps.
-pub(crate) fn found_text<S>(fit: &Fit<S>, values: &[LimitedValue]) -> String {
+/// How a duration was found among those that were tried, with all limits that it is within.
+pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
         format!("{}{key}={} {unit}", of_joint(joint), given(limit))
@@ -204,8 +204,8 @@ fn of_joint(joint: Option<usize>) -> String {
     joint.map_or(String::new(), |joint| format!("joint {} ", joint + 1))
 }
 
-/// The limit that a motion comes closest to, and the margin.
-pub(crate) fn binding_text<S>(fit: &Fit<S>) -> String {
+/// Which limit a motion comes closest to, and by how much.
+pub(crate) fn binding_text(fit: &Fit) -> String {
     if fit.has_fewest_steps() {
         return "; no limit binds: the profile has no fewer steps".to_owned();
     }

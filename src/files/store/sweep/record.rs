@@ -163,10 +163,11 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
     let joints = joints_of(names);
-    let arms = [SweepKind::DrivenArm { joints }, SweepKind::Arm { joints }];
-    let kinds = [SweepKind::Driven, SweepKind::Solved, SweepKind::Played, arms[0], arms[1]];
-    let known =
-        kinds.map(|kind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat());
+    let solved = |joints| [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven });
+    let kinds = [&solved(1)[..], &[SweepKind::Played], &solved(joints)].concat();
+    let names_of =
+        |kind: SweepKind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat();
+    let known: Vec<_> = kinds.into_iter().map(names_of).collect();
     let found = &names[varied..];
     if known.iter().any(|known| known == found) {
         return Ok(varied);

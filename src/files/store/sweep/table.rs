@@ -129,6 +129,8 @@ mod tests {
     use super::*;
     use crate::motion::MotionScale;
 
+    const SWEPT: SweepKind = SweepKind::Solved { joints: 1, is_driven: false };
+
     #[test]
     fn fields_that_would_part_or_comment_a_row_are_quoted() {
         assert_eq!(field("segments.*.EI [N cm^2]"), "segments.*.EI [N cm^2]");
@@ -144,11 +146,10 @@ mod tests {
             link_changes: vec![],
             motion: MotionScale::default(),
         };
-        let row =
-            sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SweepKind::Solved, &[]);
+        let row = sweep_row(&case, &Err("damping.ratio = 2, too much".into()), SWEPT, &[]);
         assert_eq!(row, format!("2{}\"damping.ratio = 2, too much\"\n", ",".repeat(20)));
         let plan = SweepPlan::new(vec!["damping.ratio=2".parse().unwrap()]).unwrap();
-        let header = sweep_header(&plan, SweepKind::Solved);
+        let header = sweep_header(&plan, SWEPT);
         assert_eq!(header.matches(',').count(), 20);
         assert!(header.starts_with("damping.ratio,period_1_s,zero_1_per_s,peak_torque_n_m,"));
         assert!(

@@ -9,6 +9,7 @@ use crate::elastica::{AngleHistories, ArmMotion, ArmPeriod};
 use crate::inverse::MotorHistories;
 use crate::inverse::curves::Curves;
 use crate::inverse::rest::Rest;
+use crate::inverse::solution::farthest_m;
 use crate::link::{Arm, Drive};
 use crate::motion::{ArmPath, Prescribed, TipPeriod};
 
@@ -147,7 +148,7 @@ impl ArmAnswer {
                 y_m[k] += length_m * libm::sin(chord[0][k]);
             }
         }
-        way_m([&x_m, &y_m])
+        farthest_m([&x_m, &y_m])
     }
 
     /// How far the solved tip is at most from the wanted one, in m.
@@ -163,15 +164,6 @@ impl ArmAnswer {
     pub(super) fn torque_amplitudes_n_m(&self, joint: usize) -> Vec<Complex64> {
         self.path.tip.spectrum.pair.amplitudes(&self.motion.links[joint].bent.torque_n_m)
     }
-}
-
-/// Largest distance in m of a tip at these x and y from where it starts.
-pub(super) fn way_m([x_m, y_m]: [&[f64]; 2]) -> f64 {
-    let far = |(x, y): (&f64, &f64)| {
-        let [dx, dy] = [x - x_m[0], y - y_m[0]];
-        (dx * dx + dy * dy).sqrt()
-    };
-    x_m.iter().zip(y_m).map(far).fold(0.0, f64::max)
 }
 
 /// What the motor of a joint does; `turned` is the angle behind the joint's spring, which its torque twists.

@@ -5,15 +5,14 @@ use std::sync::Arc;
 use super::answer::{ArmAnswer, PathPeriod};
 use super::error::ArmError;
 use super::problem::ArmProblem;
-use super::solution::ArmSolution;
 use super::solve::{LEAST_SIZE, Sizes, Solved, Solver};
-use super::warning::ArmWarning;
 use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link, thick_share,
 };
 use crate::inverse::{
-    InversionError, Quantity, QuantityErrors, Resources, ShareOf, Unwatched, Warning,
+    InversionError, JointMotion, Quantity, QuantityErrors, Resources, SecondOrderFindings, ShareOf,
+    Solution, SolutionWarning, Unwatched, Warning,
 };
 use crate::motion::Cutoff;
 use crate::numeric::{Size, extremes, largest, largest_difference};
@@ -101,9 +100,9 @@ impl Solver<'_> {
     pub(super) fn warnings(
         &self,
         solved: &Solved,
-        solution: &ArmSolution,
+        (solution, second_order): (&Solution, &SecondOrderFindings),
         unsettled: &[Option<Warning>],
-    ) -> Vec<ArmWarning> {
+    ) -> Vec<SolutionWarning> {
         let problem = &self.problem;
         let tolerance = problem.analysis.tolerance();
         let of = if problem.arm.has_weight() { ShareOf::Range } else { ShareOf::Peak };
@@ -111,23 +110,22 @@ impl Solver<'_> {
         let shortfall = problem.cutoffs.iter().find_map(|own| own.shortfall);
         if let Some(shortfall) = shortfall {
             let (share, tolerance) = (solution.tip_error, problem.analysis.tip_tolerance());
-            warnings.push(ArmWarning::Arm(Warning::TipMissed { share, tolerance, shortfall }));
+            warnings.push(Warning::TipMissed { share, tolerance, shortfall });
         }
         warnings.extend(problem.nearly_stretched);
         // The factor of changes that are round-off says nothing.
-        let iteration = &solution.findings.iteration;
+        let SecondOrderFindings { iteration, left_out, fallback, .. } = second_order;
         let slow =
             iteration.contraction.filter(|factor| *factor > SLOW && iteration.error > ROUND_OFF);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
-        let left_out = solution.findings.left_out;
         let left_out = left_out.filter(|share| share.is_none_or(|share| share > LEFT_OUT));
         let left_out = left_out.map(|share| Warning::SecondOrderLeftOut { share });
-        warnings.extend(slow.into_iter().chain(left_out).map(ArmWarning::Arm));
-        let fallback = solution.findings.fallback;
-        warnings.extend(fallback.map(|straying| ArmWarning::FellBack { straying }));
+        warnings.extend(slow.into_iter().chain(left_out));
+        warnings.extend(fallback.map(|straying| Warning::FellBack { straying }));
+        let mut warnings: Vec<_> = warnings.into_iter().map(SolutionWarning::from).collect();
         let spectrum = &solved.answer.path.tip.spectrum;
         let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
-        for (joint, errors) in solution.errors.iter().enumerate() {
+        for (joint, JointMotion { errors, .. }) in solution.joints.iter().enumerate() {
             let worst = |kind: &dyn Fn(QuantityErrors) -> f64| errors.of_kind(kind).worst();
             let (quantity, share) = worst(&|own| own.window);
             let mut found = Vec::new();
@@ -155,7 +153,8 @@ impl Solver<'_> {
             // What holds a weight at rest is no part of what moves.
             torque[0] = 0.0.into();
             found.extend(thick_share(&*solved.models[joint], moving, &torque).and_then(thick_link));
-            warnings.extend(found.into_iter().map(|warning| ArmWarning::Joint { joint, warning }));
+            let joint = Some(joint);
+            warnings.extend(found.into_iter().map(|warning| SolutionWarning { joint, warning }));
         }
         warnings
     }

@@ -10,12 +10,9 @@ mod evidence;
 mod moved;
 mod problem;
 mod rigid;
-mod solution;
 mod solve;
-mod warning;
+mod window;
 
 pub use error::ArmError;
 pub use problem::check_reach;
-pub use solution::{ArmFindings, ArmJoint, ArmLinkShape, ArmSolution};
-pub use solve::invert_arm;
-pub use warning::{ArmWarning, Straying};
+pub use solve::{invert_arm, invert_motion};

@@ -6,14 +6,13 @@ use std::sync::Arc;
 
 use super::answer::{ArmAnswer, PathPeriod};
 use super::error::ArmError;
-use super::warning::ArmWarning;
 use crate::elastica::{
     AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, follow_arm, follow_arm_at,
     reaching, returning,
 };
 use crate::inverse::period::{Padding, check_memory};
 use crate::inverse::rest::{Rest, Return, left_to_return};
-use crate::inverse::{Analysis, InversionError, Resources};
+use crate::inverse::{Analysis, InversionError, Resources, Warning};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;
 use crate::motion::{ArmPath, CourseHistories, Cutoff, Prescribed};
@@ -47,7 +46,7 @@ pub(super) struct ArmProblem<'a> {
     returns: Return,
     resources: Resources<'a>,
     is_left: bool,
-    pub(super) nearly_stretched: Option<ArmWarning>,
+    pub(super) nearly_stretched: Option<Warning>,
 }
 
 impl<'a> ArmProblem<'a> {
@@ -272,7 +271,7 @@ impl<'a> ArmProblem<'a> {
 ///
 /// # Errors
 /// [`ArmError`] with the sample.
-pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<ArmWarning>, ArmError> {
+pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, ArmError> {
     if path.prescribed() == Prescribed::Angles {
         return Ok(None);
     }
@@ -297,7 +296,7 @@ pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<ArmWarning>, ArmE
     }
     let (sample, sine) = least;
     let time_s = path.grid().time_s(sample);
-    Ok((sine < NEARLY_STRETCHED).then_some(ArmWarning::NearlyStretched { sine, time_s }))
+    Ok((sine < NEARLY_STRETCHED).then_some(Warning::NearlyStretched { sine, time_s }))
 }
 
 /// Distance in m of the second link's end from the first joint, and cosine of the elbow's angle, at each sample.

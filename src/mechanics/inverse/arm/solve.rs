@@ -3,21 +3,24 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::answer::{ArmAnswer, curves_at_rest, way_m};
+use super::answer::{ArmAnswer, curves_at_rest};
 use super::error::ArmError;
+use super::moved::straying;
 use super::problem::ArmProblem;
-use super::solution::{ArmFindings, ArmSolution};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
 use crate::inverse::amplitudes::Probes;
 use crate::inverse::curves::Curves;
 use crate::inverse::period::{PeriodicTorque, Window};
 use crate::inverse::rest::lengthened;
-use crate::inverse::{Analysis, InversionError, PerQuantity, QuantityErrors, Resources};
+use crate::inverse::{
+    Analysis, Band, InversionError, PerQuantity, QuantityErrors, Resources, SecondOrderFindings,
+    Solution, invert_with,
+};
 use crate::link::Arm;
 use crate::modal::{real_frequency_zeros, torque_zeros};
 use crate::model::{Model, check_size, model_of};
-use crate::motion::{ArmPath, Cutoff};
+use crate::motion::{ArmPath, Cutoff, Motion};
 use crate::numeric::{Size, TimeGrid};
 
 /// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
@@ -28,6 +31,28 @@ const STILL: f64 = 0.5;
 
 type Models = Vec<Arc<dyn Model>>;
 pub(super) type Sizes = Vec<PerQuantity<f64>>;
+
+/// Finds the torques of all joints for the motion of an arm, or of one link; `plans` has one for each link.
+///
+/// # Errors
+/// As [`invert_with`] and [`invert_arm`].
+pub fn invert_motion(
+    arm: &Arm,
+    plans: &[MeshPlan],
+    motion: &Motion,
+    analysis: &Analysis,
+    resources: &Resources<'_>,
+) -> Result<Solution, ArmError> {
+    match (motion, arm.links(), plans) {
+        (Motion::Tip(motion), [own], [plan]) => {
+            Ok(invert_with(&own.link, plan, motion, analysis, resources)?)
+        }
+        (Motion::Tip(_), links, plans) => {
+            Err(ArmError::Plans { plans: plans.len(), links: links.len() })
+        }
+        (Motion::Path(path), ..) => invert_arm(arm, plans, path, analysis, resources),
+    }
+}
 
 /// Finds the torques of all joints that make the tip of an arm follow its path, or its links their directions; `plans`
 /// has one for each link.
@@ -40,7 +65,7 @@ pub fn invert_arm(
     path: &ArmPath,
     analysis: &Analysis,
     resources: &Resources<'_>,
-) -> Result<ArmSolution, ArmError> {
+) -> Result<Solution, ArmError> {
     let links = arm.links().len();
     if plans.len() != links {
         return Err(ArmError::Plans { plans: plans.len(), links });
@@ -113,7 +138,7 @@ impl Solver<'_> {
         &self,
         models: Models,
         first_zero_per_s: Option<f64>,
-    ) -> Result<ArmSolution, ArmError> {
+    ) -> Result<Solution, ArmError> {
         let problem = &self.problem;
         let (arm, path) = (problem.arm, problem.path);
         let solved = self.on_mesh(models)?;
@@ -125,23 +150,21 @@ impl Solver<'_> {
         let iteration = answer.motion.iteration;
         let is_iterated = problem.second_order != SecondOrder::None;
         let error_of_iteration = is_iterated.then_some(iteration.error);
-        let errors: Vec<PerQuantity<QuantityErrors>> = (0..arm.links().len())
-            .map(|joint| {
-                let window =
-                    PerQuantity { torque: left[joint].torque.max(cut[joint]), ..left[joint] };
-                let errors = mesh[joint].zip(&window, |mesh, window| QuantityErrors {
-                    mesh,
-                    window,
-                    iteration: error_of_iteration,
-                    ..QuantityErrors::default()
-                });
-                let step = step.as_ref().map(|step| step[joint]);
-                let input = input.as_ref().map(|input| input[joint]);
-                errors
-                    .with(step, |errors, step| QuantityErrors { step: Some(step), ..errors })
-                    .with(input, |errors, input| QuantityErrors { input: Some(input), ..errors })
-            })
-            .collect();
+        let errors = (0..arm.links().len()).map(|joint| {
+            let window = PerQuantity { torque: left[joint].torque.max(cut[joint]), ..left[joint] };
+            let errors = mesh[joint].zip(&window, |mesh, window| QuantityErrors {
+                mesh,
+                window,
+                iteration: error_of_iteration,
+                ..QuantityErrors::default()
+            });
+            let step = step.as_ref().map(|step| step[joint]);
+            let input = input.as_ref().map(|input| input[joint]);
+            errors
+                .with(step, |errors, step| QuantityErrors { step: Some(step), ..errors })
+                .with(input, |errors, input| QuantityErrors { input: Some(input), ..errors })
+        });
+        let errors = errors.collect::<Vec<_>>();
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
         let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
@@ -150,41 +173,48 @@ impl Solver<'_> {
         let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
         let shown = || {
             let unsettled = (!is_settled).then(|| self.unsettled(&solved)).transpose();
-            (answer.links(models, &grid), answer.joints(arm, &grid), unsettled)
+            (answer.links(models, &grid), answer.joints(arm, &grid, &errors), unsettled)
         };
         let (left_out, ((links, tip), joints, unsettled)) =
             match problem.refuse_memory(&[&models[..]; 3], &solved.answer.path) {
                 Ok(()) => rayon::join(left_out, shown),
                 Err(_) => (left_out(), shown()),
             };
-        let way_m = way_m([&tip[0][0], &tip[1][0]]);
-        let tip_error = answer.tip_error_m(path) / way_m;
         let order = problem.second_order;
-        let findings = ArmFindings { order, iteration, left_out, fallback: None };
-        let cutoff = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
-        let mut solution = ArmSolution {
+        let mut found = SecondOrderFindings { order, iteration, left_out, fallback: None };
+        let cutoffs = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
+        let cutoff_hz = cutoffs.reduce(f64::max).map(|omega| omega / TAU);
+        let spectrum = &answer.path.tip.spectrum;
+        let band = Band::of(spectrum, spectrum.band_len());
+        // The roll-off and the turning links bring frequencies above the path's; they are small above twice its cut-off.
+        let highest_hz = cutoff_hz.map_or(band.nyquist_hz, |cutoff_hz| 2.0 * cutoff_hz);
+        let (first, last) = path.moving_samples();
+        let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
+        let mut solution = Solution {
             arm: arm.clone(),
-            path: path.clone(),
+            motion: Motion::Path(path.clone()),
             analysis: *problem.analysis,
             grid,
             joints,
             links,
             tip,
-            way_m,
-            tip_error,
-            errors,
+            tip_error: 0.0,
+            tip_model_error: None,
+            moving: (on_grid(first), on_grid(last)),
             first_zero_per_s,
-            period_s: answer.path.tip.spectrum.period_s(),
-            cutoff_hz: cutoff.reduce(f64::max).map(|omega| omega / TAU),
-            findings,
+            band: Band { cutoff_hz, highest_hz, ..band },
+            second_order: None,
             warnings: Vec::new(),
-            models: models.clone(),
+            spectra: None,
         };
+        solution.tip_error = answer.tip_error_m(path) / solution.tip_travel_m();
         if solution.joints.iter().any(|joint| joint.torque_n_m.iter().any(|t| !t.is_finite())) {
             return Err(InversionError::OutOfRange { peak_n_m: f64::NAN }.into());
         }
-        solution.findings.fallback = self.falls_back.then(|| solution.straying());
-        solution.warnings = self.warnings(&solved, &solution, &unsettled?.unwrap_or_default());
+        found.fallback = self.falls_back.then(|| straying(&solution, path));
+        solution.second_order = Some(found);
+        solution.warnings =
+            self.warnings(&solved, (&solution, &found), &unsettled?.unwrap_or_default());
         Ok(solution)
     }
 
