@@ -7,7 +7,7 @@ use super::solution::ArmSolution;
 use super::warning::Straying;
 use crate::motion::Prescribed;
 use crate::numeric::Size;
-use crate::response::{MovedJoint, PlayedArm, SimulationError, move_arm};
+use crate::response::{MovedJoint, Played, SimulationError, move_arm};
 
 /// Share of the tolerance to which a moved arm is settled.
 const SETTLED: f64 = 0.1;
@@ -20,7 +20,7 @@ impl ArmSolution {
     ///
     /// # Errors
     /// [`SimulationError`].
-    pub fn moved(&self) -> Result<PlayedArm, SimulationError> {
+    pub fn moved(&self) -> Result<Played, SimulationError> {
         let joints = self.joints.iter().map(|joint| MovedJoint {
             angle_rad: joint.angle[0][0],
             rate_rad_s: joint.angle[1][0],
@@ -34,10 +34,10 @@ impl ArmSolution {
 
     /// How far the tip of the moved arm is from the path at most, over its way; where the path is one of angles, from the
     /// tip that is solved.
-    pub fn tip_error_of(&self, moved: &PlayedArm) -> f64 {
+    pub fn tip_error_of(&self, moved: &Played) -> f64 {
         let off = |k: usize| {
             let wanted_m = self.wanted_tip_m(k);
-            distance([0, 1].map(|axis: usize| moved.tip[axis][0][k] - wanted_m[axis]))
+            distance([0, 1].map(|axis: usize| moved.tip[axis].displacement_m[k] - wanted_m[axis]))
         };
         (0..self.grid.len).map(off).fold(0.0, Size::larger) / self.way_m
     }
@@ -57,7 +57,7 @@ impl ArmSolution {
     pub(super) fn straying(&self) -> Straying {
         let measured = self.moved().ok().and_then(|moved| {
             let share = self.tip_error_of(&moved);
-            (moved.change[0] <= SHARP * share * self.way_m).then_some(Straying::Measured(share))
+            (moved.change()[0] <= SHARP * share * self.way_m).then_some(Straying::Measured(share))
         });
         measured.unwrap_or_else(|| Straying::Estimated(self.shortened_m() / self.way_m))
     }
