@@ -13,8 +13,8 @@
 //! link.toml ─spec─► Link ─► Mesh ─► recursion ─► modes, zeros
 //! motion.csv ─csv─► TipMotion ─► inverse ─► Solution + warnings ─► result, store
 //! arm.toml ─spec─► Arm;  path.csv ─csv─► ArmPath;  both ─► inverse ─► ArmSolution ─► result, store
-//! torque.csv ─csv─► Torque ─► response ─► Simulation ─► result, store
-//!                                   Solution, Simulation ─► verify
+//! torque.csv ─csv─► Torque ─► response ─► Played ─► result, store
+//!                                   Solution, Played ─► verify
 //! result folder ─store─► StoredResult ─► report
 //! link.toml, measured.toml ─spec─► Measurements ─► fit ─► factors ─spec─► fitted.toml
 //!                                                FitOutcome ─► report, store

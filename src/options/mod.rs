@@ -3,6 +3,6 @@
 
 pub(crate) mod common;
 pub(crate) mod inputs;
+pub(crate) mod moves;
 pub(crate) mod play;
-pub(crate) mod play_arm;
 pub(crate) mod reading;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::torque_zeros;
-use crate::response::{ResidualVibration, Simulation};
+use crate::response::{Played, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
 
 /// A case whose torque was computed.
@@ -23,7 +23,7 @@ pub struct SolvedCase<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct PlayedCase<'a> {
     /// The simulation.
-    pub simulation: &'a Simulation,
+    pub simulation: &'a Played,
     /// Its metrics.
     pub metrics: &'a PlayedMetrics,
     /// The error of the tip against its target.
@@ -32,7 +32,7 @@ pub struct PlayedCase<'a> {
 
 /// A column and the number that it shows of a case, where it has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
-type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
+type OfPlayed = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 
 /// The columns of a link before those of its hub; an arm has the last.
 const BEFORE: [Solved; 2] = [
@@ -49,11 +49,11 @@ const AFTER: [Solved; 6] = [
     ("tip_model_error", |case| case.solution.tip_model_error),
 ];
 
-const PLAYED: [Played; 16] = [
+const PLAYED: [OfPlayed; 16] = [
     ("period_1_s", |case| {
-        case.simulation.natural_frequencies_rad_s.first().map(|omega| TAU / omega)
+        case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
     }),
-    ("zero_1_per_s", |case| torque_zeros(&case.simulation.mesh, 1).first().copied()),
+    ("zero_1_per_s", |case| torque_zeros(case.simulation.mesh(), 1).first().copied()),
     ("tip_error_m", |case| Some(case.tip_error.worst_m)),
     ("tip_error_share", |case| Some(case.tip_error.share)),
     ("tip_error_time_s", |case| Some(case.tip_error.time_s)),

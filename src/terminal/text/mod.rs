@@ -8,7 +8,6 @@ mod played;
 mod runs;
 mod tables;
 
-pub(crate) use arm::played_arm_text;
 pub(crate) use compare::{blessed_text, comparison_text, counted, repetition_text};
 pub(crate) use fit::fit_text;
 pub(crate) use played::simulate_text;
