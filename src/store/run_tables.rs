@@ -120,8 +120,37 @@ fn of_links<'a>(arm: &'a Arm, nodes_m: impl IntoIterator<Item = &'a [f64]>) -> V
     links.collect()
 }
 
+/// The tables at nodes of an arm's links.
+fn shape_tables<'a>(solution: &'a Solution, outputs: &RunOutputs) -> Vec<NodalColumns<'a>> {
+    let times = outputs.nodal_rows(&solution.grid);
+    let nodal: [(_, _, OfNode); 3] = [
+        (&PLACES, true, |own, node| own.positions_m[node].iter().collect()),
+        (&DEFLECTIONS, outputs.deflections, |own, node| vec![&own.deflections_m[node]]),
+        (&MOMENTS, outputs.moments, |own, node| vec![&own.moments_n_m[node]]),
+    ];
+    let nodal = nodal.into_iter().filter(|(_, is_written, _)| *is_written);
+    let nodal = nodal.map(|(file, _, of)| {
+        let mut columns = Vec::new();
+        for (link, (shape, nodes_m)) in solution.shapes().zip(solution.nodes_m()).enumerate() {
+            // A link that has fewer nodes than another does not have all of a list.
+            let is_there = |node: &usize| *node < nodes_m.len();
+            for node in outputs.nodes_of(nodes_m).into_iter().filter(is_there) {
+                let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
+                    link,
+                    letter,
+                    node,
+                    values: times.taken(values),
+                };
+                columns.extend(of(shape, node).into_iter().enumerate().map(column));
+            }
+        }
+        NodalColumns { file, times, columns }
+    });
+    nodal.collect()
+}
+
 impl<'a> RunTables<'a> {
-    /// Deflections of a link's nodes, from which the tables at nodes are computed while they are written; none of an arm.
+    /// Deflections of a link's nodes, which its tables at nodes are computed from while they are written. `None` for an arm.
     pub fn on_request(&self) -> Option<&NodalTable<'a>> {
         self.on_request.as_ref()
     }
@@ -162,44 +191,19 @@ impl<'a> RunTables<'a> {
         let tips = motions.into_iter().flat_map(|of| tip.iter().map(move |tip| Cow::from(of(tip))));
         let files = [&TORQUE, &RIGID_TORQUE, &ANGLE, &MOTOR, &FORCE].into_iter().zip(files);
         let files = files.chain([(&CHORD, chords.collect()), (&TIP, vec![tips.collect()])]);
-        let tables = Self {
-            histories: tables(grid, files),
-            nodal: vec![],
-            on_request: None,
-            links: vec![],
-            mesh: None,
-        };
+        let histories = tables(grid, files);
         if let [link] = &links[..] {
-            let on_request = Some(outputs.deflections(solution)?);
-            let (links, mesh) = (on_mesh(link.link(), link.mesh()), Some(link.mesh()));
-            return Ok(Self { on_request, links, mesh, ..tables });
+            return Ok(Self {
+                histories,
+                nodal: vec![],
+                on_request: Some(outputs.deflections(solution)?),
+                links: on_mesh(link.link(), link.mesh()),
+                mesh: Some(link.mesh()),
+            });
         }
-        let times = outputs.nodal_rows(grid);
-        let nodal: [(_, _, OfNode); 3] = [
-            (&PLACES, true, |own, node| own.positions_m[node].iter().collect()),
-            (&DEFLECTIONS, outputs.deflections, |own, node| vec![&own.deflections_m[node]]),
-            (&MOMENTS, outputs.moments, |own, node| vec![&own.moments_n_m[node]]),
-        ];
-        let nodal = nodal.into_iter().filter(|(_, is_written, _)| *is_written);
-        let nodal = nodal.map(|(file, _, of)| {
-            let mut all = Vec::new();
-            for (link, (shape, nodes_m)) in solution.shapes().zip(solution.nodes_m()).enumerate() {
-                // A link that has fewer nodes than another does not have all of a list.
-                let is_there = |node: &usize| *node < nodes_m.len();
-                for node in outputs.nodes_of(nodes_m).into_iter().filter(is_there) {
-                    let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
-                        link,
-                        letter,
-                        node,
-                        values: times.taken(values),
-                    };
-                    all.extend(of(shape, node).into_iter().enumerate().map(column));
-                }
-            }
-            NodalColumns { file, times, columns: all }
-        });
-        let nodal = nodal.collect();
-        Ok(Self { nodal, links: of_links(arm, solution.nodes_m()), ..tables })
+        let nodal = shape_tables(solution, outputs);
+        let links = of_links(arm, solution.nodes_m());
+        Ok(Self { histories, nodal, on_request: None, links, mesh: None })
     }
 
     /// The tables of a simulation, with a target or without.

@@ -96,14 +96,14 @@ fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
 /// `warnings` and `error`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
-    /// Of the torques for the motion.
+    /// The torques for the motion.
     Solved {
         /// Number of joints; 1 of one link.
         joints: usize,
         /// With those of motors.
         is_driven: bool,
     },
-    /// Of one torque played on every case.
+    /// One torque played on every case.
     Played,
 }
 
@@ -149,7 +149,7 @@ impl SweepKind {
         Self::solved_columns(joints, is_driven).into_iter().map(name).collect()
     }
 
-    /// The numbers of a solved case; none of a sweep that plays.
+    /// The numbers of a solved case. A sweep that plays has none here.
     pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
         let Self::Solved { joints, is_driven } = self else { return Vec::new() };
         let number = |column| match column {

@@ -1,20 +1,23 @@
-//! The summary that `solve` prints of an arm.
+//! The summary that `solve` prints.
 
 use flexlink::inverse::Solution;
 use flexlink::link::Arm;
-use flexlink::motion::{ArmPath, Prescribed};
+use flexlink::motion::{ArmPath, Motion, Prescribed};
 use flexlink::result::Metrics;
 use flexlink::text::{instant, plain, significant, visible};
 
 use super::layout::LABEL;
-use super::runs::{four, joint_lines, labelled, order_line, solution_errors};
+use super::runs::{four, joint_lines, labelled, link_text, order_line, solution_errors};
 
-/// The summary of an arm's solution; `written` says where its files are.
-pub(super) fn arm_text(
-    (solution, path): (&Solution, &ArmPath),
-    metrics: &Metrics,
-    written: String,
-) -> String {
+/// The summary of a solution; `written` says what was written where.
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
+    match &solution.motion {
+        Motion::Tip(motion) => link_text((solution, motion), metrics, written),
+        Motion::Path(path) => arm_text((solution, path), metrics, written),
+    }
+}
+
+fn arm_text((solution, path): (&Solution, &ArmPath), metrics: &Metrics, written: String) -> String {
     let arm = &solution.arm;
     let numbered = |what: &str, number: usize| format!("{what} {}", number + 1);
     let links = (0..solution.links.len())

@@ -1,4 +1,4 @@
-//! The summary that `solve` prints, and the lines of it that `simulate` prints, too.
+//! The summary that `solve` prints of a link, and the lines of it that arms and `simulate` have, too.
 
 use std::f64::consts::TAU;
 use std::fmt::{Display, Write as _};
@@ -8,12 +8,11 @@ use flexlink::elastica::{Iteration, SecondOrder};
 use flexlink::inverse::{Quantity, QuantityErrors, Solution};
 use flexlink::link::{Damping, Link};
 use flexlink::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use flexlink::motion::{Ends, Motion, TipMotion};
+use flexlink::motion::{Ends, TipMotion};
 use flexlink::numeric::ThinnedGrid;
 use flexlink::result::{JointMetrics, Metrics, MotorMetrics, Peak};
 use flexlink::text::{gigabytes, instant, plain, significant, visible};
 
-use super::arm::arm_text;
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
 
 /// The note about memory before it is taken.
@@ -27,15 +26,8 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// The summary of a solution; `written` says what was written where.
-pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
-    match &solution.motion {
-        Motion::Tip(motion) => link_text((solution, motion), metrics, written),
-        Motion::Path(path) => arm_text((solution, path), metrics, written),
-    }
-}
-
-fn link_text(
+/// The summary of a link's solution; `written` says what was written where.
+pub(super) fn link_text(
     (solution, motion): (&Solution, &TipMotion),
     metrics: &Metrics,
     written: String,
