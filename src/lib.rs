@@ -10,10 +10,10 @@
 //!
 //! ```text
 //! link.toml ─spec─► Link ─► Mesh ─► recursion ─► modes, zeros
-//! motion.csv ─csv─► TipMotion ─► inverse ─► Solution + warnings ─► result, store
-//! arm.toml ─spec─► Arm;  path.csv ─csv─► ArmPath;  both ─► inverse ─► ArmSolution ─► result, store
-//! torque.csv ─csv─► Torque ─► response ─► Simulation ─► result, store
-//!                                   Solution, Simulation ─► verify
+//! arm.toml ─spec─► Arm, of one link or several
+//! motion.csv ─csv─► TipMotion, path.csv ─csv─► ArmPath ─► inverse ─► Solution + warnings ─► result, store
+//! torque.csv ─csv─► Torque ─► response ─► Played ─► result, store
+//!                                   Solution, Played ─► verify
 //! result folder ─store─► StoredResult ─► page
 //! link.toml, measured.toml ─spec─► Measurements ─► fit ─► factors ─spec─► fitted.toml
 //!                                                FitOutcome ─► page, store

@@ -17,15 +17,16 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("simulation");
     group.sample_size(10);
     let link = damped_link();
-    let plan = plan(&link, ELEMENTS);
+    let plans = [plan(&link, ELEMENTS)];
+    let arm = link.into();
     let time_s: Vec<f64> = (0..SAMPLES).map(|k| 1e-3 * k as f64).collect();
     let torque = Torque::new(&time_s, waves(SAMPLES)).unwrap();
     let play = Play::of(&torque);
     group.throughput(Throughput::Elements(SAMPLES as u64));
     group.bench_function("hub and tip", |bencher| {
-        bencher.iter(|| simulate(&link, &plan, &play).unwrap());
+        bencher.iter(|| simulate(&arm, &plans, &play, &|_| {}).unwrap());
     });
-    let simulation = simulate(&link, &plan, &play).unwrap();
+    let simulation = simulate(&arm, &plans, &play, &|_| {}).unwrap();
     let nodes: Vec<usize> = (0..=ELEMENTS).collect();
     group.throughput(Throughput::Elements(((ELEMENTS + 1) * SAMPLES / EVERY.get()) as u64));
     group.bench_function("displacements of all nodes", |bencher| {

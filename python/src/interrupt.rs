@@ -7,9 +7,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use flexlink::cli::terminal::Failure;
-
 use crate::messages::Raised;
+use flexlink::cli::terminal::Failure;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 

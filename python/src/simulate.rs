@@ -1,40 +1,20 @@
 //! `simulate`: a torque or a motion of the hub in arrays, played on a link.
 
-use std::path::{Path, PathBuf};
-use std::slice::from_ref;
+use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
-use flexlink::cli::terminal::{Failure, console, memory};
-use flexlink::csv::{InputFile, TableError};
-use flexlink::elastica::SecondOrder;
-use flexlink::inverse::Unwatched;
-use flexlink::link::Link as LibraryLink;
-use flexlink::response::{PlayError, Simulation, simulate as played};
-use flexlink::result::{FollowedTarget, Limits, Notice, PlayedMetrics};
-use flexlink::spec::Specification;
-use flexlink::store::{
-    OutputFolder, PlayFindings, RunInputs, RunTables, Summary, read_state, state_json,
-};
 
 use crate::arm::Arm;
 use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
 use crate::interrupt::until_pressed;
-use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
 use crate::messages::{Raised, objects, warn};
-use crate::motion::path_of;
-use crate::play::{Keywords, Playing};
-use crate::pool;
+use crate::play::{Keywords, Run, link_moves};
 use crate::simulate_arm::ArmSimulation;
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
-
-/// Keywords of `write`.
-const WRITING: [&str; 4] = ["nodes", "stations", "every", "digits"];
 
 /// Plays a torque, or a motion of the hub, on a link at rest, or torques on an arm, as ``flexlink simulate``: independent of
 /// ``solve``.
@@ -74,158 +54,76 @@ pub(crate) fn simulate<'py>(
     let keywords = Keywords(&keywords);
     if let Ok(arm) = link.cast::<Arm>() {
         let played = ArmSimulation::play(py, arm.get(), time, &keywords)?;
-        warn(py, &played.warnings)?;
+        warn(py, &played.0.warnings)?;
         return Ok(Bound::new(py, played)?.into_any());
     }
     let link = &described_by::<Link>(link)?.get().specification;
-    let of_run = |given: &Bound<'_, PyAny>| {
-        given.cast::<PlayedLink>().ok().map(|own| own.get().simulation.state())
-    };
-    let read = |file: &InputFile| read_state(&file.shown, &file.bytes);
-    let state = keywords.take("state")?.map(|given| state(&given, of_run, read)).transpose()?;
-    let is_large = link.analysis.second_order_of(&link.link) != SecondOrder::None;
-    let playing = Playing::take(&link.link, time, &keywords, (state, is_large))?;
-    let played = until_pressed(py, || PlayedLink::of(link, playing))?;
-    warn(py, &played.warnings)?;
-    Ok(Bound::new(py, played)?.into_any())
-}
-
-/// The state with which an earlier simulation ended: that of the object, or of the file that `save_state` wrote.
-pub(crate) fn state<S>(
-    given: &Bound<'_, PyAny>,
-    of_run: impl FnOnce(&Bound<'_, PyAny>) -> Option<S>,
-    read: impl FnOnce(&InputFile) -> Result<S, TableError>,
-) -> Result<S, Raised> {
-    if let Some(state) = of_run(given) {
-        return Ok(state);
-    }
-    let Some(path) = path_of(given)? else {
-        let found = given.get_type();
-        let must = "must be an earlier simulation of the same kind, or the path of its state";
-        return Err(PyTypeError::new_err(format!("state = {found}, but {must}")).into());
-    };
-    let file = InputFile::read(&path).map_err(Failure::from)?;
-    Ok(read(&file).map_err(Failure::from)?)
+    let moves = link_moves(link, time, &keywords)?;
+    let run = until_pressed(py, || Run::of(link.clone().into(), moves))?;
+    warn(py, &run.warnings)?;
+    Ok(Bound::new(py, PlayedLink(run))?.into_any())
 }
 
 /// The motion of a link on which a torque, or a motion of the hub, was played. Arrays are views that cannot be written to,
 /// one value for each of ``time``; units are SI.
 #[pyclass(frozen, module = "flexlink", name = "Simulation")]
-pub(crate) struct PlayedLink {
-    link: LibraryLink,
-    playing: Playing,
-    simulation: Simulation,
-    error: Option<PlayError>,
-    limits: Limits,
-    target: Option<FollowedTarget>,
-    warnings: Vec<Notice>,
-}
-
-impl PlayedLink {
-    fn of(specification: &Specification, playing: Playing) -> Result<Self, Failure> {
-        let (link, play) = (&specification.link, playing.play());
-        let simulation = played(link, &specification.mesh, &play)?;
-        let error = PlayError::of(&simulation, link, &play)?;
-        let compared = playing.target.as_ref();
-        let compared = compared.map(|target| FollowedTarget::of(&simulation, target));
-        let target = compared.transpose()?;
-        let coarse = error.as_ref().and_then(|error| error.warning(&simulation));
-        let warnings = simulation.warnings.iter().copied().chain(coarse);
-        let warnings = warnings.map(Notice::from);
-        let late = target.as_ref().and_then(|target| target.tip_error.late);
-        let late = late.map(Notice::from);
-        let metrics = PlayedMetrics::of(&simulation);
-        let exceeded = metrics.exceeded(&[specification.limits]);
-        let exceeded = exceeded.iter().map(Notice::from);
-        let warnings = warnings.chain(late).chain(exceeded).collect();
-        let (link, limits) = (link.clone(), specification.limits);
-        Ok(Self { link, playing, simulation, error, limits, target, warnings })
-    }
-
-    fn summary(&self, arguments: Vec<String>) -> Summary {
-        let findings = PlayFindings {
-            error: self.error.as_ref(),
-            limits: from_ref(&self.limits),
-            target: self.target.as_ref(),
-            ..PlayFindings::default()
-        };
-        Summary::of_simulation(
-            RunInputs::of_arguments(arguments),
-            (&self.link, &self.playing.play()),
-            &self.simulation,
-            &PlayedMetrics::of(&self.simulation),
-            &findings,
-        )
-    }
-
-    fn write_into(&self, folder: &Path, keywords: &[String]) -> Result<(), Failure> {
-        let options = solve_options(keywords)?;
-        let (simulation, outputs) = (&self.simulation, options.outputs());
-        options.nodes.check(&[simulation.mesh.nodes_m()])?;
-        memory::check_nodes(outputs.simulation_bytes(simulation), memory::available())?;
-        let summary = self.summary(options.arguments());
-        let folder = OutputFolder::stage(folder, &|_| {})?;
-        let run = (&self.link, simulation);
-        let tables = RunTables::of_simulation(run, self.target.as_ref(), &outputs)?;
-        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
-    }
-}
+pub(crate) struct PlayedLink(pub(crate) Run);
 
 #[pymethods]
 impl PlayedLink {
     /// Times in s.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
-        let grid = &self.simulation.grid;
+        let grid = &self.0.played.grid;
         PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
     }
 
     /// Torque at the hub in N m, that of the feedback included.
     #[getter]
     fn torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.torque_n_m)
+        view(slf, |own| &own.0.played.hub().torque_n_m)
     }
 
     /// Hub angle in rad.
     #[getter]
     fn hub_angle<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.hub_angle_rad)
+        view(slf, |own| &own.0.played.hub().angle_rad)
     }
 
     /// Hub rate in rad/s.
     #[getter]
     fn hub_rate<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.hub_rate_rad_s)
+        view(slf, |own| &own.0.played.hub().rate_rad_s)
     }
 
     /// Hub acceleration in rad/s².
     #[getter]
     fn hub_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.hub_acceleration_rad_s2)
+        view(slf, |own| &own.0.played.hub().acceleration_rad_s2)
     }
 
     /// Displacement of the tip in m along its arc.
     #[getter]
     fn tip_displacement<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.tip.displacement_m)
+        view(slf, |own| &own.0.played.tip[0].displacement_m)
     }
 
     /// Velocity of the tip in m/s.
     #[getter]
     fn tip_velocity<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.tip.velocity_m_s)
+        view(slf, |own| &own.0.played.tip[0].velocity_m_s)
     }
 
     /// Acceleration of the tip in m/s².
     #[getter]
     fn tip_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.simulation.tip.acceleration_m_s2)
+        view(slf, |own| &own.0.played.tip[0].acceleration_m_s2)
     }
 
     /// Distances of the nodes from the axis in m.
     #[getter]
     fn nodes<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| own.simulation.mesh.nodes_m())
+        view(slf, |own| own.0.played.mesh().nodes_m())
     }
 
     /// Displacements of nodes in m, as those of a solution.
@@ -236,9 +134,9 @@ impl PlayedLink {
         nodes: Option<Nodes>,
         every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let nodes = Nodes::or_all(nodes, self.simulation.mesh.nodes_m().len());
-        check_rows(self.simulation.grid.thinned(every.0).len(), nodes.len())?;
-        let find = || Ok(self.simulation.displacements_m(&nodes, every.0)?);
+        let nodes = Nodes::or_all(nodes, self.0.played.mesh().nodes_m().len());
+        check_rows(self.0.played.grid.thinned(every.0).len(), nodes.len())?;
+        let find = || Ok(self.0.played.displacements_m(&nodes, every.0)?);
         let found = until_pressed(py, find)?;
         rows(py, &found.samples, found.grid.len())
     }
@@ -247,7 +145,7 @@ impl PlayedLink {
     /// the length do not allow the damping.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(error) = &self.error else { return Ok(None) };
+        let Some(error) = &self.0.error else { return Ok(None) };
         let found = PyDict::new(py);
         found.set_item("tip", error.tip)?;
         found.set_item("hub_angle", error.hub_angle)?;
@@ -270,14 +168,13 @@ impl PlayedLink {
     /// What summary.json of a run holds.
     #[getter(summary)]
     fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
-        let text = py.detach(|| pool::install(|| Ok(self.summary(Vec::new()).to_json())));
-        Ok(py.import("json")?.call_method1("loads", (text?,))?)
+        self.0.summary_of(py)
     }
 
     /// What the user must know: warnings that were given to Python's filters, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.warnings)
+        objects(py, &self.0.warnings)
     }
 
     /// Writes the files of ``flexlink simulate`` into a folder, all or none. Keywords are its options ``nodes``, ``stations``,
@@ -289,14 +186,12 @@ impl PlayedLink {
         folder: PathBuf,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> Result<(), Raised> {
-        let keywords = keywords::of_writing(keywords.as_ref(), &WRITING)?;
-        Ok(py.detach(|| pool::apart(|| self.write_into(&folder, &keywords)))?)
+        self.0.write(py, &folder, keywords.as_ref())
     }
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
     fn save_state(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
-        let text = state_json(&self.simulation.state());
-        Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
+        self.0.save_state(py, &path)
     }
 
     /// The histories as a `pandas.DataFrame` over the time.
@@ -305,7 +200,7 @@ impl PlayedLink {
     }
 
     fn __repr__(&self) -> String {
-        format!("Simulation(samples={})", self.simulation.grid.len)
+        format!("Simulation(samples={})", self.0.played.grid.len)
     }
 }
 

@@ -132,7 +132,7 @@ pub(super) fn under_rigid_torque(view: &View, run: Single) -> Result<Figure, Str
     let play = Play { initial_tip_m: wanted[0], ..Play::of(&torque) };
     let simulation = simulate_on(run.link, run.arc.mesh.clone(), &play)
         .map_err(|error| format!("{TITLE} {error}"))?;
-    let tip = &simulation.tip.displacement_m;
+    let tip = &simulation.tip[0].displacement_m;
     let stop_s = view.first().moving_s.map_or(f64::NEG_INFINITY, |(_, until)| until);
     let after = inside(run.times_s, stop_s, f64::INFINITY);
     let strays: Vec<f64> = after.map(|k| tip[k] - wanted[k]).collect();

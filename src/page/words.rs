@@ -134,8 +134,8 @@ pub(super) mod formula {
         known.";
 }
 
-/// Meanings of the warnings in a sweep's cases.
-const WARNINGS: [(&str, &str); 32] = [
+/// What the kinds of warnings of a sweep's cases say.
+const WARNINGS: [(&str, &str); 33] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     ("end_velocity_corrected", "The samples leave the tip moving at the end, which was taken out."),
@@ -185,6 +185,7 @@ const WARNINGS: [(&str, &str); 32] = [
     ("reference_apart", "The reference does not begin where the hub stands."),
     ("state_cut", "The modes leave out a part of the state from which the link goes on."),
     ("unsettled", "A finer computation still changes the answer."),
+    ("imbalance", "Work and energy do not balance."),
     ("late_target", "The target begins after the tip has begun to move."),
 ];
 

@@ -110,7 +110,7 @@ fn what_an_arm_cannot_play_is_refused() {
         (vec![torques, "--at", "1"], 2, "error: --at = 1 directions, but must be 2 directions"),
         (vec![torques, "--at", "1,east"], 2, "error: invalid value 'east' for '--at <ANGLES>'"),
         (vec![torques, "--at", "1,2", "--periodic"], 2, "error: --periodic is for one link"),
-        (vec![torques, "--at", "1,2", "--nodes", "1"], 2, "error: --nodes is for one link"),
+        (vec![torques, "--at", "1,2", "--nodes", "999"], 2, "error: --nodes = 999, but must name"),
         (
             vec![torques, "--feedback", "1,2,3,4,5,6", "--reference", "out/joint_angles.csv"],
             2,

@@ -3,6 +3,6 @@
 
 pub mod common;
 pub mod inputs;
+pub mod moves;
 pub mod play;
-pub mod play_arm;
 pub(crate) mod reading;

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{
-    InputFile, Reading, TableFormat, read_hub_reference_as, read_recording, read_recording_as,
-    read_target, read_torque_table_as,
+    InputFile, Reading, TableFormat, read_hub_reference_as, read_joint_references,
+    read_joint_torques, read_recording, read_recording_as, read_target, read_tip_places,
+    read_torque_table_as,
 };
-use crate::link::{Link, ParameterError};
-use crate::motion::TipTarget;
-use crate::response::{Feedback, HubReference, Input, Interpolation, Play, State, Torque};
-use crate::result::ChannelRecording;
+use crate::link::{Arm, ParameterError};
+use crate::response::{Feedback, HubReference, Interpolation};
+use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
 use super::common::{angle_rad, finite, option, refuse_for_arms};
+use super::moves::{AtRest, Begins, Moves, Moving};
 use super::reading::{ReadArgs, tell};
-use crate::cli::terminal::{Exit, Failure, memory};
+use crate::cli::terminal::{Exit, Failure};
 
 /// What moves the link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -100,12 +101,12 @@ pub(crate) struct PlayArgs {
     pub(crate) until: Option<f64>,
 
     #[command(flatten)]
-    pub(super) hold: HoldArgs,
+    hold: HoldArgs,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
     /// link starts at its first displacement, but with --input hub-angle where its hub points to.
     #[arg(long, value_name = "FILE")]
-    pub(super) target: Option<PathBuf>,
+    target: Option<PathBuf>,
 
     /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
     /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at times of its own.
@@ -114,7 +115,7 @@ pub(crate) struct PlayArgs {
 
     /// Start from the state that --save-state of an earlier run wrote, not at rest.
     #[arg(long, value_name = "FILE")]
-    pub(super) state: Option<PathBuf>,
+    state: Option<PathBuf>,
 
     /// TORQUE is one cycle of a torque, or of a hub angle, that repeats, its first row a step after the last
     /// one: play the motion that repeats with it, to which the link settles.
@@ -130,41 +131,31 @@ pub(crate) struct PlayArgs {
     /// a pair for each.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
-    pub(super) feedback: Option<Gains>,
+    feedback: Option<Gains>,
 
     /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
     /// `joint_angles.csv`, at the times of TORQUE. The link starts at its first angle.
     #[arg(long, value_name = "FILE", requires = "feedback")]
-    pub(super) reference: Option<PathBuf>,
+    reference: Option<PathBuf>,
 
     /// Directions of all links of an arm, from joint to joint, in which it starts at rest, in rad or with
     /// units, as in '30 deg,75 deg' [default: the first row of the reference, or of the target of two links].
     #[arg(long, value_name = "ANGLES", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',', conflicts_with = "state")]
-    pub(super) at: Option<Vec<f64>>,
+    at: Option<Vec<f64>>,
 }
 
 /// Pairs of gains.
 type Gains = Vec<(f64, f64)>;
 
-/// Input that moves the link, as read.
-enum Moving {
-    Torque(Torque),
-    HubAngle(HubReference),
-}
-
-/// Files of a simulation besides the link's, as read.
+/// The files of a simulation beside that of link or arm, read.
 pub(crate) struct Playing {
     pub(crate) file: InputFile,
-    moving: Moving,
-    interpolation: Interpolation,
-    pub(crate) target: Option<(InputFile, TipTarget)>,
+    pub(crate) target_file: Option<InputFile>,
     pub(crate) measured: Option<(InputFile, ChannelRecording)>,
     pub(crate) reference_file: Option<InputFile>,
-    pub(crate) state: Option<(InputFile, State)>,
-    feedback: Option<Feedback>,
-    initial_tip_m: f64,
-    is_periodic: bool,
+    pub(crate) state_file: Option<InputFile>,
+    pub(crate) moves: Moves,
 }
 
 impl PlayArgs {
@@ -175,35 +166,53 @@ impl PlayArgs {
         [&self.file].into_iter().chain(others).map(PathBuf::as_path)
     }
 
-    /// Reads all files for a link; every error names its file.
-    pub(crate) fn load(&self, link: &Link, read: &ReadArgs) -> Result<Playing, Failure> {
-        let length_m = link.length_m();
-        self.check()?;
-        self.refuse_for_links()?;
+    /// Reads all files; every error names its file.
+    pub(crate) fn load(
+        &self,
+        arm: &Arm,
+        is_large: bool,
+        read: &ReadArgs,
+    ) -> Result<Playing, Failure> {
+        self.check(arm)?;
+        let links = arm.links().len();
+        let link = arm.links().first().filter(|_| links == 1).map(|own| &own.link);
         let file = InputFile::read(&self.file)?;
         let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
-        let [target, measured, reference_file] =
+        let [target_file, measured, reference_file] =
             [open(&self.target)?, open(&self.measured)?, open(&self.reference)?];
         let InputFile { shown, bytes, .. } = &file;
-        let (moving, reading) = match self.input {
-            InputKind::Torque => {
+        let (moving, reading) = match (self.input, link) {
+            (InputKind::Torque, Some(_)) => {
                 let column = self.column.as_deref();
                 let (torque, reading) = read_torque_table_as(shown, bytes, column, &read.format())?;
-                (Moving::Torque(torque), reading)
+                (Moving::Torques(vec![torque]), reading)
             }
-            InputKind::HubAngle => {
+            (InputKind::Torque, None) => {
+                let (torques, reading) = read_joint_torques(shown, bytes, links, &read.format())?;
+                (Moving::Torques(torques), reading)
+            }
+            (InputKind::HubAngle, _) => {
                 let (hub, reading) = read_hub_reference_as(shown, bytes, &read.format())?;
-                (Moving::HubAngle(hub), reading)
+                (Moving::Angles(vec![hub]), reading)
             }
         };
         self.hold.refuse_jitter(&file, &reading)?;
         tell(shown, &reading);
-        // The options of reading apply to TORQUE.
-        let target = target.map(|file| -> Result<_, Failure> {
-            let (target, reading) =
-                read_target(&file.shown, &file.bytes, length_m, link.gravity())?;
+        // The options of reading are those of TORQUE.
+        let mut start_angle_rad = None;
+        let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
+            let (target, reading) = match link {
+                Some(link) => {
+                    let (length_m, gravity) = (link.length_m(), link.gravity());
+                    let (target, reading) =
+                        read_target(&file.shown, &file.bytes, length_m, gravity)?;
+                    start_angle_rad = target.start_angle_rad();
+                    (TipPlaces::from(&target), reading)
+                }
+                None => read_tip_places(&file.shown, &file.bytes)?,
+            };
             tell(&file.shown, &reading);
-            Ok((file, target))
+            Ok(target)
         });
         let target = target.transpose()?;
         let measured = measured.map(|file| -> Result<_, Failure> {
@@ -217,57 +226,57 @@ impl PlayArgs {
             Ok((file, recording))
         });
         let measured = measured.transpose()?;
-        let reference = reference_file.as_ref().map(|file| -> Result<HubReference, Failure> {
-            let form = TableFormat::default();
-            let (reference, reading) = read_hub_reference_as(&file.shown, &file.bytes, &form)?;
+        let references = reference_file.as_ref().map(|file| -> Result<_, Failure> {
+            let (references, reading) = if links > 1 {
+                read_joint_references(&file.shown, &file.bytes, links)?
+            } else {
+                let form = TableFormat::default();
+                let (hub, reading) = read_hub_reference_as(&file.shown, &file.bytes, &form)?;
+                (vec![hub], reading)
+            };
             tell(&file.shown, &reading);
-            Ok(reference)
+            Ok(references)
         });
-        let reference = reference.transpose()?;
-        let initial_tip_m =
-            initial_tip_m(link, target.as_ref().map(|(_, own)| own), reference.as_ref());
-        let state = open(&self.state)?.map(|file| -> Result<_, Failure> {
-            let state = read_state(&file.shown, &file.bytes)?;
-            Ok((file, state))
-        });
-        let state = state.transpose()?;
-        let feedback = self.feedback.as_deref().and_then(<[_]>::first).copied().zip(reference);
-        let feedback = feedback.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
-        let feedback = feedback.transpose().map_err(|error| Self::gains_refused(&error))?;
-        let interpolation = self.hold.interpolation();
-        Ok(Playing {
-            file,
+        let references = references.transpose()?.unwrap_or_default();
+        let state_file = open(&self.state)?;
+        let state = state_file.as_ref();
+        let state = state.map(|file| read_state(&file.shown, &file.bytes, links)).transpose()?;
+        let feedback = feedback(self.feedback.as_deref(), references, links)?;
+        let begins = Begins { state: state.is_some(), at: self.at.as_deref(), tip_m: None };
+        let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
+        let moves = Moves {
             moving,
-            interpolation,
-            target,
-            measured,
-            reference_file,
-            state,
+            interpolation: self.hold.interpolation(),
+            until_s: self.until,
             feedback,
-            initial_tip_m,
+            start,
+            state,
+            target,
+            start_angle_rad,
+            is_large,
             is_periodic: self.periodic,
-        })
+        };
+        Ok(Playing { file, target_file, measured, reference_file, state_file, moves })
     }
 
-    /// Failure for impossible gains of a feedback.
-    pub(super) fn gains_refused(error: &ParameterError) -> Failure {
+    /// The failure of gains that no feedback has.
+    fn gains_refused(error: &ParameterError) -> Failure {
         Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
     }
 
-    /// Refuses options of a single link.
-    pub(super) fn refuse_for_arms(&self) -> Result<(), Failure> {
-        let given = [
-            ("--input", self.input != InputKind::Torque),
-            ("--column", self.column.is_some()),
-            ("--measured", self.measured.is_some()),
-            ("--periodic", self.periodic),
-        ];
-        let option = given.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name);
-        refuse_for_arms(option.map(str::to_owned))
-    }
-
-    /// Refuses options of an arm.
-    fn refuse_for_links(&self) -> Result<(), Failure> {
+    /// Refuses options of one link for an arm, those of arms for one link, and those of a torque beside a hub angle.
+    fn check(&self, arm: &Arm) -> Result<(), Failure> {
+        if arm.links().len() > 1 {
+            let of_one_link = [
+                ("--input", self.input != InputKind::Torque),
+                ("--column", self.column.is_some()),
+                ("--measured", self.measured.is_some()),
+                ("--periodic", self.periodic),
+            ];
+            let option = of_one_link.into_iter().find(|(_, is_there)| *is_there);
+            return refuse_for_arms(option.map(|(name, _)| name.to_owned()));
+        }
+        self.check_input()?;
         let refused = |option: &str, must| {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
         };
@@ -283,8 +292,8 @@ impl PlayArgs {
         }
     }
 
-    /// Refuses options of a torque for a hub angle.
-    fn check(&self) -> Result<(), Failure> {
+    /// Refuses options of a torque beside a hub angle.
+    fn check_input(&self) -> Result<(), Failure> {
         if self.input == InputKind::Torque {
             return Ok(());
         }
@@ -326,47 +335,6 @@ impl PlayArgs {
     }
 }
 
-impl Playing {
-    /// The simulation up to a time, or else until input and target end.
-    pub(crate) fn play(&self, until_s: Option<f64>, is_large: bool) -> Play<'_> {
-        let input = match &self.moving {
-            Moving::Torque(torque) => Input::Torque(torque),
-            Moving::HubAngle(hub) => Input::HubAngle(hub),
-        };
-        let end_s = input.grid().end_s();
-        let both_s = self.target.as_ref().map(|(_, target)| target.grid().end_s().max(end_s));
-        Play {
-            input,
-            interpolation: self.interpolation,
-            until_s: until_s.or(both_s),
-            feedback: self.feedback.as_ref(),
-            initial_tip_m: self.initial_tip_m,
-            memory_bytes: memory::available(),
-            is_large,
-            cycle_turn_rad: self.is_periodic.then_some(0.0),
-            state: self.state.as_ref().map(|(_, state)| state),
-            start_angle_rad: self.target.as_ref().and_then(|(_, target)| target.start_angle_rad()),
-        }
-    }
-}
-
-/// Displacement of the tip at the start in m: that of the target, else the direction of the hub's reference.
-pub fn initial_tip_m(
-    link: &Link,
-    target: Option<&TipTarget>,
-    reference: Option<&HubReference>,
-) -> f64 {
-    match (target, reference) {
-        (Some(target), _) => target.start_m(),
-        // Without weight a link at rest is straight: the hub points to its tip.
-        (None, Some(reference)) if !link.has_weight() => {
-            let from_rad = link.gravity().and_then(|gravity| gravity.start_angle_rad);
-            (reference.angle_rad()[0] - from_rad.unwrap_or(0.0)) * link.length_m()
-        }
-        _ => 0.0,
-    }
-}
-
 /// Pairs of gains, separated by commas.
 fn gains(text: &str) -> Result<Gains, String> {
     let numbers: Option<Vec<f64>> =
@@ -374,4 +342,29 @@ fn gains(text: &str) -> Result<Gains, String> {
     let pairs = numbers.filter(|numbers| numbers.len().is_multiple_of(2));
     let pairs = pairs.map(|numbers| numbers.chunks(2).map(|pair| (pair[0], pair[1])).collect());
     pairs.ok_or_else(|| "must be two numbers, KP,KD, or a pair for each joint of an arm".into())
+}
+
+/// The feedback of each joint around its reference, with one pair of gains for all of them, or one each; none without
+/// gains.
+pub fn feedback(
+    gains: Option<&[(f64, f64)]>,
+    references: Vec<HubReference>,
+    links: usize,
+) -> Result<Vec<Feedback>, Failure> {
+    let gains = match gains {
+        None => Vec::new(),
+        Some([one]) => vec![*one; links],
+        Some(each) if each.len() == links => each.to_vec(),
+        Some(others) => {
+            let found = others.len();
+            let message = format!(
+                "--feedback = {found} pairs, but must be one for all joints, or one for each of {links}"
+            );
+            let hint = "KP1,KD1,KP2,KD2, from the inner joint on";
+            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+        }
+    };
+    let of_joints = gains.into_iter().zip(references);
+    let of_joints = of_joints.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
+    of_joints.collect::<Result<_, _>>().map_err(|error| PlayArgs::gains_refused(&error))
 }

@@ -1,49 +1,39 @@
-//! `simulate`: a torque played on a link, or torques on an arm.
+//! `simulate`: torques, or motions of joints, played on a link or an arm.
 
-pub mod arm;
 mod options;
 
 use std::path::Path;
-use std::slice::from_ref;
 
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::Unwatched;
-use crate::response::{CycleError, Play, PlayError, Simulation, SimulationError, simulate};
-use crate::result::{Comparison, FollowedTarget, Limits, PlayedMetrics, TargetError};
-use crate::spec::{Described, Specification};
-use crate::store::{PlayFindings, RunInputs, RunTables, SimulateFiles, Summary, state_json};
+use crate::response::{CycleError, Play, PlayError, Played, SimulationError, simulate};
+use crate::result::{Comparison, FollowedTarget, PlayedMetrics, TargetError};
+use crate::spec::ArmSpecification;
+use crate::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
 use crate::text::{plain, shown_path};
 
-use self::arm::ArmInputs;
 pub(crate) use self::options::Simulate;
 use self::options::shown;
 use crate::cli::options::inputs::described;
 use crate::cli::options::play::Playing;
 use crate::cli::terminal::files::{keep, keep_inputs};
 use crate::cli::terminal::text::simulate_text;
-use crate::cli::terminal::{Exit, Failure, console, memory};
-
-/// What is played: a link, or an arm of several.
-enum OneOrSeveral {
-    One(Box<Inputs>),
-    Several(Box<ArmInputs>),
-}
+use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// The inputs, read.
 struct Inputs {
-    link_file: InputFile,
-    specification: Specification,
+    file: InputFile,
+    specification: ArmSpecification,
     playing: Playing,
 }
 
 /// The simulation, and its errors.
-struct Played<'a> {
+struct Computed<'a> {
     play: Play<'a>,
-    simulation: Simulation,
+    played: Played,
     metrics: PlayedMetrics,
     error: Option<PlayError>,
-    limits: Limits,
     target: Option<FollowedTarget>,
     comparison: Option<Comparison>,
 }
@@ -51,100 +41,91 @@ struct Played<'a> {
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
-        let inputs = match self.load()? {
-            OneOrSeveral::One(inputs) => inputs,
-            OneOrSeveral::Several(inputs) => return self.run_arm(&inputs),
-        };
+        let inputs = self.load()?;
         let stages = self.print.stages();
         stages.at("playing");
-        let played = self.compute(&inputs)?;
+        let computed = self.compute(&inputs, &stages)?;
+        let run = computed.run(&inputs);
         stages.at("writing");
-        let summary = self.write(&inputs, &played)?;
+        let summary = self.write(&inputs, &run)?;
         drop(stages);
+        if run.played.joints.len() > 1 {
+            console::remarks(&inputs.specification.remarks);
+        }
         self.tell(&summary, |written| {
-            let Played { play, simulation, metrics, .. } = &played;
-            let link = &inputs.specification.link;
-            simulate_text(link, play, simulation, metrics, &played.findings(), written)
-                + &self.nodes.text(&[simulation.mesh.nodes_m()])
+            simulate_text(&run, written) + &self.nodes.text(&run.played.nodes_m())
         })
     }
 
     /// Reads all files; every error names its file.
-    fn load(&self) -> Result<OneOrSeveral, Failure> {
+    fn load(&self) -> Result<Inputs, Failure> {
         let files = [self.link.link.as_path()].into_iter().chain(self.play.files());
         let files: Vec<&Path> = files.collect();
         keep(&self.output, &files)?;
         if let Some(path) = &self.play.save_state {
             keep_inputs("--save-state", path, &files)?;
         }
-        let link_file = InputFile::read_toml(&self.link.link)?;
-        let described = described(&link_file, &self.link.changes.overrides()?)?;
-        match self.nodes.meshed(described)? {
-            Described::Link(specification) => {
-                let playing = self.play.load(&specification.link, &self.read)?;
-                let inputs = Inputs { link_file, specification: *specification, playing };
-                Ok(OneOrSeveral::One(Box::new(inputs)))
-            }
-            Described::Arm(specification) => {
-                self.load_arm(link_file, specification).map(Box::new).map(OneOrSeveral::Several)
-            }
-        }
+        let file = InputFile::read_toml(&self.link.link)?;
+        let described = described(&file, &self.link.changes.overrides()?)?;
+        let specification = ArmSpecification::from(self.nodes.meshed(described)?);
+        let ArmSpecification { arm, analysis, .. } = &specification;
+        let is_large = analysis.second_order_of(&arm.links()[0].link) != SecondOrder::None;
+        let playing = self.play.load(arm, is_large, &self.read)?;
+        Ok(Inputs { file, specification, playing })
     }
 
     /// Plays the input until the time of the command line, else as long as input and target last.
-    /// Computes the errors of the tip and of the simulation itself, and what a recording differs by.
-    fn compute<'a>(&self, inputs: &'a Inputs) -> Result<Played<'a>, Failure> {
-        let Specification { link, mesh, analysis, .. } = &inputs.specification;
-        let is_large = analysis.second_order_of(link) != SecondOrder::None;
-        let play = inputs.playing.play(self.play.until, is_large);
+    /// Computes the errors of the tip and of the simulation itself, and the difference from a recording.
+    fn compute<'a>(&self, inputs: &'a Inputs, stages: &StageBar) -> Result<Computed<'a>, Failure> {
+        let Inputs { specification: ArmSpecification { arm, meshes, .. }, playing, .. } = inputs;
+        let play = playing.moves.play();
         let refused = |error| self.refused(&error, inputs);
-        let simulation = simulate(link, mesh, &play).map_err(refused)?;
-        self.nodes.check(&[simulation.mesh.nodes_m()])?;
-        let target = inputs.playing.target.as_ref().map(|(_, target)| {
-            let followed = FollowedTarget::of(&simulation, target);
+        let played = simulate(arm, meshes, &play, &|progress| stages.played(progress));
+        let played = played.map_err(refused)?;
+        self.nodes.check(&played.nodes_m())?;
+        let target = playing.moves.target.as_ref().map(|target| {
+            let followed = FollowedTarget::of(&played, target);
             followed.map_err(|error| self.target_refused(error, inputs.target_shown()))
         });
         let target = target.transpose()?;
-        let compared = inputs.playing.measured.as_ref().map(|(file, measured)| {
-            Comparison::of(&simulation, measured).map_err(|error| {
+        let compared = playing.measured.as_ref().map(|(file, measured)| {
+            Comparison::of(&played, measured).map_err(|error| {
                 let message = format!("{}{error}", shown(file));
                 Failure::new(Exit::InputRefused, &message, Some(error.hint()))
             })
         });
         let comparison = compared.transpose()?;
-        let bytes = self.nodes.outputs(self.digits).simulation_bytes(&simulation);
+        let bytes = self.nodes.outputs(self.digits).simulation_bytes(&played);
         memory::check_nodes(bytes, play.memory_bytes)?;
-        let error = PlayError::of(&simulation, link, &play).map_err(refused)?;
-        let metrics = PlayedMetrics::of(&simulation);
-        let limits = inputs.specification.limits;
-        Ok(Played { play, simulation, metrics, error, limits, target, comparison })
+        let error = PlayError::of(&played, arm, &play).map_err(refused)?;
+        let metrics = PlayedMetrics::of(&played);
+        Ok(Computed { play, played, metrics, error, target, comparison })
     }
 
     /// The failure of a simulation, with the file or option that causes it.
     fn refused(&self, error: &SimulationError, inputs: &Inputs) -> Failure {
+        let Playing { file, reference_file, state_file, .. } = &inputs.playing;
         let (exit, place) = match error {
             SimulationError::NoTorque
             | SimulationError::NoTurn
             | SimulationError::Cycle(CycleError::Mean { .. } | CycleError::Repeats) => {
-                (Exit::InputRefused, shown(&inputs.playing.file))
+                (Exit::InputRefused, shown(file))
             }
             SimulationError::OtherTimes { .. }
             | SimulationError::Cycle(CycleError::Reference { .. }) => {
-                let Playing { file, reference_file, .. } = &inputs.playing;
                 (Exit::InputRefused, shown(reference_file.as_ref().unwrap_or(file)))
             }
             // The target is longer than the input.
             SimulationError::TooLong { until_s, samples, limit } if self.play.until.is_none() => {
                 let place = inputs.target_shown();
-                let found =
+                let steps =
                     format!("the end = {} s, {samples:.3e} steps of the input", plain(*until_s));
-                let message = format!("{place}{found}, but must be at most {limit} steps");
+                let message = format!("{place}{steps}, but must be at most {limit} steps");
                 return Failure::new(Exit::InputRefused, &message, error.hint());
             }
             SimulationError::NoStartAngle => (Exit::InputRefused, String::new()),
             SimulationError::State { .. } => {
-                let file = inputs.playing.state.as_ref();
-                (Exit::InputRefused, file.map(|(file, _)| shown(file)).unwrap_or_default())
+                (Exit::InputRefused, state_file.as_ref().map(shown).unwrap_or_default())
             }
             // The message begins with the option's name.
             SimulationError::TooLong { .. } | SimulationError::EndsEarly { .. } => {
@@ -162,7 +143,8 @@ impl Simulate {
             | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };
-        Failure::new(exit, &format!("{place}{error}"), error.hint())
+        let (message, hint) = refusal(error, inputs.specification.arm.links().len() > 1);
+        Failure::new(exit, &format!("{place}{message}"), hint)
     }
 
     /// The failure of a target in this file that the simulation does not reach.
@@ -176,32 +158,26 @@ impl Simulate {
         Failure::new(exit, &format!("{place}{error}"), error.hint())
     }
 
-    /// Writes all tables and summary.json.
-    fn write(&self, inputs: &Inputs, played: &Played) -> Result<Summary, Failure> {
-        let link = &inputs.specification.link;
-        let Playing { file, target, measured, reference_file, .. } = &inputs.playing;
+    /// Writes all tables and summary.json. With --save-state it also writes the state at the end.
+    fn write(&self, inputs: &Inputs, run: &PlayedRun<'_>) -> Result<Summary, Failure> {
+        let Playing { file, target_file, measured, reference_file, state_file, .. } =
+            &inputs.playing;
         let files = SimulateFiles {
             input: file,
-            target: target.as_ref().map(|(file, _)| file),
+            target: target_file.as_ref(),
             measured: measured.as_ref().map(|(file, _)| file),
             reference: reference_file.as_ref(),
-            state: inputs.playing.state.as_ref().map(|(file, _)| file),
+            state: state_file.as_ref(),
         };
-        let Played { play, simulation, metrics, .. } = played;
-        let record = RunInputs::of_simulate(
-            &inputs.link_file,
-            &files,
-            play.input.is_torque(),
-            self.arguments(),
-        );
-        let findings = played.findings();
-        let summary = Summary::of_simulation(record, (link, play), simulation, metrics, &findings);
+        let is_torque = run.play.input.is_torque();
+        let record = RunInputs::of_simulate(&inputs.file, &files, is_torque, self.arguments());
+        let summary = Summary::of_played(record, run);
         let folder = self.sync.stage(&self.output)?;
         let outputs = self.nodes.outputs(self.digits);
-        let tables = RunTables::of_simulation((link, simulation), findings.target, &outputs)?;
+        let tables = RunTables::of_played((run.arm, run.played), run.target, &outputs)?;
         outputs.write(folder, tables, (&summary, None), &Unwatched)?;
         if let Some(path) = &self.play.save_state {
-            console::deliver(Some(path), state_json(&simulation.state()).as_bytes())?;
+            console::deliver(Some(path), state_json(&run.played.state()).as_bytes())?;
         }
         Ok(summary)
     }
@@ -219,17 +195,46 @@ impl Simulate {
 impl Inputs {
     /// The name of the target's file, as a message begins with it.
     fn target_shown(&self) -> String {
-        self.playing.target.as_ref().map(|(file, _)| shown(file)).unwrap_or_default()
+        self.playing.target_file.as_ref().map(shown).unwrap_or_default()
     }
 }
 
-impl Played<'_> {
-    fn findings(&self) -> PlayFindings<'_> {
-        PlayFindings {
+impl<'a> Computed<'a> {
+    fn run<'b>(&'b self, inputs: &'b Inputs) -> PlayedRun<'b>
+    where
+        'a: 'b,
+    {
+        PlayedRun {
+            arm: &inputs.specification.arm,
+            play: &self.play,
+            played: &self.played,
+            metrics: &self.metrics,
             error: self.error.as_ref(),
-            limits: from_ref(&self.limits),
+            limits: &inputs.specification.limits,
             target: self.target.as_ref(),
             comparison: self.comparison.as_ref(),
         }
     }
+}
+
+/// Why a link or an arm is not simulated, and the remedy, which in an arm names its files.
+pub fn refusal(error: &SimulationError, is_arm: bool) -> (String, Option<&'static str>) {
+    let hint = match error {
+        _ if !is_arm => error.hint(),
+        SimulationError::OtherTimes { .. } => {
+            Some("take joint_angles.csv and torques.csv of one run of solve")
+        }
+        SimulationError::NoRest => {
+            let message = "the arm finds no shape at rest where it starts, but must begin at rest";
+            let hint = "a place within reach, stiffer links, or another pose: --at";
+            return (message.to_owned(), Some(hint));
+        }
+        SimulationError::NotConverged { .. } => Some(
+            "damping of the links by rayleigh, as beta = 1e-3; a shorter step of the torques, smaller ones, or smaller \
+             gains",
+        ),
+        SimulationError::State { .. } => Some("--save-state of a run of the same arm writes it"),
+        _ => error.hint(),
+    };
+    (error.to_string(), hint)
 }

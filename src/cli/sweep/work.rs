@@ -6,12 +6,13 @@ use std::slice::from_ref;
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::{Resources, Unwatched};
+use crate::link::Arm;
 use crate::motion::Motion;
 use crate::response::{Play, PlayError, Torque, simulate};
-use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark};
+use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{
-    Findings, OutputFolder, PlayFindings, RunInputs, RunTables, SimulateFiles, Summary,
+    Findings, OutputFolder, PlayedRun, RunInputs, RunTables, SimulateFiles, Summary,
 };
 use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase, SweepKind};
 
@@ -142,13 +143,24 @@ impl Cases<'_> {
             start_angle_rad: target.start_angle_rad(),
             ..Play::of(torque)
         };
-        let simulation = simulate(link, mesh, &play)?;
-        let target = FollowedTarget::of(&simulation, &target)?;
+        let arm = Arm::from(link.clone());
+        let played = simulate(&arm, from_ref(mesh), &play, &|_| {})?;
+        let target = FollowedTarget::of(&played, &TipPlaces::from(&target))?;
+        let error = PlayError::of(&played, &arm, &play)?;
+        let metrics = PlayedMetrics::of(&played);
         let tip_error = &target.tip_error;
-        let error = PlayError::of(&simulation, link, &play)?;
-        let metrics = PlayedMetrics::of(&simulation);
-        let found = PlayedCase { simulation: &simulation, metrics: &metrics, tip_error };
-        let numbers = SweepKind::played(&found);
+        let run = PlayedRun {
+            arm: &arm,
+            play: &play,
+            played: &played,
+            metrics: &metrics,
+            error: error.as_ref(),
+            limits: from_ref(limits),
+            target: Some(&target),
+            comparison: None,
+        };
+        let numbers =
+            SweepKind::played(&PlayedCase { simulation: &played, metrics: &metrics, tip_error });
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let files = SimulateFiles {
@@ -158,24 +170,14 @@ impl Cases<'_> {
                 reference: None,
                 state: None,
             };
-            let inputs =
-                RunInputs::of_simulate(&self.link_file, &files, play.input.is_torque(), arguments);
-            let outputs = self.shared.outputs.of_case(&[simulation.mesh.nodes_m()])?;
-            memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
-            let target = Some(&target);
-            let limits = from_ref(limits);
-            let findings = PlayFindings { error: error.as_ref(), limits, target, comparison: None };
-            let played = (link, &play);
-            let summary = Summary::of_simulation(inputs, played, &simulation, &metrics, &findings);
-            let tables = RunTables::of_simulation((link, &simulation), target, &outputs)?;
+            let inputs = RunInputs::of_simulate(&self.link_file, &files, true, arguments);
+            let outputs = self.shared.outputs.of_case(&[played.mesh().nodes_m()])?;
+            memory::check_nodes(outputs.simulation_bytes(&played), memory_bytes)?;
+            let summary = Summary::of_played(inputs, &run);
+            let tables = RunTables::of_played((&arm, &played), run.target, &outputs)?;
             outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
-        let coarse = error.and_then(|error| error.warning(&simulation));
-        let own = simulation.warnings.iter().copied().chain(coarse);
-        let own = own.map(Notice::from);
-        let late = tip_error.late.map(Notice::from);
-        let exceeded = metrics.exceeded(&[*limits]);
-        let notices = own.chain(late).chain(exceeded.iter().map(of_limit)).collect();
+        let notices = run.notices(of_limit);
         Ok((numbers, notices, remarks.clone()))
     }
 

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use crate::csv::{InputError, TableError};
-use crate::inverse::InversionError;
+use crate::inverse::{ArmError, InversionError};
 use crate::link::ParameterError;
 use crate::measured::MeasuredError;
 use crate::modal::DampingError;
@@ -155,11 +155,12 @@ impl From<FitError> for Failure {
             FitError::Motion(error) => error.hint(),
             FitError::Curve(error) => error.hint(),
             FitError::Path(error) => error.hint(),
-            FitError::Arm(error) => error.hint(),
         };
         let exit = match &error {
             FitError::Curve(CurveError::TurnsAtOnce { .. }) => Exit::Usage,
-            FitError::Inversion(error) if error.is_of_input() => Exit::InputRefused,
+            FitError::Inversion(ArmError::Inversion(error)) if error.is_of_input() => {
+                Exit::InputRefused
+            }
             _ => Exit::NotSolvable,
         };
         Self::new(exit, &error, hint)

@@ -11,7 +11,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::inverse::{Stage, Watch};
-use crate::response::ArmProgress;
+use crate::response::PlayProgress;
 
 use super::console;
 use super::exit::Failure;
@@ -163,8 +163,8 @@ impl StageBar {
         self.bar.set_message(format!("fitting, {links} links tried"));
     }
 
-    /// Shows the progress of an arm's play.
-    pub(crate) fn played(&self, ArmProgress { refinement, done, samples }: ArmProgress) {
+    /// Shows how far the play of bent links is.
+    pub(crate) fn played(&self, PlayProgress { refinement, done, samples }: PlayProgress) {
         if done % samples.div_ceil(PLAY_TICKS) != 0 {
             return;
         }

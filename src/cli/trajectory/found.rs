@@ -5,13 +5,13 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crate::cli::options::inputs::ChangeArgs;
 use crate::cli::terminal::text::{binding_text, found_text};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
-use crate::inverse::{Resources, Solution, SolutionWarning, invert_with};
-use crate::motion::{Course, Curve, CurveError, Ends, Profile, TipMotion};
+use crate::inverse::{Resources, Solution, SolutionWarning, invert_motion};
+use crate::motion::{Course, CurveError, Ends, Motion, Profile, TipMotion};
 use crate::result::{
-    ArmFitProblem, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak,
-    Remark, shortest_arm_fit, shortest_fit,
+    Along, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak, Remark,
+    shortest_fit,
 };
-use crate::spec::{ArmSpecification, Override, SpecError, Specification};
+use crate::spec::{ArmSpecification, Override, SpecError};
 use crate::text::{excerpt, plain, significant, visible};
 
 /// What stands for the profile that is the shortest.
@@ -53,31 +53,31 @@ pub(super) enum Limited {
 }
 
 /// A motion whose profile or duration may be open.
-pub(super) struct Search<'a> {
+pub(super) struct Search {
     pub(super) profile: Choice,
     /// Steps of the duration; none where limits decide.
     pub(super) steps: Option<usize>,
     pub(super) step_s: f64,
-    /// Constant directions in rad of an arm's links from the third on.
-    pub(super) outer_rad: &'a [f64],
 }
 
-impl Search<'_> {
-    /// Profile and duration of a link's motion. Tells what was found, and what torque a cycle takes.
+impl Search {
+    /// Profile and duration of a motion. Tells what was found, and what torque a cycle takes.
     pub(super) fn found(
         &self,
-        course: &Course,
-        specification: Option<&Specification>,
+        along: Along,
+        arm: Option<&ArmSpecification>,
     ) -> Result<Found, Failure> {
-        let is_cycle = course.ends() == Ends::Periodic;
-        let (found, solution) = match (specification, self.steps) {
-            (Some(own), None) => self.shortest(own, course)?,
-            (Some(own), Some(_)) if is_cycle => {
+        let is_cycle = along.ends() == Ends::Periodic;
+        let Some(arm) = arm.filter(|_| self.steps.is_none() || is_cycle) else {
+            return self.given();
+        };
+        let (found, solution) = match (self.steps, along) {
+            (Some(_), Along::Arc(course)) => {
                 let given = self.given()?;
-                let solution = self.solved(own, course, &given)?;
+                let solution = self.solved(arm, course, &given)?;
                 (given, solution)
             }
-            _ => return self.given(),
+            _ => self.shortest(arm, along)?,
         };
         let metrics = Metrics::of(&solution);
         if is_cycle {
@@ -86,37 +86,9 @@ impl Search<'_> {
         }
         console::warnings(&solution.warnings);
         console::remarks(Remark::on_jumps(&solution).as_slice());
-        let exceeded = specification.map(|own| metrics.exceeded(&[own.limits])).unwrap_or_default();
+        let exceeded = metrics.exceeded(&arm.limits);
         console::warnings(&exceeded);
         Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
-    }
-
-    /// Profile and duration of an arm's path.
-    pub(super) fn found_along(
-        &self,
-        curve: &Curve,
-        arm: Option<&ArmSpecification>,
-    ) -> Result<Found, Failure> {
-        let (Some(arm), None) = (arm, self.steps) else { return self.given() };
-        refuse_no_limit(&arm.limits)?;
-        let (profile, fit) = self.searched(|profile| {
-            shortest_arm_fit(&ArmFitProblem {
-                arm: &arm.arm,
-                plans: &arm.meshes,
-                analysis: &arm.analysis,
-                memory_bytes: memory::available(),
-                limits: &arm.limits,
-                curve,
-                profile,
-                step_s: self.step_s,
-                outer_rad: self.outer_rad,
-            })
-        })?;
-        let values = Metrics::of(&fit.solution).limited(&arm.limits);
-        let warnings = &fit.solution.warnings;
-        let found = self.told(profile, (&fit, warnings.len(), ""), &values);
-        console::warnings(warnings);
-        Ok(Found { warnings: warnings.len(), ..found })
     }
 
     /// Profile and duration of the command line.
@@ -131,45 +103,40 @@ impl Search<'_> {
         Ok(Found { profile, steps, comment: String::new(), warnings: 0 })
     }
 
-    /// The motion of the command line, solved.
+    /// The cycle of the command line, solved.
     fn solved(
         &self,
-        specification: &Specification,
+        specification: &ArmSpecification,
         course: &Course,
         given: &Found,
     ) -> Result<Solution, Failure> {
-        let Specification { link, mesh, analysis, .. } = specification;
+        let ArmSpecification { arm, meshes, analysis, .. } = specification;
         let columns = course.sampled(given.profile, self.step_s, given.steps, [0, 0]);
         let columns = columns.map_err(|error| not_made(&error))?;
         let motion = TipMotion::with_ends(columns, course.ends())
             .map_err(|error| not_solved(Failure::new(Exit::Usage, &error, error.hint())))?;
         let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
-        let solution = invert_with(link, mesh, &motion, analysis, &resources);
-        solution.map_err(|error| not_solved(error.into()))
+        let solution = invert_motion(arm, meshes, &Motion::Tip(motion), analysis, &resources);
+        solution.map_err(|error| not_solved(FitError::from(error).into()))
     }
 
-    /// The shortest motion of a link within its limits.
+    /// The shortest motion within the limits.
     fn shortest(
         &self,
-        specification: &Specification,
-        course: &Course,
+        specification: &ArmSpecification,
+        along: Along,
     ) -> Result<(Found, Solution), Failure> {
-        let Specification { link, mesh, analysis, limits, .. } = specification;
-        refuse_no_limit(std::slice::from_ref(limits))?;
+        let ArmSpecification { arm, meshes: plans, analysis, limits, .. } = specification;
+        refuse_no_limit(limits)?;
         let (profile, fit) = self.searched(|profile| {
-            shortest_fit(&FitProblem {
-                link,
-                plan: mesh,
-                analysis,
-                memory_bytes: memory::available(),
-                limits,
-                motion: OpenMotion { profile, course, step_s: self.step_s },
-            })
+            let motion = OpenMotion { profile, along, step_s: self.step_s };
+            let memory_bytes = memory::available();
+            shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
         })?;
-        let values = Metrics::of(&fit.solution).limited(&[*limits]);
-        let of = match course.ends() {
-            Ends::Periodic => " each way",
-            _ if course.stops_m().len() > 1 => " of moves",
+        let values = Metrics::of(&fit.solution).limited(limits);
+        let of = match along {
+            Along::Arc(course) if course.ends() == Ends::Periodic => " each way",
+            Along::Arc(course) if course.stops_m().len() > 1 => " of moves",
             _ => "",
         };
         let warnings = kinds(&fit.solution).len();

@@ -15,6 +15,7 @@ use crate::cli::options::inputs::{ChangeArgs, described, specification};
 use crate::cli::terminal::{Exit, Failure, WarningArgs, console, memory};
 use crate::csv::{Digits, InputFile, write_path, write_trajectory};
 use crate::motion::{Course, Curve, MotionColumns, PathColumns};
+use crate::result::Along;
 use crate::spec::{ArmSpecification, Described, Specification};
 use crate::text::{given, plain};
 
@@ -138,7 +139,8 @@ impl Trajectory {
     pub fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
         let specification = self.specification()?;
         let course = self.course(specification.as_ref())?;
-        let found = self.search()?.found(&course, specification.as_ref())?;
+        let arm = specification.map(ArmSpecification::from);
+        let found = self.search()?.found(Along::Arc(&course), arm.as_ref())?;
         let rest = self.rests(found.steps, BYTES_PER_SAMPLE)?;
         let columns = course.sampled(found.profile, self.step, found.steps, rest);
         Ok((columns.map_err(|error| not_made(&error))?, found))
@@ -150,7 +152,8 @@ impl Trajectory {
         curve: &Curve,
         arm: Option<&ArmSpecification>,
     ) -> Result<(PathColumns, Found), Failure> {
-        let found = self.search()?.found_along(curve, arm)?;
+        let along = Along::Curve(curve, self.path.outer_rad());
+        let found = self.search()?.found(along, arm)?;
         let rest = self.rests(found.steps, BYTES_PER_PLACE)?;
         let places = curve.sampled(found.profile, found.steps, rest);
         let places = places.map_err(|error| refused(&error, error.hint()))?;
@@ -158,10 +161,9 @@ impl Trajectory {
     }
 
     /// What is open of the motion, and what is given.
-    fn search(&self) -> Result<Search<'_>, Failure> {
+    fn search(&self) -> Result<Search, Failure> {
         let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
-        let (steps, step_s) = (steps.transpose()?, self.step);
-        Ok(Search { profile: self.profile, steps, step_s, outer_rad: self.path.outer_rad() })
+        Ok(Search { profile: self.profile, steps: steps.transpose()?, step_s: self.step })
     }
 
     /// The curve of --path; none without it. Checks the options that every motion has.

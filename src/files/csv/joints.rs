@@ -170,7 +170,7 @@ pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading),
     let grid = TimeGrid::through(&time_s).map_err(|error| {
         refuse_samples(name, &lines, Some(error.sample), &error, Some(error.hint()))
     })?;
-    Ok((TipPlaces { grid, at_m: at_m.map(Option::unwrap_or_default) }, reading))
+    Ok((TipPlaces { grid, at_m: at_m.map(Option::unwrap_or_default).to_vec() }, reading))
 }
 
 /// Finds the time and the columns of `links` joints.

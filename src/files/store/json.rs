@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::compare::{Cell, Table, TableColumn};
 use crate::csv::{InputError, InputFile, Place, TableError};
+use crate::response::{LinkState, State};
 use crate::result::StoredInput;
 use crate::text::{excerpt, is_hidden, visible};
 
@@ -74,16 +75,23 @@ struct StateRecord<S> {
 }
 
 /// The state of a link, or of an arm, at the end of a simulation, as JSON.
-pub fn state_json(state: &impl Serialize) -> String {
+pub fn state_json(state: &State) -> String {
+    match &state.links[..] {
+        [link] => state_record(link),
+        _ => state_record(state),
+    }
+}
+
+fn state_record(state: &impl Serialize) -> String {
     let [flexlink, command] = [env!("CARGO_PKG_VERSION"), A_STATE].map(str::to_owned);
     json(&StateRecord { format: Some(FORMAT), flexlink, command, state })
 }
 
-/// Reads what [`state_json`] writes.
+/// Reads what [`state_json`] writes, for a number of links.
 ///
 /// # Errors
 /// [`TableError`] names the file, the line and what is at fault.
-pub fn read_state<S: DeserializeOwned>(name: &str, bytes: &[u8]) -> Result<S, TableError> {
+pub fn read_state(name: &str, bytes: &[u8], links: usize) -> Result<State, TableError> {
     let whole = Place { file: name, line: None };
     let must = "must be what --save-state of `flexlink simulate` writes, in JSON";
     let head: Head = parsed(bytes, whole, must)?;
@@ -93,7 +101,11 @@ pub fn read_state<S: DeserializeOwned>(name: &str, bytes: &[u8]) -> Result<S, Ta
         return Err(whole.refuse("command", shown, "must be \"state\"").with_hint(hint));
     }
     check_format(head.format, head.flexlink.as_deref().unwrap_or_default(), whole)?;
-    Ok(parsed::<StateRecord<S>>(bytes, whole, &as_written())?.state)
+    if links > 1 {
+        return Ok(parsed::<StateRecord<State>>(bytes, whole, &as_written())?.state);
+    }
+    let link = parsed::<StateRecord<LinkState>>(bytes, whole, &as_written())?.state;
+    Ok(State { links: vec![link] })
 }
 
 /// The last key before a line and column of a record, if there is one.

@@ -34,7 +34,7 @@ pub use names::{REPORT, SUMMARY, is_result_file};
 pub use outputs::RunOutputs;
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use run_summary::{Findings, PlayFindings, PlayedRun, write_solution};
+pub use run_summary::{Findings, PlayedRun, write_solution};
 pub use run_tables::RunTables;
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};
 pub use sweep::{

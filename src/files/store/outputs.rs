@@ -10,7 +10,7 @@ use crate::csv::Digits;
 use crate::inverse::{NodalTable, Solution};
 use crate::link::{Link, ParameterError};
 use crate::numeric::{ThinnedGrid, TimeGrid};
-use crate::response::Simulation;
+use crate::response::Played;
 
 /// Which results of a solution or a simulation to write, and with which digits.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,10 +112,12 @@ impl RunOutputs {
     }
 
     /// Memory in bytes of the nodal table of a simulation.
-    pub fn simulation_bytes(&self, simulation: &Simulation) -> usize {
+    pub fn simulation_bytes(&self, played: &Played) -> usize {
+        let nodes = played.nodes_m().into_iter().map(|nodes_m| self.nodes_of(nodes_m).len());
         size_of::<f64>()
-            * self.nodes_of(simulation.mesh.nodes_m()).len()
-            * simulation.grid.len.div_ceil(self.every.get())
+            * played.tip.len()
+            * nodes.sum::<usize>()
+            * played.grid.len.div_ceil(self.every.get())
     }
 }
 

@@ -13,13 +13,10 @@ use super::run_tables::RunTables;
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
 use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution, Unwatched};
-use crate::link::{Arm, Link};
+use crate::link::Arm;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
-use crate::response::{
-    ArmPlay, ArmPlayWarning, Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedArm,
-    Simulation,
-};
+use crate::response::{Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink};
 use crate::result::{
     Comparison, Exceeded, FollowedTarget, JointMetrics, Limits, Metrics, Notice, PlayedJoint,
     PlayedMetrics, Remark, TipError,
@@ -39,10 +36,18 @@ pub struct Findings<'a> {
     pub remarks: &'a [Remark],
 }
 
-/// What is known of a simulation beside its numbers.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct PlayFindings<'a> {
-    /// Errors of its mesh and modes.
+/// A simulation, and what is known of it beside its numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct PlayedRun<'a> {
+    /// The link or the arm.
+    pub arm: &'a Arm,
+    /// What was played.
+    pub play: &'a Play<'a>,
+    /// The motion.
+    pub played: &'a Played,
+    /// Its numbers.
+    pub metrics: &'a PlayedMetrics,
+    /// Its errors; none where elements of half the length do not allow the damping.
     pub error: Option<&'a PlayError>,
     /// Limits of each joint.
     pub limits: &'a [Limits],
@@ -52,25 +57,15 @@ pub struct PlayFindings<'a> {
     pub comparison: Option<&'a Comparison>,
 }
 
-/// A simulation of an arm, and what is known of it beside its numbers.
-#[derive(Debug, Clone, Copy)]
-pub struct PlayedRun<'a> {
-    /// The arm.
-    pub arm: &'a Arm,
-    /// What was played.
-    pub play: &'a ArmPlay<'a>,
-    /// The motion.
-    pub played: &'a PlayedArm,
-    /// Its numbers.
-    pub metrics: &'a PlayedMetrics,
-    /// Limits of each joint.
-    pub limits: &'a [Limits],
-    /// The tip beside its target, if there is one.
-    pub target: Option<&'a FollowedTarget>,
-    /// What the user must know.
-    pub warnings: &'a [ArmPlayWarning],
-    /// Nodes of each link: distances in m from its joint.
-    pub nodes_m: &'a [Vec<f64>],
+impl PlayedRun<'_> {
+    /// Everything that the user must know; `of_limit` makes the notice of an exceeded limit.
+    pub fn notices(&self, of_limit: impl Fn(&Exceeded) -> Notice) -> Vec<Notice> {
+        let inexact = self.error.and_then(|error| error.warning(self.played));
+        let played = self.played.warnings.iter().copied().chain(inexact).map(Notice::from);
+        let late = self.target.and_then(|target| target.tip_error.late).map(Notice::from);
+        let exceeded = self.metrics.exceeded(self.limits);
+        played.chain(late).chain(exceeded.iter().map(of_limit)).collect()
+    }
 }
 
 /// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
@@ -148,47 +143,52 @@ impl Summary {
         }
     }
 
-    /// The summary of a torque or a hub motion played on a link.
-    pub fn of_simulation(
-        inputs: RunInputs,
-        (link, play): (&Link, &Play),
-        simulation: &Simulation,
-        metrics: &PlayedMetrics,
-        &PlayFindings { error, limits, target, comparison }: &PlayFindings,
-    ) -> Self {
-        let tip_error = target.map(|target| &target.tip_error);
-        let Simulation { law, mesh, .. } = simulation;
-        let frequencies = &simulation.natural_frequencies_rad_s;
-        let periods_s: Vec<f64> = frequencies.iter().map(|omega| TAU / omega).collect();
-        // Shares of each quantity's own peak, of the tip's travel: of the mesh, and of the modes left out.
-        let mut errors = error.map_or(json!({}), |error| {
-            let kind = if simulation.modes().is_some() { "mesh" } else { "refinement" };
-            json!({ "tip": { kind: error.tip }, "hub_angle": { kind: error.hub_angle } })
-        });
-        if let Some(ModalPlay { model_error, .. }) = simulation.modes() {
-            errors["tip"]["model"] = json!(model_error.tip);
-            errors["deflection"] = json!({ "model": model_error.deflection });
-        }
-        let coarse = error.and_then(|error| error.warning(simulation));
-        let played = simulation.warnings.iter().copied().chain(coarse);
-        let warnings = played.map(Notice::from).collect();
+    /// The summary of a simulation.
+    pub fn of_played(inputs: RunInputs, run: &PlayedRun<'_>) -> Self {
+        let PlayedRun { arm, play, played, metrics, limits, target, .. } = *run;
+        let tip_error = target.map(|target| tip_numbers(&target.tip_error));
+        let is_link = arm.links().len() == 1;
         let input = match play.input {
-            Input::Torque(_) => "torque",
-            Input::HubAngle(_) => "hub_angle",
+            Input::Torques(_) => "torque",
+            Input::Angles(_) if is_link => "hub_angle",
+            Input::Angles(_) => "joint_angles",
         };
-        let mut values = json!({
-            "mesh": mesh_values(mesh),
-            input: input_values(play, simulation),
-            "feedback": play.feedback.map(gains),
-            "periods_s": periods_s,
-            "viscous_damping_ratios": law.modal_ratios(frequencies),
-            "results": played_results(metrics),
-            "errors": errors,
-            "tip_error": tip_error.map(tip_numbers),
-        });
+        let input = (input, input_values(play, played));
+        let (mut values, summary) = if is_link {
+            let PlayedLink { mesh, law, natural_frequencies_rad_s } = &played.links[0];
+            let link = &arm.links()[0].link;
+            let periods_s: Vec<f64> =
+                natural_frequencies_rad_s.iter().map(|omega| TAU / omega).collect();
+            let values = json!({
+                "mesh": mesh_values(mesh),
+                input.0: input.1,
+                "feedback": play.feedback.first().map(gains),
+                "periods_s": periods_s,
+                "viscous_damping_ratios": law.modal_ratios(natural_frequencies_rad_s),
+                "results": played_results(metrics),
+                "errors": link_errors(run),
+                "tip_error": tip_error,
+            });
+            (values, Self::of("simulate", inputs, link, law))
+        } else {
+            let elements = played.links.iter().map(|link| link.mesh.elements().len());
+            let [tip_m, joint_rad] = played.change();
+            let values = json!({
+                "arm": arm_record(arm, elements),
+                input.0: input.1,
+                "feedback": play.feedback.iter().map(gains).collect::<Vec<_>>(),
+                "results": played_results(metrics),
+                "errors": {
+                    "refinement": { "tip_m": tip_m, "joints_rad": joint_rad },
+                    "energy": played.imbalance(),
+                },
+                "tip_error": tip_error,
+            });
+            (values, Self::titled("simulate", inputs, arm.title()))
+        };
         store_limits(&mut values, limits);
-        match &simulation.played {
-            Played::Modes(ModalPlay { selection, residual, .. }) => {
+        match &played.by {
+            PlayedBy::Modes(ModalPlay { selection, residual, .. }) => {
                 values["modes"] = json!({
                     "kept": selection.modes,
                     "of_mesh": selection.of,
@@ -199,64 +199,25 @@ impl Summary {
                     values["residual"] = json!(residual);
                 }
             }
-            Played::Elastica(bent) => {
-                values["elastica"] = json!({
-                    "angles": bent.angles,
-                    "steps_per_sample": bent.steps,
-                    "holding_torque_n_m": bent.holding_n_m,
-                });
+            PlayedBy::Elastica(bent) => {
+                let mut elastica = json!({ "angles": bent.angles, "steps_per_sample": bent.steps });
+                if is_link {
+                    elastica["holding_torque_n_m"] = json!(played.hub().holding_n_m);
+                }
+                values["elastica"] = elastica;
             }
         }
-        if link.has_weight() {
+        if is_link && arm.has_weight() {
             values["frequencies_without_gravity"] = json!(true);
         }
-        let measured = comparison.cloned();
-        let summary = Self { values, measured, ..Self::of("simulate", inputs, link, law) };
-        summary.with_play_findings(warnings, (metrics, limits), target)
-    }
-
-    /// The summary of an arm's simulation.
-    pub fn of_played_arm(inputs: RunInputs, run: &PlayedRun<'_>) -> Self {
-        let PlayedRun { arm, play, played, metrics, target, .. } = *run;
-        let tip_error = target.map(|target| &target.tip_error);
-        let [tip_m, joint_rad] = played.change;
-        let grid = &played.grid;
-        let mut values = json!({
-            "arm": arm_record(arm, run.nodes_m.iter().map(|nodes| nodes.len() - 1)),
-            "torque": {
-                "samples": grid.len,
-                "start_s": grid.time_s(0),
-                "end_s": grid.end_s(),
-                "step_s": grid.step_s,
-                "interpolation": play.interpolation,
-            },
-            "feedback": play.feedback.iter().map(gains).collect::<Vec<_>>(),
-            "elastica": { "angles": played.angles, "steps_per_sample": played.steps },
-            "results": played_results(metrics),
-            "errors": {
-                "refinement": { "tip_m": tip_m, "joints_rad": joint_rad },
-                "energy": played.imbalance(),
-            },
-            "tip_error": tip_error.map(tip_numbers),
-        });
-        store_limits(&mut values, run.limits);
-        let warnings = run.warnings.iter().map(Notice::from).collect();
-        let summary = Self { values, ..Self::titled("simulate", inputs, arm.title()) };
-        summary.with_play_findings(warnings, (metrics, run.limits), target)
-    }
-
-    /// The summary with what is known of its simulation.
-    fn with_play_findings(
-        self,
-        mut warnings: Vec<Notice>,
-        (metrics, limits): (&PlayedMetrics, &[Limits]),
-        target: Option<&FollowedTarget>,
-    ) -> Self {
-        warnings.extend(target.and_then(|target| target.tip_error.late).map(Notice::from));
-        warnings.extend(metrics.exceeded(limits).into_iter().map(Notice::from));
         let files = played_files(metrics.joints.len(), target.is_some());
-        let files = files.into_iter().map(str::to_owned).collect();
-        Self { warnings, files, ..self }
+        Self {
+            values,
+            measured: run.comparison.cloned(),
+            warnings: run.notices(|limit| Notice::from(limit)),
+            files: files.into_iter().map(str::to_owned).collect(),
+            ..summary
+        }
     }
 }
 
@@ -357,6 +318,20 @@ fn second_order_record(solution: &Solution, found: &SecondOrderFindings) -> Valu
     record
 }
 
+/// Errors of one link's simulation: shares of each quantity's own peak, of the tip's travel.
+fn link_errors(run: &PlayedRun<'_>) -> Value {
+    let modes = run.played.modes();
+    let mut errors = run.error.map_or(json!({}), |error| {
+        let kind = if modes.is_some() { "mesh" } else { "refinement" };
+        json!({ "tip": { kind: error.tip }, "hub_angle": { kind: error.hub_angle } })
+    });
+    if let Some(ModalPlay { model_error, .. }) = modes {
+        errors["tip"]["model"] = json!(model_error.tip);
+        errors["deflection"] = json!({ "model": model_error.deflection });
+    }
+    errors
+}
+
 /// Stores the limits of a single link, or those of each joint, where there are some.
 fn store_limits(values: &mut Value, limits: &[Limits]) {
     let stored: Vec<Option<Value>> = limits.iter().map(Limits::stored).collect();
@@ -432,16 +407,16 @@ fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
     values
 }
 
-fn input_values(play: &Play, simulation: &Simulation) -> Value {
+fn input_values(play: &Play<'_>, played: &Played) -> Value {
     let grid = play.input.grid();
     let mut values = json!({
         "samples": grid.len,
         "step_s": grid.step_s,
         "start_s": grid.time_s(0),
         "end_s": grid.end_s(),
-        "simulated_until_s": simulation.grid.end_s(),
+        "simulated_until_s": played.grid.end_s(),
     });
-    if let Input::Torque(_) = play.input {
+    if play.input.is_torque() {
         values["interpolation"] = json!(play.interpolation);
     }
     values
@@ -491,7 +466,7 @@ fn played_joint(joint: &PlayedJoint) -> Map<String, Value> {
     let ends = joint.joint.and(Some([start_rad, end_rad]));
     let numbers = [
         ("peak_torque_n_m", Some(joint.peak_torque_n_m.value)),
-        ("holding_torque_n_m", joint.holding_torque_n_m),
+        ("holding_torque_n_m", joint.joint.and(joint.holding_torque_n_m)),
         ("start_angle_rad", ends.map(|ends| ends[0])),
         ("end_angle_rad", ends.map(|ends| ends[1])),
         ("peak_hub_angle_rad", Some(joint.peak_hub_angle_rad.value)),

@@ -7,12 +7,12 @@ use super::names::{
     TIP, TIP_ERROR, TORQUE,
 };
 use super::outputs::RunOutputs;
-use crate::beam::{Mesh, NodalHistories};
+use crate::beam::Mesh;
 use crate::inverse::{LinkShape, MotorHistories, NodalTable, Solution};
 use crate::link::{Arm, Link, ParameterError};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{ThinnedGrid, TimeGrid};
-use crate::response::{PlayedArm, Simulation};
+use crate::response::Played;
 use crate::result::FollowedTarget;
 
 /// All tables of a run.
@@ -120,8 +120,37 @@ fn of_links<'a>(arm: &'a Arm, nodes_m: impl IntoIterator<Item = &'a [f64]>) -> V
     links.collect()
 }
 
+/// The tables at nodes of an arm's links.
+fn shape_tables<'a>(solution: &'a Solution, outputs: &RunOutputs) -> Vec<NodalColumns<'a>> {
+    let times = outputs.nodal_rows(&solution.grid);
+    let nodal: [(_, _, OfNode); 3] = [
+        (&PLACES, true, |own, node| own.positions_m[node].iter().collect()),
+        (&DEFLECTIONS, outputs.deflections, |own, node| vec![&own.deflections_m[node]]),
+        (&MOMENTS, outputs.moments, |own, node| vec![&own.moments_n_m[node]]),
+    ];
+    let nodal = nodal.into_iter().filter(|(_, is_written, _)| *is_written);
+    let nodal = nodal.map(|(file, _, of)| {
+        let mut columns = Vec::new();
+        for (link, (shape, nodes_m)) in solution.shapes().zip(solution.nodes_m()).enumerate() {
+            // A link that has fewer nodes than another does not have all of a list.
+            let is_there = |node: &usize| *node < nodes_m.len();
+            for node in outputs.nodes_of(nodes_m).into_iter().filter(is_there) {
+                let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
+                    link,
+                    letter,
+                    node,
+                    values: times.taken(values),
+                };
+                columns.extend(of(shape, node).into_iter().enumerate().map(column));
+            }
+        }
+        NodalColumns { file, times, columns }
+    });
+    nodal.collect()
+}
+
 impl<'a> RunTables<'a> {
-    /// Deflections of a link's nodes, from which the tables at nodes are computed while they are written; none of an arm.
+    /// Deflections of a link's nodes, which its tables at nodes are computed from while they are written. `None` for an arm.
     pub fn on_request(&self) -> Option<&NodalTable<'a>> {
         self.on_request.as_ref()
     }
@@ -162,121 +191,87 @@ impl<'a> RunTables<'a> {
         let tips = motions.into_iter().flat_map(|of| tip.iter().map(move |tip| Cow::from(of(tip))));
         let files = [&TORQUE, &RIGID_TORQUE, &ANGLE, &MOTOR, &FORCE].into_iter().zip(files);
         let files = files.chain([(&CHORD, chords.collect()), (&TIP, vec![tips.collect()])]);
-        let tables = Self {
-            histories: tables(grid, files),
-            nodal: vec![],
-            on_request: None,
-            links: vec![],
-            mesh: None,
-        };
+        let histories = tables(grid, files);
         if let [link] = &links[..] {
-            let on_request = Some(outputs.deflections(solution)?);
-            let (links, mesh) = (on_mesh(link.link(), link.mesh()), Some(link.mesh()));
-            return Ok(Self { on_request, links, mesh, ..tables });
+            return Ok(Self {
+                histories,
+                nodal: vec![],
+                on_request: Some(outputs.deflections(solution)?),
+                links: on_mesh(link.link(), link.mesh()),
+                mesh: Some(link.mesh()),
+            });
         }
-        let times = outputs.nodal_rows(grid);
-        let nodal: [(_, _, OfNode); 3] = [
-            (&PLACES, true, |own, node| own.positions_m[node].iter().collect()),
-            (&DEFLECTIONS, outputs.deflections, |own, node| vec![&own.deflections_m[node]]),
-            (&MOMENTS, outputs.moments, |own, node| vec![&own.moments_n_m[node]]),
-        ];
-        let nodal = nodal.into_iter().filter(|(_, is_written, _)| *is_written);
-        let nodal = nodal.map(|(file, _, of)| {
-            let mut all = Vec::new();
-            for (link, (shape, nodes_m)) in solution.shapes().zip(solution.nodes_m()).enumerate() {
-                // A link that has fewer nodes than another does not have all of a list.
-                let is_there = |node: &usize| *node < nodes_m.len();
-                for node in outputs.nodes_of(nodes_m).into_iter().filter(is_there) {
-                    let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
-                        link,
-                        letter,
-                        node,
-                        values: times.taken(values),
-                    };
-                    all.extend(of(shape, node).into_iter().enumerate().map(column));
-                }
-            }
-            NodalColumns { file, times, columns: all }
-        });
-        let nodal = nodal.collect();
-        Ok(Self { nodal, links: of_links(arm, solution.nodes_m()), ..tables })
+        let nodal = shape_tables(solution, outputs);
+        let links = of_links(arm, solution.nodes_m());
+        Ok(Self { histories, nodal, on_request: None, links, mesh: None })
     }
 
-    /// The tables of a link's simulation, with a target or without.
+    /// The tables of a simulation, with a target or without.
     ///
     /// # Errors
     /// [`ParameterError`] if a node is not one of the mesh.
-    pub fn of_simulation(
-        (link, simulation): (&'a Link, &'a Simulation),
+    pub fn of_played(
+        (arm, played): (&'a Arm, &'a Played),
         target: Option<&'a FollowedTarget>,
         outputs: &RunOutputs,
     ) -> Result<Self, ParameterError> {
-        let Simulation { grid, mesh, tip, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
-        let hub = [hub_angle_rad, hub_rate_rad_s, &simulation.hub_acceleration_rad_s2];
-        let tip = [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2];
+        let Played { grid, joints, tip, links, .. } = played;
+        let torques = joints.iter().map(|joint| columns([&joint.torque_n_m])).collect();
+        let angles = joints.iter().map(|joint| {
+            columns([&joint.angle_rad, &joint.rate_rad_s, &joint.acceleration_rad_s2])
+        });
+        let tip = [
+            order_of(tip, |own| &own.displacement_m),
+            order_of(tip, |own| &own.velocity_m_s),
+            order_of(tip, |own| &own.acceleration_m_s2),
+        ]
+        .concat();
+        let chords = played.bent().filter(|_| arm.links().len() > 1);
+        let chords = chords.map_or(&[][..], |bent| &bent.chords_rad);
         let files = [
-            (&TORQUE, columns([&simulation.torque_n_m])),
-            (&TIP, columns(tip)),
-            (&ANGLE, columns(hub)),
+            (&TORQUE, torques),
+            (&TIP, vec![tip]),
+            (&ANGLE, angles.collect()),
+            (&CHORD, chords.iter().map(|own| columns([own])).collect()),
         ];
-        let nodes = outputs.nodes_of(mesh.nodes_m());
-        let NodalHistories { nodes, grid: times, samples } =
-            simulation.displacements_m(&nodes, outputs.every)?;
-        let column = |(node, values): (usize, Vec<f64>)| NodalColumn {
-            link: 0,
-            letter: 0,
-            node,
-            values: values.into(),
-        };
-        let columns = nodes.into_iter().zip(samples).map(column).collect();
-        let mut histories = tables(grid, files.map(|(file, hub)| (file, vec![hub])));
-        histories.extend(wanted(target));
-        let nodal = vec![NodalColumns { file: &PLACES, times, columns }];
-        let links = on_mesh(link, mesh);
-        Ok(Self { histories, nodal, on_request: None, links, mesh: Some(mesh) })
-    }
-
-    /// The tables of an arm's simulation, with a target or without.
-    pub fn of_played_arm(
-        (arm, played): (&'a Arm, &'a PlayedArm),
-        nodes_m: &'a [Vec<f64>],
-        target: Option<&'a FollowedTarget>,
-        outputs: &RunOutputs,
-    ) -> Self {
-        let PlayedArm { grid, torques_n_m, joints, chords_rad, tip, .. } = played;
-        let each = |histories: &'a [Vec<f64>]| histories.iter().map(|own| columns([own])).collect();
-        let angles = joints.iter().map(|joint| columns(joint.each_ref())).collect();
-        let files = [
-            (&TORQUE, each(torques_n_m)),
-            (&ANGLE, angles),
-            (&CHORD, each(chords_rad)),
-            (&TIP, vec![of_plane(tip)]),
-        ];
+        let nodes = links.iter().map(|link| {
+            let nodes_m = link.mesh.nodes_m();
+            let nodes = outputs.nodes_of(nodes_m).into_iter();
+            // An arm's link that has fewer nodes than another does not have all of a list.
+            nodes.filter(|node| arm.links().len() == 1 || *node < nodes_m.len()).collect()
+        });
+        let nodes: Vec<Vec<usize>> = nodes.collect();
         let mut all = Vec::new();
-        for (link, nodes) in played.positions_m(nodes_m, outputs.every).into_iter().enumerate() {
-            for (node, place) in nodes.into_iter().enumerate() {
+        for (link, places) in played.places_m(&nodes, outputs.every)?.into_iter().enumerate() {
+            for (node, place) in nodes[link].iter().zip(places) {
                 let column = |(letter, values): (usize, Vec<f64>)| NodalColumn {
                     link,
                     letter,
-                    node,
+                    node: *node,
                     values: values.into(),
                 };
                 all.extend(place.into_iter().enumerate().map(column));
             }
         }
         let times = grid.thinned(outputs.every);
-        Self {
+        let (links, mesh) = match (arm.links(), &links[..]) {
+            ([own], [link]) => (on_mesh(&own.link, &link.mesh), Some(&link.mesh)),
+            _ => (of_links(arm, links.iter().map(|link| link.mesh.nodes_m())), None),
+        };
+        Ok(Self {
             histories: tables(grid, files).into_iter().chain(wanted(target)).collect(),
             nodal: vec![NodalColumns { file: &PLACES, times, columns: all }],
             on_request: None,
-            links: of_links(arm, nodes_m.iter().map(Vec::as_slice)),
-            mesh: None,
-        }
+            links,
+            mesh,
+        })
     }
 }
 
-/// Columns of a tip in the plane: places, velocities, accelerations.
-fn of_plane(tip: &[[Vec<f64>; 3]; 2]) -> Columns<'_> {
-    let order = |order: usize| columns([&tip[0][order], &tip[1][order]]);
-    [0, 1, 2].into_iter().flat_map(order).collect()
+/// One history of each axis of a tip.
+fn order_of(
+    tip: &[TipMotionHistories],
+    of: impl Fn(&TipMotionHistories) -> &Vec<f64>,
+) -> Columns<'_> {
+    tip.iter().map(|axis| Cow::from(&of(axis)[..])).collect()
 }

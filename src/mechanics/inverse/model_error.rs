@@ -154,7 +154,7 @@ impl Problem<'_> {
         let torque = Torque::new(&time_s, missing).ok()?;
         let played = simulate_on(link, mesh, &Play::of(&torque)).ok()?;
         let end = (len - seam) as i64 + window.first + window.len as i64;
-        let strays_m = largest(&played.tip.displacement_m[..len.min(end as usize)]);
+        let strays_m = largest(&played.tip[0].displacement_m[..len.min(end as usize)]);
         let travel_m = answer.period.histories.largest_travel_m();
         Some((ModelError { tip: strays_m / travel_m, errors }, converges))
     }

@@ -49,7 +49,7 @@ impl Band {
     }
 }
 
-/// What the joints must do so that the tip moves as wanted, with the link or the arm, the motion and the analysis.
+/// The motion of all joints that moves the tip as wanted, with the link or the arm, the motion and the analysis.
 ///
 /// All histories are samples on [`Solution::grid`], the motion's samples with lead and lag added where its own rest is too
 /// short.
@@ -71,19 +71,19 @@ pub struct Solution {
     pub tip: Vec<TipMotionHistories>,
     /// Largest distance of the solved tip from the wanted one, over its travel.
     pub tip_error: f64,
-    /// How far the tip of a link with all second-order terms strays under the torque, over its travel; none with weight, where
-    /// second-order terms are counted, and of an arm.
+    /// Largest distance that all second-order terms lead the tip astray under the torque, over its travel. `None` with weight,
+    /// where second-order terms are counted, and for an arm.
     pub tip_model_error: Option<f64>,
     /// Numbers of the grid's samples between which the tip moves: the last at rest before the
     /// motion and the first at rest after it.
     pub moving: (usize, usize),
-    /// First zero of torque → tip in 1/s, of an arm the smallest of its links'; none where no mesh has one.
+    /// First zero of torque → tip in 1/s, of an arm the smallest of its links'. `None` where no mesh has one.
     pub first_zero_per_s: Option<f64>,
     /// Frequencies that were solved for.
     pub band: Band,
     /// The second-order terms, where gravity acts, they were asked for, or links are several.
     pub second_order: Option<SecondOrderFindings>,
-    /// What the user must know.
+    /// Warnings, for the user to judge the answer by.
     pub warnings: Vec<SolutionWarning>,
     /// The spectra of one link, from which motions of its nodes are computed on request.
     pub(super) spectra: Option<LinkSpectra>,
@@ -101,11 +101,11 @@ pub struct JointMotion {
     pub angle_rad: Vec<f64>,
     /// Rate in rad/s.
     pub rate_rad_s: Vec<f64>,
-    /// Acceleration in rad/s²; none of one link, where [`Solution::acceleration_rad_s2`] computes it.
+    /// Acceleration in rad/s². `None` for one link, where [`Solution::acceleration_rad_s2`] computes it.
     pub acceleration_rad_s2: Option<Vec<f64>>,
     /// Angle in rad of the same joint between rigid links.
     pub rigid_angle_rad: Vec<f64>,
-    /// Force in N along x and y on its link's inner end; none of one link.
+    /// Force in N along x and y on its link's inner end. `None` for one link.
     pub force_n: Option<[Vec<f64>; 2]>,
     /// Its motor, where it has a drive.
     pub motor: Option<MotorHistories>,
@@ -120,9 +120,9 @@ pub struct LinkMotion {
     pub model: Arc<dyn Model>,
     /// Moment in N m that its joint exerts on its root.
     pub root_moment_n_m: Vec<f64>,
-    /// Largest slope |w'| from its chord; none of a link that is solved on its hub's tangent line.
+    /// Largest slope |w'| from its chord. `None` for a link that is solved on its hub's tangent line.
     pub largest_slope: Option<f64>,
-    /// Histories of its nodes; none of one link, where [`Solution::deflections`] and the like compute them.
+    /// Histories of its nodes. `None` for one link, where [`Solution::deflections`] and the like compute them.
     pub shape: Option<LinkShape>,
 }
 
@@ -150,8 +150,8 @@ pub struct SecondOrderFindings {
     pub order: SecondOrder,
     /// Their iteration.
     pub iteration: Iteration,
-    /// Largest change of a torque by the terms that were not counted, over its range: none where all were counted, and
-    /// none within where the motion is refused with all of them.
+    /// Largest change of a torque by the terms that were not counted, over its range. `None` where all were counted, and
+    /// `Some(None)` where the motion is refused with all of them.
     pub left_out: Option<Option<f64>>,
     /// How far the tip strays where the iteration of all terms does not converge and fewer are counted instead; terms left
     /// out are then not looked for otherwise.
@@ -229,7 +229,7 @@ impl Solution {
         self.links.iter().filter_map(|link| link.shape.as_ref())
     }
 
-    /// Number of a joint as metrics, limits and remarks of an arm call it, from 0; none of one link, whose joint is its hub.
+    /// Number of a joint in metrics, limits and remarks, from 0. `None` for one link, whose joint is its hub.
     pub fn number_of(&self, joint: usize) -> Option<usize> {
         (self.joints.len() > 1).then_some(joint)
     }
@@ -268,8 +268,8 @@ impl Solution {
         }
     }
 
-    /// How far the tip is expected to be from where it should be, at most, over its travel: what the solved one is off, or what
-    /// fewer terms than all lead it off by where these do not converge.
+    /// Largest distance of the tip from the wanted one to be expected, over its travel: that of the solved tip, or that
+    /// caused by fewer second-order terms where all of them do not converge.
     pub fn expected_tip_error(&self) -> f64 {
         let fallback = self.second_order.and_then(|found| found.fallback);
         Size::larger(self.tip_error, fallback.map_or(0.0, Straying::share))

@@ -8,34 +8,6 @@ use crate::text::{about_percent, significant};
 /// Largest change of the torque that the first order in the thickness is valid for.
 const MOST_THICK: f64 = 0.3;
 
-/// A warning of a solution, and the joint of an arm that it is of.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("{}{warning}", joint.map_or_else(String::new, |joint| format!("joint {}: ", joint + 1)))]
-pub struct SolutionWarning {
-    /// Number of the joint of an arm, from 0; none of one link, and of what concerns the whole arm.
-    pub joint: Option<usize>,
-    /// The warning.
-    pub warning: Warning,
-}
-
-impl From<Warning> for SolutionWarning {
-    fn from(warning: Warning) -> Self {
-        Self { joint: None, warning }
-    }
-}
-
-impl SolutionWarning {
-    /// Name of the kind, for machines.
-    pub fn kind(&self) -> &'static str {
-        self.warning.kind()
-    }
-
-    /// What the user can do about it.
-    pub fn hint(&self) -> &'static str {
-        self.warning.hint()
-    }
-}
-
 /// How far the tip of a solution with fewer terms strays at most from where it should be, over its travel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -392,6 +364,34 @@ impl Warning {
                 "more elements, mesh.elements = \"auto\" or a smoother motion"
             }
         }
+    }
+}
+
+/// A warning of a solution, and the joint of an arm that it is of.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error("{}{warning}", joint.map_or_else(String::new, |joint| format!("joint {}: ", joint + 1)))]
+pub struct SolutionWarning {
+    /// Number of the joint of an arm, from 0. `None` for one link, and where it concerns the whole arm.
+    pub joint: Option<usize>,
+    /// The warning.
+    pub warning: Warning,
+}
+
+impl From<Warning> for SolutionWarning {
+    fn from(warning: Warning) -> Self {
+        Self { joint: None, warning }
+    }
+}
+
+impl SolutionWarning {
+    /// Name of the kind, for machines.
+    pub fn kind(&self) -> &'static str {
+        self.warning.kind()
+    }
+
+    /// What the user can do about it.
+    pub fn hint(&self) -> &'static str {
+        self.warning.hint()
     }
 }
 

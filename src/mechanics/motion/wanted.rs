@@ -15,7 +15,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// The motion of the tip of one link; none of an arm.
+    /// The motion of the tip of one link. `None` for an arm.
     pub fn tip(&self) -> Option<&TipMotion> {
         match self {
             Self::Tip(motion) => Some(motion),
@@ -23,7 +23,7 @@ impl Motion {
         }
     }
 
-    /// The path of an arm; none of one link.
+    /// The path of an arm. `None` for one link.
     pub fn path(&self) -> Option<&ArmPath> {
         match self {
             Self::Tip(_) => None,

@@ -1,400 +1,284 @@
-//! A torque, or a motion of the hub, played on a link with weight or at large angles.
+//! Links with weight or at large angles, and arms of them, in motion: elasticas one after the other.
 
 use std::num::NonZeroUsize;
 
-use super::balance::Balance;
-use super::chain::{Chain, coordinates, play_bytes};
-use super::driving::{Cubic, CycleError, Driving, Step};
-use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
-use super::modes::HubReaction;
-use super::play::{Input, Play, refuse_memory};
-use super::radau::{Motion, Radau};
-use super::shape::{Held, at_rest, direction, refuse_unknown, viscous};
-use super::state::{State, settle};
+use super::balance::Place;
+use super::linkage::Linkage;
+use super::radau::Motion;
+use super::shape::direction;
+use super::state::State;
 use super::stepper::Record;
-use crate::link::Link;
-use crate::modal::DampingLaw;
-use crate::numeric::{Size, TimeGrid, dot, extremes, largest_difference};
+use crate::motion::TipMotionHistories;
+use crate::numeric::{Size, TimeGrid};
 
-/// Order of the polynomials of a piece at first, beside one for each radian of a bending wave along it.
-const FIRST_ORDER: usize = 3;
+/// Share of an arm's energy that is round-off.
+const ROUND_OFF: f64 = 1e-9;
 
-/// Highest order of the polynomials of a piece at first.
-const HIGHEST_ORDER: usize = 24;
+/// Histories of a joint, as an encoder on it sees them: of its link's root against the tip of the link before, of the first
+/// joint against x.
+#[derive(Debug, Clone)]
+pub struct JointMotion {
+    /// Torque of the motor in N m, feedback included; friction takes part of it.
+    pub torque_n_m: Vec<f64>,
+    /// Angle in rad.
+    pub angle_rad: Vec<f64>,
+    /// Rate in rad/s.
+    pub rate_rad_s: Vec<f64>,
+    /// Acceleration in rad/s².
+    pub acceleration_rad_s2: Vec<f64>,
+    /// Torque in N m that holds bent links where they start.
+    pub holding_n_m: Option<f64>,
+}
 
-/// The waves that the first orders follow, in first natural frequencies.
-const WAVES: f64 = 3.0;
-
-/// What each refinement adds to every order.
-const MORE_ORDERS: usize = 2;
-
-/// Most refinements, and steps beyond which none is made.
-const MOST_REFINEMENTS: usize = 6;
-const LONGEST: usize = 1 << 20;
-
-/// Changes of an angle in rad that are round-off.
-const STILL_RAD: f64 = 1e-12;
-
-/// What an elastica was played with, and its motion.
+/// Links that bend as elasticas, as they were played.
 #[derive(Debug, Clone)]
 pub struct BentPlay {
-    /// Number of angles that describe the link, the hub's among them.
+    /// Number of angles that describe the links, those of the joints among them.
     pub angles: usize,
     /// Steps of the integration from one sample to the next.
     pub steps: usize,
-    /// Torque in N m that holds the link where it starts.
-    pub holding_n_m: f64,
-    /// Largest change of the tip in m by the last refinement: two angles more on each piece of the link, half the step.
-    pub(crate) tip_change_m: f64,
-    /// The same of the hub's angle in rad.
-    pub(super) hub_change_rad: f64,
-    chain: Chain,
-    friction_n_m_s_rad: f64,
+    /// Direction of each link's chord at each sample in rad, whole turns counted.
+    pub chords_rad: Vec<Vec<f64>>,
+    /// Kinetic energy in J.
+    pub kinetic_j: Vec<f64>,
+    /// Energy of strain and weight in J.
+    pub potential_j: Vec<f64>,
+    /// Work in J of an arm's torques; empty of one link.
+    pub work_j: Vec<f64>,
+    /// Energy in J that damping and friction of an arm dissipate; empty of one link.
+    pub lost_j: Vec<f64>,
+    /// Largest change of the tip in m, and of any joint in rad, by the last refinement: two angles more on each piece, half
+    /// the step.
+    pub change: [f64; 2],
+    /// Whether refinement still changes tip or joints by more than a share of 1e-4 of what they move by.
+    pub is_unsettled: bool,
+    linkage: Linkage,
     record: Record,
-    /// Direction of the chord at each sample in rad, whole turns counted, and the one that displacements are counted
-    /// from.
-    chord_rad: Vec<f64>,
+    /// Direction in rad from which displacements of one link count.
     from_rad: f64,
-    /// Direction of the chord less that of the hub at the last sample in rad.
-    bent_rad: f64,
+    /// Direction of each link's chord less that of its root at the last sample in rad.
+    bent_rad: Vec<f64>,
     /// Rate of the reference, with which the damping of a loop turns, at each sample in rad/s.
     turning_rad_s: Vec<f64>,
 }
 
-/// Torque of the motor; angle, rate and acceleration of the hub; displacement, velocity and acceleration of the tip.
-type Histories = [Vec<f64>; 7];
-
-/// Plays an input at the samples of a grid, finer and finer until that changes tip and hub angle by less than
-/// `tolerance` of what they move by.
-///
-/// # Errors
-/// [`SimulationError`].
-pub(super) fn play_bent(
-    link: &Link,
-    law: &DampingLaw,
-    play: &Play,
-    (grid, first_rad_s, tolerance): (&TimeGrid, f64, f64),
-) -> Result<(BentPlay, Histories), SimulationError> {
-    refuse_unknown(link, law)?;
-    let problem = Problem { link, law, play, driving: play.driving(link)?, grid, first_rad_s };
-    let played = |finer: usize, start: Option<&State>| {
-        let order = |[from_m, end_m]: [f64; 2], [stiffness_n_m2, mass_kg_m]: [f64; 2]| {
-            let omega_rad_s = WAVES * first_rad_s;
-            let wave_rad = (end_m - from_m)
-                * (mass_kg_m / stiffness_n_m2 * omega_rad_s * omega_rad_s).sqrt().sqrt();
-            let order = (FIRST_ORDER as f64 + wave_rad.ceil()).min(HIGHEST_ORDER as f64) as usize;
-            let given = play.state.map_or(0, |state| state.piece([from_m, end_m]).len());
-            order.max(given.saturating_sub(1)) + finer * MORE_ORDERS
-        };
-        let (modes, samples) = (coordinates(link, order), grid.len);
-        let bytes = play_bytes(modes, samples, 2 * modes + 16);
-        refuse_memory((samples, modes), bytes, play.memory_bytes)?;
-        problem.played(Chain::of(link, order), 1 << finer, start)
-    };
-    // Steps too long to converge are no reason against shorter ones.
-    let mut coarse = played(0, play.state);
-    for finer in 1..=MOST_REFINEMENTS {
-        let is_last = finer == MOST_REFINEMENTS || (grid.len << finer) > LONGEST;
-        let Ok((own, before)) = &coarse else {
-            match coarse {
-                Err(SimulationError::NotConverged { .. }) if !is_last => {
-                    coarse = played(finer, play.state);
-                }
-                refused => return refused,
-            }
-            continue;
-        };
-        let (coarse_hub, coarse_tip) = (&before[1], &before[4]);
-        // A cycle begins where that of coarser steps does, nearly.
-        let begun = problem.driving.repeats.then(|| own.first_state(grid.time_s(0)));
-        let (mut found, histories) = played(finer, begun.as_ref().or(play.state))?;
-        let change = |own: &[f64], coarse: &[f64]| {
-            let moved = own.iter().map(|value| (value - own[0]).abs()).fold(0.0, Size::larger);
-            (largest_difference(own, coarse), moved)
-        };
-        let (hub, tip) = (change(&histories[1], coarse_hub), change(&histories[4], coarse_tip));
-        (found.hub_change_rad, found.tip_change_m) = (hub.0, tip.0);
-        // What does not move has nothing to settle.
-        let least = [STILL_RAD, STILL_RAD * link.length_m()];
-        let is_settled = [hub, tip]
-            .iter()
-            .zip(least)
-            .all(|((change, moved), least)| *change <= (tolerance * moved).max(least));
-        coarse = Ok((found, histories));
-        if is_settled || is_last {
-            break;
-        }
-    }
-    coarse
+/// The motion of bent links.
+#[derive(Debug, Clone)]
+pub(super) struct BentMotion {
+    pub(super) play: BentPlay,
+    pub(super) joints: Vec<JointMotion>,
+    /// Along the arc of one link, or along x and y.
+    pub(super) tip: Vec<TipMotionHistories>,
 }
 
-struct Problem<'a> {
-    link: &'a Link,
-    law: &'a DampingLaw,
-    play: &'a Play<'a>,
-    driving: Driving,
-    grid: &'a TimeGrid,
-    first_rad_s: f64,
-}
-
-/// The input at one instant: the motor's part that does not depend on the link's motion, or the hub's acceleration.
-#[derive(Clone, Copy)]
-struct Drive {
-    reaction: HubReaction,
-    /// The hub angle at which feedback does nothing.
-    aim_rad: f64,
-    is_prescribed: bool,
-}
-
-impl Drive {
-    /// Puts an input into the equations of the hub.
-    fn apply(&self, input: f64, (q, rates): (&[f64], &[f64]), balance: &mut Balance) {
-        let Balance { mass, force } = balance;
-        if self.is_prescribed {
-            mass[..q.len()].fill(0.0);
-            mass[0] = 1.0;
-            force[0] = input;
-        } else {
-            force[0] += input - self.reaction.torque_n_m(q[0] - self.aim_rad, rates[0]);
-        }
-    }
-}
-
-impl Problem<'_> {
-    fn played(
-        &self,
-        mut chain: Chain,
-        steps: usize,
-        state: Option<&State>,
-    ) -> Result<(BentPlay, Histories), SimulationError> {
-        let (count, grid) = (chain.count, self.grid);
-        let is_prescribed = !self.play.input.is_torque();
-        let lost = |sample: usize| SimulationError::NotFinite { time_s: grid.time_s(sample) };
-        let reaction = self.play.reaction(self.link);
-        let free_hub = (!is_prescribed).then_some((reaction, self.first_rad_s));
-        chain.damping = viscous(&chain, self.law, free_hub).ok_or(lost(0))?;
-        let (q, mut rates, from_rad) = self.start(&chain, state)?;
-        if let Input::HubAngle(hub) = self.play.input {
-            rates[0] = hub.accelerations(self.play.cycle_turn_rad).2;
-        }
-        let aim_rad = match (self.play.zero_of_state_rad(self.link), self.play.feedback) {
-            (Some(zero_rad), _) => zero_rad,
-            (None, Some(feedback)) if self.link.has_weight() => feedback.reference().angle_rad()[0],
-            _ => q[0],
+impl BentMotion {
+    /// The motion before its first sample, with the torques that hold the links there; displacements of one link count from
+    /// a direction in rad.
+    pub(super) fn begun(
+        linkage: &Linkage,
+        from_rad: f64,
+        (steps, samples): (usize, usize),
+        holding_n_m: impl Iterator<Item = f64>,
+    ) -> Self {
+        let (links, column) = (linkage.links.len(), || Vec::with_capacity(samples));
+        let joint = |holding_n_m| JointMotion {
+            torque_n_m: column(),
+            angle_rad: column(),
+            rate_rad_s: column(),
+            acceleration_rad_s2: column(),
+            holding_n_m: Some(holding_n_m),
         };
-        let drive = Drive { reaction, aim_rad, is_prescribed };
-        let mut stiffness = chain.stiffness.clone();
-        let mut linear_damping = chain.damping.clone();
-        if !is_prescribed {
-            stiffness[0] += drive.reaction.stiffness_n_m_rad;
-            linear_damping[0] += drive.reaction.damping_n_m_s_rad;
-        }
-        let step_s = grid.step_s / steps as f64;
-        let mut radau = Radau::new(step_s, &stiffness, &linear_damping);
-        let mut balance = Balance::default();
-        let mut motion = Motion { rates, accelerations: vec![0.0; count], q };
-        chain.balance(&motion.q, &motion.rates, &mut balance);
-        let holding_n_m = -balance.force[0];
-        chain.turn(self.driving.turning_at(0), &mut balance);
-        drive.apply(self.driving.at(0), (&motion.q, &motion.rates), &mut balance);
-        if let Some(first) = balance.accelerations() {
-            motion.accelerations = first;
-        }
-        let mut found = BentPlay {
-            angles: count,
+        let axis = || TipMotionHistories {
+            displacement_m: column(),
+            velocity_m_s: column(),
+            acceleration_m_s2: column(),
+        };
+        let integrals = if links > 1 { vec![0.0] } else { Vec::new() };
+        let play = BentPlay {
+            angles: linkage.count,
             steps,
-            holding_n_m,
-            tip_change_m: f64::INFINITY,
-            hub_change_rad: f64::INFINITY,
-            friction_n_m_s_rad: self.link.hub().viscous_friction_n_m_s_rad,
-            record: Record::with_capacity(count, grid.len),
-            chord_rad: Vec::with_capacity(grid.len),
+            chords_rad: vec![column(); links],
+            kinetic_j: column(),
+            potential_j: column(),
+            work_j: integrals.clone(),
+            lost_j: integrals,
+            change: [f64::INFINITY; 2],
+            is_unsettled: true,
+            linkage: linkage.clone(),
+            record: Record::with_capacity(linkage.count, samples),
             from_rad,
-            bent_rad: 0.0,
-            turning_rad_s: self.driving.turning_rad_s(grid.len),
-            chain,
+            bent_rad: vec![0.0; links],
+            turning_rad_s: column(),
         };
-        let mut histories: Histories = [(); 7].map(|()| Vec::with_capacity(grid.len));
-        let places = Radau::places();
-        let mut advance = |chain: &Chain, motion: &mut Motion, sample: usize, driven: &Step| {
-            let is_done = (0..steps).all(|step| {
-                radau.advance(motion, |stage, q, rates, balance| {
-                    let s = (step as f64 + places[stage]) / steps as f64;
-                    let at =
-                        |cubic: &Cubic| cubic.iter().rev().fold(0.0, |sum, term| sum * s + term);
-                    chain.balance(q, rates, balance);
-                    chain.turn(at(&driven.turning), balance);
-                    drive.apply(at(&driven.input), (q, rates), balance);
-                })
-            });
-            let time_s = grid.time_s(sample + 1);
-            if is_done { Ok(()) } else { Err(SimulationError::NotConverged { time_s }) }
-        };
-        if self.driving.repeats {
-            // Nothing holds the hub of such a link anywhere: it may turn on from cycle to cycle, at one rate.
-            let is_free = !self.link.has_weight() && drive.reaction.stiffness_n_m_rad == 0.0;
-            if is_free && !is_prescribed && drive.reaction.damping_n_m_s_rad == 0.0 {
-                return Err(CycleError::Free.into());
-            }
-            let cycle = (&self.driving, self.play.input.grid());
-            settle(&mut motion, cycle, is_free || is_prescribed, |motion, sample, step| {
-                advance(&found.chain, motion, sample, step)
-            })?;
-        }
-        found.observe(&mut motion, (self.driving.at(0), &drive), &mut balance, &mut histories);
-        for (sample, step) in self.driving.steps(grid.len).enumerate() {
-            advance(&found.chain, &mut motion, sample, &step)?;
-            let input = (self.driving.at(sample + 1), &drive);
-            found.observe(&mut motion, input, &mut balance, &mut histories);
-        }
-        Ok((found, histories))
+        let axes = if links > 1 { vec![axis(), axis()] } else { vec![axis()] };
+        Self { play, joints: holding_n_m.map(joint).collect(), tip: axes }
     }
 
-    /// Coordinates and rates before the input, at rest or of a state, and the direction of the chord from which
-    /// displacements are counted.
-    fn start(
-        &self,
-        chain: &Chain,
-        state: Option<&State>,
-    ) -> Result<(Vec<f64>, Vec<f64>, f64), SimulationError> {
-        let given_rad = self.play.origin_rad(self.link);
-        let rest = vec![0.0; chain.count];
-        if let Some(state) = state {
-            let (q, rates) = chain.of_state(state)?;
-            let first_rad = direction(chain.tip(&q, &rest).at_m, q[0]);
-            let from_rad =
-                given_rad.unwrap_or(if self.link.has_weight() { first_rad } else { 0.0 });
-            return Ok((q, rates, from_rad));
+    /// Adds a motion at a sample, with the torque of each joint in N m and the rate in rad/s with which the damping turns.
+    pub(super) fn observe(&mut self, motion: &Motion, torques_n_m: Vec<f64>, turning_rad_s: f64) {
+        let Motion { q, rates, accelerations } = motion;
+        let Self { play, joints, tip: axes } = self;
+        let linkage = &play.linkage;
+        for ((joint, torque_n_m), own) in linkage.joints.iter().zip(torques_n_m).zip(joints) {
+            own.torque_n_m.push(torque_n_m);
+            own.angle_rad.push(q[*joint]);
+            own.rate_rad_s.push(rates[*joint]);
+            own.acceleration_rad_s2.push(accelerations[*joint]);
         }
-        let start_rad = self.play.start_m(self.link) / self.link.length_m();
-        let straight = |angle_rad: f64| {
-            let mut q = vec![0.0; chain.count];
-            q[0] = angle_rad;
-            q
+        let (ends, energies) = linkage.ends_and_energies(q, rates);
+        // A chord is where its root is, bent by as much as before: a sample may be more than half a turn away.
+        let chords = linkage.chords_rad(q, &ends, &mut play.bent_rad);
+        let fixed = Place::fixed(q.len());
+        let tip = ends.last().unwrap_or(&fixed);
+        let moving = tip.acceleration_m_s2(accelerations);
+        let row = |axis: usize| [tip.at_m[axis], tip.rate_m_s[axis], moving[axis]];
+        let rows = match chords[..] {
+            [chord_rad] => {
+                let length_m = linkage.length_m();
+                let [rate, turning] = turning(row(0), row(1));
+                vec![[length_m * (chord_rad - play.from_rad), length_m * rate, length_m * turning]]
+            }
+            _ => vec![row(0), row(1)],
         };
-        let start_rad = start_rad + given_rad.unwrap_or(0.0);
-        if !self.link.has_weight() {
-            return Ok((straight(start_rad), rest, given_rad.unwrap_or(0.0)));
+        for (axis, [at_m, rate_m_s, acceleration_m_s2]) in axes.iter_mut().zip(rows) {
+            axis.displacement_m.push(at_m);
+            axis.velocity_m_s.push(rate_m_s);
+            axis.acceleration_m_s2.push(acceleration_m_s2);
         }
-        let held = match self.play.input {
-            Input::Torque(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
-            Input::Torque(_) => Held::Chord(start_rad),
-            Input::HubAngle(_) => Held::Hub,
-        };
-        let q = at_rest(chain, &straight(start_rad), held).ok_or(SimulationError::NoRest)?;
-        // A prescribed hub leaves the chord where the weight bends it to.
-        let first_rad = direction(chain.tip(&q, &rest).at_m, start_rad);
-        Ok((q, rest, given_rad.unwrap_or(first_rad)))
+        play.chords_rad.iter_mut().zip(chords).for_each(|(column, own)| column.push(own));
+        play.kinetic_j.push(energies.kinetic_j);
+        play.potential_j.push(energies.potential_j);
+        play.turning_rad_s.push(turning_rad_s);
+        play.record.push(q, rates);
     }
+
+    /// Largest distance in m of the tip from that of another motion, and largest difference of a joint's angle in rad.
+    pub(super) fn change_from(&self, other: &Self) -> [f64; 2] {
+        let far = (0..self.joints[0].angle_rad.len())
+            .map(|k| apart_m(&self.tip, k, &other.tip, k))
+            .fold(0.0, Size::larger);
+        let joints = self.joints.iter().zip(&other.joints);
+        let turns = joints.flat_map(|(own, other)| own.angle_rad.iter().zip(&other.angle_rad));
+        [far, turns.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)]
+    }
+
+    /// Largest distance in m of the tip from its start, and largest turn of a joint in rad.
+    pub(super) fn moved(&self) -> [f64; 2] {
+        let turns = self.joints.iter().flat_map(|joint| {
+            joint.angle_rad.iter().map(|angle_rad| (angle_rad - joint.angle_rad[0]).abs())
+        });
+        [largest_travel_m(&self.tip), turns.fold(0.0, Size::larger)]
+    }
+}
+
+/// Rate in rad/s and acceleration in rad/s² with which the direction of a place turns, from its place, rate and acceleration
+/// along both axes.
+fn turning([x, vx, ax]: [f64; 3], [y, vy, ay]: [f64; 3]) -> [f64; 2] {
+    let square = x * x + y * y;
+    let rate = (x * vy - y * vx) / square;
+    [rate, (x * ay - y * ax - 2.0 * (x * vx + y * vy) * rate) / square]
+}
+
+/// Distance in m of the tip at a sample from another tip at a sample.
+fn apart_m(tip: &[TipMotionHistories], k: usize, other: &[TipMotionHistories], l: usize) -> f64 {
+    let parts = tip.iter().zip(other).map(|(a, b)| a.displacement_m[k] - b.displacement_m[l]);
+    distance_m(&parts.collect::<Vec<f64>>())
+}
+
+/// Length in m of a displacement along the arc of one link, or of x and y.
+pub(super) fn distance_m(parts_m: &[f64]) -> f64 {
+    match parts_m {
+        [along_m] => along_m.abs(),
+        parts_m => parts_m.iter().map(|part| part * part).sum::<f64>().sqrt(),
+    }
+}
+
+/// Largest distance of the tip from its start in m.
+pub(super) fn largest_travel_m(tip: &[TipMotionHistories]) -> f64 {
+    let samples = tip.first().map_or(0, |axis| axis.displacement_m.len());
+    (0..samples).map(|k| apart_m(tip, k, tip, 0)).fold(0.0, Size::larger)
 }
 
 impl BentPlay {
-    /// Adds what a motion is like to the record and the histories.
-    fn observe(
-        &mut self,
-        motion: &mut Motion,
-        (input, drive): (f64, &Drive),
-        balance: &mut Balance,
-        histories: &mut Histories,
-    ) {
-        let (q, rates, reaction) = (&motion.q, &motion.rates, drive.reaction);
-        self.chain.balance(q, rates, balance);
-        let motor_n_m = if drive.is_prescribed {
-            let inertial_n_m = dot(&balance.mass[..self.angles], &motion.accelerations);
-            inertial_n_m - balance.force[0] + reaction.friction_n_m_s_rad * rates[0]
-        } else {
-            // Friction acts on the hub; the rest of the reaction is the motor's.
-            let friction_n_m = reaction.friction_n_m_s_rad * rates[0];
-            // Where the torque jumps, those of the last step's end are of the torque before.
-            self.chain.turn(self.turning_rad_s[self.chord_rad.len()], balance);
-            drive.apply(input, (q, rates), balance);
-            if let Some(now) = balance.accelerations() {
-                motion.accelerations = now;
+    /// Where the links are at a sample, and how they move.
+    pub(super) fn state(&self, grid: &TimeGrid, sample: usize) -> State {
+        let (q, rates) = self.record.at(sample);
+        self.linkage.state(grid.time_s(sample), q, rates)
+    }
+
+    /// Length of the stretched links in m.
+    pub(super) fn length_m(&self) -> f64 {
+        self.linkage.length_m()
+    }
+
+    /// Moment in N m of a straight link's weight where it is largest.
+    pub(super) fn weight_moment_n_m(&self) -> f64 {
+        self.linkage.links[0].weight_moment_n_m()
+    }
+
+    /// Largest imbalance of energy over the largest work, kinetic energy or change of all energy; 0 of an arm at rest.
+    pub fn imbalance(&self) -> f64 {
+        let energies_j: Vec<f64> =
+            self.kinetic_j.iter().zip(&self.potential_j).map(|(a, b)| a + b).collect();
+        // A change so small beside all energy is round-off.
+        let held_j = energies_j.iter().map(|own| own.abs()).fold(0.0, f64::max);
+        let (mut missing, mut size) = (0.0, ROUND_OFF * held_j);
+        for (sample, (work_j, lost_j)) in self.work_j.iter().zip(&self.lost_j).enumerate() {
+            let held_j = energies_j[sample] - energies_j[0];
+            missing = Size::larger(missing, (work_j - held_j - lost_j).abs());
+            let most = held_j.abs().max(work_j.abs()).max(self.kinetic_j[sample]);
+            size = Size::larger(size, most);
+        }
+        if size == 0.0 { 0.0 } else { missing / size }
+    }
+
+    /// x and y in m of places on the links, every `every`-th sample: of each link, of each of its places. `along_m` has
+    /// their distances in m from the joint of each link.
+    pub(super) fn positions_m(
+        &self,
+        along_m: &[Vec<f64>],
+        every: NonZeroUsize,
+    ) -> Vec<Vec<Vec<Vec<f64>>>> {
+        let stations = self.linkage.stations(along_m);
+        let columns = |own: &Vec<f64>| own.iter().map(|_| vec![Vec::new(); 2]).collect();
+        let mut found: Vec<Vec<Vec<Vec<f64>>>> = along_m.iter().map(columns).collect();
+        for sample in (0..self.kinetic_j.len()).step_by(every.get()) {
+            let places = self.linkage.places_m(&stations, self.record.at(sample).0);
+            for (columns, place) in found.iter_mut().flatten().zip(places.iter().flatten()) {
+                columns.iter_mut().zip(place).for_each(|(column, part)| column.push(*part));
             }
-            input - (reaction.torque_n_m(q[0] - drive.aim_rad, rates[0]) - friction_n_m)
-        };
-        let tip = self.chain.tip(q, rates);
-        // The chord is where the hub is, bent by as much as before: a sample may be more than half a turn away.
-        let chord_rad = direction(tip.at_m, q[0] + self.bent_rad);
-        self.bent_rad = chord_rad - q[0];
-        let ([x, y], [vx, vy]) = (tip.at_m, tip.rate_m_s);
-        let [ax, ay] = tip.acceleration_m_s2(&motion.accelerations);
-        let square = x * x + y * y;
-        let rate = (x * vy - y * vx) / square;
-        let turning = (x * ay - y * ax - 2.0 * (x * vx + y * vy) * rate) / square;
-        let length_m = self.chain.length_m();
-        let row = [
-            motor_n_m,
-            q[0],
-            rates[0],
-            motion.accelerations[0],
-            length_m * (chord_rad - self.from_rad),
-            length_m * rate,
-            length_m * turning,
-        ];
-        self.chord_rad.push(chord_rad);
-        self.record.push(q, rates);
-        histories.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+        found
     }
 
-    /// Where the link is at the first sample, and how it moves.
-    fn first_state(&self, time_s: f64) -> State {
-        let (q, rates) = self.record.at(0);
-        self.chain.state(time_s, q, rates)
-    }
-
-    /// Where the link is at the last sample, and how it moves.
-    pub(super) fn state(&self, time_s: f64) -> State {
-        let (q, rates) = self.record.at(self.chord_rad.len() - 1);
-        self.chain.state(time_s, q, rates)
-    }
-
-    /// A warning of a torque that does not begin with what holds the link.
-    pub(super) fn unheld(&self, torque_n_m: &[f64]) -> Option<SimulationWarning> {
-        let (holding_n_m, [low, high]) = (self.holding_n_m, extremes(torque_n_m));
-        let (first, range) = (torque_n_m[0], high - low);
-        // A link that hangs straight is held by round-off.
-        let least = STEP_SHARE * STEP_SHARE * self.chain.weight_moment_n_m();
-        let size = if range > 0.0 { range } else { holding_n_m.abs() }.max(least);
-        let share = (first - holding_n_m).abs() / size;
-        let warning = SimulationWarning::BeginsUnheld { torque_n_m: first, holding_n_m, share };
-        (share > STEP_SHARE).then_some(warning)
-    }
-
-    /// Displacement in m along the arc of places at distances along the link, at every `every`-th sample.
+    /// Displacement in m along the arc of places at distances along one link, at every `every`-th sample.
     pub(super) fn displacements_m(&self, along_m: &[f64], every: NonZeroUsize) -> Vec<Vec<f64>> {
-        let stations = self.chain.stations(along_m);
+        let chain = &self.linkage.links[0];
+        let stations = chain.stations(along_m);
         let mut columns = vec![Vec::new(); along_m.len()];
-        for sample in (0..self.chord_rad.len()).step_by(every.get()) {
-            let places = self.chain.places_m(&stations, self.record.at(sample).0);
+        for sample in (0..self.kinetic_j.len()).step_by(every.get()) {
+            let places = chain.places_m(&stations, self.record.at(sample).0);
             for ((column, at_m), s_m) in columns.iter_mut().zip(places).zip(along_m) {
-                column.push(s_m * (direction(at_m, self.chord_rad[sample]) - self.from_rad));
+                let chord_rad = self.chords_rad[0][sample];
+                column.push(s_m * (direction(at_m, chord_rad) - self.from_rad));
             }
         }
         columns
     }
 
-    /// Deflection of the tip from the hub's tangent line in m.
+    /// Deflection of one link's tip from the hub's tangent line in m.
     pub(super) fn tip_deflection_m(&self) -> Vec<f64> {
         let rest = vec![0.0; self.angles];
         let deflection = |sample: usize| {
             let q = self.record.at(sample).0;
-            let [x, y] = self.chain.tip(q, &rest).at_m;
+            let [x, y] = self.linkage.links[0].tip(q, &rest).at_m;
             y * libm::cos(q[0]) - x * libm::sin(q[0])
         };
-        (0..self.chord_rad.len()).map(deflection).collect()
-    }
-
-    /// Kinetic energy, and that of strain and weight, at a sample in J.
-    pub(super) fn energies_j(&self, sample: usize) -> [f64; 2] {
-        let (q, rates) = self.record.at(sample);
-        self.chain.energies_j(q, rates)
+        (0..self.kinetic_j.len()).map(deflection).collect()
     }
 
     /// Power that damping and friction dissipate at a sample in W.
     pub(super) fn loss_w(&self, sample: usize) -> f64 {
-        let rates = self.record.at(sample).1;
-        let friction_w = self.friction_n_m_s_rad * rates[0] * rates[0];
-        self.chain.damped_w(rates, self.turning_rad_s[sample]) + friction_w
+        self.linkage.lost_w(self.record.at(sample).1, self.turning_rad_s[sample])
     }
 }

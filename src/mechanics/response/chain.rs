@@ -8,9 +8,9 @@
 //! r(s) = ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
-use super::balance::{Balance, Energies, Met, Place};
+use super::balance::{Balance, Met, Place};
 use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
-use crate::numeric::{GaussRule, dot, piece_shapes};
+use crate::numeric::{GaussRule, piece_shapes};
 
 /// Gauss points of a piece beyond the order of its polynomials.
 const MORE_POINTS: usize = 3;
@@ -261,29 +261,6 @@ impl Chain {
         into.begin(&self.stiffness, &self.damping, (q, rates));
         self.walk(q, rates, |place, met| into.meet(place, &met, self.gravity_m_s2));
         into.end();
-    }
-
-    /// Kinetic energy, and that of strain and weight, in J.
-    pub(super) fn energies_j(&self, q: &[f64], rates: &[f64]) -> [f64; 2] {
-        let rows = self.stiffness.chunks_exact(self.count).zip(q);
-        let strain: f64 = rows.map(|(row, own)| 0.5 * own * dot(row, q)).sum();
-        let mut energies = Energies::of_strain(strain);
-        self.walk(q, rates, |place, met| {
-            energies.meet(place, &met, (rates, self.gravity_m_s2));
-        });
-        [energies.kinetic_j, energies.potential_j]
-    }
-
-    /// Lets the damping turn with a reference at a rate in rad/s.
-    pub(super) fn turn(&self, turning_rad_s: f64, into: &mut Balance) {
-        let drags = self.damping.iter().step_by(self.count);
-        into.force.iter_mut().zip(drags).for_each(|(force, drag)| *force += drag * turning_rad_s);
-    }
-
-    /// Power in W that damping of the link dissipates, turning with a reference at a rate in rad/s.
-    pub(super) fn damped_w(&self, rates: &[f64], turning_rad_s: f64) -> f64 {
-        let rows = self.damping.chunks_exact(self.count).zip(rates);
-        rows.map(|(row, own)| own * (dot(row, rates) - row[0] * turning_rad_s)).sum()
     }
 
     /// The tip and how it moves.

@@ -51,6 +51,14 @@ impl Driving {
         self.samples.get(sample).copied().unwrap_or(self.hold)
     }
 
+    /// A part s of a step after a sample.
+    pub(super) fn within(&self, (sample, s): (usize, f64)) -> f64 {
+        if s == 0.0 {
+            return self.at(sample);
+        }
+        self.piece(sample).iter().rev().fold(0.0, |sum, term| sum * s + term)
+    }
+
     /// Rate of the reference at a sample in rad/s.
     pub(super) fn turning_at(&self, sample: usize) -> f64 {
         self.turning.as_ref().map_or(0.0, |turning| turning.at(sample))

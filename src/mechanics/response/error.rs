@@ -185,14 +185,18 @@ pub enum SimulationWarning {
     },
     /// A torque that does not end at zero.
     #[error(
-        "the torque ends with {:?} N m, {:.1} % of its peak: it drops to zero there",
+        "{} ends with {:?} N m, {:.1} % of {}: it drops to zero there",
+        torque(*joint),
         rounded(*torque_n_m, 4),
-        100.0 * share
+        100.0 * share,
+        if joint.is_some() { "the largest range of a torque" } else { "its peak" }
     )]
     EndsWithJump {
+        /// Number of the joint of an arm, from 1.
+        joint: Option<usize>,
         /// Last sample in N m.
         torque_n_m: f64,
-        /// The same over the peak.
+        /// The same over the peak, or over the largest range of an arm's torques.
         share: f64,
     },
     /// A hub that moves from its first sample on.
@@ -247,32 +251,41 @@ pub enum SimulationWarning {
         /// What they change of deflections, over the largest.
         deflection: f64,
     },
-    /// A torque that does not begin with what holds the link.
+    /// A torque that does not begin with the one that holds the links.
     #[error(
-        "the torque begins with {:?} N m, but {:?} N m hold the link where it starts: the difference acts on the \
-         resting link as a jump, {:.1} % of the torque's range",
+        "{} begins with {:?} N m, but {:?} N m hold the {body} where it starts: the difference acts on the \
+         resting {body} as a jump, {:.1} % of {}",
+        torque(*joint),
         rounded(*torque_n_m, 6),
         rounded(*holding_n_m, 6),
-        100.0 * share
+        100.0 * share,
+        if joint.is_some() { "the largest range of a torque" } else { "the torque's range" },
+        body = if joint.is_some() { "arm" } else { "link" }
     )]
     BeginsUnheld {
+        /// Number of the joint of an arm, from 1.
+        joint: Option<usize>,
         /// First sample in N m.
         torque_n_m: f64,
-        /// What holds the link in N m.
+        /// Torque in N m that holds the links.
         holding_n_m: f64,
-        /// Their difference over the range.
+        /// Their difference over the range, of an arm over the largest of any torque.
         share: f64,
     },
     /// A reference that does not begin where the hub stands.
     #[error(
-        "the reference begins at {:?} rad, but the hub stands at {:?} rad: the feedback turns it there",
+        "the reference{} begins at {:?} rad, but the {} stands at {:?} rad: the feedback turns it there",
+        joint.map_or(String::new(), |joint| format!(" of joint {joint}")),
         rounded(*reference_rad, 6),
+        if joint.is_some() { "joint" } else { "hub" },
         rounded(*hub_rad, 6)
     )]
     ReferenceApart {
+        /// Number of the joint of an arm, from 1.
+        joint: Option<usize>,
         /// First angle of the reference in rad.
         reference_rad: f64,
-        /// Hub angle at the start in rad.
+        /// Angle of the hub, or of the joint, at the start in rad.
         hub_rad: f64,
     },
     /// A state with waves that no mode shows.
@@ -285,14 +298,24 @@ pub enum SimulationWarning {
     },
     /// A large motion that refinement still changes.
     #[error(
-        "the last refinement still changes the tip by {tip:.1e} of its travel, the hub angle by \
-         {hub_angle:.1e} of its peak (half the step, more angles)"
+        "the last refinement still changes the tip by {tip:.1e} of its travel, {} by \
+         {hub_angle:.1e} of {} (half the step, more angles)",
+        if *is_arm { "a joint" } else { "the hub angle" },
+        if *is_arm { "the largest turn" } else { "its peak" }
     )]
     Unsettled {
         /// Change of the tip over its travel.
         tip: f64,
-        /// Change of the hub angle over its peak.
+        /// Change of the hub angle over its peak, or of a joint over the largest turn of any.
         hub_angle: f64,
+        /// Whether it is that of an arm.
+        is_arm: bool,
+    },
+    /// Work that is neither held nor lost.
+    #[error("work and energy differ by {share:.1e} of the largest of them")]
+    Imbalance {
+        /// The difference over the largest work or energy.
+        share: f64,
     },
     /// Too few elements or modes for the torque.
     #[error(
@@ -305,6 +328,11 @@ pub enum SimulationWarning {
         /// Error of the hub angle over its peak.
         hub_angle: f64,
     },
+}
+
+/// A torque as messages call it.
+fn torque(joint: Option<usize>) -> String {
+    joint.map_or("the torque".to_owned(), |joint| format!("torque{joint}"))
 }
 
 impl SimulationWarning {
@@ -321,6 +349,7 @@ impl SimulationWarning {
             Self::ReferenceApart { .. } => "reference_apart",
             Self::StateCut { .. } => "state_cut",
             Self::Unsettled { .. } => "unsettled",
+            Self::Imbalance { .. } => "imbalance",
             Self::CoarseMesh { .. } => "coarse_mesh",
         }
     }
@@ -328,6 +357,9 @@ impl SimulationWarning {
     /// What the user can do about it.
     pub fn hint(&self) -> &'static str {
         match self {
+            Self::EndsWithJump { joint: Some(_), .. } => {
+                "torques of solve end at zero, unless the window is cut"
+            }
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
                 "a torque of solve begins and ends at zero, unless its window is cut or its tip does not rest"
             }
@@ -339,13 +371,23 @@ impl SimulationWarning {
             Self::InexactModel { .. } => {
                 "analysis.second_order = \"full\" counts them, where the damping allows it; or a smaller torque, a stiffer link"
             }
+            Self::BeginsUnheld { joint: Some(_), .. } => {
+                "torques.csv of solve begins with it: the arm must start where that path does"
+            }
             Self::BeginsUnheld { .. } => {
                 "torque.csv of solve begins with it: start_angle must be that of its run"
+            }
+            Self::ReferenceApart { joint: Some(_), .. } => {
+                "joint_angles.csv of solve begins there: the arm must start where that path does"
             }
             Self::ReferenceApart { .. } => {
                 "hub_angle.csv of solve begins there: start_angle must be that of its run"
             }
             Self::StateCut { .. } => "the mesh of the run that left the state, and a shorter step",
+            Self::Unsettled { is_arm: true, .. } => {
+                "feedback, where the arm falls from its pose; torques without jumps, or damping and hub.inertia where they jump"
+            }
+            Self::Imbalance { .. } => "a shorter step of the torques, or smaller gains",
             Self::Unsettled { .. } => {
                 "feedback, where the link falls from its pose; an input without jumps, or damping and hub.inertia where it jumps"
             }
@@ -363,7 +405,7 @@ impl SimulationWarning {
         let share = |torque_n_m: f64| torque_n_m.abs() / peak;
         let (first, last) = (torque_n_m[0], torque_n_m[torque_n_m.len() - 1]);
         let begins = Self::BeginsWithJump { torque_n_m: first, share: share(first) };
-        let ends = Self::EndsWithJump { torque_n_m: last, share: share(last) };
+        let ends = Self::EndsWithJump { joint: None, torque_n_m: last, share: share(last) };
         let is_jump = |torque_n_m: f64| share(torque_n_m) > STEP_SHARE;
         [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
     }

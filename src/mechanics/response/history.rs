@@ -171,7 +171,8 @@ impl HubReference {
     pub(super) fn apart(&self, hub_rad: f64) -> Option<SimulationWarning> {
         let reference_rad = self.angle_rad[0];
         let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
-        is_apart.then_some(SimulationWarning::ReferenceApart { reference_rad, hub_rad })
+        let warning = SimulationWarning::ReferenceApart { joint: None, reference_rad, hub_rad };
+        is_apart.then_some(warning)
     }
 
     /// Turn from the first sample, or from another angle, to the last in rad.

@@ -7,52 +7,53 @@
     reason = "counts of samples are computed as numbers that are checked to be small and positive"
 )]
 
-mod arm;
-mod arm_chain;
-mod arm_play;
-mod arm_rest;
-mod arm_simulation;
 mod balance;
 mod bent;
 mod chain;
 mod checks;
 mod damped_modes;
+mod driver;
 mod driving;
 mod error;
 mod history;
 mod hub_loop;
+mod linear;
 mod link_ratios;
+mod linkage;
+mod modal_play;
 mod modes;
 mod play;
+mod played;
 mod pose;
 mod pose_modes;
 mod radau;
 mod residual;
+mod rest;
 mod sensed;
 mod shape;
 mod simulation;
 mod state;
 mod stepper;
+mod warnings;
 
-pub use arm::{MovedJoint, move_arm};
-pub use arm_play::PlayedArm;
-pub use arm_rest::ArmStart;
-pub use arm_simulation::{ArmPlay, ArmPlayWarning, simulate_arm};
-pub use bent::BentPlay;
+pub use bent::{BentPlay, JointMotion};
 pub use checks::{EnergyAccount, EnergyBalance, PlayError};
 pub use driving::{CycleError, Interpolation};
 pub use error::{SimulationError, SimulationWarning};
 pub use history::{Feedback, HistoryError, HubReference, Torque};
 pub use link_ratios::damping_ratios;
+pub use modal_play::ModalPlay;
 pub use modes::ModeSelection;
-pub use play::{ArmProgress, Input, Play};
+pub use play::{Input, Play, PlayProgress};
+pub use played::{Played, PlayedBy, PlayedLink};
 pub use pose::{ArmPose, ArmResponse, PoseError, TorqueResponse};
 pub use pose_modes::{
     ArmModes, ArmResponses, ArmShapes, PoseMode, SettledModes, arm_modes, arm_responses,
 };
 pub(crate) use pose_modes::{MORE_ORDERS, MOST_REFINEMENTS};
 pub use residual::{PlayedModelError, ResidualVibration};
+pub use rest::Start;
 pub(crate) use sensed::{Driven, sensed};
 pub(crate) use simulation::simulate_on;
-pub use simulation::{ModalPlay, Played, Simulation, simulate};
-pub use state::{ArmState, State};
+pub use simulation::{MovedJoint, move_arm, simulate};
+pub use state::{LinkState, State};

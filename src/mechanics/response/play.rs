@@ -1,6 +1,7 @@
 //! What a simulation plays: a torque, and feedback around a reference, or a motion of the hub.
 
 use std::f64::consts::TAU;
+use std::slice::from_ref;
 
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
@@ -9,9 +10,10 @@ use super::hub_loop::{held, in_loop};
 use super::modes::{
     Equations, HubReaction, MOST_MODES, ModeSelection, REACH, kept_modes, torque_band_rad_s,
 };
+use super::rest::Start;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
-use crate::link::{Damping, Link};
+use crate::link::{Arm, Damping, Link};
 use crate::modal::{DampingLaw, ModalBasis};
 use crate::motion::is_repeated;
 use crate::numeric::TimeGrid;
@@ -25,38 +27,47 @@ const LONGEST: usize = 1 << 24;
 /// What moves a link.
 #[derive(Debug, Clone, Copy)]
 pub enum Input<'a> {
-    /// The torque at the hub; zero before its first and after its last sample. A link with weight is held before
-    /// the first sample, and the last one stays.
-    Torque(&'a Torque),
-    /// The hub angle, which the hub follows exactly. It is at rest before the first sample, and turns on at
-    /// its rate after the last one.
+    /// The torque at the hub, or of each joint of an arm, the inner one first, at the same times; zero before the first and
+    /// after the last sample. Links with weight are held before the first sample, and the last one stays. The torque of a
+    /// joint turns its link counterclockwise and the link before the other way.
+    Torques(&'a [Torque]),
+    /// The hub angle, or that of each joint, which the joints follow exactly. They are at rest before the first sample, and
+    /// turn on at their rates after the last one.
     ///
     /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start;
     /// rates that come with it are not used.
-    HubAngle(&'a HubReference),
+    Angles(&'a [HubReference]),
 }
 
 impl Input<'_> {
-    /// True of a torque.
+    /// True of torques.
     pub fn is_torque(&self) -> bool {
-        matches!(self, Self::Torque(_))
+        matches!(self, Self::Torques(_))
+    }
+
+    /// Number of joints that it moves.
+    pub fn joints(&self) -> usize {
+        match self {
+            Self::Torques(torques) => torques.len(),
+            Self::Angles(hubs) => hubs.len(),
+        }
     }
 
     /// Times of the samples.
     pub fn grid(&self) -> TimeGrid {
         match self {
-            Self::Torque(torque) => torque.grid(),
-            Self::HubAngle(hub) => hub.grid(),
+            Self::Torques(torques) => torques[0].grid(),
+            Self::Angles(hubs) => hubs[0].grid(),
         }
     }
 
     /// Warnings of its first and its last sample, or of the torque that a hub angle takes.
     pub(super) fn warnings(&self, torque_n_m: &[f64]) -> [Option<SimulationWarning>; 2] {
         match self {
-            Self::Torque(torque) => SimulationWarning::jumps(torque.torque_n_m()),
-            Self::HubAngle(hub) => [
-                SimulationWarning::hub_begins(&hub.slopes_rad_s(false)),
-                SimulationWarning::rough(&torque_n_m[..hub.grid().len]),
+            Self::Torques(torques) => SimulationWarning::jumps(torques[0].torque_n_m()),
+            Self::Angles(hubs) => [
+                SimulationWarning::hub_begins(&hubs[0].slopes_rad_s(false)),
+                SimulationWarning::rough(&torque_n_m[..hubs[0].grid().len]),
             ],
         }
     }
@@ -97,26 +108,30 @@ pub(super) fn refuse_memory(
     }
 }
 
-/// What to play on a link at rest, and how.
+/// What to play on a link or an arm, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {
-    /// What moves the link.
+    /// What moves the joints.
     pub input: Input<'a>,
     /// A torque between its samples.
     pub interpolation: Interpolation,
     /// Time in s at which to end; `None`: at the last sample of the input.
     pub until_s: Option<f64>,
-    /// Feedback at the hub, added to a torque.
-    pub feedback: Option<&'a Feedback>,
-    /// Displacement of the tip at the start in m, under a torque; a prescribed hub points to it.
+    /// Feedback at the hub, or at each joint around its angle as an encoder sees it, added to torques; empty without.
+    pub feedback: &'a [Feedback],
+    /// Displacement of one link's tip at the start in m, under a torque; a prescribed hub points to it.
     pub initial_tip_m: f64,
+    /// Where an arm starts at rest, under torques; prescribed joints tell it.
+    pub start: Option<Start<'a>>,
+    /// Share of the motion within which the tip and the joints of bent links must settle; `None`: that of the meshes.
+    pub tolerance: Option<f64>,
     /// Most memory in bytes that playing may take; `None`: no bound.
     pub memory_bytes: Option<usize>,
     /// Whether all terms of large angles are counted. With weight they always are.
     pub is_large: bool,
     /// Direction of the chord in rad where the tip's displacement is 0; `None`: that of the link, or 0 without weight.
     pub start_angle_rad: Option<f64>,
-    /// Where the link starts instead of at rest, under a torque.
+    /// The state in which the links start instead of at rest, under torques.
     pub state: Option<&'a State>,
     /// Set where the input is one cycle that repeats, and the link moves as after many of them: a hub that is moved, or that
     /// of a linear link that neither friction nor feedback holds, turns by so many rad in a cycle.
@@ -126,21 +141,24 @@ pub struct Play<'a> {
 impl<'a> Play<'a> {
     /// A torque played to its end, by cubics, without feedback, the tip at 0 at the start.
     pub fn of(torque: &'a Torque) -> Self {
-        Self::with(Input::Torque(torque))
+        Self::with(Input::Torques(from_ref(torque)))
     }
 
     /// The hub moved as prescribed to the end of that motion.
     pub fn turning(hub: &'a HubReference) -> Self {
-        Self::with(Input::HubAngle(hub))
+        Self::with(Input::Angles(from_ref(hub)))
     }
 
-    fn with(input: Input<'a>) -> Self {
+    /// An input played to its end, without feedback.
+    pub fn with(input: Input<'a>) -> Self {
         Self {
             input,
             interpolation: Interpolation::default(),
             until_s: None,
-            feedback: None,
+            feedback: &[],
             initial_tip_m: 0.0,
+            start: None,
+            tolerance: None,
             memory_bytes: None,
             is_large: false,
             start_angle_rad: None,
@@ -158,24 +176,46 @@ impl<'a> Play<'a> {
     pub(super) fn band_rad_s(&self) -> Option<f64> {
         let grid = self.input.grid();
         let torque = match self.input {
-            Input::Torque(torque) => torque_band_rad_s(&grid, torque.torque_n_m()),
-            Input::HubAngle(hub) => {
-                return torque_band_rad_s(&grid, &hub.accelerations(self.cycle_turn_rad).0);
+            Input::Torques(torques) => torque_band_rad_s(&grid, torques[0].torque_n_m()),
+            Input::Angles(hubs) => {
+                return torque_band_rad_s(&grid, &hubs[0].accelerations(self.cycle_turn_rad).0);
             }
         };
         // The reference's rate, unlike its angle, is zero at both ends.
         let drives = |of: &&Feedback| of.stiffness_n_m_rad() > 0.0 || of.damping_n_m_s_rad() > 0.0;
         let repeats = self.cycle_turn_rad.is_some();
-        let wanted = self.feedback.filter(drives).map(|of| of.rate_rad_s(repeats));
+        let wanted = self.feedback.first().filter(drives).map(|of| of.rate_rad_s(repeats));
         let wanted = wanted.and_then(|rate| torque_band_rad_s(&grid, &rate));
         torque.into_iter().chain(wanted).reduce(f64::max)
+    }
+
+    /// Frequency in rad/s up to which inputs and references drive an arm. What holds it at the ends has no part in that: the
+    /// samples count from the first one, and there and back.
+    pub(super) fn band_of_arm_rad_s(&self) -> f64 {
+        let grid = self.input.grid();
+        let twice = TimeGrid { len: 2 * grid.len, ..grid };
+        let moving = |samples: &[f64]| {
+            let there_and_back = samples.iter().chain(samples.iter().rev());
+            let moving: Vec<f64> = there_and_back.map(|own| own - samples[0]).collect();
+            torque_band_rad_s(&twice, &moving)
+        };
+        let inputs: Vec<Option<f64>> = match self.input {
+            Input::Torques(torques) => {
+                torques.iter().map(|torque| moving(torque.torque_n_m())).collect()
+            }
+            Input::Angles(hubs) => {
+                hubs.iter().map(|hub| moving(&hub.accelerations(None).0)).collect()
+            }
+        };
+        let wanted = self.feedback.iter().filter_map(|own| moving(&own.rate_rad_s(false)));
+        inputs.into_iter().flatten().chain(wanted).fold(0.0, f64::max)
     }
 
     /// The error of an input that moves nothing.
     pub(super) fn nothing(&self) -> SimulationError {
         match self.input {
-            Input::Torque(_) => SimulationError::NoTorque,
-            Input::HubAngle(_) => SimulationError::NoTurn,
+            Input::Torques(_) => SimulationError::NoTorque,
+            Input::Angles(_) => SimulationError::NoTurn,
         }
     }
 
@@ -184,9 +224,9 @@ impl<'a> Play<'a> {
         self.start_angle_rad.or(link.gravity().and_then(|gravity| gravity.start_angle_rad))
     }
 
-    /// Whether the link is played with all terms of large angles.
-    pub(super) fn is_large_on(&self, link: &Link) -> bool {
-        self.is_large || link.has_weight()
+    /// Whether the links are played with all terms of large angles: always in an arm.
+    pub(super) fn is_bent(&self, arm: &Arm) -> bool {
+        self.is_large || arm.has_weight() || arm.links().len() > 1
     }
 
     /// True if the start is given, or worked out as one that repeats: not that of a link at rest.
@@ -203,10 +243,10 @@ impl<'a> Play<'a> {
     pub(super) fn start_m(&self, link: &Link) -> f64 {
         match self.input {
             // The coordinates of a state hold all of it.
-            Input::Torque(_) if self.is_started() => 0.0,
-            Input::Torque(_) => self.initial_tip_m,
-            Input::HubAngle(hub) => {
-                (hub.angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.length_m()
+            Input::Torques(_) if self.is_started() => 0.0,
+            Input::Torques(_) => self.initial_tip_m,
+            Input::Angles(hubs) => {
+                (hubs[0].angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.length_m()
             }
         }
     }
@@ -214,12 +254,12 @@ impl<'a> Play<'a> {
     /// Turn in rad from the start to where feedback holds the hub in the end, if it does.
     pub(super) fn goal_rad(&self, link: &Link) -> Option<f64> {
         match self.input {
-            Input::Torque(_) => {
+            Input::Torques(_) => {
                 let holds = |feedback: &&Feedback| feedback.stiffness_n_m_rad() > 0.0;
-                let feedback = self.feedback.filter(holds);
+                let feedback = self.feedback.first().filter(holds);
                 feedback.map(|own| own.reference().turn_rad(self.zero_of_state_rad(link)))
             }
-            Input::HubAngle(_) => None,
+            Input::Angles(_) => None,
         }
     }
 
@@ -233,19 +273,20 @@ impl<'a> Play<'a> {
         (mesh, law): (&Mesh, &DampingLaw),
         basis: ModalBasis,
     ) -> Result<Equations, SimulationError> {
-        let free = Equations::new(mesh, law, basis, self.reaction(link));
+        let free = Equations::new(mesh, law, basis, self.reaction(0, link));
         match self.input {
-            Input::Torque(_) => Ok(in_loop(free, law)),
-            Input::HubAngle(hub) => {
-                held(&free, law).ok_or(SimulationError::NotFinite { time_s: hub.grid().time_s(0) })
+            Input::Torques(_) => Ok(in_loop(free, law)),
+            Input::Angles(_) => {
+                let time_s = self.input.grid().time_s(0);
+                held(&free, law).ok_or(SimulationError::NotFinite { time_s })
             }
         }
     }
 
-    /// Friction and feedback at the hub.
-    pub(super) fn reaction(&self, link: &Link) -> HubReaction {
+    /// Friction and feedback at the joint of a link with this number.
+    pub(super) fn reaction(&self, joint: usize, link: &Link) -> HubReaction {
         let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
-        let gain = |of: fn(&Feedback) -> f64| self.feedback.map_or(0.0, of);
+        let gain = |of: fn(&Feedback) -> f64| self.feedback.get(joint).map_or(0.0, of);
         HubReaction {
             stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
             damping_n_m_s_rad: friction_n_m_s_rad + gain(Feedback::damping_n_m_s_rad),
@@ -253,14 +294,21 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The input at all samples and between them; after the last one the motor of a link with weight keeps its torque.
+    /// The input of a joint at all samples and between them, angles of a reference counted from `zero_rad`; after the last
+    /// sample the motor of links with weight keeps its torque.
     ///
     /// # Errors
     /// [`SimulationError::OtherTimes`] of a reference.
-    pub(super) fn driving(&self, link: &Link) -> Result<Driving, SimulationError> {
+    pub(super) fn driving(
+        &self,
+        (joint, link): (usize, &Link),
+        zero_rad: Option<f64>,
+        has_weight: bool,
+    ) -> Result<Driving, SimulationError> {
         let torque = match self.input {
-            Input::Torque(torque) => torque,
-            Input::HubAngle(hub) => {
+            Input::Torques(torques) => &torques[joint],
+            Input::Angles(hubs) => {
+                let hub = &hubs[joint];
                 let turn_rad = self.cycle_turn_rad;
                 if let Some(jump_rad) = turn_rad.and_then(|turn_rad| hub.jump_rad(turn_rad)) {
                     return Err(CycleError::Reference { jump_rad }.into());
@@ -279,10 +327,10 @@ impl<'a> Play<'a> {
         if self.cycle_turn_rad.is_some() && is_repeated(own, 0.0) {
             return Err(CycleError::Repeats.into());
         }
-        let kept_n_m = if link.has_weight() { own[own.len() - 1] } else { 0.0 };
-        let zero_rad = self.zero_of_state_rad(link);
+        let kept_n_m = if has_weight { own[own.len() - 1] } else { 0.0 };
         let repeats = self.cycle_turn_rad.is_some();
-        let (samples, hold) = match self.feedback {
+        let feedback = self.feedback.get(joint);
+        let (samples, hold) = match feedback {
             None => (own.to_vec(), kept_n_m),
             Some(feedback) => {
                 let wanted = feedback.wanted_torque_n_m(torque, zero_rad, repeats)?;
@@ -302,7 +350,7 @@ impl<'a> Play<'a> {
             },
         };
         let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { .. });
-        let reference = self.feedback.filter(|of| is_hysteretic && of.stiffness_n_m_rad() > 0.0);
+        let reference = feedback.filter(|of| is_hysteretic && of.stiffness_n_m_rad() > 0.0);
         let turning = reference.map(|of| {
             let rate_rad_s = of.rate_rad_s(repeats);
             Box::new(between(rate_rad_s, Interpolation::Cubic, 0.0, None))
@@ -329,7 +377,7 @@ impl Play<'_> {
             return Ok(([rest.clone(), rest], 0.0));
         };
         let origin_rad = self.origin_rad(link).unwrap_or(0.0);
-        Ok(state.coordinates(equations, mesh, origin_rad))
+        Ok(state.links[0].coordinates(equations, mesh, origin_rad))
     }
 }
 
@@ -364,9 +412,9 @@ impl Started {
     }
 }
 
-/// How far the play of an arm is.
+/// How far the play of bent links is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ArmProgress {
+pub struct PlayProgress {
     /// How often it has been refined: more angles, half the step.
     pub refinement: usize,
     /// Samples that are played so finely.

@@ -11,9 +11,9 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 use thiserror::Error;
 
-use super::arm_chain::ArmChain;
-use super::arm_rest::{ArmStart, at_rest};
 use super::balance::{Balance, Met};
+use super::linkage::Linkage;
+use super::rest::{Start, at_rest};
 use crate::link::{Arm, Damping};
 use crate::numeric::dot;
 use crate::system::end_if_stopped;
@@ -90,7 +90,7 @@ impl PoseError {
 /// An arm about its shape at rest in a pose.
 #[derive(Debug, Clone)]
 pub struct ArmPose {
-    chain: ArmChain,
+    chain: Linkage,
     /// The coordinates at rest.
     rest: Vec<f64>,
     pub(super) count: usize,
@@ -142,11 +142,11 @@ impl ArmPose {
         if given != links {
             return Err(PoseError::Directions { given, links });
         }
-        let count = ArmChain::coordinates(arm, highest_rad_s, more_orders, None);
+        let count = Linkage::coordinates(arm, highest_rad_s, more_orders, None);
         if count > MOST_COORDINATES {
             return Err(PoseError::TooMany { count, most: MOST_COORDINATES });
         }
-        let chain = ArmChain::of(arm, highest_rad_s, more_orders, None);
+        let chain = Linkage::of(arm, highest_rad_s, more_orders, None);
         let (mut betas_s, mut losses) = (vec![0.0; links], vec![0.0; links]);
         for (link, own) in arm.links().iter().enumerate() {
             if own.link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
@@ -160,7 +160,7 @@ impl ArmPose {
             }
         }
         let [damping, loss] = [betas_s, losses].map(|factors| chain.scaled_stiffness(&factors));
-        let start = ArmStart::Chords(directions_rad);
+        let start = Start::Chords(directions_rad);
         let q = at_rest(arm, &chain, start).ok_or(PoseError::NoShape)?;
         let (length_m, weight_n_m) = (arm.length_m(), arm.weight_moment_n_m());
         let rest = vec![0.0; count];
@@ -265,7 +265,7 @@ impl ArmPose {
     }
 }
 
-impl ArmChain {
+impl Linkage {
     /// What weights do along each coordinate, `Σ m g·∂r/∂q`.
     fn weights(&self, q: &[f64]) -> Vec<f64> {
         let (rest, mut found) = (vec![0.0; self.count], vec![0.0; self.count]);

@@ -9,7 +9,7 @@ use super::chain::Chain;
 use super::error::SimulationError;
 use super::hub_loop::HubLoop;
 use super::modes::HubReaction;
-use super::state::State;
+use super::state::LinkState;
 use crate::link::Link;
 use crate::modal::DampingLaw;
 use crate::numeric::{GaussRule, SymmetricEigen, piece_shapes};
@@ -43,8 +43,8 @@ pub(super) enum Held {
 }
 
 /// The shape at rest, from a straight one: the weight comes at once or, where that leads nowhere, in parts.
-pub(super) fn at_rest(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec<f64>> {
-    in_parts(straight, |share, q| resting(&chain.weighing(share), q, held))
+pub(super) fn resting(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec<f64>> {
+    in_parts(straight, |share, q| held_at(&chain.weighing(share), q, held))
 }
 
 /// Brings the weight at once or, where that leads nowhere, in parts; `settled` is given its share and the shape so far.
@@ -59,7 +59,7 @@ pub(super) fn in_parts(
 }
 
 /// The shape at rest of a link held by its hub or its chord.
-fn resting(chain: &Chain, q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
+fn held_at(chain: &Chain, q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
     let rest = vec![0.0; chain.count];
     let mut balance = Balance::default();
     let hub_rad = q[0];
@@ -183,13 +183,13 @@ pub(super) fn viscous(
 
 impl Chain {
     /// The slopes, and their rates, at as many places of each piece as tell its polynomials.
-    pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> State {
-        let mut state = State {
+    pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> LinkState {
+        let mut state = LinkState {
             time_s,
             x_m: vec![self.root_m],
             slope_rad: vec![q[0]],
             slope_rate_rad_s: vec![rates[0]],
-            ..State::default()
+            ..LinkState::default()
         };
         let mut from_m = self.root_m;
         for piece in &self.pieces {
@@ -214,7 +214,10 @@ impl Chain {
     ///
     /// # Errors
     /// [`SimulationError::State`] without places at the ends of a piece, or with too many on it.
-    pub(super) fn of_state(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
+    pub(super) fn of_state(
+        &self,
+        state: &LinkState,
+    ) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
         let [mut q, mut rates] = [(); 2].map(|()| vec![0.0; self.count]);
         (q[0], rates[0]) = (state.slope_rad[0], state.slope_rate_rad_s[0]);
         let mut from_m = self.root_m;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::driving::{CycleError, Driving, Step};
+use super::driving::{CycleError, Driving};
 use super::error::SimulationError;
 use super::modes::Equations;
 use super::radau::Motion;
@@ -19,7 +19,7 @@ use crate::numeric::{TimeGrid, largest, largest_difference};
 /// polynomials between two masses or segment ends.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct State {
+pub struct LinkState {
     /// Time in s at which it was so.
     pub time_s: f64,
     /// Distances of the places from the axis in m, along the link, from its root to its tip.
@@ -36,22 +36,7 @@ pub struct State {
     pub velocity_m_s: Option<Vec<f64>>,
 }
 
-impl State {
-    /// A linear link that turns undeformed, its tip at a displacement in m and a velocity in m/s.
-    pub(crate) fn turning(link: &Link, time_s: f64, [tip_m, tip_m_s]: [f64; 2]) -> Self {
-        let length_m = link.length_m();
-        let x_m = vec![link.hub().radius_m, length_m];
-        let along = |tip: f64| x_m.iter().map(|x| tip * x / length_m).collect::<Vec<f64>>();
-        Self {
-            time_s,
-            slope_rad: vec![tip_m / length_m; 2],
-            slope_rate_rad_s: vec![tip_m_s / length_m; 2],
-            displacement_m: Some(along(tip_m)),
-            velocity_m_s: Some(along(tip_m_s)),
-            x_m,
-        }
-    }
-
+impl LinkState {
     /// Refuses a state that is not one of such a link.
     ///
     /// # Errors
@@ -220,17 +205,17 @@ pub(super) fn of_cycle(
 /// [`CycleError`], and those of `advance`.
 pub(super) fn settle(
     motion: &mut Motion,
-    (driving, grid): (&Driving, TimeGrid),
+    grid: TimeGrid,
     is_free: bool,
-    mut advance: impl FnMut(&mut Motion, usize, &Step) -> Result<(), SimulationError>,
+    mut advance: impl FnMut(&mut Motion, usize) -> Result<(), SimulationError>,
 ) -> Result<(), SimulationError> {
     let cycle_s = grid.len as f64 * grid.step_s;
     let mut last = f64::INFINITY;
     for _ in 0..MOST_CYCLES {
         let start = motion.clone();
         let mut turned_rad = 0.0_f64;
-        for (sample, step) in driving.steps(grid.len + 1).enumerate() {
-            advance(motion, sample, &step)?;
+        for sample in 0..grid.len {
+            advance(motion, sample)?;
             turned_rad = turned_rad.max((motion.q[0] - start.q[0]).abs());
         }
         let bent_rad = largest_difference(&motion.q[1..], &start.q[1..]);
@@ -260,24 +245,40 @@ fn between(x_m: &[f64], values: &[f64], slopes: &[f64], origin: f64, at_m: f64) 
     [value, (cubic[1] + t * (2.0 * cubic[2] + 3.0 * t * cubic[3])) / l]
 }
 
-/// The motion of an arm at one instant.
+/// The motion of a link or an arm at one instant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ArmState {
+pub struct State {
     /// The state of each link, the inner one first: slopes against x along it.
-    pub links: Vec<State>,
+    pub links: Vec<LinkState>,
 }
 
-impl ArmState {
-    /// Refuses a state that is not one of such an arm.
+impl State {
+    /// A linear link that turns undeformed, its tip at a displacement in m and a velocity in m/s.
+    pub(crate) fn turning(link: &Link, time_s: f64, [tip_m, tip_m_s]: [f64; 2]) -> Self {
+        let length_m = link.length_m();
+        let x_m = vec![link.hub().radius_m, length_m];
+        let along = |tip: f64| x_m.iter().map(|x| tip * x / length_m).collect::<Vec<f64>>();
+        let state = LinkState {
+            time_s,
+            slope_rad: vec![tip_m / length_m; 2],
+            slope_rate_rad_s: vec![tip_m_s / length_m; 2],
+            displacement_m: Some(along(tip_m)),
+            velocity_m_s: Some(along(tip_m_s)),
+            x_m,
+        };
+        Self { links: vec![state] }
+    }
+
+    /// Refuses a state that does not fit the links.
     ///
     /// # Errors
     /// [`SimulationError::State`].
-    pub(super) fn check(&self, arm: &Arm) -> Result<(), SimulationError> {
-        let (found, links) = (self.links.len(), arm.links().len());
-        if found != links {
+    pub(super) fn check(&self, arm: &Arm, is_large: bool) -> Result<(), SimulationError> {
+        let (count, links) = (self.links.len(), arm.links().len());
+        if count != links {
             let must = format!("be one of {links} links");
-            return Err(SimulationError::State { found: format!("that of {found} links"), must });
+            return Err(SimulationError::State { found: format!("that of {count} links"), must });
         }
         let time_s = self.links[0].time_s;
         if let Some(other) = self.links.iter().find(|own| own.time_s.total_cmp(&time_s).is_ne()) {
@@ -286,8 +287,8 @@ impl ArmState {
             return Err(SimulationError::State { found, must });
         }
         for (number, (state, own)) in self.links.iter().zip(arm.links()).enumerate() {
-            state.check(&own.link, true).map_err(|error| match error {
-                SimulationError::State { found, must } => {
+            state.check(&own.link, is_large).map_err(|error| match error {
+                SimulationError::State { found, must } if links > 1 => {
                     let found = format!("{found} on {}", arm.name_of(number));
                     SimulationError::State { found, must }
                 }

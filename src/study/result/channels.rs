@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::numeric::{CubicSpline, SplineEnds, rounded};
-use crate::response::Simulation;
+use crate::response::Played;
 
 use super::recording::{ChannelRecording, SimulatedChannel};
 
@@ -133,10 +133,7 @@ impl Comparison {
     ///
     /// # Errors
     /// [`ComparisonError`]: a recording without channel or with too few times within the simulation.
-    pub fn of(
-        simulation: &Simulation,
-        recording: &ChannelRecording,
-    ) -> Result<Self, ComparisonError> {
+    pub fn of(simulation: &Played, recording: &ChannelRecording) -> Result<Self, ComparisonError> {
         let times = recording.time_s.len();
         if recording.channels.is_empty() {
             return Err(ComparisonError::NoChannel);

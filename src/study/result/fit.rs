@@ -4,18 +4,19 @@ use thiserror::Error;
 
 use super::limits::{Limits, Reached, reached};
 use crate::beam::MeshPlan;
-use crate::inverse::{
-    Analysis, ArmError, InversionError, Resources, Solution, invert_arm, invert_with,
-};
-use crate::link::{Arm, Link};
+use crate::inverse::{Analysis, ArmError, Resources, Solution, invert_motion};
+use crate::link::Arm;
 use crate::motion::{
-    ArmPath, Course, Curve, CurveError, FEWEST_STEPS, MotionError, PathColumns, PathError, Profile,
-    TipMotion,
+    ArmPath, Course, Curve, CurveError, Ends, FEWEST_STEPS, Motion, MotionError, PathColumns,
+    PathError, Profile, TipMotion,
 };
 use crate::text::{plain, significant};
 
 /// Most steps of a motion.
 const MOST_STEPS: usize = 1 << 18;
+
+/// Most steps of a path: an arm that exceeds its limits in a motion as slow as that does so by its weight.
+const MOST_STEPS_OF_PATH: usize = 1 << 14;
 
 /// Up to this many steps every number is tried, of more at most this many.
 const TRIALS: usize = 1024;
@@ -30,14 +31,33 @@ const HEAVY: f64 = 1.3;
 const TELLING: f64 = 0.25;
 
 /// A motion with all given but its duration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct OpenMotion<'a> {
     /// Its profile.
     pub profile: Profile,
     /// Where the tip goes.
-    pub course: &'a Course,
+    pub along: Along<'a>,
     /// Its step in s.
     pub step_s: f64,
+}
+
+/// Where a tip goes.
+#[derive(Debug, Clone, Copy)]
+pub enum Along<'a> {
+    /// The tip of one link along its arc.
+    Arc(&'a Course),
+    /// That of an arm along a curve, with the constant directions in rad of its links from the third on.
+    Curve(&'a Curve, &'a [f64]),
+}
+
+impl Along<'_> {
+    /// The ends of the motion.
+    pub fn ends(self) -> Ends {
+        match self {
+            Self::Arc(course) => course.ends(),
+            Self::Curve(..) => Ends::AtRest,
+        }
+    }
 }
 
 /// Why no duration is found.
@@ -76,9 +96,6 @@ pub enum FitError {
         /// What holds the rigid link at its start or one of its stops, in N m.
         held_n_m: f64,
     },
-    /// The motion has no torque.
-    #[error(transparent)]
-    Inversion(#[from] InversionError),
     /// A joint of an arm that takes more than its limit at rest.
     #[error(
         "joint {}: limits.torque = {} N m, but must be at least {} N m, which holds the arm at an end of its path",
@@ -94,15 +111,15 @@ pub enum FitError {
         /// What holds the arm in N m.
         held_n_m: f64,
     },
-    /// The path is none of so many steps.
+    /// No path has this many steps.
     #[error(transparent)]
     Curve(#[from] CurveError),
-    /// The path is none of the arm.
+    /// The arm cannot take the path.
     #[error(transparent)]
     Path(#[from] PathError),
-    /// The path has no torques.
+    /// The motion has no torques.
     #[error(transparent)]
-    Arm(#[from] ArmError),
+    Inversion(#[from] ArmError),
 }
 
 fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
@@ -152,19 +169,19 @@ impl Fit {
     }
 }
 
-/// A motion of open duration, with the link and the limits.
+/// A motion of open duration, with the link or the arm and the limits.
 #[derive(Debug, Clone, Copy)]
 pub struct FitProblem<'a> {
-    /// The link.
-    pub link: &'a Link,
-    /// How the link is meshed.
-    pub plan: &'a MeshPlan,
+    /// The arm; one link is an arm of one.
+    pub arm: &'a Arm,
+    /// How each link is meshed.
+    pub plans: &'a [MeshPlan],
     /// How exact the answers must be.
     pub analysis: &'a Analysis,
     /// Memory in bytes that each trial may take; `None`: no limit.
     pub memory_bytes: Option<usize>,
-    /// Largest values that link and motor may reach.
-    pub limits: &'a Limits,
+    /// Largest values that each joint, its link and its motor may reach.
+    pub limits: &'a [Limits],
     /// The motion.
     pub motion: OpenMotion<'a>,
 }
@@ -183,20 +200,22 @@ pub struct FitProblem<'a> {
 pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
     problem.check_weight()?;
     let fit = problem.shortest()?;
-    let motion = problem.motion_of(fit.steps)?;
-    Ok(Fit { solution: problem.inverted(problem.plan, &motion, false)?, ..fit })
+    match problem.motion_of(fit.steps)? {
+        // A trial leaves out what warnings alone need.
+        motion @ Motion::Tip(_) => {
+            Ok(Fit { solution: problem.inverted(problem.plans, &motion, false)?, ..fit })
+        }
+        Motion::Path(_) => Ok(fit),
+    }
 }
 
-/// Motions that differ in their number of steps alone.
-trait Trials {
-    /// Most steps that are tried.
-    const MOST_STEPS: usize;
-
-    /// Their step in s.
-    fn step_s(&self) -> f64;
-
-    /// The motion of so many steps with its torques; none where it exceeds a limit.
-    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError>;
+impl FitProblem<'_> {
+    fn most_steps(&self) -> usize {
+        match self.motion.along {
+            Along::Arc(_) => MOST_STEPS,
+            Along::Curve(..) => MOST_STEPS_OF_PATH,
+        }
+    }
 
     /// The fewest steps within the limits, see [`shortest_fit`].
     fn shortest(&self) -> Result<Fit, FitError> {
@@ -223,7 +242,7 @@ trait Trials {
     fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
         let (mut refused, mut failed) = (Vec::new(), None);
         let mut steps = FEWEST_STEPS;
-        while steps <= Self::MOST_STEPS {
+        while steps <= self.most_steps() {
             match self.tried(steps) {
                 Ok(Some(fit)) => return Ok((refused, fit)),
                 Ok(None) => {}
@@ -240,9 +259,9 @@ trait Trials {
         match failed {
             Some((count, error)) if count == tried => Err(*error),
             failed => {
-                let step_s = self.step_s();
+                let step_s = self.motion.step_s;
                 let (shortest_s, longest_s) =
-                    (FEWEST_STEPS as f64 * step_s, Self::MOST_STEPS as f64 * step_s);
+                    (FEWEST_STEPS as f64 * step_s, self.most_steps() as f64 * step_s);
                 Err(FitError::TooSlow { tried, shortest_s, longest_s, failed })
             }
         }
@@ -259,6 +278,96 @@ trait Trials {
         }
         fit
     }
+
+    /// The motion of this many steps with its torques. `None` where it exceeds a limit.
+    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
+        let motion = self.motion_of(steps)?;
+        if self.exceeds_on_a_coarse_mesh(&motion) {
+            return Ok(None);
+        }
+        let solution = self.inverted(self.plans, &motion, true)?;
+        self.refuse_heavy(&solution)?;
+        let reached = reached(&solution, self.limits);
+        Ok(Fit::within(steps, solution, reached))
+    }
+
+    /// Refuses a limit far below what holds a link before the motion or after it: no duration keeps it.
+    fn check_weight(&self) -> Result<(), FitError> {
+        let (Along::Arc(course), [own], [limits]) =
+            (self.motion.along, self.arm.links(), self.limits)
+        else {
+            return Ok(());
+        };
+        let link = &own.link;
+        let gravity = link.gravity().and_then(|own| own.start_angle_rad.zip(Some(own)));
+        let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(limits.torque_n_m) else {
+            return Ok(());
+        };
+        let held_n_m = |stop_m: &f64| {
+            let angle_rad = start_rad + stop_m / link.length_m();
+            (gravity.across_m_s2(angle_rad) * link.mass_moment_kg_m()).abs()
+        };
+        let held_n_m = [0.0].iter().chain(course.stops_m()).map(held_n_m).fold(0.0, f64::max);
+        if held_n_m > HEAVY * limit_n_m {
+            return Err(FitError::TooHeavy { limit_n_m, held_n_m });
+        }
+        Ok(())
+    }
+
+    /// Refuses a limit below what holds an arm at the ends of its path.
+    fn refuse_heavy(&self, solution: &Solution) -> Result<(), FitError> {
+        if let Along::Arc(_) = self.motion.along {
+            return Ok(());
+        }
+        for (joint, (own, limits)) in solution.joints.iter().zip(self.limits).enumerate() {
+            let ends = own.torque_n_m.first().into_iter().chain(own.torque_n_m.last());
+            let held_n_m = ends.fold(0.0, |most: f64, torque| most.max(torque.abs()));
+            if let Some(limit_n_m) = limits.torque_n_m.filter(|limit| held_n_m > *limit) {
+                return Err(FitError::TooHeavyArm { joint, limit_n_m, held_n_m });
+            }
+        }
+        Ok(())
+    }
+
+    /// True if a value of a link whose mesh is automatic exceeds its limit by more than four times its error on a coarser
+    /// mesh: then the plan's mesh is not needed.
+    fn exceeds_on_a_coarse_mesh(&self, motion: &Motion) -> bool {
+        let exceeds = |Reached { value, error }: &Reached| {
+            *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
+        };
+        let [plan] = self.plans else { return false };
+        plan.is_automatic()
+            && (0..HALVINGS).any(|halvings| {
+                let solution = self.inverted(&[plan.halved(halvings)], motion, true);
+                solution.is_ok_and(|solution| reached(&solution, self.limits).iter().any(exceeds))
+            })
+    }
+
+    fn motion_of(&self, steps: usize) -> Result<Motion, FitError> {
+        let OpenMotion { profile, along, step_s } = self.motion;
+        Ok(match along {
+            Along::Arc(course) => {
+                let columns = course.sampled(profile, step_s, steps, [0, 0])?;
+                Motion::Tip(TipMotion::with_ends(columns, course.ends())?)
+            }
+            Along::Curve(curve, outer_rad) => {
+                let places = curve.sampled(profile, steps, [0, 0])?;
+                let columns = PathColumns::of_tip(step_s, &places, outer_rad);
+                Motion::Path(ArmPath::new(columns, &self.arm.lengths_m())?)
+            }
+        })
+    }
+
+    fn inverted(
+        &self,
+        plans: &[MeshPlan],
+        motion: &Motion,
+        is_trial: bool,
+    ) -> Result<Solution, ArmError> {
+        let memory_bytes = self.memory_bytes;
+        let resources = Resources { memory_bytes, is_trial, ..Resources::default() };
+        invert_motion(self.arm, plans, motion, self.analysis, &resources)
+    }
 }
 
 /// Steps below `end`, a power of two, to try, upward: all, or at most [`TRIALS`], as many in each
@@ -271,130 +380,6 @@ fn grid(end: usize) -> impl Iterator<Item = usize> {
         Some(steps + stride.max(1)).filter(|next| *next < end)
     };
     std::iter::successors(Some(FEWEST_STEPS).filter(|first| *first < end), next)
-}
-
-impl Trials for FitProblem<'_> {
-    const MOST_STEPS: usize = MOST_STEPS;
-
-    fn step_s(&self) -> f64 {
-        self.motion.step_s
-    }
-
-    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
-        let motion = self.motion_of(steps)?;
-        if self.plan.is_automatic() && self.exceeds_on_a_coarse_mesh(&motion) {
-            return Ok(None);
-        }
-        let solution = self.inverted(self.plan, &motion, true)?;
-        let reached = reached(&solution, &[*self.limits]);
-        Ok(Fit::within(steps, solution, reached))
-    }
-}
-
-impl FitProblem<'_> {
-    /// Refuses a limit far below what holds the link before the motion or after it: no duration keeps it.
-    fn check_weight(&self) -> Result<(), FitError> {
-        let gravity = self.link.gravity().and_then(|own| own.start_angle_rad.zip(Some(own)));
-        let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(self.limits.torque_n_m) else {
-            return Ok(());
-        };
-        let held_n_m = |stop_m: &f64| {
-            let angle_rad = start_rad + stop_m / self.link.length_m();
-            (gravity.across_m_s2(angle_rad) * self.link.mass_moment_kg_m()).abs()
-        };
-        let stops_m = [0.0].iter().chain(self.motion.course.stops_m());
-        let held_n_m = stops_m.map(held_n_m).fold(0.0, f64::max);
-        if held_n_m > HEAVY * limit_n_m {
-            return Err(FitError::TooHeavy { limit_n_m, held_n_m });
-        }
-        Ok(())
-    }
-
-    /// True if a value exceeds its limit by more than four times its error on a coarser mesh: then the
-    /// plan's mesh is not needed.
-    fn exceeds_on_a_coarse_mesh(&self, motion: &TipMotion) -> bool {
-        let exceeds = |Reached { value, error }: &Reached| {
-            *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
-        };
-        (0..HALVINGS).any(|halvings| {
-            let solution = self.inverted(&self.plan.halved(halvings), motion, true);
-            solution.is_ok_and(|solution| reached(&solution, &[*self.limits]).iter().any(exceeds))
-        })
-    }
-
-    fn motion_of(&self, steps: usize) -> Result<TipMotion, FitError> {
-        let OpenMotion { profile, course, step_s } = self.motion;
-        let columns = course.sampled(profile, step_s, steps, [0, 0])?;
-        Ok(TipMotion::with_ends(columns, course.ends())?)
-    }
-
-    fn inverted(
-        &self,
-        plan: &MeshPlan,
-        motion: &TipMotion,
-        is_trial: bool,
-    ) -> Result<Solution, InversionError> {
-        let memory_bytes = self.memory_bytes;
-        let resources = Resources { memory_bytes, is_trial, ..Resources::default() };
-        invert_with(self.link, plan, motion, self.analysis, &resources)
-    }
-}
-
-/// The path of an arm's tip with all given but its duration, with the arm and its limits.
-#[derive(Debug, Clone, Copy)]
-pub struct ArmFitProblem<'a> {
-    /// The arm.
-    pub arm: &'a Arm,
-    /// How each link is meshed.
-    pub plans: &'a [MeshPlan],
-    /// How exact the answers must be.
-    pub analysis: &'a Analysis,
-    /// Memory in bytes that each trial may take; `None`: no limit.
-    pub memory_bytes: Option<usize>,
-    /// Largest values that each joint, its link and its motor may reach.
-    pub limits: &'a [Limits],
-    /// Where the tip goes.
-    pub curve: &'a Curve,
-    /// How it goes along the curve.
-    pub profile: Profile,
-    /// Step of the path in s.
-    pub step_s: f64,
-    /// Constant directions in rad of the links from the third on.
-    pub outer_rad: &'a [f64],
-}
-
-/// The fewest steps of a path within the limits of all joints, found as [`shortest_fit`] does.
-///
-/// # Errors
-/// [`FitError`] where no duration fits.
-pub fn shortest_arm_fit(problem: &ArmFitProblem) -> Result<Fit, FitError> {
-    problem.shortest()
-}
-
-impl Trials for ArmFitProblem<'_> {
-    /// An arm that exceeds its limits in a motion as slow as that does so by its weight.
-    const MOST_STEPS: usize = 1 << 14;
-
-    fn step_s(&self) -> f64 {
-        self.step_s
-    }
-
-    fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
-        let places = self.curve.sampled(self.profile, steps, [0, 0])?;
-        let columns = PathColumns::of_tip(self.step_s, &places, self.outer_rad);
-        let path = ArmPath::new(columns, &self.arm.lengths_m())?;
-        let resources = Resources { memory_bytes: self.memory_bytes, ..Resources::default() };
-        let solution = invert_arm(self.arm, self.plans, &path, self.analysis, &resources)?;
-        for (joint, (own, limits)) in solution.joints.iter().zip(self.limits).enumerate() {
-            let ends = own.torque_n_m.first().into_iter().chain(own.torque_n_m.last());
-            let held_n_m = ends.fold(0.0, |most: f64, torque| most.max(torque.abs()));
-            if let Some(limit_n_m) = limits.torque_n_m.filter(|limit| held_n_m > *limit) {
-                return Err(FitError::TooHeavyArm { joint, limit_n_m, held_n_m });
-            }
-        }
-        let reached = reached(&solution, self.limits);
-        Ok(Fit::within(steps, solution, reached))
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::peak::{Peak, Peaks};
 use crate::inverse::{MotorHistories, Solution};
 use crate::motion::{Ends, TipMotionHistories};
 use crate::numeric::{TimeGrid, dot, extremes};
-use crate::response::{PlayedArm, Simulation};
+use crate::response::{JointMotion, Played};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
 pub const TIMING_LEVEL: f64 = 0.02;
@@ -162,7 +162,7 @@ pub struct PlayedJoint {
     pub joint: Option<usize>,
     /// Largest torque of the motor in N m, feedback included.
     pub peak_torque_n_m: Peak,
-    /// Torque that holds an arm where it starts in N m.
+    /// Torque that holds bent links where they start in N m.
     pub holding_torque_n_m: Option<f64>,
     /// Angle at the first sample and at the last in rad.
     pub end_angles_rad: [f64; 2],
@@ -177,40 +177,32 @@ pub struct PlayedJoint {
 }
 
 impl PlayedMetrics {
-    /// Reads the numbers off a simulation of a link.
-    pub fn of(simulation: &Simulation) -> Self {
-        let Simulation { grid, tip, torque_n_m, hub_angle_rad, hub_rate_rad_s, .. } = simulation;
-        let displacement = &tip.displacement_m;
-        let last = displacement.len() - 1;
-        let hub = PlayedJoint::of(grid, torque_n_m, [hub_angle_rad, hub_rate_rad_s]);
-        let peaks = Peaks { grid, per_cycle: None };
-        let peak_deflection_m = Some(peaks.of(&simulation.tip_deflection_m()));
-        Self {
-            joints: vec![PlayedJoint { peak_deflection_m, ..hub }],
-            farthest_m: tip.largest_travel_m(),
-            travel_m: displacement[last] - displacement[0],
-            final_tip_velocity_m_s: tip.velocity_m_s[last],
-            final_tip_m: None,
-        }
-    }
-
-    /// Reads the numbers off a simulation of an arm.
-    pub fn of_arm(played: &PlayedArm) -> Self {
-        let last = played.grid.len - 1;
-        let joints = played.joints.iter().zip(&played.torques_n_m).enumerate();
-        let joints = joints.map(|(number, ([angle, rate, _], torque_n_m))| PlayedJoint {
-            joint: Some(number),
-            holding_torque_n_m: Some(played.holding_n_m[number]),
-            ..PlayedJoint::of(&played.grid, torque_n_m, [angle, rate])
+    /// Reads the numbers off a simulation.
+    pub fn of(played: &Played) -> Self {
+        let (tip, last) = (&played.tip, played.grid.len - 1);
+        let is_arm = played.joints.len() > 1;
+        let joints = played.joints.iter().enumerate();
+        let joints = joints.map(|(number, joint)| PlayedJoint {
+            joint: is_arm.then_some(number),
+            ..PlayedJoint::of(&played.grid, joint)
         });
-        let tip = |order: usize, sample: usize| [0, 1].map(|axis| played.tip[axis][order][sample]);
-        let [[x, y], [start_x, start_y], velocity] = [tip(0, last), tip(0, 0), tip(1, last)];
+        let mut joints: Vec<PlayedJoint> = joints.collect();
+        if !is_arm {
+            let peaks = Peaks { grid: &played.grid, per_cycle: None };
+            joints[0].peak_deflection_m = Some(peaks.of(&played.tip_deflection_m()));
+        }
+        let at = |axis: &TipMotionHistories| axis.displacement_m[last];
+        let moved = tip.iter().map(|axis| at(axis) - axis.displacement_m[0]);
+        let rate = tip.iter().map(|axis| axis.velocity_m_s[last]);
         Self {
-            joints: joints.collect(),
-            farthest_m: played.way_m(),
-            travel_m: libm::hypot(x - start_x, y - start_y),
-            final_tip_velocity_m_s: libm::hypot(velocity[0], velocity[1]),
-            final_tip_m: Some([x, y]),
+            joints,
+            farthest_m: played.largest_travel_m(),
+            travel_m: along_or_apart(moved),
+            final_tip_velocity_m_s: along_or_apart(rate),
+            final_tip_m: match &tip[..] {
+                [x, y] => Some([x, y].map(at)),
+                _ => None,
+            },
         }
     }
 
@@ -220,18 +212,24 @@ impl PlayedMetrics {
     }
 }
 
+/// A quantity of the tip along the arc of one link, with its sign, or its size along x and y.
+fn along_or_apart(axes: impl Iterator<Item = f64>) -> f64 {
+    axes.reduce(libm::hypot).unwrap_or_default()
+}
+
 impl PlayedJoint {
-    fn of(grid: &TimeGrid, torque_n_m: &[f64], [angle_rad, rate_rad_s]: [&[f64]; 2]) -> Self {
+    fn of(grid: &TimeGrid, joint: &JointMotion) -> Self {
         let peaks = Peaks { grid, per_cycle: None };
-        let turned: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
+        let (torque, angle, rate) = (&joint.torque_n_m, &joint.angle_rad, &joint.rate_rad_s);
+        let turned: Vec<f64> = angle.iter().map(|own| own - angle[0]).collect();
         Self {
             joint: None,
-            peak_torque_n_m: peaks.of(torque_n_m),
-            holding_torque_n_m: None,
-            end_angles_rad: [angle_rad[0], angle_rad[angle_rad.len() - 1]],
+            peak_torque_n_m: peaks.of(torque),
+            holding_torque_n_m: joint.holding_n_m,
+            end_angles_rad: [angle[0], angle[angle.len() - 1]],
             peak_hub_angle_rad: peaks.of(&turned),
-            peak_hub_rate_rad_s: peaks.of(rate_rad_s),
-            peak_power_w: peaks.of_product(torque_n_m, rate_rad_s),
+            peak_hub_rate_rad_s: peaks.of(rate),
+            peak_power_w: peaks.of_product(torque, rate),
             peak_deflection_m: None,
         }
     }

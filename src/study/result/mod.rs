@@ -18,9 +18,7 @@ mod torque_table;
 
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
-pub use fit::{
-    ArmFitProblem, Fit, FitError, FitProblem, OpenMotion, shortest_arm_fit, shortest_fit,
-};
+pub use fit::{Along, Fit, FitError, FitProblem, OpenMotion, shortest_fit};
 pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
 pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
 pub use modes::{LinkZeros, ModesResult, Setting};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::response::Simulation;
+use crate::response::Played;
 
 /// A quantity that is both recorded and simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,15 +51,15 @@ impl SimulatedChannel {
     }
 
     /// Samples of a simulation.
-    pub(super) fn of(self, simulation: &Simulation) -> Vec<f64> {
+    pub(super) fn of(self, played: &Played) -> Vec<f64> {
         match self {
-            Self::HubAngle => simulation.hub_angle_rad.clone(),
-            Self::HubRate => simulation.hub_rate_rad_s.clone(),
-            Self::Tip => simulation.tip.displacement_m.clone(),
-            Self::Velocity => simulation.tip.velocity_m_s.clone(),
-            Self::Acceleration => simulation.tip.acceleration_m_s2.clone(),
-            Self::TipDeflection => simulation.tip_deflection_m(),
-            Self::Torque => simulation.torque_n_m.clone(),
+            Self::HubAngle => played.hub().angle_rad.clone(),
+            Self::HubRate => played.hub().rate_rad_s.clone(),
+            Self::Tip => played.tip[0].displacement_m.clone(),
+            Self::Velocity => played.tip[0].velocity_m_s.clone(),
+            Self::Acceleration => played.tip[0].acceleration_m_s2.clone(),
+            Self::TipDeflection => played.tip_deflection_m(),
+            Self::Torque => played.hub().torque_n_m.clone(),
         }
     }
 }

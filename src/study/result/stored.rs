@@ -17,7 +17,7 @@ use crate::link::Link;
 use crate::modal::ThickLink;
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
-use crate::response::{ArmPlayWarning, SimulationWarning};
+use crate::response::SimulationWarning;
 
 /// A result that was read back.
 #[derive(Debug, Clone)]
@@ -225,7 +225,7 @@ macro_rules! notices {
 pub(crate) use notices;
 
 // Everything that a user must know, or may want to, becomes a notice so.
-notices!(ArmPlayWarning, CoarseMesh, Exceeded, LateTarget, Remark);
+notices!(CoarseMesh, Exceeded, LateTarget, Remark);
 notices!(SimulationWarning, SolutionWarning, ThickLink);
 
 /// The table of a sweep.

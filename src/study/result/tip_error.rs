@@ -5,15 +5,21 @@ use thiserror::Error;
 
 use crate::motion::TipTarget;
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, rounded};
-use crate::response::{PlayedArm, Simulation};
+use crate::response::Played;
 
-/// Places of an arm's tip over time.
+/// Wanted places of the tip over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TipPlaces {
     /// Their times.
     pub grid: TimeGrid,
-    /// x and y in m.
-    pub at_m: [Vec<f64>; 2],
+    /// Displacement of a link's tip in m, or x and y of an arm's.
+    pub at_m: Vec<Vec<f64>>,
+}
+
+impl From<&TipTarget> for TipPlaces {
+    fn from(target: &TipTarget) -> Self {
+        Self { grid: target.grid(), at_m: vec![target.displacement_m().to_vec()] }
+    }
 }
 
 /// Largest travel of the tip before the target's first sample, relative to the target's travel.
@@ -108,41 +114,36 @@ pub struct FollowedTarget {
 }
 
 impl FollowedTarget {
-    /// Compares a simulation with a wanted displacement at the target's own times.
+    /// Compares the tip of a simulation with a wanted one at the target's own times.
     ///
     /// The tip rests before the simulation's first sample; between samples a cubic spline interpolates.
     ///
     /// # Errors
     /// [`TargetError`].
-    pub fn of(simulation: &Simulation, target: &TipTarget) -> Result<Self, TargetError> {
-        let spline = CubicSpline::uniform(&simulation.tip.displacement_m, SplineEnds::NotAKnot);
-        let (wanted_m, travel_m) = (target.displacement_m(), target.largest_travel_m());
-        let (grid, at) = (target.grid(), Sampling::of(simulation.grid, target.grid(), travel_m)?);
-        let strays = |(k, wanted): (usize, &f64)| spline.value(at.place(k)) - wanted;
-        let error_m: Vec<f64> = wanted_m.iter().enumerate().map(strays).collect();
-        let moved_m = (spline.value(at.place(0)) - simulation.tip.displacement_m[0]).abs();
+    pub fn of(played: &Played, target: &TipPlaces) -> Result<Self, TargetError> {
+        let splines = played.tip.iter().map(|axis| &axis.displacement_m);
+        let splines = splines.map(|own| CubicSpline::uniform(own, SplineEnds::NotAKnot));
+        let splines: Vec<CubicSpline> = splines.collect();
+        let (grid, wanted) = (target.grid, &target.at_m);
+        let apart = |from: &dyn Fn(usize) -> f64, to: &dyn Fn(usize) -> f64| {
+            let parts: Vec<f64> = (0..wanted.len()).map(|axis| from(axis) - to(axis)).collect();
+            match parts[..] {
+                // The displacement of one link has a sign.
+                [along_m] => along_m,
+                ref parts => parts.iter().map(|part| part * part).sum::<f64>().sqrt(),
+            }
+        };
+        let wanted_m = |k: usize| move |axis: usize| wanted[axis][k];
+        let from_start = |k: usize| apart(&wanted_m(k), &wanted_m(0)).abs();
+        let travel_m = (0..grid.len).map(from_start).fold(0.0, f64::max);
+        let at = Sampling::of(played.grid, grid, travel_m)?;
+        let (splines, at) = (&splines, &at);
+        let tip_m = |k: usize| move |axis: usize| splines[axis].value(at.place(k));
+        let error_m: Vec<f64> = (0..grid.len).map(|k| apart(&tip_m(k), &wanted_m(k))).collect();
+        let start_m = |axis: usize| played.tip[axis].displacement_m[0];
+        let moved_m = apart(&tip_m(0), &start_m).abs();
         let tip_error = TipError::among(&error_m, (&grid, travel_m), moved_m);
-        Ok(Self { grid, wanted_m: vec![wanted_m.to_vec()], error_m, tip_error })
-    }
-
-    /// Compares the tip of an arm at every time of the target.
-    ///
-    /// # Errors
-    /// [`TargetError`].
-    pub fn of_arm(played: &PlayedArm, target: &TipPlaces) -> Result<Self, TargetError> {
-        let splines = [0, 1]
-            .map(|axis: usize| CubicSpline::uniform(&played.tip[axis][0], SplineEnds::NotAKnot));
-        let distance = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
-        let wanted = |k: usize| [0, 1].map(|axis: usize| target.at_m[axis][k]);
-        let from = |k: usize, [x, y]: [f64; 2]| distance([wanted(k)[0] - x, wanted(k)[1] - y]);
-        let travel_m = (0..target.grid.len).map(|k| from(k, wanted(0))).fold(0.0, f64::max);
-        let at = Sampling::of(played.grid, target.grid, travel_m)?;
-        let tip_m = |k: usize| [0, 1].map(|axis: usize| splines[axis].value(at.place(k)));
-        let error_m: Vec<f64> = (0..target.grid.len).map(|k| from(k, tip_m(k))).collect();
-        let start_m = [0, 1].map(|axis: usize| played.tip[axis][0][0]);
-        let moved_m = distance([tip_m(0)[0] - start_m[0], tip_m(0)[1] - start_m[1]]);
-        let tip_error = TipError::among(&error_m, (&target.grid, travel_m), moved_m);
-        Ok(Self { grid: target.grid, wanted_m: target.at_m.to_vec(), error_m, tip_error })
+        Ok(Self { grid, wanted_m: wanted.clone(), error_m, tip_error })
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::torque_zeros;
-use crate::response::{ResidualVibration, Simulation};
+use crate::response::{Played, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
 
 /// A case with a computed torque.
@@ -23,8 +23,8 @@ pub struct SolvedCase<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct PlayedCase<'a> {
     /// The simulation.
-    pub simulation: &'a Simulation,
-    /// Metrics of the simulation.
+    pub simulation: &'a Played,
+    /// Its metrics.
     pub metrics: &'a PlayedMetrics,
     /// Error of the tip relative to its target.
     pub tip_error: &'a TipError,
@@ -32,7 +32,7 @@ pub struct PlayedCase<'a> {
 
 /// A column and the number that it shows of a case, where it has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
-type Played = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
+type OfPlayed = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 
 /// The columns of a link before those of its hub; an arm has the last.
 const BEFORE: [Solved; 2] = [
@@ -49,11 +49,11 @@ const AFTER: [Solved; 6] = [
     ("tip_model_error", |case| case.solution.tip_model_error),
 ];
 
-const PLAYED: [Played; 16] = [
+const PLAYED: [OfPlayed; 16] = [
     ("period_1_s", |case| {
-        case.simulation.natural_frequencies_rad_s.first().map(|omega| TAU / omega)
+        case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
     }),
-    ("zero_1_per_s", |case| torque_zeros(&case.simulation.mesh, 1).first().copied()),
+    ("zero_1_per_s", |case| torque_zeros(case.simulation.mesh(), 1).first().copied()),
     ("tip_error_m", |case| Some(case.tip_error.worst_m)),
     ("tip_error_share", |case| Some(case.tip_error.share)),
     ("tip_error_time_s", |case| Some(case.tip_error.time_s)),
@@ -95,14 +95,14 @@ fn swept(is_of_motor: bool) -> impl Iterator<Item = &'static JointQuantity> {
 /// Kind of a sweep's numbers: the columns between those of the variations and the last two, `warnings` and `error`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
-    /// Of the torques for the motion.
+    /// The torques for the motion.
     Solved {
         /// Number of joints; 1 of one link.
         joints: usize,
         /// With those of motors.
         is_driven: bool,
     },
-    /// Of one torque played on every case.
+    /// One torque played on every case.
     Played,
 }
 
@@ -148,7 +148,7 @@ impl SweepKind {
         Self::solved_columns(joints, is_driven).into_iter().map(name).collect()
     }
 
-    /// The numbers of a solved case; none of a sweep that plays.
+    /// The numbers of a solved case. A sweep that plays has none here.
     pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
         let Self::Solved { joints, is_driven } = self else { return Vec::new() };
         let number = |column| match column {

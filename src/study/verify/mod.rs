@@ -23,7 +23,7 @@ use crate::motion::{ArmPath, Ends, Motion, TipMotion};
 use crate::numeric::{Size, largest, magnitude};
 use crate::result::{Check, Reached};
 use check::{Kind, PEAK, RANGE};
-use playback::{LEAST_SIZE, Played, largest_range, played, range, torque_change};
+use playback::{LEAST_SIZE, PlayedChecks, largest_range, played, range, torque_change};
 
 /// Number of frequencies at which the dense system is solved.
 const FREQUENCIES: usize = 9;
@@ -58,7 +58,7 @@ pub struct Verification {
 /// # Errors
 /// [`VerificationError`].
 pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
-    let Played { tip: mut checks, energy } = played(answer)?;
+    let PlayedChecks { tip: mut checks, energy } = played(answer)?;
     checks.extend(worst(&Kind::MESH, answer, |errors| Some(errors.mesh)));
     checks.extend(with_the_step_halved(answer)?);
     // A cycle has no edge.

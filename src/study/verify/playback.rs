@@ -10,7 +10,7 @@ use crate::modal::held_frequencies;
 use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
 use crate::numeric::{Size, largest, largest_difference};
 use crate::response::{
-    EnergyAccount, EnergyBalance, HubReference, Interpolation, Play, Simulation, SimulationError,
+    EnergyAccount, EnergyBalance, HubReference, Interpolation, Play, Played, SimulationError,
     State, Torque, simulate_on,
 };
 use crate::result::Check;
@@ -30,7 +30,7 @@ const AMPLIFIED: f64 = 10.0;
 pub(super) const LEAST_SIZE: f64 = 1e-6;
 
 /// The checks that follow from playing the torque.
-pub(super) struct Played {
+pub(super) struct PlayedChecks {
     pub(super) tip: Vec<Check>,
     pub(super) energy: Check,
 }
@@ -44,15 +44,15 @@ struct Moved {
 
 /// Plays the written torque, or moves the joints as solved: errors of the tip, those of the solved tip included, and the
 /// balance of energy.
-pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
+pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError> {
     let solution = answer.solution;
     let (played, unplayed) = match &solution.motion {
         Motion::Tip(motion) => (played_link(answer, motion), Kind::TIP_ERROR),
         Motion::Path(_) => (moved(answer, Kind::OF_JOINTS), Kind::TIP_OF_JOINTS),
     };
-    let Played { mut tip, energy } = match played {
+    let PlayedChecks { mut tip, energy } = match played {
         Ok(played) => played,
-        Err(Unplayed::Reason(reason)) => Played {
+        Err(Unplayed::Reason(reason)) => PlayedChecks {
             tip: vec![unplayed.not_measured(&*reason)],
             energy: Kind::ENERGY.not_measured(reason),
         },
@@ -64,7 +64,7 @@ pub(super) fn played(answer: &Answer) -> Result<Played, VerificationError> {
         let error = tip_error(solution, &wanted, &solution.tip[0].displacement_m);
         tip.push(Kind::TIP_SOLVED.measured(answer, error));
     }
-    Ok(Played { tip, energy })
+    Ok(PlayedChecks { tip, energy })
 }
 
 /// Plays a torque on a link as it starts to follow its motion.
@@ -73,7 +73,7 @@ pub(super) fn simulated(
     torque_n_m: &[f64],
     interpolation: Interpolation,
     memory_bytes: Option<usize>,
-) -> Result<Simulation, VerificationError> {
+) -> Result<Played, VerificationError> {
     let (link, grid) = (solution.link(), solution.grid);
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, torque_n_m.to_vec())?;
@@ -93,7 +93,7 @@ pub(super) fn simulated(
 }
 
 /// Plays the written torque on a link, or moves its hub.
-fn played_link(answer: &Answer, motion: &TipMotion) -> Result<Played, Unplayed> {
+fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unplayed> {
     let (solution, written_n_m) = (answer.solution, &answer.written_torques_n_m[0]);
     let (link, ends) = (solution.link(), motion.ends());
     let ratio = match link.damping() {
@@ -114,11 +114,11 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<Played, Unplayed> 
     let simulation = simulated(followed, written_n_m, Interpolation::Cubic, memory_bytes)?;
     let Some(modes) = simulation.modes() else { return moved(answer, Kind::OF_HUB) };
     let straight_m = modes.straight_tip_m(written_n_m);
-    let between_m = largest_difference(&simulation.tip.displacement_m, &straight_m);
+    let between_m = largest_difference(&simulation.tip[0].displacement_m, &straight_m);
     let bound = allowed_tip_error(answer, solution, between_m);
     let wanted = wanted_tip(solution, motion);
     let error = |tip_m: &[f64]| tip_error(solution, &wanted, tip_m);
-    let played_m = &simulation.tip.displacement_m;
+    let played_m = &simulation.tip[0].displacement_m;
     let tip = if let Some(ratio) = ratio {
         // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
         // but by a computable amount; the tip less this amount must be the wanted motion.
@@ -136,7 +136,7 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<Played, Unplayed> 
     } else {
         vec![Kind::TIP_ERROR.measured_to(error(played_m), bound)]
     };
-    Ok(Played { tip, energy: energy(answer, &simulation) })
+    Ok(PlayedChecks { tip, energy: energy(answer, &simulation) })
 }
 
 /// Turn in rad of a cycle; `None` for a motion that does not repeat.
@@ -145,7 +145,7 @@ fn turn_of_cycle_rad(link: &Link, motion: &TipMotion) -> Option<f64> {
 }
 
 /// The check of a simulation's balance of energy.
-fn energy(answer: &Answer, simulation: &Simulation) -> Check {
+fn energy(answer: &Answer, simulation: &Played) -> Check {
     let (imbalance, quadrature) = imbalance(simulation);
     if quadrature > QUADRATURE {
         Kind::ENERGY.not_measured("the step is too long to add up work")
@@ -157,7 +157,11 @@ fn energy(answer: &Answer, simulation: &Simulation) -> Check {
 /// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the hub of
 /// this solution. Viscous damping has an equation in time, so that weight and second order are played. The written torque is
 /// not played; its law of damping is in the transfer.
-fn played_viscous(answer: &Answer, motion: &TipMotion, ratio: f64) -> Result<Played, Unplayed> {
+fn played_viscous(
+    answer: &Answer,
+    motion: &TipMotion,
+    ratio: f64,
+) -> Result<PlayedChecks, Unplayed> {
     let solution = answer.solution;
     let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
         return Err("hysteretic damping has no equation in time, and no mode".into());
@@ -171,16 +175,16 @@ fn played_viscous(answer: &Answer, motion: &TipMotion, ratio: f64) -> Result<Pla
     let viscous = viscous.map_err(|error| unsolved(&error))?;
     let written_torques_n_m = std::slice::from_ref(&viscous.hub().torque_n_m);
     let answer = Answer { solution: &viscous, written_torques_n_m, ..*answer };
-    let Played { tip, energy } = moved(&answer, Kind::OF_HUB_VISCOUS)?;
+    let PlayedChecks { tip, energy } = moved(&answer, Kind::OF_HUB_VISCOUS)?;
     let (name, what) = ("energy_viscous".to_owned(), "energy, viscous damping".to_owned());
-    Ok(Played { tip, energy: Check { name, what, ..energy } })
+    Ok(PlayedChecks { tip, energy: Check { name, what, ..energy } })
 }
 
 /// Moves the joints as solved, by other equations than the inversion has: error of the tip, the needed torques against the
 /// written ones, and the balance of energy.
 ///
 /// Torques would let a link or an arm with weight fall from an upright pose; joints that are moved do not.
-fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<Played, Unplayed> {
+fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unplayed> {
     let solution = answer.solution;
     let Moved { tip_error, torques_n_m, energy } = match &solution.motion {
         Motion::Tip(motion) => moved_link(answer, motion)?,
@@ -216,7 +220,7 @@ fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<Played, Unplayed> 
             checks.push(Check { name, what: format!("{} {number}", check.what), ..check });
         }
     }
-    Ok(Played { tip: checks, energy })
+    Ok(PlayedChecks { tip: checks, energy })
 }
 
 /// Moves the hub of a link.
@@ -239,9 +243,9 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
         error => Unplayed::from(error),
     })?;
     Ok(Moved {
-        tip_error: tip_error(solution, &wanted, &simulation.tip.displacement_m),
+        tip_error: tip_error(solution, &wanted, &simulation.tip[0].displacement_m),
         energy: energy(answer, &simulation),
-        torques_n_m: vec![simulation.torque_n_m],
+        torques_n_m: torques_n_m(simulation),
     })
 }
 
@@ -249,16 +253,21 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
 fn moved_arm(answer: &Answer, path: &ArmPath) -> Result<Moved, Unplayed> {
     let (solution, travel_m) = (answer.solution, answer.solution.tip_travel_m());
     let moved = solution.moved().map_err(|error| Unplayed::Reason(error.to_string()))?;
-    if moved.change[0] > solution.analysis.tolerance() * travel_m {
-        let change = significant(moved.change[0] / travel_m, 2);
+    if moved.change()[0] > solution.analysis.tolerance() * travel_m {
+        let change = significant(moved.change()[0] / travel_m, 2);
         let reason = format!("the last refinement moves the tip by {change} of its travel");
         return Err(Unplayed::Reason(reason));
     }
     Ok(Moved {
         tip_error: solution.tip_error_of(&moved, path),
         energy: Kind::ENERGY.measured(answer, moved.imbalance()),
-        torques_n_m: moved.torques_n_m,
+        torques_n_m: torques_n_m(moved),
     })
+}
+
+/// The torque of each joint in N m.
+fn torques_n_m(played: Played) -> Vec<Vec<f64>> {
+    played.joints.into_iter().map(|joint| joint.torque_n_m).collect()
 }
 
 /// Allowed error of the played tip over its travel.
@@ -294,7 +303,7 @@ fn tip_error(solution: &Solution, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
 
 /// Largest imbalance of energy, and the error of its integrals, both over the largest energy in the
 /// link.
-fn imbalance(simulation: &Simulation) -> (f64, f64) {
+fn imbalance(simulation: &Played) -> (f64, f64) {
     let EnergyAccount { balances, start_j, quadrature_error_j } = simulation.energy(BALANCES);
     let held = |b: &EnergyBalance| b.kinetic_j + b.strain_j;
     // What weight holds may be less than at the start.
@@ -357,10 +366,11 @@ mod tests {
         let time_s: Vec<f64> = (0..=1000).map(|k| 1e-3 * f64::from(k)).collect();
         let sine = time_s.iter().map(|t| (std::f64::consts::TAU * t).sin().powi(3)).collect();
         let torque = Torque::new(&time_s, sine).unwrap();
-        let mut simulation = simulate(&link, &plan, &Play::of(&torque)).unwrap();
+        let (arm, play) = (link.into(), Play::of(&torque));
+        let mut simulation = simulate(&arm, &[plan], &play, &|_| {}).unwrap();
         let (missing, quadrature) = imbalance(&simulation);
         assert!(missing < 1e-7 && quadrature < 1e-6, "{missing:e}, {quadrature:e}");
-        for torque in &mut simulation.torque_n_m {
+        for torque in &mut simulation.joints[0].torque_n_m {
             *torque *= 1.001;
         }
         let (missing, quadrature) = imbalance(&simulation);

@@ -8,8 +8,8 @@ use crate::link::{Arm, Link};
 use crate::motion::Motion;
 use crate::numeric::rounded;
 use crate::response::{
-    ArmPlay, ArmPose, ArmStart, Feedback, HubReference, Interpolation, Played, SimulationError,
-    Torque, simulate_arm,
+    ArmPose, Feedback, HubReference, Input, Interpolation, Play, Played, SimulationError, Start,
+    Torque, simulate,
 };
 use crate::result::{TipError, TorqueTable, for_hold};
 
@@ -56,43 +56,37 @@ pub fn table_error(
     let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let gains = if falls(solution) { gains(&solution.arm) } else { Vec::new() };
-    let played = |table: &TorqueTable| -> Result<(Vec<Vec<f64>>, f64), VerificationError> {
+    let played = |table: &TorqueTable| -> Result<Played, VerificationError> {
         let (torques_n_m, interpolation) = (table.whole_n_m(), table.interpolation());
         match &solution.motion {
             Motion::Tip(motion) => {
                 let (followed, torque_n_m) = ((solution, motion), &torques_n_m[0]);
-                let simulation = simulated(followed, torque_n_m, interpolation, memory_bytes)?;
-                let change_m = match &simulation.played {
-                    Played::Modes(_) => 0.0,
-                    Played::Elastica(bent) => bent.tip_change_m,
-                };
-                Ok((vec![simulation.tip.displacement_m], change_m))
+                Ok(simulated(followed, torque_n_m, interpolation, memory_bytes)?)
             }
             Motion::Path(_) => {
                 let torques = torques_n_m.iter().map(|own| Torque::new(&time_s, own.clone()));
                 let torques = torques.collect::<Result<Vec<_>, _>>()?;
                 let start_rad = solution.joints.iter().map(|joint| joint.angle_rad[0]);
-                let play = ArmPlay {
-                    torques: &torques,
+                let play = Play {
                     interpolation,
-                    until_s: None,
                     feedback: &feedback(solution, &gains, &time_s, interpolation)?,
-                    start: ArmStart::Joints(&start_rad.collect::<Vec<_>>()),
-                    tolerance: SETTLED,
+                    start: Some(Start::Joints(&start_rad.collect::<Vec<_>>())),
+                    tolerance: Some(SETTLED),
                     memory_bytes,
+                    ..Play::with(Input::Torques(&torques))
                 };
-                let (played, _) = simulate_arm(&solution.arm, plans, &play, &|_| {})?;
-                let [[x, ..], [y, ..]] = played.tip;
-                Ok((vec![x, y], played.change[0]))
+                Ok(simulate(&solution.arm, plans, &play, &|_| {})?)
             }
         }
     };
-    let (of_table, change_m) = played(table)?;
-    let (of_solved, solved_change_m) = played(&TorqueTable::of(solution))?;
+    let [of_table, of_solved] = [played(table)?, played(&TorqueTable::of(solution))?];
+    let change_m = of_table.change()[0] + of_solved.change()[0];
     let tips = solved_and_wanted_m(solution);
     let off = |k: usize| {
-        let axes = of_table.iter().zip(&of_solved).zip(&tips);
-        let axes = axes.map(|((t, s), [tip, wanted])| t[k] - s[k] + tip[k] - wanted[k]);
+        let axes = of_table.tip.iter().zip(&of_solved.tip).zip(&tips);
+        let axes = axes.map(|((table, solved), [tip, wanted])| {
+            table.displacement_m[k] - solved.displacement_m[k] + tip[k] - wanted[k]
+        });
         // The displacement of one link has a sign.
         match axes.collect::<Vec<_>>()[..] {
             [along] => along,
@@ -101,7 +95,7 @@ pub fn table_error(
     };
     let errors: Vec<f64> = (0..grid.len).map(off).collect();
     let tip = TipError::among(&errors, (&grid, solution.tip_travel_m()), 0.0);
-    Ok(TableError { tip, change_m: change_m + solved_change_m, feedback: gains })
+    Ok(TableError { tip, change_m, feedback: gains })
 }
 
 /// Each coordinate of the tip in m, as solved and as wanted: the displacement of a link's, x and y of an arm's.

@@ -60,7 +60,7 @@ fn a_heavy_elbow_that_is_too_fast_for_all_terms_is_told_how_far_its_tip_strays()
     let played = moved(&found).expect("a motion");
     let off = (0..found.grid.len).map(|k| {
         let along = share((found.grid.time_s(k) / DURATION_S).clamp(0.0, 1.0));
-        let [x, y] = [0, 1].map(|a| played.tip[a][0][k] - START_M[a] - BY_M[a] * along);
+        let [x, y] = [0, 1].map(|a| played.tip[a].displacement_m[k] - START_M[a] - BY_M[a] * along);
         x.hypot(y) / BY_M[0].hypot(BY_M[1])
     });
     let strays = largest(off);

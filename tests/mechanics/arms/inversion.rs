@@ -7,7 +7,7 @@ use flexlink::link::{
     Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, LumpedMass, Segment,
 };
 use flexlink::motion::{ArmPath, PathColumn, PathColumns, Recording};
-use flexlink::response::{MovedJoint, PlayedArm, SimulationError, move_arm};
+use flexlink::response::{MovedJoint, Played, SimulationError, move_arm};
 
 use super::prototype::{PROTOTYPE, bounds};
 use super::two_links;
@@ -205,7 +205,7 @@ fn terms_that_are_left_out_and_an_elbow_nearly_stretched_are_told() {
     assert!(slow.warnings.iter().any(stretched), "{:?}", slow.warnings);
 }
 
-pub(super) fn moved(found: &Solution) -> Result<PlayedArm, SimulationError> {
+pub(super) fn moved(found: &Solution) -> Result<Played, SimulationError> {
     let highest = std::f64::consts::TAU * found.band.cutoff_hz.expect("a cut-off");
     let joints = found.joints.iter().map(|joint| MovedJoint {
         angle_rad: joint.angle_rad[0],
@@ -237,19 +237,24 @@ fn joints_moved_as_found_lead_the_tip_along_its_path() {
         let arm = arm(&parts, gravity);
         let found = solved(&arm, &line(&arm, 1.5), ElementCount::Auto, &Analysis::default());
         let played = moved(&found).expect("a motion");
-        let pairs = |axis: usize| found.tip[axis].displacement_m.iter().zip(&played.tip[axis][0]);
+        let pairs = |axis: usize| {
+            found.tip[axis].displacement_m.iter().zip(&played.tip[axis].displacement_m)
+        };
         let off =
             [0, 1].map(|axis| largest(pairs(axis).map(|(a, b)| a - b)) / found.tip_travel_m());
-        assert!(largest(off.into_iter()) < 1e-6, "{off:?}, {:e}", played.change[0]);
-        for (joint, torque) in found.joints.iter().zip(&played.torques_n_m) {
+        assert!(largest(off.into_iter()) < 1e-6, "{off:?}, {:e}", played.change()[0]);
+        for (joint, own) in found.joints.iter().zip(&played.joints) {
+            let torque = &own.torque_n_m;
             let range = largest(torque.iter().copied());
             let off = largest(joint.torque_n_m.iter().zip(torque).map(|(a, b)| a - b)) / range;
             assert!(off < 2e-5, "{off:e}");
         }
-        let size = largest(played.work_j.iter().copied());
+        let bent = played.bent().expect("bent links");
+        let energy_j = |k: usize| bent.kinetic_j[k] + bent.potential_j[k];
+        let size = largest(bent.work_j.iter().copied());
         for k in 0..found.grid.len {
-            let held = played.energy_j[k] - played.energy_j[0];
-            let off = (played.work_j[k] - held - played.lost_j[k]) / size;
+            let held = energy_j(k) - energy_j(0);
+            let off = (bent.work_j[k] - held - bent.lost_j[k]) / size;
             assert!(off.abs() < 1e-6, "{off:e} at {k}");
         }
     }

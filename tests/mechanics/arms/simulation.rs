@@ -6,8 +6,7 @@ use flexlink::inverse::{Analysis, JointMotion, Solution};
 use flexlink::link::{Arm, Damping, Link, LinkParts, LumpedMass, Payload, Segment};
 use flexlink::motion::{ArmPath, PathColumns};
 use flexlink::response::{
-    ArmPlay, ArmPlayWarning, ArmStart, Feedback, HubReference, Interpolation, PlayedArm, Torque,
-    simulate_arm,
+    Feedback, HubReference, Input, Interpolation, Play, Played, Start, State, Torque, simulate,
 };
 
 use super::inversion::{arm, column, largest, path, plans, sampled, solved};
@@ -38,25 +37,23 @@ fn played(
     arm: &Arm,
     torques: &[Torque],
     feedback: &[Feedback],
-    (start, tolerance): (ArmStart<'_>, f64),
-) -> (PlayedArm, Vec<ArmPlayWarning>) {
-    let play = ArmPlay {
-        torques,
-        interpolation: Interpolation::Cubic,
-        until_s: None,
+    (start, tolerance): (Start<'_>, f64),
+) -> Played {
+    let play = Play {
         feedback,
-        start,
-        tolerance,
-        memory_bytes: None,
+        start: Some(start),
+        tolerance: Some(tolerance),
+        ..Play::with(Input::Torques(torques))
     };
-    simulate_arm(arm, &plans(arm, ElementCount::Total(4)), &play, &|_| {}).expect("a motion")
+    simulate(arm, &plans(arm, ElementCount::Total(4)), &play, &|_| {}).expect("a motion")
 }
 
 /// Largest distance of the tip from that which was solved, over the tip's way.
-fn strays(found: &Solution, played: &PlayedArm) -> f64 {
+fn strays(found: &Solution, played: &Played) -> f64 {
     let off = |k: usize| {
-        let [x, y] =
-            [0, 1].map(|axis: usize| played.tip[axis][0][k] - found.tip[axis].displacement_m[k]);
+        let [x, y] = [0, 1].map(|axis: usize| {
+            played.tip[axis].displacement_m[k] - found.tip[axis].displacement_m[k]
+        });
         (x * x + y * y).sqrt()
     };
     largest((0..found.grid.len).map(off)) / found.tip_travel_m()
@@ -117,11 +114,10 @@ fn torques_as_solved_lead_the_tip_along_its_path() {
         let found = solved(&arm, &path, ElementCount::Auto, &analysis);
         let feedback = gains.map_or(Vec::new(), |gains| feedback(&found, gains));
         let start = start(&found);
-        let (played, warnings) =
-            played(&arm, &torques(&found), &feedback, (ArmStart::Joints(&start), 1e-7));
+        let played = played(&arm, &torques(&found), &feedback, (Start::Joints(&start), 1e-7));
         let off = strays(&found, &played);
-        assert!(off < 1e-6, "{off:e} {:?} {warnings:?}", played.change);
-        assert!(warnings.is_empty(), "{warnings:?}");
+        assert!(off < 1e-6, "{off:e} {:?} {:?}", played.change(), played.warnings);
+        assert!(played.warnings.is_empty(), "{:?}", played.warnings);
         assert!(played.imbalance() < 1e-8, "{:e}", played.imbalance());
     }
 }
@@ -134,7 +130,7 @@ fn what_a_level_leaves_out_is_what_the_tip_strays_by() {
         let analysis = Analysis::default().with_second_order(order);
         let found = solved(&arm, &line(&arm), ElementCount::Auto, &analysis);
         let start = start(&found);
-        strays(&found, &played(&arm, &torques(&found), &[], (ArmStart::Joints(&start), 1e-7)).0)
+        strays(&found, &played(&arm, &torques(&found), &[], (Start::Joints(&start), 1e-7)))
     });
     assert!(
         strays[2] < 2e-6 && strays[1] > 1e-3 && strays[0] > 1.5 * strays[1] && strays[0] < 0.01,
@@ -151,35 +147,29 @@ fn an_arm_goes_on_from_a_state_as_if_it_had_not_stopped() {
         Torque::new(&time_s[from..=until], values).expect("a torque")
     };
     let parts = |from: usize, until: usize| [torque(4.0, until, from), torque(-1.5, until, from)];
-    let chords = ArmStart::Chords(&[-1.2, 0.3]);
-    let play = |torques: &[Torque], start: ArmStart<'_>| {
-        let play = ArmPlay {
-            torques,
+    let chords = Start::Chords(&[-1.2, 0.3]);
+    let play = |torques: &[Torque], state: Option<&State>| {
+        let play = Play {
             interpolation: Interpolation::Linear,
-            until_s: None,
-            feedback: &[],
-            start,
-            tolerance: 1e-6,
-            memory_bytes: None,
+            start: Some(chords),
+            state,
+            ..Play::with(Input::Torques(torques))
         };
-        simulate_arm(&arm, &plans(&arm, ElementCount::Total(4)), &play, &|_| {})
-            .expect("a motion")
-            .0
+        simulate(&arm, &plans(&arm, ElementCount::Total(4)), &play, &|_| {}).expect("a motion")
     };
-    let whole = play(&parts(0, 80), chords);
-    let half = play(&parts(0, 40), chords);
-    let rest = play(&parts(40, 80), ArmStart::State(&half.state()));
-    for axis in 0..2 {
-        for order in 0..2 {
-            let pairs = whole.tip[axis][order][40..].iter().zip(&rest.tip[axis][order]);
-            let off = largest(pairs.map(|(a, b)| a - b));
-            assert!(off < 1e-6 * [1.0, 30.0][order], "{off:e} of axis {axis}, order {order}");
+    let whole = play(&parts(0, 80), None);
+    let half = play(&parts(0, 40), None);
+    let rest = play(&parts(40, 80), Some(&half.state()));
+    for (axis, (all, own)) in whole.tip.iter().zip(&rest.tip).enumerate() {
+        let orders = [(&all.displacement_m, &own.displacement_m, 1.0)];
+        let rates = [(&all.velocity_m_s, &own.velocity_m_s, 30.0)];
+        for (all, own, size) in orders.into_iter().chain(rates) {
+            let off = largest(all[40..].iter().zip(own).map(|(a, b)| a - b));
+            assert!(off < 1e-6 * size, "{off:e} of axis {axis}, {size}");
         }
     }
-    assert!(
-        (whole.chords_rad[0][0] + 1.2).abs() < 1e-10
-            && (whole.chords_rad[1][0] - 0.3).abs() < 1e-10
-    );
+    let chords_rad = &whole.bent().expect("bent links").chords_rad;
+    assert!((chords_rad[0][0] + 1.2).abs() < 1e-10 && (chords_rad[1][0] - 0.3).abs() < 1e-10);
 }
 
 /// Two rods of mass 1 kg and 0.5 kg that hardly bend, let go: the double pendulum's equations by Runge and Kutta.
@@ -194,9 +184,8 @@ fn rods_that_hardly_bend_fall_as_a_double_pendulum() {
     let time_s: Vec<f64> = (0..201).map(|k| f64::from(k) / 200.0).collect();
     let none = || Torque::new(&time_s, vec![0.0; 201]).expect("a torque");
     let starts = [-0.6, -2.0];
-    let (played, warnings) =
-        played(&arm, &[none(), none()], &[], (ArmStart::Chords(&starts), 1e-5));
-    assert_eq!(warnings.len(), 2, "nothing holds it: {warnings:?}");
+    let played = played(&arm, &[none(), none()], &[], (Start::Chords(&starts), 1e-5));
+    assert_eq!(played.warnings.len(), 2, "nothing holds it: {:?}", played.warnings);
 
     let masses = [1.0, 0.5];
     let [l1, l2] = lengths_m;
@@ -216,7 +205,7 @@ fn rods_that_hardly_bend_fall_as_a_double_pendulum() {
     let (mut worst, parts) = (0.0_f64, 40);
     for k in 0..201 {
         let tip = [l1 * at[0].cos() + l2 * at[1].cos(), l1 * at[0].sin() + l2 * at[1].sin()];
-        let off = [0, 1].map(|axis: usize| played.tip[axis][0][k] - tip[axis]);
+        let off = [0, 1].map(|axis: usize| played.tip[axis].displacement_m[k] - tip[axis]);
         worst = worst.max(largest(off.into_iter()));
         for _ in 0..parts {
             let h = 1.0 / 200.0 / f64::from(parts);

@@ -5,10 +5,13 @@
 mod resolved;
 
 use std::ops::Range;
+use std::slice::from_ref;
 
 use flexlink::inverse::{QuantityErrors, Solution, invert};
 use flexlink::motion::{Course, Ends, Profile, TipMotion};
-use flexlink::result::{Fit, FitError, FitProblem, Limits, Metrics, OpenMotion, shortest_fit};
+use flexlink::result::{
+    Along, Fit, FitError, FitProblem, Limits, Metrics, OpenMotion, shortest_fit,
+};
 use flexlink::spec::{Override, Specification, read_specification};
 
 /// The uniform link of 1.5 m, 5 N m², 0.8 kg/m on a hub of 0.1 kg m², on a fixed mesh.
@@ -50,9 +53,10 @@ fn fitted_along(
     course: &Course,
 ) -> Result<Fit, FitError> {
     let Specification { link, mesh, analysis, .. } = link;
-    let motion = OpenMotion { profile, course, step_s };
-    let (plan, limits, memory_bytes) = (mesh, &limits, None);
-    shortest_fit(&FitProblem { link, plan, analysis, memory_bytes, limits, motion })
+    let (arm, motion) =
+        (&link.clone().into(), OpenMotion { profile, along: Along::Arc(course), step_s });
+    let (plans, limits, memory_bytes) = (from_ref(mesh), from_ref(&limits), None);
+    shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
 }
 
 fn torque(limit_n_m: f64) -> Limits {

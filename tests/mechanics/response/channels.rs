@@ -2,7 +2,7 @@
 
 use super::{link, mesh_of, peak, played};
 use flexlink::link::Damping;
-use flexlink::response::{Play, Simulation, Torque};
+use flexlink::response::{Play, Played, Torque};
 use flexlink::result::{ChannelComparison, ChannelRecording, Comparison, NoFit, SimulatedChannel};
 
 /// Parts of the simulation's step that a recording may be late by.
@@ -10,7 +10,7 @@ const PARTS: u32 = 10;
 const STEP_S: f64 = 0.002;
 
 /// A torque that starts and ends smoothly, on a damped link.
-fn simulated(step_s: f64, until_s: f64) -> Simulation {
+fn simulated(step_s: f64, until_s: f64) -> Played {
     let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![0.02] });
     let count = (3.0 / step_s).round();
     let time_s: Vec<f64> =
@@ -23,15 +23,15 @@ fn simulated(step_s: f64, until_s: f64) -> Simulation {
     played(&link, &mesh_of(&link, 10), &Play { until_s: Some(until_s), ..Play::of(&torque) })
 }
 
-fn samples(simulation: &Simulation, channel: SimulatedChannel) -> Vec<f64> {
+fn samples(simulation: &Played, channel: SimulatedChannel) -> Vec<f64> {
     match channel {
-        SimulatedChannel::HubAngle => simulation.hub_angle_rad.clone(),
-        SimulatedChannel::HubRate => simulation.hub_rate_rad_s.clone(),
-        SimulatedChannel::Tip => simulation.tip.displacement_m.clone(),
-        SimulatedChannel::Velocity => simulation.tip.velocity_m_s.clone(),
-        SimulatedChannel::Acceleration => simulation.tip.acceleration_m_s2.clone(),
+        SimulatedChannel::HubAngle => simulation.hub().angle_rad.clone(),
+        SimulatedChannel::HubRate => simulation.hub().rate_rad_s.clone(),
+        SimulatedChannel::Tip => simulation.tip[0].displacement_m.clone(),
+        SimulatedChannel::Velocity => simulation.tip[0].velocity_m_s.clone(),
+        SimulatedChannel::Acceleration => simulation.tip[0].acceleration_m_s2.clone(),
         SimulatedChannel::TipDeflection => simulation.tip_deflection_m(),
-        SimulatedChannel::Torque => simulation.torque_n_m.clone(),
+        SimulatedChannel::Torque => simulation.hub().torque_n_m.clone(),
     }
 }
 
@@ -46,13 +46,7 @@ const ALL: [SimulatedChannel; 7] = [
 ];
 
 /// A recording every `every` parts of a step, late by so many parts, of all channels.
-fn recorded(
-    fine: &Simulation,
-    every: usize,
-    late: i32,
-    gain: f64,
-    offset: f64,
-) -> ChannelRecording {
+fn recorded(fine: &Played, every: usize, late: i32, gain: f64, offset: f64) -> ChannelRecording {
     let places: Vec<usize> = (3..fine.grid.len).step_by(every).collect();
     let channel = |channel: SimulatedChannel| {
         let own = samples(fine, channel);
@@ -69,7 +63,7 @@ fn recorded(
     }
 }
 
-fn compared(simulation: &Simulation, measured: &ChannelRecording) -> Vec<ChannelComparison> {
+fn compared(simulation: &Played, measured: &ChannelRecording) -> Vec<ChannelComparison> {
     Comparison::of(simulation, measured).unwrap().channels
 }
 

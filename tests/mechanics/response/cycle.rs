@@ -4,11 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use flexlink::link::{Damping, Gravity, Hub, Link, LinkParts};
 use flexlink::response::{
-    CycleError, Feedback, HubReference, Interpolation, Play, Simulation, SimulationError, Torque,
-    simulate,
+    CycleError, Feedback, HubReference, Interpolation, Play, Played, SimulationError, Torque,
 };
 
-use super::{loaded, mesh_of, peak, times};
+use super::{loaded, mesh_of, peak, simulate, times};
 
 const STEP_S: f64 = 0.01;
 const SAMPLES: u32 = 90;
@@ -31,15 +30,15 @@ fn with_friction(friction: f64) -> Link {
     Link::new(LinkParts { hub, ..parts }).unwrap()
 }
 
-fn played(link: &Link, play: &Play) -> Simulation {
+fn played(link: &Link, play: &Play) -> Played {
     simulate(link, &mesh_of(link, 10), play).unwrap()
 }
 
 /// Histories without a position of the free hub, and with that of a held one.
-fn histories(of: &Simulation, is_held: bool) -> Vec<Vec<f64>> {
+fn histories(of: &Played, is_held: bool) -> Vec<Vec<f64>> {
     let bent = of.tip_deflection_m();
-    let free = [&of.hub_rate_rad_s, &of.tip.velocity_m_s, &of.torque_n_m, &bent];
-    let held = [&of.hub_angle_rad, &of.tip.displacement_m];
+    let free = [&of.hub().rate_rad_s, &of.tip[0].velocity_m_s, &of.hub().torque_n_m, &bent];
+    let held = [&of.hub().angle_rad, &of.tip[0].displacement_m];
     free.into_iter().chain(held.into_iter().filter(|_| is_held)).cloned().collect()
 }
 
@@ -63,13 +62,17 @@ fn the_link_settles_to_it() {
                 &Play {
                     interpolation,
                     cycle_turn_rad: Some(0.0),
-                    feedback: is_held.then_some(&of_one),
+                    feedback: is_held.then_some(&of_one).map_or(&[], std::slice::from_ref),
                     ..Play::of(&one)
                 },
             );
             let all = played(
                 &link,
-                &Play { interpolation, feedback: is_held.then_some(&of_many), ..Play::of(&many) },
+                &Play {
+                    interpolation,
+                    feedback: is_held.then_some(&of_many).map_or(&[], std::slice::from_ref),
+                    ..Play::of(&many)
+                },
             );
             // A spline's end is felt some samples away from it.
             let first = usize::try_from((CYCLES - 3) * SAMPLES).unwrap();
@@ -97,15 +100,15 @@ fn a_cycle_ends_where_it_begins() {
         };
         let found = played(&link, &play);
         let samples = usize::try_from(SAMPLES).unwrap();
-        let tip = &found.tip.displacement_m;
+        let tip = &found.tip[0].displacement_m;
         assert!((tip[0] - 0.3).abs() < 1e-12);
         let travelled = tip[samples] - tip[0];
         let expected = turn_rad * link.length_m();
         assert!(friction > 0.0 || (travelled - expected).abs() < 1e-9, "{travelled}");
         for k in 0..=samples {
             assert!((tip[k + samples] - tip[k] - travelled).abs() < 1e-9, "{k}");
-            let [a, b] = [k, k + samples].map(|k| found.hub_rate_rad_s[k]);
-            assert!((a - b).abs() < 1e-9 * peak(&found.hub_rate_rad_s), "{k}: {a} and {b}");
+            let [a, b] = [k, k + samples].map(|k| found.hub().rate_rad_s[k]);
+            assert!((a - b).abs() < 1e-9 * peak(&found.hub().rate_rad_s), "{k}: {a} and {b}");
         }
         // What friction and damping take in a cycle is what the motor gives.
         let account = played(&link, &Play { until_s: None, ..play }).energy(1);
@@ -166,6 +169,6 @@ fn what_does_not_repeat_is_refused() {
     let time_s = times(STEP_S, SAMPLES - 1);
     let turning = HubReference::new(&time_s, time_s.clone(), None).unwrap();
     let feedback = Feedback::new(1.0, 0.0, turning).unwrap();
-    let held = Play { feedback: Some(&feedback), ..play };
+    let held = Play { feedback: std::slice::from_ref(&feedback), ..play };
     assert!(matches!(refused(&with_friction(0.1), &held), CycleError::Reference { .. }));
 }

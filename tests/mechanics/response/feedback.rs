@@ -11,7 +11,7 @@ use flexlink::link::{Damping, Link, LinkParts, Taper};
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::root;
-use flexlink::response::{Feedback, HubReference, Interpolation, Play, State, Torque};
+use flexlink::response::{Feedback, HubReference, Interpolation, LinkState, Play, State, Torque};
 use flexlink::result::FollowedTarget;
 
 /// Bayo's link with a viscous ratio in every mode.
@@ -36,14 +36,19 @@ fn a_hysteretic_link_in_a_stiff_loop_moves_as_on_the_moved_hub() {
     let until_s = Some(time_s[time_s.len() - 1] + 2.0);
     for is_large in [false, true] {
         let moved = Play { until_s, is_large, ..Play::turning(&hub) };
-        let moved = played(&link, &plan, &moved).tip.displacement_m;
+        let moved = played(&link, &plan, &moved).tip.swap_remove(0).displacement_m;
         let in_loop = |gains: Gains| {
             let feedback = around(&wanted, gains, true);
-            let play = Play { feedback: Some(&feedback), until_s, is_large, ..Play::of(&torque) };
+            let play = Play {
+                feedback: std::slice::from_ref(&feedback),
+                until_s,
+                is_large,
+                ..Play::of(&torque)
+            };
             played(&link, &plan, &play)
         };
         let [stiff, stiffer, undamped] = [(2e3, 100.0), (2e5, 1e4), (2e5, 0.0)]
-            .map(|gains| difference(&in_loop(gains).tip.displacement_m, &moved));
+            .map(|gains| difference(&in_loop(gains).tip[0].displacement_m, &moved));
         assert!(
             stiff < 1e-3 && stiffer < 1e-5 && undamped < 1e-4,
             "{is_large}: {stiff:e}, {stiffer:e}, {undamped:e}"
@@ -106,7 +111,7 @@ fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
             let ways = if spring.total_cmp(&40.0).is_eq() { 2 } else { 1 };
             for is_large in [false, true].into_iter().take(ways) {
                 let rest = || Some(vec![0.0; nodes_m.len()]);
-                let state = State {
+                let link_state = LinkState {
                     time_s: 0.0,
                     x_m: nodes_m.to_vec(),
                     slope_rad: along(1),
@@ -114,15 +119,17 @@ fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
                     displacement_m: (!is_large).then(|| along(0)),
                     velocity_m_s: rest().filter(|_| !is_large),
                 };
+                let state = State { links: vec![link_state] };
                 let play = Play {
-                    feedback: Some(&feedback),
+                    feedback: std::slice::from_ref(&feedback),
                     state: Some(&state),
                     is_large,
                     ..Play::of(&none)
                 };
                 let tip = played(&link, &plan, &play).tip;
-                let size =
-                    |k: usize| tip.displacement_m[k].hypot(tip.velocity_m_s[k] / omega_rad_s[mode]);
+                let size = |k: usize| {
+                    tip[0].displacement_m[k].hypot(tip[0].velocity_m_s[k] / omega_rad_s[mode])
+                };
                 let found = (size(0) / size(250)).ln() / (5.0 * TAU);
                 let what = format!("{spring} N m/rad, mode {mode}, large: {is_large}");
                 let off = found / ratios[mode] - 1.0;
@@ -156,9 +163,9 @@ fn feedback_has_nothing_to_do_on_the_right_link() {
         let torque = torque_of(&wanted);
         for gains in [(20.0, 2.0), (1000.0, 20.0), (5.0, 0.0), (0.0, 1.0)] {
             let feedback = around(&wanted, gains, true);
-            let play = Play { feedback: Some(&feedback), ..Play::of(&torque) };
+            let play = Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&torque) };
             let found = played(&link, &plan, &play);
-            let error = difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m);
+            let error = difference(&found.tip[0].displacement_m, &wanted.tip[0].displacement_m);
             assert!(error < 1e-9, "{gains:?}: {error:e}");
         }
     }
@@ -172,9 +179,13 @@ fn a_reference_without_rates_has_those_of_a_spline_through_it() {
     let torque = torque_of(&wanted);
     let [given, drawn] = [true, false].map(|with_rate| {
         let feedback = around(&wanted, (20.0, 5.0), with_rate);
-        played(&link, &plan, &Play { feedback: Some(&feedback), ..Play::of(&torque) })
+        played(
+            &link,
+            &plan,
+            &Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&torque) },
+        )
     });
-    let error = difference(&drawn.tip.displacement_m, &given.tip.displacement_m);
+    let error = difference(&drawn.tip[0].displacement_m, &given.tip[0].displacement_m);
     assert!(error < 1e-9, "{error:e}");
 }
 
@@ -186,13 +197,14 @@ fn astray(payload_kg: f64, gains: Option<Gains>) -> (f64, f64) {
     let wanted = solved(&nominal, &plan, &sine(880), 1e-6);
     let torque = torque_of(&wanted);
     let feedback = gains.map(|gains| around(&wanted, gains, true));
-    let play = Play { feedback: feedback.as_ref(), until_s: Some(12.0), ..Play::of(&torque) };
+    let play = Play { feedback: feedback.as_slice(), until_s: Some(12.0), ..Play::of(&torque) };
     let found = played(&damped(|parts| parts.payload.mass_kg = payload_kg), &plan, &play);
     // Where it is to stay once there.
     let mut displacement_m = wanted.tip[0].displacement_m.clone();
     displacement_m.resize(found.grid.len, 0.5);
-    let error =
-        FollowedTarget::of(&found, &TipTarget::new(found.grid, displacement_m)).unwrap().tip_error;
+    let error = FollowedTarget::of(&found, &(&TipTarget::new(found.grid, displacement_m)).into())
+        .unwrap()
+        .tip_error;
     (error.share, error.final_m.abs())
 }
 
@@ -258,7 +270,11 @@ fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
     let torque = pulse(5e-3, 100);
     for kp in [1.0, 10.0, 100.0, 1e4, 1e6, 1e8] {
         let feedback = holding((kp, 0.0), &torque);
-        let found = played(&link, &plan, &Play { feedback: Some(&feedback), ..Play::of(&torque) });
+        let found = played(
+            &link,
+            &plan,
+            &Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&torque) },
+        );
         let found_hz = found.modes().unwrap().residual.unwrap().frequency_hz.unwrap();
         let error = found_hz * TAU / held_rad_s(kp) - 1.0;
         assert!(error.abs() < 1e-5, "{kp} N m/rad: {found_hz} Hz is {error:e} off");
@@ -285,21 +301,21 @@ fn a_stiff_link_under_feedback_is_an_oscillator_of_one_degree() {
             parts.hub.viscous_friction_n_m_s_rad = friction;
         });
         let play = Play {
-            feedback: Some(&feedback),
+            feedback: std::slice::from_ref(&feedback),
             interpolation: Interpolation::Linear,
             initial_tip_m: HELD_RAD * link.length_m(),
             ..Play::of(&torque)
         };
         let found = played(&link, &mesh_of(&link, 4), &play);
-        for (k, theta) in found.hub_angle_rad.iter().enumerate() {
+        for (k, theta) in found.hub().angle_rad.iter().enumerate() {
             let t = found.grid.time_s(k);
             let swing = (turning * t).cos() + ratio * omega / turning * (turning * t).sin();
             let expected = 0.8 / kp * (1.0 - (-ratio * omega * t).exp() * swing);
             let error = (theta - HELD_RAD - expected).abs();
             assert!(error < tolerance, "{bending_stiffness_n_m2} N m²: {error:e} rad at {t} s");
             // The motor gives torque and feedback; friction is the joint's.
-            let motor = 0.8 - kp * (theta - HELD_RAD) - kd * found.hub_rate_rad_s[k];
-            assert!((found.torque_n_m[k] - motor).abs() < 1e-13, "at {t} s");
+            let motor = 0.8 - kp * (theta - HELD_RAD) - kd * found.hub().rate_rad_s[k];
+            assert!((found.hub().torque_n_m[k] - motor).abs() < 1e-13, "at {t} s");
         }
     }
 }

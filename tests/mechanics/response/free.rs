@@ -7,7 +7,7 @@ use super::{damping, link, mesh_of, played, times};
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
 use flexlink::modal::natural_frequencies;
-use flexlink::response::{Interpolation, Play, Simulation, Torque};
+use flexlink::response::{Interpolation, Play, Played, Torque};
 
 /// Two bodies, hub and payload, on a beam without mass: one flexible mode.
 ///
@@ -69,7 +69,7 @@ impl TwoBodies {
         Self::LENGTH_M / (Self::INERTIA_KG_M2 * Self::omega_rad_s().powi(2))
     }
 
-    fn played(&self, step_s: f64, torque: Vec<f64>, interpolation: Interpolation) -> Simulation {
+    fn played(&self, step_s: f64, torque: Vec<f64>, interpolation: Interpolation) -> Played {
         let steps = u32::try_from(torque.len() - 1).unwrap();
         let torque = Torque::new(&times(step_s, steps), torque).unwrap();
         let until_s = Some(2.0 * torque.grid().end_s());
@@ -91,7 +91,7 @@ fn a_torque_switched_on_and_off_swings_two_bodies_in_closed_form() {
     let omega = TwoBodies::omega_rad_s();
     let length_m = TwoBodies::LENGTH_M;
     let mut errors = [0.0_f64; 3];
-    for (k, v) in found.tip.displacement_m.iter().enumerate() {
+    for (k, v) in found.tip[0].displacement_m.iter().enumerate() {
         let t = found.grid.time_s(k);
         let on = |t: f64| if t > 0.0 { 1.0 } else { 0.0 };
         let late = t - off_s;
@@ -102,9 +102,9 @@ fn a_torque_switched_on_and_off_swings_two_bodies_in_closed_form() {
         // w = bent · I/I_H, and θ = Θ − (mL/I) w.
         let hub = turned - TwoBodies::MASS_KG * length_m / TwoBodies::HUB_KG_M2 * bent;
         errors[0] = errors[0].max((v - (length_m * turned + bent)).abs());
-        errors[1] = errors[1].max((found.hub_angle_rad[k] - hub).abs());
+        errors[1] = errors[1].max((found.hub().angle_rad[k] - hub).abs());
         errors[2] = errors[2].max(
-            (v - length_m * found.hub_angle_rad[k]
+            (v - length_m * found.hub().angle_rad[k]
                 - bent * TwoBodies::INERTIA_KG_M2 / TwoBodies::HUB_KG_M2)
                 .abs(),
         );
@@ -134,9 +134,9 @@ fn a_half_sine_leaves_two_bodies_swinging_in_closed_form() {
         // ∫T dt = 2/π · duration turns the rigid link at a rate.
         let turned = found.grid.end_s() - 0.5 * step_s * f64::from(steps);
         let rate = 2.0 / PI * step_s * f64::from(steps) / TwoBodies::INERTIA_KG_M2;
-        let last = found.tip.displacement_m.len() - 1;
-        let momentum = TwoBodies::HUB_KG_M2 * found.hub_angle_rad[last]
-            + TwoBodies::MASS_KG * TwoBodies::LENGTH_M * found.tip.displacement_m[last];
+        let last = found.tip[0].displacement_m.len() - 1;
+        let momentum = TwoBodies::HUB_KG_M2 * found.hub().angle_rad[last]
+            + TwoBodies::MASS_KG * TwoBodies::LENGTH_M * found.tip[0].displacement_m[last];
         let error = momentum / (TwoBodies::INERTIA_KG_M2 * rate * turned) - 1.0;
         assert!(error.abs() < 1e-9, "{steps} steps: {error:e}");
     }
@@ -154,8 +154,8 @@ fn a_knock_leaves_its_impulse_in_the_rigid_link_and_in_its_mode() {
     let error = found.modes().unwrap().residual.unwrap().amplitude_m / amplitude - 1.0;
     assert!(error.abs() < 1e-12, "{error:e}");
     let last = found.grid.len - 1;
-    let momentum = TwoBodies::HUB_KG_M2 * found.hub_rate_rad_s[last]
-        + TwoBodies::MASS_KG * TwoBodies::LENGTH_M * found.tip.velocity_m_s[last];
+    let momentum = TwoBodies::HUB_KG_M2 * found.hub().rate_rad_s[last]
+        + TwoBodies::MASS_KG * TwoBodies::LENGTH_M * found.tip[0].velocity_m_s[last];
     assert!((momentum / step_s - 1.0).abs() < 1e-12, "{momentum}");
 }
 
@@ -188,7 +188,7 @@ fn a_torque_from_rest_to_rest_leaves_nothing_swinging() {
         / (7.0 * PI * PI)
         * 32.0
         / 35.0;
-    let travel = found.tip.displacement_m[found.grid.len - 1];
+    let travel = found.tip[0].displacement_m[found.grid.len - 1];
     assert!((travel / (TwoBodies::LENGTH_M * turned) - 1.0).abs() < 1e-9);
 }
 
@@ -212,7 +212,7 @@ fn a_light_hub_turns_ahead_of_the_payload_by_what_the_beam_bends() {
         let length_m = TwoBodies::LENGTH_M;
         let per_torque = length_m / (3.0 * TwoBodies::STIFFNESS_N_M2);
         for (k, t) in torque.iter().enumerate() {
-            let ahead = found.hub_angle_rad[k] - found.tip.displacement_m[k] / length_m;
+            let ahead = found.hub().angle_rad[k] - found.tip[0].displacement_m[k] / length_m;
             assert!((ahead / per_torque - t).abs() < 1e-6, "{inertia_kg_m2} kg m², sample {k}");
         }
     }
@@ -244,19 +244,19 @@ fn a_constant_torque_turns_the_rigid_link_and_swings_every_mode() {
             0.8 * shares.sum::<f64>()
         };
         let mut errors = [0.0_f64; 2];
-        for (k, v) in found.tip.displacement_m.iter().enumerate() {
+        for (k, v) in found.tip[0].displacement_m.iter().enumerate() {
             let t = found.grid.time_s(k);
             // I = 1 kg m².
             let turned = 0.5 * 0.8 * t * t;
             errors[0] = errors[0].max((v - (1.5 * turned + bent(tip, t))).abs());
-            errors[1] = errors[1].max((found.hub_angle_rad[k] - (turned + bent(0, t))).abs());
+            errors[1] = errors[1].max((found.hub().angle_rad[k] - (turned + bent(0, t))).abs());
         }
         assert!(errors.iter().all(|error| *error < 2e-12), "{errors:?}");
     }
 }
 
 /// A smooth torque over two periods of the first mode and a half: the others hardly swing.
-fn shoved(link: &Link) -> Simulation {
+fn shoved(link: &Link) -> Played {
     let time_s = times(1e-3, 1300);
     let torque = time_s.iter().map(|t| (PI * t / 1.3).sin().powi(4)).collect();
     let torque = Torque::new(&time_s, torque).unwrap();
@@ -270,7 +270,7 @@ fn the_first_mode_decays_at_its_own_rate_and_frequency() {
     for (ratio, tolerance) in [(0.01, 2e-5), (0.02, 2e-5), (0.05, 2e-5), (0.1, 5e-4)] {
         let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![ratio, 0.3] });
         let found = shoved(&link);
-        let omega = natural_frequencies(&found.mesh, 1)[0];
+        let omega = natural_frequencies(&found.mesh(), 1)[0];
         let damped_hz = omega / TAU * (1.0 - ratio * ratio).sqrt();
         let frequency_hz = found.modes().unwrap().residual.unwrap().frequency_hz.unwrap();
         assert!((frequency_hz / damped_hz - 1.0).abs() < tolerance, "{ratio}: {frequency_hz} Hz");
@@ -283,7 +283,7 @@ fn the_first_mode_decays_at_its_own_rate_and_frequency() {
 #[test]
 fn an_undamped_link_swings_on_in_its_first_mode() {
     let found = shoved(&link(|_| ()));
-    let first_hz = natural_frequencies(&found.mesh, 1)[0] / TAU;
+    let first_hz = natural_frequencies(&found.mesh(), 1)[0] / TAU;
     let residual = found.modes().unwrap().residual.unwrap();
     assert!((residual.frequency_hz.unwrap() / first_hz - 1.0).abs() < 5e-6, "{residual:?}");
     assert_eq!(residual.decay_s, None);
@@ -295,7 +295,7 @@ fn an_undamped_link_swings_on_in_its_first_mode() {
 fn a_decay_over_hundreds_of_periods_is_told() {
     let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![0.0025, 0.05] });
     let found = shoved(&link);
-    let omega = found.natural_frequencies_rad_s[0];
+    let omega = found.links[0].natural_frequencies_rad_s[0];
     let expected = 100.0_f64.ln() / (0.0025 * omega);
     let decay_s = found.modes().unwrap().residual.unwrap().decay_s.unwrap();
     // The crests of a cosine stand half a period apart.

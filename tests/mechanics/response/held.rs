@@ -3,12 +3,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{difference, link, loaded, mesh_of, played, smooth, solved};
+use super::{difference, link, loaded, mesh_of, played, simulate, smooth, solved};
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link};
 use flexlink::modal::held_frequencies;
-use flexlink::response::{HubReference, Play, Simulation, SimulationWarning};
+use flexlink::response::{HubReference, Play, Played, SimulationWarning};
 
 fn hub_of(wanted: &Solution, every: usize) -> HubReference {
     let grid = &wanted.grid;
@@ -18,7 +18,7 @@ fn hub_of(wanted: &Solution, every: usize) -> HubReference {
     HubReference::new(&time_s, angle, None).unwrap()
 }
 
-fn turned(link: &Link, plan: &MeshPlan, hub: &HubReference) -> Simulation {
+fn turned(link: &Link, plan: &MeshPlan, hub: &HubReference) -> Played {
     played(link, plan, &Play::turning(hub))
 }
 
@@ -38,10 +38,10 @@ fn the_hub_of_a_solution_brings_back_its_tip_and_its_torque_under_every_law() {
         let wanted = solved(&link, &plan, &smooth(880), 1e-10);
         let found = turned(&link, &plan, &hub_of(&wanted, 1));
         let errors = [
-            difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m),
-            difference(&found.tip.acceleration_m_s2, &wanted.tip[0].acceleration_m_s2),
-            difference(&found.hub_angle_rad, &wanted.hub().angle_rad),
-            difference(&found.torque_n_m, &wanted.hub().torque_n_m),
+            difference(&found.tip[0].displacement_m, &wanted.tip[0].displacement_m),
+            difference(&found.tip[0].acceleration_m_s2, &wanted.tip[0].acceleration_m_s2),
+            difference(&found.hub().angle_rad, &wanted.hub().angle_rad),
+            difference(&found.hub().torque_n_m, &wanted.hub().torque_n_m),
         ];
         println!("{law:?}: {errors:?}");
         assert!(errors.iter().all(|error| *error < 1e-7), "{law:?}: {errors:?}");
@@ -64,7 +64,7 @@ fn the_torque_follows_with_the_fourth_power_of_the_step() {
     let error = |every: usize| {
         let found = turned(&link, &plan, &hub_of(&wanted, every));
         let kept = wanted.hub().torque_n_m.iter().step_by(every);
-        difference(&found.torque_n_m, &kept.copied().collect::<Vec<_>>())
+        difference(&found.hub().torque_n_m, &kept.copied().collect::<Vec<_>>())
     };
     let errors = [10, 20, 40].map(error);
     println!("{errors:?}");
@@ -79,7 +79,7 @@ fn a_hysteretic_link_strays_by_a_share_of_its_deflection() {
     let plan = mesh_of(&link, 10);
     let wanted = solved(&link, &plan, &smooth(880), 1e-10);
     let found = turned(&link, &plan, &hub_of(&wanted, 1));
-    let tip = difference(&found.tip.displacement_m, &wanted.tip[0].displacement_m);
+    let tip = difference(&found.tip[0].displacement_m, &wanted.tip[0].displacement_m);
     assert!((0.01..0.02).contains(&tip), "{tip:e}");
 }
 
@@ -145,7 +145,7 @@ fn a_turned_cantilever_is_the_sum_of_its_modes() {
             }
         }
         let bent = found.tip_deflection_m();
-        let error = difference(&found.tip.displacement_m, &exact);
+        let error = difference(&found.tip[0].displacement_m, &exact);
         println!("hub {hub_kg_m2}: {error:e}, deflection {:e}", flexlink::numeric::largest(&bent));
         assert!(error < 1e-5, "hub {hub_kg_m2}: {error:e}");
     }
@@ -221,9 +221,9 @@ fn a_hub_that_moves_at_its_start_is_told_and_one_that_rests_is_refused() {
     // It goes on at its rate.
     let play = Play { until_s: Some(4.0), ..Play::turning(&ramp) };
     let found = played(&link, &plan, &play);
-    assert!((found.hub_angle_rad[400] - 0.4).abs() < 1e-9, "{}", found.hub_angle_rad[400]);
+    assert!((found.hub().angle_rad[400] - 0.4).abs() < 1e-9, "{}", found.hub().angle_rad[400]);
     let still = HubReference::new(&time_s, vec![0.3; 200], None).unwrap();
-    let error = flexlink::response::simulate(&link, &plan, &Play::turning(&still)).unwrap_err();
+    let error = simulate(&link, &plan, &Play::turning(&still)).unwrap_err();
     let expected = "the hub angle is the same in all samples, but must move the link";
     assert_eq!(error.to_string(), expected);
 }
@@ -239,11 +239,11 @@ fn the_steps_of_an_encoder_are_in_the_torque_and_hardly_in_the_tip() {
     let time_s: Vec<f64> = (0..exact.grid().len).map(|k| exact.grid().time_s(k)).collect();
     let counted = exact.angle_rad().iter().map(|angle| (angle / count).round() * count).collect();
     let rough = turned(&link, &plan, &HubReference::new(&time_s, counted, None).unwrap());
-    let off = difference(&rough.tip.displacement_m, &smooth.tip.displacement_m);
-    let travel = smooth.tip.displacement_m.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let off = difference(&rough.tip[0].displacement_m, &smooth.tip[0].displacement_m);
+    let travel = smooth.tip[0].displacement_m.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     assert!(off * travel < 2.0 * 0.5 * count * link.length_m(), "{off:e} of {travel} m");
-    assert!(difference(&rough.torque_n_m, &smooth.torque_n_m) > 1.0);
-    let kinds = |played: &Simulation| -> Vec<_> {
+    assert!(difference(&rough.hub().torque_n_m, &smooth.hub().torque_n_m) > 1.0);
+    let kinds = |played: &Played| -> Vec<_> {
         played.warnings.iter().map(SimulationWarning::kind).collect()
     };
     assert!(kinds(&rough).contains(&"rough_torque"), "{:?}", rough.warnings);
@@ -260,13 +260,13 @@ fn the_hub_rests_after_a_rest_and_points_to_the_tip_before_its_first_sample() {
     let offset = hub.angle_rad().iter().map(|angle| angle + 0.7).collect();
     let hub = HubReference::new(&time_s, offset, None).unwrap();
     let found = played(&link, &plan, &Play { until_s: Some(3.0), ..Play::turning(&hub) });
-    assert!((found.hub_angle_rad[0] - 0.7).abs() < 1e-15);
-    assert!((found.tip.displacement_m[0] - 0.7 * link.length_m()).abs() < 1e-15);
+    assert!((found.hub().angle_rad[0] - 0.7).abs() < 1e-15);
+    assert!((found.tip[0].displacement_m[0] - 0.7 * link.length_m()).abs() < 1e-15);
     let end = 0.7 + 0.025 * PI;
-    let after = &found.hub_angle_rad[600..];
+    let after = &found.hub().angle_rad[600..];
     assert!(after.iter().all(|angle| (angle - end).abs() < 1e-12), "{:e}", after[2000] - end);
-    assert!(found.hub_rate_rad_s[600..].iter().all(|rate| rate.abs() < 1e-11));
-    let torque = &found.torque_n_m[700..];
+    assert!(found.hub().rate_rad_s[600..].iter().all(|rate| rate.abs() < 1e-11));
+    let torque = &found.hub().torque_n_m[700..];
     assert!(torque.iter().any(|torque| torque.abs() > 0.01), "the link still pulls");
     // The held frequency of the recursion.
     let mesh = Mesh::new(&link, &plan).unwrap();

@@ -24,7 +24,7 @@ use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::motion::{MotionColumns, TipMotion};
-use flexlink::response::{Play, Simulation, Torque, simulate};
+use flexlink::response::{Play, Played, SimulationError, Torque};
 
 use super::dense::{assembly, damping};
 
@@ -101,7 +101,17 @@ fn torque_of(solution: &Solution) -> Torque {
     Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap()
 }
 
-fn played(link: &Link, plan: &MeshPlan, play: &Play) -> Simulation {
+/// Plays on one link.
+pub(crate) fn simulate(
+    link: &Link,
+    plan: &MeshPlan,
+    play: &Play,
+) -> Result<Played, SimulationError> {
+    let plans = std::slice::from_ref(plan);
+    flexlink::response::simulate(&link.clone().into(), plans, play, &|_| {})
+}
+
+fn played(link: &Link, plan: &MeshPlan, play: &Play) -> Played {
     simulate(link, plan, play).unwrap()
 }
 

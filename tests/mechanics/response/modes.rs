@@ -8,7 +8,7 @@ use faer::linalg::solvers::Solve;
 use flexlink::beam::nodal_transfer;
 use flexlink::link::{Damping, Hub, Link, LumpedMass, Payload, Taper};
 use flexlink::modal::natural_frequencies;
-use flexlink::response::{Play, Simulation, Torque};
+use flexlink::response::{Play, Played, Torque};
 use num_complex::Complex64;
 
 use super::assembly::Assembly;
@@ -49,8 +49,8 @@ fn eight_of_eight_thousand_modes_answer_as_those_of_coarser_meshes_tend_to() {
             (found.modes().unwrap().selection.modes, found.modes().unwrap().selection.of),
             (8, 2 * elements)
         );
-        let tip = difference(&found.tip.displacement_m, &fine.tip.displacement_m);
-        tip.max(difference(&found.hub_angle_rad, &fine.hub_angle_rad))
+        let tip = difference(&found.tip[0].displacement_m, &fine.tip[0].displacement_m);
+        tip.max(difference(&found.hub().angle_rad, &fine.hub().angle_rad))
     });
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
@@ -60,13 +60,13 @@ fn eight_of_eight_thousand_modes_answer_as_those_of_coarser_meshes_tend_to() {
 }
 
 /// Deflections of all nodes over time, one row a node.
-fn deflections(found: &Simulation) -> Vec<Vec<f64>> {
-    let nodes: Vec<usize> = (0..found.mesh.nodes_m().len()).collect();
+fn deflections(found: &Played) -> Vec<Vec<f64>> {
+    let nodes: Vec<usize> = (0..found.mesh().nodes_m().len()).collect();
     let displaced = found.displacements_m(&nodes, NonZeroUsize::MIN).unwrap().samples;
     let bent = |(v, x_m): (&Vec<f64>, &f64)| -> Vec<f64> {
-        v.iter().zip(&found.hub_angle_rad).map(|(v, theta)| v - x_m * theta).collect()
+        v.iter().zip(&found.hub().angle_rad).map(|(v, theta)| v - x_m * theta).collect()
     };
-    displaced.iter().zip(found.mesh.nodes_m()).map(bent).collect()
+    displaced.iter().zip(found.mesh().nodes_m()).map(bent).collect()
 }
 
 /// Six modes and the residual one bend every node as the recursion at λ = 0 does. Inertia's own
@@ -84,7 +84,7 @@ fn a_slow_torque_bends_the_link_statically() {
         );
         (deflections(&found), found)
     });
-    let statics = nodal_transfer(&slow.1.mesh, Complex64::ZERO);
+    let statics = nodal_transfer(&slow.1.mesh(), Complex64::ZERO);
     let flexibilities: Vec<f64> = statics
         .deflections_s2
         .iter()
@@ -108,29 +108,30 @@ fn nodes_move_between_hub_and_tip() {
     let torque = pulse(0.5, 250);
     let play = Play { initial_tip_m: 0.31, ..Play::of(&torque) };
     let found = played(&link, &mesh_of(&link, 9), &play);
-    let last = found.mesh.nodes_m().len() - 1;
+    let last = found.mesh().nodes_m().len() - 1;
     let every = found.displacements_m(&[last, 0, 4], NonZeroUsize::MIN).unwrap();
-    let root: Vec<f64> = found.hub_angle_rad.iter().map(|theta| 0.05 * theta).collect();
-    assert!(difference(&every.samples[0], &found.tip.displacement_m) < 2e-15);
+    let root: Vec<f64> = found.hub().angle_rad.iter().map(|theta| 0.05 * theta).collect();
+    assert!(difference(&every.samples[0], &found.tip[0].displacement_m) < 2e-15);
     assert!(difference(&every.samples[1], &root) < 2e-15);
     // At rest on a straight line through the axis.
-    assert!((found.tip.displacement_m[0] - 0.31).abs() < 1e-16);
-    assert!((every.samples[2][0] - 0.31 * found.mesh.nodes_m()[4] / 1.55).abs() < 1e-16);
+    assert!((found.tip[0].displacement_m[0] - 0.31).abs() < 1e-16);
+    assert!((every.samples[2][0] - 0.31 * found.mesh().nodes_m()[4] / 1.55).abs() < 1e-16);
     let thinned = found.displacements_m(&[4], NonZeroUsize::new(7).unwrap()).unwrap();
     assert_eq!(thinned.samples[0].len(), thinned.grid.len());
     let picked: Vec<f64> = every.samples[2].iter().step_by(7).copied().collect();
     assert_eq!(thinned.samples[0], picked);
     // Where the tip starts changes nothing else.
     let from_zero = played(&link, &mesh_of(&link, 9), &Play::of(&torque));
-    let moved: Vec<f64> = found.tip.displacement_m.iter().map(|v| v - 0.31).collect();
-    assert!(difference(&moved, &from_zero.tip.displacement_m) < 1e-14);
-    assert_eq!(found.tip.velocity_m_s, from_zero.tip.velocity_m_s);
+    let moved: Vec<f64> = found.tip[0].displacement_m.iter().map(|v| v - 0.31).collect();
+    assert!(difference(&moved, &from_zero.tip[0].displacement_m) < 1e-14);
+    assert_eq!(found.tip[0].velocity_m_s, from_zero.tip[0].velocity_m_s);
 }
 
 /// Work ∫ T θ̇ dt of the motor in J up to every sample but the first and last four, in which it does
 /// none: trapezoids, corrected by the slopes at their ends.
-fn work_j(found: &Simulation) -> Vec<f64> {
-    let power = found.torque_n_m.iter().zip(&found.hub_rate_rad_s).map(|(t, rate)| t * rate);
+fn work_j(found: &Played) -> Vec<f64> {
+    let power =
+        found.hub().torque_n_m.iter().zip(&found.hub().rate_rad_s).map(|(t, rate)| t * rate);
     let power: Vec<f64> = power.collect();
     let step_s = found.grid.step_s;
     let mut sum = 0.0;
@@ -169,7 +170,7 @@ fn the_work_of_the_torque_is_the_energy_of_an_undamped_link() {
     let torque = pulse(0.25, 500);
     let play = Play { until_s: Some(0.4), ..Play::of(&torque) };
     let found = played(&link, &mesh_of(&link, 5), &play);
-    let nodes_m = found.mesh.nodes_m();
+    let nodes_m = found.mesh().nodes_m();
     let [mass, stiffness] = Assembly::of_link(&link, nodes_m).mass_and_stiffness();
     // Unknowns are (θ, v_1, φ_1, …): θ and all v first, then the slopes.
     let size = mass.nrows();
@@ -184,7 +185,7 @@ fn the_work_of_the_torque_is_the_energy_of_an_undamped_link() {
     let mass = block(&mass, &shown, &shown);
 
     let nodes: Vec<usize> = (1..nodes_m.len()).collect();
-    let mut motion = vec![found.hub_angle_rad.clone()];
+    let mut motion = vec![found.hub().angle_rad.clone()];
     motion.extend(found.displacements_m(&nodes, NonZeroUsize::MIN).unwrap().samples);
     let rate: Vec<Vec<f64>> =
         motion.iter().map(|samples| rates(samples, found.grid.step_s)).collect();
@@ -213,7 +214,7 @@ fn only_a_damped_link_keeps_work() {
         let torque = torque_of(&solved(&link, &plan, &smooth(880), 1e-10));
         let found = played(&link, &plan, &Play::of(&torque));
         let work = work_j(&found);
-        let rubbed = found.hub_rate_rad_s.iter().map(|rate| friction * rate * rate);
+        let rubbed = found.hub().rate_rad_s.iter().map(|rate| friction * rate * rate);
         let rubbed: f64 = rubbed.sum::<f64>() * found.grid.step_s;
         (work[work.len() - 1] / peak(&work), rubbed / peak(&work))
     };
@@ -230,7 +231,7 @@ fn modes_are_kept_to_four_times_the_band_or_forty_times_the_first_frequency() {
     let link = loaded(Damping::None);
     for (duration_s, few) in [(8.0, true), (0.01, false)] {
         let found = played(&link, &mesh_of(&link, 60), &Play::of(&pulse(duration_s, 400)));
-        let all = natural_frequencies(&found.mesh, 120);
+        let all = natural_frequencies(&found.mesh(), 120);
         let (kept, band_hz) = (
             found.modes().unwrap().selection.modes,
             found.modes().unwrap().selection.torque_band_hz,

@@ -7,7 +7,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use flexlink::beam::MeshPlan;
 use flexlink::link::{Damping, Hub, Link, LumpedMass, Payload};
-use flexlink::response::{Feedback, HubReference, Interpolation, Play, Simulation, Torque};
+use flexlink::response::{Feedback, HubReference, Interpolation, Play, Played, Torque};
 
 use super::assembly::Assembly;
 use super::{damping, difference, link, mesh_of, played, times};
@@ -23,8 +23,8 @@ struct System {
 type Motion = [Vec<f64>; 3];
 
 impl System {
-    fn of(link: &Link, simulation: &Simulation, feedback: Option<&Feedback>) -> Self {
-        let nodes_m = simulation.mesh.nodes_m();
+    fn of(link: &Link, simulation: &Played, feedback: Option<&Feedback>) -> Self {
+        let nodes_m = simulation.mesh().nodes_m();
         let [mass, mut stiffness] = Assembly::of_link(link, nodes_m).mass_and_stiffness();
         let mut damping = match link.damping() {
             Damping::Rayleigh { alpha_per_s, beta_s } => {
@@ -117,7 +117,7 @@ fn extrapolated(coarse: &Motion, fine: &Motion) -> Motion {
 
 /// The simulation, and Newmark's with its step halved five times.
 struct Comparison {
-    simulation: Simulation,
+    simulation: Played,
     /// Distances of each step.
     errors: Vec<Vec<f64>>,
     /// Distances with the h² error taken out, of each pair of steps.
@@ -128,13 +128,18 @@ impl Comparison {
     fn of(link: &Link, plan: &MeshPlan, torque: &Torque, feedback: Option<&Feedback>) -> Self {
         let interpolation = Interpolation::Linear;
         let until_s = Some(UNTIL_S);
-        let play = Play { interpolation, until_s, feedback, ..Play::of(torque) };
+        let play = Play {
+            interpolation,
+            until_s,
+            feedback: feedback.map_or(&[], std::slice::from_ref),
+            ..Play::of(torque)
+        };
         let simulation = played(link, plan, &play);
-        let node = simulation.mesh.nodes_m().len() / 2;
+        let node = simulation.mesh().nodes_m().len() / 2;
         let middle =
             simulation.displacements_m(&[node], NonZeroUsize::MIN).unwrap().samples.concat();
         let expected =
-            [simulation.hub_angle_rad.clone(), middle, simulation.tip.displacement_m.clone()];
+            [simulation.hub().angle_rad.clone(), middle, simulation.tip[0].displacement_m.clone()];
         let system = System::of(link, &simulation, feedback);
         let input = input(torque, feedback, simulation.grid.len);
         let step_s = torque.grid().step_s;

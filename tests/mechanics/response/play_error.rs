@@ -10,14 +10,14 @@ fn claimed_and_true(damping: &Damping, elements: usize, play: &Play) -> [(f64, f
     let link = link(|parts| parts.damping = damping.clone());
     let [coarse, fine] =
         [elements, 32 * elements].map(|elements| played(&link, &mesh_of(&link, elements), play));
-    let claimed = PlayError::of(&coarse, &link, play).unwrap().unwrap();
+    let claimed = PlayError::of(&coarse, &link.clone().into(), play).unwrap().unwrap();
     let error = |a: &[f64], b: &[f64]| {
         let change: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
         peak(&change) / peak(b)
     };
     [
-        (claimed.tip, error(&coarse.tip.displacement_m, &fine.tip.displacement_m)),
-        (claimed.hub_angle, error(&coarse.hub_angle_rad, &fine.hub_angle_rad)),
+        (claimed.tip, error(&coarse.tip[0].displacement_m, &fine.tip[0].displacement_m)),
+        (claimed.hub_angle, error(&coarse.hub().angle_rad, &fine.hub().angle_rad)),
     ]
 }
 
@@ -42,7 +42,8 @@ fn a_torque_with_a_jump_on_few_elements_is_warned_of() {
     let link = link(|parts| parts.damping = Damping::None);
     let warns = |elements| {
         let simulation = played(&link, &mesh_of(&link, elements), &Play::of(&jump));
-        let error = PlayError::of(&simulation, &link, &Play::of(&jump)).unwrap().unwrap();
+        let error =
+            PlayError::of(&simulation, &link.clone().into(), &Play::of(&jump)).unwrap().unwrap();
         error.warning(&simulation).map(|warning| warning.kind())
     };
     assert_eq!(warns(2), Some("coarse_mesh"));

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::{link, mesh_of, peak, played, times};
+use super::{link, mesh_of, peak, played, simulate, times};
 use flexlink::link::{Damping, Link, Segment, Taper};
 use flexlink::response::{
-    Feedback, HubReference, Play, SimulationError, SimulationWarning, Torque, simulate,
+    Feedback, HubReference, Play, SimulationError, SimulationWarning, Torque,
 };
 
 fn bayo() -> Link {
@@ -184,7 +184,7 @@ fn a_reference_at_other_times_is_refused_with_both() {
     let link = bayo();
     let played = |reference| {
         let feedback = Feedback::new(1.0, 0.1, reference).unwrap();
-        let play = Play { feedback: Some(&feedback), ..Play::of(&torque) };
+        let play = Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&torque) };
         simulate(&link, &mesh_of(&link, 5), &play).map(|found| found.grid.len)
     };
     let error = played(reference(0.02, 0.25, 20)).unwrap_err();
@@ -205,9 +205,9 @@ fn a_reference_drives_the_link_if_a_gain_lets_it() {
         let angle = time_s.iter().map(|t| 0.1 * (1.0 - (PI * t / 0.4).cos())).collect();
         let feedback = Feedback::new(kp, kd, HubReference::new(&time_s, angle, None).unwrap());
         let feedback = feedback.unwrap();
-        let play = Play { feedback: Some(&feedback), ..Play::of(&rest) };
+        let play = Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&rest) };
         simulate(&link, &mesh_of(&link, 5), &play)
-            .map(|found| peak(&found.tip.displacement_m) > 0.0)
+            .map(|found| peak(&found.tip[0].displacement_m) > 0.0)
     };
     assert_eq!(played(0.0, 0.0), Err(SimulationError::NoTorque));
     assert_eq!([played(2.0, 0.0), played(0.0, 2.0), played(2.0, 2.0)], [const { Ok(true) }; 3]);

@@ -16,7 +16,7 @@ use flexlink::link::Link;
 use flexlink::modal::natural_frequencies;
 use flexlink::motion::{TipMotion, TipTarget};
 use flexlink::numeric::TimeGrid;
-use flexlink::response::{Play, Simulation, Torque};
+use flexlink::response::{Play, Played, Torque};
 use flexlink::result::FollowedTarget;
 use flexlink::spec::{Override, read_specification};
 
@@ -54,13 +54,13 @@ fn solution(file: &str, settings: &[&str], analysis: &Analysis) -> Solution {
 }
 
 /// Largest tip error of a simulation in % of the travel, until a time in s.
-fn worst_percent(found: &Simulation, wanted: &Solution, until_s: f64) -> f64 {
+fn worst_percent(found: &Played, wanted: &Solution, until_s: f64) -> f64 {
     let all = 0..wanted.grid.len;
     let len = all.filter(|k| wanted.grid.time_s(*k) < until_s + 1e-9).count();
     let displacement_m = wanted.tip[0].displacement_m[..len].to_vec();
     let target = TipTarget::new(TimeGrid { len, ..wanted.grid }, displacement_m);
     // Of the whole travel, though the target may end before it does.
-    100.0 * FollowedTarget::of(found, &target).unwrap().tip_error.worst_m / 0.5
+    100.0 * FollowedTarget::of(found, &(&target).into()).unwrap().tip_error.worst_m / 0.5
 }
 
 /// Largest tip error in % of the torque of the nominal link on one with some `--set` applied.
@@ -98,7 +98,7 @@ fn a_wrong_link_misses_by_that_and_by_the_law_under_the_papers() {
 }
 
 /// The torque that a rigid link would need, on the flexible one.
-fn rigid_torque(file: &str) -> (Solution, Simulation) {
+fn rigid_torque(file: &str) -> (Solution, Played) {
     let wanted = solution(file, &[], &whole_band(Analysis::default()));
     let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, wanted.hub().rigid_torque_n_m.clone()).unwrap();
@@ -109,9 +109,9 @@ fn rigid_torque(file: &str) -> (Solution, Simulation) {
 
 /// Largest distance of the tip from its goal in % of the travel, over one period of the first mode
 /// that begins at a time in s after the motion did.
-fn oscillating_percent(found: &Simulation, from_s: f64) -> f64 {
-    let period_s = TAU / natural_frequencies(&found.mesh, 1)[0];
-    let samples = found.tip.displacement_m.iter().enumerate();
+fn oscillating_percent(found: &Played, from_s: f64) -> f64 {
+    let period_s = TAU / natural_frequencies(&found.mesh(), 1)[0];
+    let samples = found.tip[0].displacement_m.iter().enumerate();
     let within = samples.filter(|(k, _)| {
         let t = found.grid.time_s(*k);
         (from_s..=from_s + period_s).contains(&t)

@@ -4,11 +4,10 @@ use std::f64::consts::TAU;
 
 use flexlink::link::{Damping, Gravity, Link, LinkParts};
 use flexlink::response::{
-    Feedback, HubReference, Interpolation, Play, Simulation, SimulationError, State, Torque,
-    simulate,
+    Feedback, HubReference, Interpolation, LinkState, Play, Played, SimulationError, State, Torque,
 };
 
-use super::{loaded, mesh_of, peak, times};
+use super::{loaded, mesh_of, peak, simulate, times};
 
 const STEP_S: f64 = 0.004;
 
@@ -33,14 +32,14 @@ fn driven(from: usize, until: usize) -> (Torque, HubReference) {
 }
 
 /// The whole, and its second part from the state that the first part leaves.
-fn both(link: &Link, is_large: bool, has_feedback: bool) -> (Simulation, Simulation) {
+fn both(link: &Link, is_large: bool, has_feedback: bool) -> (Played, Played) {
     let last = usize::try_from(SAMPLES).unwrap();
     let played = |from: usize, until: usize, state: Option<&State>| {
         let (torque, reference) = driven(from, until);
         let feedback = Feedback::new(5.0, 0.5, reference).unwrap();
         let play = Play {
             interpolation: Interpolation::Linear,
-            feedback: has_feedback.then_some(&feedback),
+            feedback: if has_feedback { std::slice::from_ref(&feedback) } else { &[] },
             // The reference of the whole begins there.
             initial_tip_m: 0.4 * link.length_m(),
             is_large,
@@ -68,10 +67,10 @@ fn a_motion_goes_on_from_its_state_as_the_whole_does() {
         for has_feedback in [false, true] {
             let (whole, second) = both(&link, is_large, has_feedback);
             for (name, whole, second) in [
-                ("tip", &whole.tip.displacement_m, &second.tip.displacement_m),
-                ("velocity", &whole.tip.velocity_m_s, &second.tip.velocity_m_s),
-                ("hub", &whole.hub_angle_rad, &second.hub_angle_rad),
-                ("torque", &whole.torque_n_m, &second.torque_n_m),
+                ("tip", &whole.tip[0].displacement_m, &second.tip[0].displacement_m),
+                ("velocity", &whole.tip[0].velocity_m_s, &second.tip[0].velocity_m_s),
+                ("hub", &whole.hub().angle_rad, &second.hub().angle_rad),
+                ("torque", &whole.hub().torque_n_m, &second.hub().torque_n_m),
             ] {
                 let pairs = whole[CUT..].iter().zip(second);
                 let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak(whole);
@@ -105,15 +104,17 @@ fn a_state_moves_without_a_torque() {
     let play = Play { state: Some(&state), ..Play::of(&none) };
     let found = simulate(&link, &mesh_of(&link, 12), &play).unwrap();
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
-    let momentum_starts = first.hub_rate_rad_s[CUT];
-    assert!((found.hub_rate_rad_s[0] - momentum_starts).abs() < 1e-9 * peak(&first.hub_rate_rad_s));
-    assert!(peak(&found.tip.velocity_m_s) > 0.1);
+    let momentum_starts = first.hub().rate_rad_s[CUT];
+    assert!(
+        (found.hub().rate_rad_s[0] - momentum_starts).abs() < 1e-9 * peak(&first.hub().rate_rad_s)
+    );
+    assert!(peak(&found.tip[0].velocity_m_s) > 0.1);
     let rest = simulate(&link, &mesh_of(&link, 12), &Play::of(&none)).unwrap_err();
     assert_eq!(rest, SimulationError::NoTorque);
     // Another mesh has other cubics; what they change is small, and what is left out is told.
     let other = simulate(&link, &mesh_of(&link, 31), &play).unwrap();
-    let apart = (other.tip.displacement_m[100] - found.tip.displacement_m[100]).abs();
-    assert!(apart < 1e-4 * peak(&found.tip.displacement_m), "{apart:e}");
+    let apart = (other.tip[0].displacement_m[100] - found.tip[0].displacement_m[100]).abs();
+    assert!(apart < 1e-4 * peak(&found.tip[0].displacement_m), "{apart:e}");
 }
 
 #[test]
@@ -137,21 +138,21 @@ fn a_state_of_another_link_is_refused() {
         "the state = of a linear link, but must be one at large angles"
     );
     let mut shorter = large.clone();
-    shorter.x_m.iter_mut().for_each(|x| *x *= 0.9);
+    shorter.links[0].x_m.iter_mut().for_each(|x| *x *= 0.9);
     assert!(refusal(&shorter, true).ends_with("but must be from 0.05 to 1.55 m, the link's"));
     let mut fewer = large.clone();
-    fewer.slope_rad.pop();
+    fewer.links[0].slope_rad.pop();
     assert!(refusal(&fewer, true).contains("as many numbers in every list"));
     let mut lost = linear.clone();
-    lost.slope_rate_rad_s[3] = f64::NAN;
+    lost.links[0].slope_rate_rad_s[3] = f64::NAN;
     assert_eq!(refusal(&lost, false), "the state = NaN, but must hold finite numbers");
     let mut turned = linear.clone();
-    turned.x_m.swap(2, 3);
+    turned.links[0].x_m.swap(2, 3);
     assert!(refusal(&turned, false).ends_with("but must rise"));
     // Without the place of the mass the pieces have no ends.
     let mut without = large.clone();
-    let mass = without.x_m.iter().position(|x| (x - 0.8).abs() < 1e-9).unwrap();
-    let State { x_m, slope_rad, slope_rate_rad_s, .. } = &mut without;
+    let mass = without.links[0].x_m.iter().position(|x| (x - 0.8).abs() < 1e-9).unwrap();
+    let LinkState { x_m, slope_rad, slope_rate_rad_s, .. } = &mut without.links[0];
     for list in [x_m, slope_rad, slope_rate_rad_s] {
         list.remove(mass);
     }

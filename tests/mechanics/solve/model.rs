@@ -5,7 +5,7 @@ use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::motion::{Profile, TipMotion};
 use flexlink::numeric::{largest, largest_difference};
-use flexlink::response::{Play, Torque, simulate};
+use flexlink::response::{Play, Torque};
 
 use super::{mesh_of, uniform};
 use crate::recordings::Random;
@@ -144,10 +144,10 @@ fn what_a_simulation_claims_is_half_to_thirty_times_what_all_terms_change() {
         let torque = Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap();
         let play = |is_large| {
             let play = Play { is_large, ..Play::of(&torque) };
-            simulate(&link, &mesh_of(&link, ELEMENTS), &play).unwrap()
+            crate::response::simulate(&link, &mesh_of(&link, ELEMENTS), &play).unwrap()
         };
         let (linear, all) = (play(false), play(true));
-        let [own, full] = [&linear, &all].map(|own| &own.tip.displacement_m);
+        let [own, full] = [&linear, &all].map(|own| &own.tip[0].displacement_m);
         let strays = largest_difference(own, full) / largest(own);
         let [own, full] = [&linear, &all].map(|own| largest(&own.tip_deflection_m()));
         let bends = (full / own - 1.0).abs();

@@ -1,22 +1,23 @@
-//! Summaries of an arm from `solve` and `simulate`.
+//! The summary that `solve` prints.
 
 use crate::inverse::Solution;
-use crate::link::{Arm, Damping};
-use crate::motion::{ArmPath, Prescribed};
-use crate::result::{Metrics, PlayedJoint};
-use crate::store::PlayedRun;
+use crate::link::Arm;
+use crate::motion::{ArmPath, Motion, Prescribed};
+use crate::result::Metrics;
 use crate::text::{instant, plain, significant, visible};
 
 use super::layout::LABEL;
-use super::played::{between, times, tip_error_line, tip_line};
-use super::runs::{four, hub_line, joint_lines, labelled, order_line, solution_errors, turned};
+use super::runs::{four, joint_lines, labelled, link_text, order_line, solution_errors};
 
-/// The summary of an arm's solution; `written` says where its files are.
-pub(super) fn arm_text(
-    (solution, path): (&Solution, &ArmPath),
-    metrics: &Metrics,
-    written: String,
-) -> String {
+/// The summary of a solution; `written` says what was written where.
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
+    match &solution.motion {
+        Motion::Tip(motion) => link_text((solution, motion), metrics, written),
+        Motion::Path(path) => arm_text((solution, path), metrics, written),
+    }
+}
+
+fn arm_text((solution, path): (&Solution, &ArmPath), metrics: &Metrics, written: String) -> String {
     let arm = &solution.arm;
     let numbered = |what: &str, number: usize| format!("{what} {}", number + 1);
     let links = (0..solution.links.len())
@@ -81,72 +82,4 @@ fn path_line(solution: &Solution, path: &ArmPath) -> String {
         format!("up to {} Hz", significant(hertz, 4))
     });
     format!("{what}, {from} … {to} s at {step} s; the tip moves by {way} m;\n         {cutoff}")
-}
-
-/// The summary of an arm's simulation; `written` says where its files are.
-pub(crate) fn played_arm_text(run: &PlayedRun<'_>, written: &str) -> String {
-    let own = |label: &str, line: String| (label.to_owned(), line);
-    let joints = run.metrics.joints.iter().enumerate().map(|(number, joint)| {
-        let line = played_joint_text(joint, run.arm.has_weight());
-        (format!("joint {}", number + 1), line)
-    });
-    let lines = [
-        own("arm", size_line(run.arm)),
-        own("damping", damping_line(run)),
-        own("gravity", gravity_line(run.arm)),
-        own("torques", torques_line(run)),
-        own("feedback", feedback_line(run)),
-    ];
-    let error = run.target.map(|target| tip_error_line(&target.tip_error));
-    let end = [
-        own("tip", tip_line(run.metrics, false)),
-        own("error", error.unwrap_or_default()),
-        own("errors", played_errors_line(run)),
-        own("written", written.to_owned()),
-    ];
-    labelled(run.arm.title(), lines.into_iter().chain(joints).chain(end))
-}
-
-/// Substitute for damping that has no equation in time.
-fn damping_line(run: &PlayedRun<'_>) -> String {
-    let is_hysteretic =
-        |damping: &Damping| matches!(damping, Damping::Hysteretic { ratio } if *ratio > 0.0);
-    if run.arm.links().iter().any(|own| is_hysteretic(own.link.damping())) {
-        "hysteretic, played as viscous in every mode of a link clamped at its joint".to_owned()
-    } else {
-        String::new()
-    }
-}
-
-fn torques_line(run: &PlayedRun<'_>) -> String {
-    format!("{}, {}", times(&run.played.grid), between(run.play.interpolation))
-}
-
-fn feedback_line(run: &PlayedRun<'_>) -> String {
-    let gains = run.play.feedback.iter().map(|own| {
-        let [kp, kd] = [own.stiffness_n_m_rad(), own.damping_n_m_s_rad()].map(plain);
-        format!("{kp} N m/rad, {kd} N m s/rad")
-    });
-    let mut gains: Vec<String> = gains.collect();
-    gains.dedup();
-    gains.join("; ")
-}
-
-fn played_joint_text(joint: &PlayedJoint, has_weight: bool) -> String {
-    let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
-    let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
-    let holding =
-        if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
-    let turns = turned(Some(joint.end_angles_rad), joint.peak_hub_angle_rad);
-    let turns = hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w]);
-    format!("peak {peak} N m{holding}\n{:LABEL$}{turns}", "")
-}
-
-fn played_errors_line(run: &PlayedRun<'_>) -> String {
-    let [tip_m, joint_rad] = run.played.change;
-    let [tip, joint, energy] =
-        [tip_m, joint_rad, run.played.imbalance()].map(|own| significant(own, 2));
-    format!(
-        "tip {tip} m, joints {joint} rad (half the step, finer polynomials);\n         energy {energy} of the largest"
-    )
 }

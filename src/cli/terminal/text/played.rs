@@ -1,50 +1,118 @@
 //! Summary from `simulate`.
 
-use crate::link::{Damping, Link};
+use crate::link::{Arm, Damping, Link};
 use crate::numeric::{TimeGrid, largest};
 use crate::response::{
-    Input, Interpolation, ModalPlay, Play, PlayError, Played, PlayedModelError, Simulation,
+    Input, Interpolation, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedModelError,
 };
-use crate::result::{ChannelComparison, Comparison, NoFit, PlayedMetrics, TipError};
-use crate::store::PlayFindings;
+use crate::result::{
+    ChannelComparison, Comparison, FollowedTarget, NoFit, PlayedJoint, PlayedMetrics,
+};
+use crate::store::PlayedRun;
 use crate::text::{instant, plain, significant};
 
+use super::arm::{gravity_line, size_line};
 use super::layout::LABEL;
 use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, turned};
 
-/// Summary of a played torque or hub motion; `written` describes its files.
-pub(crate) fn simulate_text(
-    link: &Link,
-    play: &Play,
-    simulation: &Simulation,
-    metrics: &PlayedMetrics,
-    &PlayFindings { error, target, comparison, .. }: &PlayFindings,
-    written: String,
-) -> String {
+/// The summary of a simulation; `written` says where its files are.
+pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
+    let lines = match run.arm.links() {
+        [own] => link_lines(run, &own.link),
+        _ => arm_lines(run),
+    };
+    let measured = run.comparison.map(measured_text).unwrap_or_default();
+    let end = [("measured", measured), ("written", written)];
+    let end = end.map(|(label, line)| (label.to_owned(), line));
+    labelled(run.arm.title(), lines.into_iter().chain(end))
+}
+
+fn link_lines(run: &PlayedRun<'_>, link: &Link) -> Vec<(String, String)> {
+    let PlayedRun { play, played, metrics, .. } = *run;
     let own = metrics.hub();
     let turns = turned(None, own.peak_hub_angle_rad);
-    labelled(
-        link.title(),
-        [
-            ("link", link_line(link, &simulation.mesh)),
-            ("damping", played_damping(link, simulation, play)),
-            ("gravity", weight_line(link, simulation)),
-            ("input", played_hub(play)),
-            ("torque", played_torque(play, metrics)),
-            ("feedback", feedback_line(play)),
-            played_by(simulation, play),
-            ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
-            ("hub", hub_line(&turns, [own.peak_hub_rate_rad_s, own.peak_power_w])),
-            ("bending", own.peak_deflection_m.map(deflection).unwrap_or_default()),
-            ("after", residual_line(simulation)),
-            ("decay", decay_line(simulation, play)),
-            ("error", target.map(|target| tip_error_line(&target.tip_error)).unwrap_or_default()),
-            ("errors", simulation_errors(error, simulation, play)),
-            ("model", model_line(simulation)),
-            ("measured", comparison.map(measured_text).unwrap_or_default()),
-            ("written", written),
-        ],
-    )
+    let lines = [
+        ("link", link_line(link, played.mesh())),
+        ("damping", played_damping(link, played, play)),
+        ("gravity", weight_line(link, played)),
+        ("input", played_hub(play)),
+        ("torque", played_torque(play, metrics)),
+        ("feedback", feedback_line(play)),
+        played_by(played, play),
+        ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
+        ("hub", hub_line(&turns, [own.peak_hub_rate_rad_s, own.peak_power_w])),
+        ("bending", own.peak_deflection_m.map(deflection).unwrap_or_default()),
+        ("after", residual_line(played)),
+        ("decay", decay_line(played, play)),
+        ("error", tip_error_line(run)),
+        ("errors", simulation_errors(run.error, played, play)),
+        ("model", model_line(played)),
+    ];
+    lines.map(|(label, line)| (label.to_owned(), line)).to_vec()
+}
+
+fn arm_lines(run: &PlayedRun<'_>) -> Vec<(String, String)> {
+    let PlayedRun { arm, play, played, metrics, .. } = *run;
+    let own = |label: &str, line: String| (label.to_owned(), line);
+    let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
+        (format!("joint {}", number + 1), joint_text(joint, arm.has_weight()))
+    });
+    let torques = format!("{}, {}", times(&played.grid), between(play.interpolation));
+    let [tip_m, joint_rad] = played.change();
+    let errors = [tip_m, joint_rad, played.imbalance()].map(|own| significant(own, 2));
+    let [tip, joint, energy] = errors;
+    let lines = [
+        own("arm", size_line(arm)),
+        own("damping", arm_damping_line(arm)),
+        own("gravity", gravity_line(arm)),
+        own("torques", torques),
+        own("feedback", gains_line(play)),
+    ];
+    let end = [
+        own("tip", tip_line(metrics, false)),
+        own("error", tip_error_line(run)),
+        own(
+            "errors",
+            format!(
+                "tip {tip} m, joints {joint} rad (half the step, finer polynomials);\n         energy {energy} of the largest"
+            ),
+        ),
+    ];
+    lines.into_iter().chain(joints).chain(end).collect()
+}
+
+/// What is played in place of damping that has no equation in time.
+fn arm_damping_line(arm: &Arm) -> String {
+    if arm.links().iter().any(|own| is_hysteretic(&own.link)) {
+        "hysteretic, played as viscous in every mode of a link clamped at its joint".to_owned()
+    } else {
+        String::new()
+    }
+}
+
+fn is_hysteretic(link: &Link) -> bool {
+    matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0)
+}
+
+/// The gains of an arm's joints.
+fn gains_line(play: &Play<'_>) -> String {
+    let gains = play.feedback.iter().map(|own| {
+        let [kp, kd] = [own.stiffness_n_m_rad(), own.damping_n_m_s_rad()].map(plain);
+        format!("{kp} N m/rad, {kd} N m s/rad")
+    });
+    let mut gains: Vec<String> = gains.collect();
+    gains.dedup();
+    gains.join("; ")
+}
+
+fn joint_text(joint: &PlayedJoint, has_weight: bool) -> String {
+    let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
+    let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
+    let holding =
+        if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
+    let turns = turned(Some(joint.end_angles_rad), joint.peak_hub_angle_rad);
+    let turns = hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w]);
+    format!("peak {peak} N m{holding}\n{:LABEL$}{turns}", "")
 }
 
 /// A line for the compared times, then one for each channel.
@@ -101,29 +169,29 @@ fn row([name, rms, share, delay, gain, left]: [String; 6]) -> String {
     format!("{name:<15}{rms:>16}{share:>10}{delay:>14}{gain:>10}{left:>11}")
 }
 
-/// The law, and its substitute if it has no equation in time.
-fn played_damping(link: &Link, simulation: &Simulation, play: &Play) -> String {
-    let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
+/// The law, and what is played in its place where it has no equation in time.
+fn played_damping(link: &Link, played: &Played, play: &Play<'_>) -> String {
     let modes = match play.input {
-        Input::Torque(_) => "mode",
-        Input::HubAngle(_) => "held mode",
+        Input::Torques(_) => "mode",
+        Input::Angles(_) => "held mode",
     };
+    let bare = &played.links[0];
     let as_viscous = format!(", played as viscous in every {modes}");
-    damping_line(link, &simulation.law, &simulation.natural_frequencies_rad_s)
-        + if is_hysteretic { &as_viscous } else { "" }
+    damping_line(link, &bare.law, &bare.natural_frequencies_rad_s)
+        + if is_hysteretic(link) { &as_viscous } else { "" }
 }
 
-fn played_torque(play: &Play, metrics: &PlayedMetrics) -> String {
+fn played_torque(play: &Play<'_>, metrics: &PlayedMetrics) -> String {
     let peak = significant(metrics.hub().peak_torque_n_m.value, 4);
-    if let Input::HubAngle(_) = play.input {
+    if let Input::Angles(_) = play.input {
         return format!("peak {peak} N m, as the hub's motion takes it");
     }
     let (times, between) = (times(&play.input.grid()), between(play.interpolation));
     format!("{times}, {between}; peak {peak} N m")
 }
 
-/// Course of a torque between its samples.
-pub(super) fn between(interpolation: Interpolation) -> &'static str {
+/// How a torque is played between its samples.
+fn between(interpolation: Interpolation) -> &'static str {
     match interpolation {
         Interpolation::Cubic => "cubic spline",
         Interpolation::Linear => "straight lines",
@@ -131,45 +199,44 @@ pub(super) fn between(interpolation: Interpolation) -> &'static str {
     }
 }
 
-/// Times of the played samples.
-pub(super) fn times(grid: &TimeGrid) -> String {
+/// Times of the samples that are played.
+fn times(grid: &TimeGrid) -> String {
     let [start, end] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
     format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
 }
 
-/// The hub's motion, if it is the input.
-fn played_hub(play: &Play) -> String {
+/// The hub's motion, where that is played.
+fn played_hub(play: &Play<'_>) -> String {
     match play.input {
-        Input::Torque(_) => String::new(),
-        Input::HubAngle(_) => format!("hub angle, {}, quintic spline", times(&play.input.grid())),
+        Input::Torques(_) => String::new(),
+        Input::Angles(_) => format!("hub angle, {}, quintic spline", times(&play.input.grid())),
     }
 }
 
-fn feedback_line(play: &Play) -> String {
-    let Some(feedback) = play.feedback else { return String::new() };
+fn feedback_line(play: &Play<'_>) -> String {
+    let Some(feedback) = play.feedback.first() else { return String::new() };
     let [kp, kd] = four([feedback.stiffness_n_m_rad(), feedback.damping_n_m_s_rad()]);
     format!("{kp} N m/rad, {kd} N m s/rad around the reference")
 }
 
-/// Torque that holds a link with weight before it moves.
-fn weight_line(link: &Link, simulation: &Simulation) -> String {
+/// What holds a link with weight before it moves.
+fn weight_line(link: &Link, played: &Played) -> String {
     let acting = link.gravity().filter(|own| own.acts());
-    let (Some(gravity), Played::Elastica(bent)) = (acting, &simulation.played) else {
-        return String::new();
-    };
+    let (Some(gravity), hub) = (acting, played.hub()) else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
-    // For a link that hangs straight the holding torque is round-off.
-    let is_held = bent.holding_n_m.abs() > NOTHING * largest(&simulation.torque_n_m);
-    let holding_n_m = if is_held { bent.holding_n_m } else { 0.0 };
-    let [angle, held] = four([simulation.hub_angle_rad[0], holding_n_m]);
+    // A link that hangs straight is held by round-off.
+    let holding_n_m = hub.holding_n_m.unwrap_or_default();
+    let is_held = holding_n_m.abs() > NOTHING * largest(&hub.torque_n_m);
+    let holding_n_m = if is_held { holding_n_m } else { 0.0 };
+    let [angle, held] = four([hub.angle_rad[0], holding_n_m]);
     format!("{along_x}, {along_y} m/s²; at first {held} N m hold the hub at {angle} rad")
 }
 
-/// Method of the simulation.
-fn played_by(simulation: &Simulation, play: &Play) -> (&'static str, String) {
-    match &simulation.played {
-        Played::Modes(modes) => ("modes", modes_line(modes, play)),
-        Played::Elastica(bent) => {
+/// By what the link was played.
+fn played_by(played: &Played, play: &Play<'_>) -> (&'static str, String) {
+    match &played.by {
+        PlayedBy::Modes(modes) => ("modes", modes_line(modes, play)),
+        PlayedBy::Elastica(bent) => {
             let (angles, steps) = (bent.angles, bent.steps);
             let line = format!("all terms: {angles} angles, {steps} steps from sample to sample");
             ("order", line)
@@ -177,18 +244,18 @@ fn played_by(simulation: &Simulation, play: &Play) -> (&'static str, String) {
     }
 }
 
-fn modes_line(modes: &ModalPlay, play: &Play) -> String {
+fn modes_line(modes: &ModalPlay, play: &Play<'_>) -> String {
     let selection = &modes.selection;
     let [highest, band] = four([selection.highest_hz, selection.torque_band_hz]);
     let (modes, of) = (selection.modes, selection.of);
     let input = match play.input {
-        Input::Torque(_) => "torque",
-        Input::HubAngle(_) => "hub",
+        Input::Torques(_) => "torque",
+        Input::Angles(_) => "hub",
     };
     format!("{modes} of {of}, to {highest} Hz ({input} band to {band} Hz)")
 }
 
-pub(super) fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
+fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
     let [farthest, travel] = four([metrics.farthest_m, metrics.travel_m]);
     if is_cycle {
         return format!("moves by up to {farthest} m");
@@ -201,9 +268,9 @@ pub(super) fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
     }
 }
 
-/// The vibration after the torque. A share of the travel is omitted if the tip had hardly begun to move.
-fn residual_line(simulation: &Simulation) -> String {
-    let Some(residual) = simulation.modes().and_then(|modes| modes.residual) else {
+/// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
+fn residual_line(played: &Played) -> String {
+    let Some(residual) = played.modes().and_then(|modes| modes.residual) else {
         return String::new();
     };
     let vibration = format!("vibrates by {} m", significant(residual.amplitude_m, 3));
@@ -214,13 +281,13 @@ fn residual_line(simulation: &Simulation) -> String {
     vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
 }
 
-/// Decay time of the vibration; empty without a vibration.
-fn decay_line(simulation: &Simulation, play: &Play) -> String {
+/// How long that takes to die down; empty where nothing vibrates.
+fn decay_line(played: &Played, play: &Play<'_>) -> String {
     let input = match play.input {
-        Input::Torque(_) => "torque",
-        Input::HubAngle(_) => "recording",
+        Input::Torques(_) => "torque",
+        Input::Angles(_) => "recording",
     };
-    let Some(residual) = simulation.modes().and_then(|modes| modes.residual) else {
+    let Some(residual) = played.modes().and_then(|modes| modes.residual) else {
         return String::new();
     };
     match residual.decay_s {
@@ -232,29 +299,34 @@ fn decay_line(simulation: &Simulation, play: &Play) -> String {
     }
 }
 
-/// Errors of the simulation.
-fn simulation_errors(error: Option<&PlayError>, simulation: &Simulation, play: &Play) -> String {
-    let measured = error.map(|PlayError { tip, hub_angle }| match (&simulation.played, play.input) {
-        (Played::Elastica(_), _) => {
-            format!("refinement {tip:.1e} of the tip's travel, {hub_angle:.1e} of the hub's peak angle")
+/// The errors of the simulation itself.
+fn simulation_errors(error: Option<&PlayError>, played: &Played, play: &Play<'_>) -> String {
+    let measured = error.map(|PlayError { tip, hub_angle }| match (&played.by, play.input) {
+        (PlayedBy::Elastica(_), _) => {
+            format!(
+                "refinement {tip:.1e} of the tip's travel, {hub_angle:.1e} of the hub's peak angle"
+            )
         }
-        (_, Input::Torque(_)) => {
-            format!("mesh {tip:.1e} (of the tip's travel), {hub_angle:.1e} (of the hub's peak angle)")
+        (_, Input::Torques(_)) => {
+            format!(
+                "mesh {tip:.1e} (of the tip's travel), {hub_angle:.1e} (of the hub's peak angle)"
+            )
         }
-        (_, Input::HubAngle(_)) => format!("mesh {tip:.1e} (of the tip's travel)"),
+        (_, Input::Angles(_)) => format!("mesh {tip:.1e} (of the tip's travel)"),
     });
     let unknown = "mesh not known: the damping cannot be on halved elements";
     measured.unwrap_or_else(|| unknown.to_owned())
 }
 
-/// Error of the linear model.
-fn model_line(simulation: &Simulation) -> String {
-    let Some(ModalPlay { model_error, .. }) = simulation.modes() else { return String::new() };
+/// What the linear model leaves out.
+fn model_line(played: &Played) -> String {
+    let Some(ModalPlay { model_error, .. }) = played.modes() else { return String::new() };
     let PlayedModelError { tip, deflection } = model_error;
     format!("off by {tip:.1e} of the tip's travel, {deflection:.1e} of the peak deflection")
 }
 
-pub(super) fn tip_error_line(error: &TipError) -> String {
+fn tip_error_line(run: &PlayedRun<'_>) -> String {
+    let Some(FollowedTarget { tip_error: error, .. }) = run.target else { return String::new() };
     let worst = significant(error.worst_m, 4);
     let (time, share) = (instant(error.time_s, 3), significant(error.share, 3));
     format!("tip strays by up to {worst} m at {time} s, {share} of its travel")

@@ -1,4 +1,4 @@
-//! Summary from `solve`, and the lines of it that `simulate` also prints.
+//! The summary that `solve` prints of a link, and the lines of it that arms and `simulate` have, too.
 
 use std::f64::consts::TAU;
 use std::fmt::{Display, Write as _};
@@ -8,12 +8,11 @@ use crate::elastica::{Iteration, SecondOrder};
 use crate::inverse::{Quantity, QuantityErrors, Solution};
 use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::{Ends, Motion, TipMotion};
+use crate::motion::{Ends, TipMotion};
 use crate::numeric::ThinnedGrid;
 use crate::result::{JointMetrics, Metrics, MotorMetrics, Peak};
 use crate::text::{gigabytes, instant, plain, significant, visible};
 
-use super::arm::arm_text;
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
 
 /// Note about memory before its allocation.
@@ -27,15 +26,8 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// Summary of a solution; `written` describes its files.
-pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
-    match &solution.motion {
-        Motion::Tip(motion) => link_text((solution, motion), metrics, written),
-        Motion::Path(path) => arm_text((solution, path), metrics, written),
-    }
-}
-
-fn link_text(
+/// The summary of a link's solution; `written` says what was written where.
+pub(super) fn link_text(
     (solution, motion): (&Solution, &TipMotion),
     metrics: &Metrics,
     written: String,

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use crate::inverse::{Solution, Straying};
 use crate::motion::{ArmPath, Prescribed};
 use crate::numeric::Size;
-use crate::response::{MovedJoint, PlayedArm, SimulationError, move_arm};
+use crate::response::{MovedJoint, Played, SimulationError, move_arm};
 
 /// Share of the tolerance to which a moved arm is settled.
 const SETTLED: f64 = 0.1;
@@ -19,7 +19,7 @@ impl Solution {
     ///
     /// # Errors
     /// [`SimulationError`].
-    pub fn moved(&self) -> Result<PlayedArm, SimulationError> {
+    pub fn moved(&self) -> Result<Played, SimulationError> {
         let accelerations: Vec<_> =
             (0..self.joints.len()).map(|joint| self.acceleration_rad_s2(joint)).collect();
         let joints =
@@ -36,10 +36,10 @@ impl Solution {
 
     /// How far the tip of the moved arm is from its path at most, over its travel; where the path is one of angles, from the
     /// tip that is solved.
-    pub fn tip_error_of(&self, moved: &PlayedArm, path: &ArmPath) -> f64 {
+    pub fn tip_error_of(&self, moved: &Played, path: &ArmPath) -> f64 {
         let off = |k: usize| {
             let wanted_m = self.wanted_tip_m(path, k);
-            distance([0, 1].map(|axis: usize| moved.tip[axis][0][k] - wanted_m[axis]))
+            distance([0, 1].map(|axis: usize| moved.tip[axis].displacement_m[k] - wanted_m[axis]))
         };
         (0..self.grid.len).map(off).fold(0.0, Size::larger) / self.tip_travel_m()
     }
@@ -61,7 +61,7 @@ pub(super) fn straying(solution: &Solution, path: &ArmPath) -> Straying {
     let travel_m = solution.tip_travel_m();
     let measured = solution.moved().ok().and_then(|moved| {
         let share = solution.tip_error_of(&moved, path);
-        (moved.change[0] <= SHARP * share * travel_m).then_some(Straying::Measured(share))
+        (moved.change()[0] <= SHARP * share * travel_m).then_some(Straying::Measured(share))
     });
     measured.unwrap_or_else(|| Straying::Estimated(shortened_m(solution) / travel_m))
 }

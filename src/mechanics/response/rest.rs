@@ -2,34 +2,29 @@
 
 use nalgebra::DVector;
 
-use super::arm_chain::ArmChain;
 use super::balance::{Balance, Place};
+use super::linkage::Linkage;
 use super::shape::{direction, in_parts, settled};
-use super::state::ArmState;
 use crate::elastica::reaching;
 use crate::link::{Arm, Elbow};
 
-/// Where an arm starts.
+/// Where an arm starts at rest.
 #[derive(Debug, Clone, Copy)]
-pub enum ArmStart<'a> {
-    /// At rest, its joints at these angles in rad: of each link's root against the tip of the link before.
+pub enum Start<'a> {
+    /// Its joints at these angles in rad: of each link's root against the tip of the link before.
     Joints(&'a [f64]),
-    /// At rest, the chords of its links in these directions in rad against x.
+    /// The chords of its links in these directions in rad against x.
     Chords(&'a [f64]),
-    /// At rest, the tip of an arm of two links at x and y in m, its elbow on the side that the arm states.
+    /// The tip of an arm of two links at x and y in m, its elbow on the side that the arm states.
     Tip([f64; 2]),
-    /// As a state says.
-    State(&'a ArmState),
 }
 
-/// Coordinates of an arm at rest, from one whose links do not bend; none where it finds no shape at rest, or where a state
-/// is given.
-pub(super) fn at_rest(arm: &Arm, chain: &ArmChain, start: ArmStart<'_>) -> Option<Vec<f64>> {
+/// Coordinates of an arm at rest, from one whose links do not bend; none where it finds no shape at rest.
+pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Vec<f64>> {
     let angles_rad = match start {
-        ArmStart::Joints(joints_rad) => joints_rad.to_vec(),
-        ArmStart::Chords(chords_rad) => against_each_other(chords_rad),
-        ArmStart::Tip(at_m) => against_each_other(&reached(arm, at_m)?),
-        ArmStart::State(_) => return None,
+        Start::Joints(joints_rad) => joints_rad.to_vec(),
+        Start::Chords(chords_rad) => against_each_other(chords_rad),
+        Start::Tip(at_m) => against_each_other(&reached(arm, at_m)?),
     };
     let mut straight = vec![0.0; chain.count];
     for (joint, angle_rad) in chain.joints.iter().zip(&angles_rad) {
@@ -53,10 +48,10 @@ pub(super) fn at_rest(arm: &Arm, chain: &ArmChain, start: ArmStart<'_>) -> Optio
 }
 
 /// How far chords are from their directions in rad, or the tip from its place over the arm's length; none where joints are held.
-fn away(arm: &Arm, (ends, start): (&[Place], ArmStart<'_>)) -> Option<Vec<f64>> {
+fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
     match start {
-        ArmStart::Joints(_) | ArmStart::State(_) => None,
-        ArmStart::Chords(chords_rad) => {
+        Start::Joints(_) => None,
+        Start::Chords(chords_rad) => {
             let mut from_m = [0.0; 2];
             let across = |(end, angle_rad): (&Place, &f64)| {
                 let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
@@ -65,7 +60,7 @@ fn away(arm: &Arm, (ends, start): (&[Place], ArmStart<'_>)) -> Option<Vec<f64>> 
             };
             Some(ends.iter().zip(chords_rad).map(across).collect())
         }
-        ArmStart::Tip(at_m) => {
+        Start::Tip(at_m) => {
             let tip_m = ends.last().map_or([0.0; 2], |end| end.at_m);
             let of = |axis: usize| (tip_m[axis] - at_m[axis]) / arm.length_m();
             Some(vec![of(0), of(1)])

@@ -5,7 +5,7 @@ use super::balance::{Balance, Energies, Met, Place};
 use super::chain::{Chain, coordinates};
 use super::error::SimulationError;
 use super::shape::{Station, direction};
-use super::state::ArmState;
+use super::state::State;
 use crate::link::{Arm, ArmLink};
 use crate::numeric::dot;
 
@@ -17,7 +17,7 @@ const HIGHEST_ORDER: usize = 24;
 
 /// Links one after the other.
 #[derive(Debug, Clone)]
-pub(super) struct ArmChain {
+pub(super) struct Linkage {
     pub(super) links: Vec<Chain>,
     /// Number of the first coordinate of each link: the angle of its joint.
     pub(super) joints: Vec<usize>,
@@ -33,7 +33,7 @@ pub(super) struct ArmChain {
 fn orders(
     highest_rad_s: f64,
     more: usize,
-    state: Option<&ArmState>,
+    state: Option<&State>,
 ) -> impl Fn(usize, [f64; 2], [f64; 2]) -> usize {
     move |number, ends_m, [stiffness_n_m2, mass_kg_m]| {
         let square = mass_kg_m / stiffness_n_m2 * highest_rad_s * highest_rad_s;
@@ -44,10 +44,10 @@ fn orders(
     }
 }
 
-impl ArmChain {
+impl Linkage {
     /// An undamped arm whose polynomials follow bending waves up to a frequency, `more` orders beyond that, and hold a
     /// state.
-    pub(super) fn of(arm: &Arm, highest_rad_s: f64, more: usize, state: Option<&ArmState>) -> Self {
+    pub(super) fn of(arm: &Arm, highest_rad_s: f64, more: usize, state: Option<&State>) -> Self {
         let order = orders(highest_rad_s, more, state);
         let chain =
             |(number, own): (usize, &ArmLink)| Chain::of(&own.link, |e, m| order(number, e, m));
@@ -77,7 +77,7 @@ impl ArmChain {
         arm: &Arm,
         highest_rad_s: f64,
         more: usize,
-        state: Option<&ArmState>,
+        state: Option<&State>,
     ) -> usize {
         let order = orders(highest_rad_s, more, state);
         let links = arm.links().iter().enumerate();
@@ -159,23 +159,38 @@ impl ArmChain {
         (ends, energies)
     }
 
-    /// Power in W that damping and friction dissipate.
-    pub(super) fn lost_w(&self, rates: &[f64]) -> f64 {
+    /// Lets the damping turn with the reference of the first joint at a rate in rad/s.
+    pub(super) fn turn(&self, turning_rad_s: f64, into: &mut Balance) {
+        let drags = self.damping.iter().step_by(self.count);
+        into.force.iter_mut().zip(drags).for_each(|(force, drag)| *force += drag * turning_rad_s);
+    }
+
+    /// Power in W that damping and friction dissipate, the damping turning with a reference at a rate in rad/s.
+    pub(super) fn lost_w(&self, rates: &[f64], turning_rad_s: f64) -> f64 {
         let rows = self.damping.chunks_exact(self.count).zip(rates);
-        let damped: f64 = rows.map(|(row, own)| own * dot(row, rates)).sum();
+        let rows = rows.map(|(row, own)| own * (dot(row, rates) - row[0] * turning_rad_s));
+        let damped: f64 = rows.sum();
         let joints = self.joints.iter().zip(&self.friction_n_m_s_rad);
         damped + joints.map(|(joint, b)| b * rates[*joint] * rates[*joint]).sum::<f64>()
     }
 
-    /// Direction of each link's chord in rad, within half a turn of its root's, from the ends of the links.
-    pub(super) fn chords_rad(&self, q: &[f64], ends: &[Place]) -> Vec<f64> {
+    /// Direction of each link's chord in rad, within half a turn of its root's bent by `bent_rad`, which becomes what this
+    /// chord is bent by; from the ends of the links.
+    pub(super) fn chords_rad(&self, q: &[f64], ends: &[Place], bent_rad: &mut [f64]) -> Vec<f64> {
         let mut from_m = [0.0; 2];
-        let chord = |(end, own): (&Place, Vec<f64>)| {
+        let chord = |((end, own), bent_rad): ((&Place, Vec<f64>), &mut f64)| {
             let along = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
             from_m = end.at_m;
-            direction(along, own[0])
+            let chord_rad = direction(along, own[0] + *bent_rad);
+            *bent_rad = chord_rad - own[0];
+            chord_rad
         };
-        ends.iter().zip(self.of_links(q)).map(chord).collect()
+        ends.iter().zip(self.of_links(q)).zip(bent_rad).map(chord).collect()
+    }
+
+    /// Length of the stretched links in m.
+    pub(super) fn length_m(&self) -> f64 {
+        self.links.iter().map(Chain::length_m).sum()
     }
 
     /// Coordinates, or rates, of each link alone: its root's direction against x, then its slopes.
@@ -221,20 +236,17 @@ impl ArmChain {
     }
 
     /// Where the arm is and how it moves.
-    pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> ArmState {
+    pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> State {
         let own = self.of_links(q).into_iter().zip(self.of_links(rates));
         let links = self.links.iter().zip(own);
-        ArmState { links: links.map(|(link, (q, rates))| link.state(time_s, &q, &rates)).collect() }
+        State { links: links.map(|(link, (q, rates))| link.state(time_s, &q, &rates)).collect() }
     }
 
     /// Coordinates and rates of a state.
     ///
     /// # Errors
     /// [`SimulationError::State`].
-    pub(super) fn of_state(
-        &self,
-        state: &ArmState,
-    ) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
+    pub(super) fn of_state(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
         let links = self.links.iter().zip(&state.links).map(|(link, own)| link.of_state(own));
         let links: Vec<(Vec<f64>, Vec<f64>)> = links.collect::<Result<_, _>>()?;
         let (q, rates): (Vec<_>, Vec<_>) = links.into_iter().unzip();

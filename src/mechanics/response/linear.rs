@@ -1,0 +1,144 @@
+//! A linear link played by its modes.
+
+use std::f64::consts::TAU;
+
+use super::bent::JointMotion;
+use super::driving::Driving;
+use super::error::{SimulationError, SimulationWarning};
+use super::modal_play::{ModalPlay, deflection_m};
+use super::modes::Equations;
+use super::play::{LEFT_OUT, Play, Started, refuse_memory};
+use super::played::{Played, PlayedBy, PlayedLink};
+use super::residual::{PlayedModelError, Reading, ResidualVibration};
+use super::stepper::Record;
+use crate::beam::Mesh;
+use crate::link::Link;
+use crate::modal::{DampingLaw, OF_DEFLECTION, hub_moves_mass, second_order_share};
+use crate::motion::TipMotionHistories;
+use crate::numeric::{TimeGrid, largest};
+
+/// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
+/// rate of each mode.
+const BYTES_PER_SAMPLE: usize = 190;
+
+/// The rate of a reference, its cubics, and the copy that the balance of energy reads.
+const BYTES_OF_TURNING: usize = 48;
+
+/// Vibration over the tip's travel below which the rows need not show it.
+const VIBRATES: f64 = 1e-6;
+
+/// Computes the motion under an input, torque or hub angle, that drives the link up to `band_rad_s`.
+pub(super) fn play_modes(
+    link: &Link,
+    mesh: Mesh,
+    play: &Play,
+    band_rad_s: f64,
+) -> Result<Played, SimulationError> {
+    if !hub_moves_mass(&mesh) {
+        return Err(SimulationError::MasslessHub);
+    }
+    let (grid, driving) =
+        (play.grid()?, play.driving((0, link), play.zero_of_state_rad(link), link.has_weight())?);
+    let law = DampingLaw::of(link, &mesh)?;
+    let Started { equations, selection, start, left_out } =
+        Started::of(link, (&mesh, &law), (play, &driving), band_rad_s)?;
+    let modes = equations.coordinates.len();
+    let samples = grid.len;
+    let turning = if driving.turning.is_some() { BYTES_OF_TURNING } else { 0 };
+    let bytes = samples * (2 * size_of::<f64>() * modes + BYTES_PER_SAMPLE + turning);
+    refuse_memory((samples, modes), bytes, play.memory_bytes)?;
+    let record = Record::of(&equations, &driving, &grid, &start);
+    let initial_tip_m = play.start_m(link);
+    let from_rad = play.origin_rad(link).unwrap_or(0.0);
+    let offsets = [from_rad + initial_tip_m / mesh.length_m(), initial_tip_m];
+    let observed = observed(&record, &equations, &driving, offsets, &grid)?;
+    let [torque_n_m, angle_rad, rate_rad_s, acceleration_rad_s2, tip @ ..] = observed;
+    let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
+    let tip = TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 };
+    let driven = play.input.grid().len;
+    let goal_m = play.goal_rad(link).map(|turn_rad| turn_rad * mesh.length_m());
+    let reading = Reading::new(&equations, goal_m);
+    let (last, held) = (record.at(driven - 1), driving.held());
+    let residual = play
+        .cycle_turn_rad
+        .is_none()
+        .then(|| ResidualVibration::of(&equations, last, held, &reading, tip.largest_travel_m()));
+    let has_turning = driving.turning.is_some();
+    let turning_rad_s = driving.turning_rad_s(if has_turning { grid.len } else { 0 });
+    let deflection_m = deflection_m(&mesh, from_rad, &tip.displacement_m, &angle_rad);
+    // In one that vibrates the hub swings faster than the link turns.
+    let turned = largest(&tip.velocity_m_s) / mesh.length_m();
+    let share_of = second_order_share(&mesh, link, turned.min(largest(&rate_rad_s)));
+    let bends_m = largest(&deflection_m);
+    let vibrates_m = residual.map_or(0.0, |residual| residual.amplitude_m);
+    let shares = [bends_m, vibrates_m].map(|bent_m| share_of(bent_m, OF_DEFLECTION));
+    let omega_rad_s = equations.first_period_s().map_or(0.0, |period_s| TAU / period_s);
+    let moves_m = (bends_m, tip.largest_travel_m());
+    let vibration = (omega_rad_s, grid.duration_s());
+    let model_error = PlayedModelError::of(shares, moves_m, residual.as_ref(), vibration);
+    let [begins, ends] = play.input.warnings(&torque_n_m);
+    let cut = SimulationWarning::StateCut { share: left_out };
+    let begins = match play.state {
+        Some(_) => (left_out > LEFT_OUT).then_some(cut),
+        None => begins,
+    };
+    let [begins, ends] = if residual.is_some() { [begins, ends] } else { [None, None] };
+    // Without a vibration the rows need not show it.
+    let vibrates = residual.is_none_or(|residual| residual.share > VIBRATES);
+    let coarse = SimulationWarning::coarse_step(grid.step_s, equations.first_period_s());
+    let coarse = coarse.filter(|_| vibrates);
+    let warnings = [begins, ends, coarse, model_error.warning()].into_iter().flatten().collect();
+    let hub =
+        JointMotion { torque_n_m, angle_rad, rate_rad_s, acceleration_rad_s2, holding_n_m: None };
+    let by = PlayedBy::Modes(ModalPlay {
+        selection,
+        residual,
+        model_error,
+        band_rad_s,
+        grid,
+        from_rad,
+        initial_tip_m,
+        repeats: play.cycle_turn_rad.is_some(),
+        equations,
+        record,
+        turning_rad_s,
+    });
+    let links = vec![PlayedLink::of(mesh, law)];
+    Ok(Played { grid, driven, joints: vec![hub], tip: vec![tip], links, by, warnings })
+}
+
+/// Torque of the motor in N m; angle, rate and acceleration of the hub in rad, rad/s and rad/s²;
+/// displacement, velocity and acceleration of the tip in m, m/s and m/s². The hub angle and the tip's
+/// displacement begin at `start`.
+fn observed(
+    record: &Record,
+    equations: &Equations,
+    driving: &Driving,
+    [start_rad, start_m]: [f64; 2],
+    grid: &TimeGrid,
+) -> Result<[Vec<f64>; 7], SimulationError> {
+    let mut columns = [(); 7].map(|()| Vec::with_capacity(grid.len));
+    for sample in 0..grid.len {
+        let (q, rate) = record.at(sample);
+        let (input, turning_rad_s) = (driving.at(sample), driving.turning_at(sample));
+        let acceleration = equations.accelerations(q, rate, (input, turning_rad_s));
+        let (angle, hub_rate) = (equations.hub(q), equations.hub(rate));
+        let row = [
+            equations.motor_n_m(q, rate, &acceleration, input),
+            start_rad + angle,
+            hub_rate,
+            equations.hub(&acceleration),
+            start_m + equations.tip(q),
+            equations.tip(rate),
+            equations.tip(&acceleration),
+        ];
+        let (power, all) = (row[0] * row[2], row.iter().sum::<f64>());
+        if !power.is_finite() || !all.is_finite() {
+            return Err(SimulationError::NotFinite { time_s: grid.time_s(sample) });
+        }
+        for (column, value) in columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+    }
+    Ok(columns)
+}
