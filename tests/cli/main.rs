@@ -188,7 +188,7 @@ fn refusal(code: i32, output: Output, words: &str) {
     assert!(error.contains(words), "{words}: {error}");
 }
 
-/// What a program prints as JSON.
+/// The JSON on the standard output of a program.
 fn json_of(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
