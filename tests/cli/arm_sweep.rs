@@ -13,8 +13,7 @@ fn sweep(bench: &Bench, options: &[&str]) -> Output {
 
 #[track_caller]
 fn swept(bench: &Bench, options: &[&str]) -> Output {
-    let output = succeeded(sweep(bench, options));
-    output
+    succeeded(sweep(bench, options))
 }
 
 #[track_caller]
@@ -127,8 +126,7 @@ fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
         let vary = "links.fore.segments.0.length=0.6,0.1,-1";
         let arguments =
             ["sweep", "arm.toml", "in/path.csv", "--vary", vary, "--vary", "duration*=1,-1"];
-        let output = bench.done(&[&arguments, options].concat());
-        output
+        bench.done(&[&arguments, options].concat())
     };
     let output = run(&[]);
     let told = "warning: 5 of 6 cases failed, the first is case 2: ";

@@ -15,8 +15,7 @@ fn bench() -> Bench {
 
 #[track_caller]
 fn done(bench: &Bench, arguments: &[&str]) -> Output {
-    let output = bench.done(arguments);
-    output
+    bench.done(arguments)
 }
 
 /// A bench whose folder `out` holds a run.

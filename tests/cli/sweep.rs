@@ -14,8 +14,7 @@ pub(super) fn sweep(bench: &Bench, arguments: &[&str]) -> Output {
 
 #[track_caller]
 pub(super) fn swept(bench: &Bench, arguments: &[&str]) -> Output {
-    let output = succeeded(sweep(bench, arguments));
-    output
+    succeeded(sweep(bench, arguments))
 }
 
 /// The rows of a table, as fields of text; commas in quotes part none.
