@@ -57,11 +57,12 @@ fn commands_of_readme_book_help_texts_and_refusals_print_what_is_shown() {
     }
     env::set_current_dir(folder.path()).unwrap();
 
-    let inputs = ["compare.in", "tables.in"].map(|name| repository("tests/refusals").join(name));
-    let watched = || [content(folder.path()), content(&inputs[0]), content(&inputs[1])];
-    let before = watched();
+    let inputs =
+        ["compare.in", "runs.in", "tables.in"].map(|name| repository("tests/refusals").join(name));
+    let watched = || inputs.iter().map(|input| content(input)).chain([content(folder.path())]);
+    let before: Vec<_> = watched().collect();
     run(&["tests/help/*.trycmd", "tests/refusals/*.trycmd"]);
-    for (before, after) in before.iter().zip(&watched()) {
+    for (before, after) in before.iter().zip(watched()) {
         let paths = before.keys().chain(after.keys());
         let changed: Vec<_> = paths.filter(|path| before.get(*path) != after.get(*path)).collect();
         assert!(changed.is_empty(), "a refusal has changed {changed:?}");

@@ -1,6 +1,6 @@
 //! `flexlink fit` of an arm of several links.
 
-use super::{Bench, repository, stderr, stdout};
+use super::{Bench, refusal, repository, stderr, stdout, succeeded};
 
 const QUANSER: &str = "specs/arms/quanser_serial.toml";
 const MEASURED: &str = "measurements/quanser_serial.toml";
@@ -26,15 +26,11 @@ fn the_two_frequencies_of_the_quanser_arm_are_not_those_of_springs_alone() {
     let bench = Bench::new();
     let shoulder = "links.shoulder.drive.joint_stiffness";
     let springs = ["--set", "links.shoulder.drive.joint_stiffness=30", "--free", shoulder];
-    let out = fitted(&bench, &springs);
-    assert_eq!(out.status.code(), Some(4), "{}", stdout(&out));
-    assert!(stderr(&out).contains("links.elbow.drive.joint_stiffness lies on its bound"));
+    refusal(4, fitted(&bench, &springs), "links.elbow.drive.joint_stiffness lies on its bound");
 
     let inertia = "links.shoulder.tip.inertia";
     let set = format!("{inertia}=0.02");
-    let out = fitted(&bench, &["--set", &set, "--free", inertia, "--report"]);
-    assert!(out.status.success(), "{}", stderr(&out));
-    let found = stdout(&out);
+    let found = stdout(&succeeded(fitted(&bench, &["--set", &set, "--free", inertia, "--report"])));
     assert!((0.02 * factor(&found, inertia) / 0.0502 - 1.0).abs() < 0.02, "{found}");
     let stiffness = 30.0 * factor(&found, "links.elbow.drive.joint_stiffness");
     assert!((62.0..77.0).contains(&stiffness), "{found}");
@@ -52,8 +48,7 @@ fn the_arm_file_is_written_with_its_comments_and_fits() {
     bench.write("arm.toml", &text);
     let measured = repository(MEASURED);
     let free = ["--free", "links.elbow.drive.joint_stiffness"];
-    let out = bench.run(&[&["fit", "arm.toml", &measured, "-o", "new.toml"], &free[..]].concat());
-    assert!(out.status.success(), "{}", stderr(&out));
+    bench.done(&[&["fit", "arm.toml", &measured, "-o", "new.toml"], &free[..]].concat());
     let record = bench.json("new.json");
     let second = &record["residuals"][1]["observable"];
     assert_eq!((&second["kind"], &second["joints"]), (&"arm_frequency".into(), &"held".into()));
@@ -68,8 +63,8 @@ fn the_arm_file_is_written_with_its_comments_and_fits() {
 fn a_swing_without_gravity_has_no_frequency() {
     let bench = Bench::new();
     bench.write("m.toml", "[[frequency]]\nmode = 2\nat = [0, '45 deg']\nvalue = '0.5 Hz'\n");
-    let out = bench.run(&["fit", &repository(QUANSER), "m.toml", "--free", "links.*.segments.*.E"]);
-    assert_eq!(out.status.code(), Some(3));
+    let out =
+        bench.ends(3, &["fit", &repository(QUANSER), "m.toml", "--free", "links.*.segments.*.E"]);
     let told =
         "error: frequency 2, joints free, at 0°, 45° was measured, but this mode does not vibrate";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
@@ -89,8 +84,6 @@ fn what_is_no_mode_of_the_arm_is_refused() {
     for (text, told) in cases {
         bench.write("m.toml", &format!("{head}{text}"));
         let free = "links.*.segments.*.E";
-        let out = bench.run(&["fit", &repository(QUANSER), "m.toml", "--free", free]);
-        assert_eq!(out.status.code(), Some(3));
-        assert!(stderr(&out).contains(told), "{}", stderr(&out));
+        bench.refuses(3, &["fit", &repository(QUANSER), "m.toml", "--free", free], told);
     }
 }

@@ -1,6 +1,6 @@
 //! `modes` and `frf` of arms in a pose: what is told and written, refusals, and the arm whose hardware was measured.
 
-use super::{Bench, keys, repository, stderr, stdout};
+use super::{Bench, json_of, keys, stderr, stdout};
 
 const ARM: &str = "gravity = [0, -9.81]
 [[links]]
@@ -28,8 +28,7 @@ fn bench() -> Bench {
 fn modes_of_a_pose_are_told_with_swings_first_and_zeros_of_each_link() {
     let bench = bench();
     let lines = |pose: &str| {
-        let output = bench.run(&["modes", "arm.toml", "--count", "3", "--at", pose]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        let output = bench.done(&["modes", "arm.toml", "--count", "3", "--at", pose]);
         let falls = stderr(&output).starts_with("warning: the arm falls from this pose");
         assert!(falls || stderr(&output).is_empty(), "{}", stderr(&output));
         assert_eq!(falls, pose.starts_with("90 deg"), "{}", stderr(&output));
@@ -49,13 +48,12 @@ fn modes_of_a_pose_are_told_with_swings_first_and_zeros_of_each_link() {
     assert_eq!(blocked.count(), 1, "{hanging:?}");
     let up = lines("90 deg,1.5708");
     assert!(up[5].starts_with("1      not stable: it leaves the pose as e^(t/0.1"), "{up:?}");
-    let denied = bench.run(&["modes", "arm.toml", "--at", "90 deg,1.5708", "--deny-warnings"]);
-    assert_eq!(denied.status.code(), Some(4), "{}", stderr(&denied));
+    bench.ends(4, &["modes", "arm.toml", "--at", "90 deg,1.5708", "--deny-warnings"]);
     let flat = bench.run(&["modes", "arm.toml", "--at", "0.3,1.2", "--set", "gravity=[0, 0]"]);
     let flat = stdout(&flat);
     assert!(flat.contains("\n2      neutral: the arm stays where it is turned\n"), "{flat}");
     let json = bench.run(&["modes", "arm.toml", "--at", "0.3,1.2", "--json", "--count", "2"]);
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let json = json_of(&json);
     assert_eq!(json["free"]["joints"].as_array().unwrap().len(), 4);
     assert_eq!(json["held"]["frequency_hz"].as_array().unwrap().len(), 2);
     assert!(json["joint_stiffness_n_m_rad"][1].is_null());
@@ -71,8 +69,7 @@ fn responses_to_each_torque_are_written_with_what_they_are_wrong_by() {
     let bench = bench();
     let pose = ["frf", "arm.toml", "--at", "-60 deg,-20 deg"];
     let band = ["--from", "0.3", "--to", "60", "--points", "40", "-o", "frf.csv"];
-    let output = bench.run(&[&pose[..], &band].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(&[&pose[..], &band].concat());
     assert!(stderr(&output).starts_with("note: the mesh error is "), "{}", stderr(&output));
     let table = bench.table("frf.csv");
     assert_eq!((table.len(), table[0].1.len()), (2 + 2 * 4 * 4, 40));
@@ -87,45 +84,11 @@ fn responses_to_each_torque_are_written_with_what_they_are_wrong_by() {
     }
     assert!(column("tip_x_per_torque1_1_n_magnitude").iter().all(|own| *own > 0.0));
     let json = bench.run(&[&pose[..], &["--points", "3", "--json"]].concat());
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let json = json_of(&json);
     assert_eq!(keys(&json).len(), 34);
     let up = bench.run(&["frf", "arm.toml", "--at", "1.5,1.6", "--points", "3", "--deny-warnings"]);
     assert!(stderr(&up).contains("warning: the arm falls from this pose"), "{}", stderr(&up));
     assert_eq!(up.status.code(), Some(4));
-}
-
-#[test]
-fn poses_that_are_none_are_refused() {
-    let bench = bench();
-    let refused = |arguments: &[&str], code: i32, words: &str| {
-        let output = bench.run(arguments);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(code), "{message}");
-        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
-    };
-    let must = "but must be 2 directions, one for each link of the arm";
-    for command in ["modes", "frf"] {
-        refused(&[command, "arm.toml"], 2, &format!("--at = nothing, {must}"));
-        refused(
-            &[command, "arm.toml", "--at", "1,2,3"],
-            2,
-            &format!("--at = 3 directions, {must}"),
-        );
-        refused(&[command, "arm.toml", "--at", "1,north"], 2, "'north'");
-        let modal = ["--set", "links.fore.damping={ model = \"modal\", ratios = [0.01] }"];
-        let at = [command, "arm.toml", "--at", "0.1,1"];
-        refused(&[&at[..], &modal].concat(), 4, "the damping of link 2 = modal, but must be none");
-        // Under thousands of times its weight the upper link has no shape with its chord level.
-        let heavy = ["--set", "gravity=[0, -50000]"];
-        refused(&[&at[..], &heavy].concat(), 4, "the arm has no shape at rest in this pose");
-    }
-    let bayo = repository("specs/bayo1987_example1.toml");
-    for command in ["modes", "frf"] {
-        let must = "--at = 2 directions, but must be one direction";
-        refused(&[command, &bayo, "--at", "1,2"], 2, must);
-    }
-    let modal = "damping={ model = \"modal\", ratios = [0.01] }";
-    refused(&["frf", &bayo, "--at", "1", "--set", modal], 4, "the damping of link 1 = modal");
 }
 
 /// Rows of a table, its names first.
@@ -137,8 +100,7 @@ fn rows(text: &str) -> Vec<Vec<&str>> {
 fn modes_shapes_and_zeros_of_a_pose_are_tabled() {
     let bench = bench();
     let pose = ["modes", "arm.toml", "--at", "-60 deg,20 deg", "--count", "2"];
-    let output = bench.run(&[&pose[..], &["-o", "m"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&pose[..], &["-o", "m"]].concat());
     let files = ["held_modes.csv", "mode_shapes.csv", "modes.csv", "zeros.csv"];
     assert_eq!(bench.names("m"), files);
     let json = stdout(&bench.run(&[&pose[..], &["--json"]].concat()));

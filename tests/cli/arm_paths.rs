@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Bench, column, repository, stderr, stdout};
+use super::{Bench, column, ended, repository, stderr, stdout, succeeded};
 
 const ARM: &str = "specs/arms/two_links.toml";
 
@@ -10,9 +10,7 @@ const SEPTIC: [&str; 4] = ["trajectory", "septic", "--step", "0.01"];
 const LINE: [&str; 6] = ["--path", "line", "--from", "0.9,-0.5", "--to", "0.5 m,800 mm"];
 
 fn made(bench: &Bench, arguments: &[&str]) -> Vec<(String, Vec<f64>)> {
-    let output = bench.run(&[&SEPTIC, arguments, &["-o", "path.csv"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert_eq!(stderr(&output), "");
+    bench.silent(&[&SEPTIC, arguments, &["-o", "path.csv"]].concat());
     bench.table("path.csv")
 }
 
@@ -61,10 +59,9 @@ fn what_the_arm_does_not_reach_is_refused_as_solve_refuses_it() {
     let refused = |to: &str, words: &str| {
         let line = ["--path", "line", "--from", "0.9,-0.5", "--to", to, "--duration", "1"];
         let path = [&SEPTIC, &line[..], &["-o", "far.csv"]].concat();
-        let checked = bench.run(&[&path[..], &["--link", &arm]].concat());
-        assert_eq!(checked.status.code(), Some(3));
+        let checked = bench.ends(3, &[&path[..], &["--link", &arm]].concat());
         assert!(!bench.path("far.csv").exists(), "nothing is written");
-        assert!(bench.run(&path).status.success());
+        bench.done(&path);
         let solved = bench.run(&["solve", &arm, "far.csv"]);
         std::fs::remove_file(bench.path("far.csv")).unwrap();
         let [own, solved] = [stderr(&checked), stderr(&solved)];
@@ -83,12 +80,9 @@ fn what_the_arm_does_not_reach_is_refused_as_solve_refuses_it() {
 
     let near = ["--path", "line", "--from", "0.9,-0.5", "--to", "1.298,0", "--duration", "1"];
     let near = [&SEPTIC, &near[..], &["--link", &arm, "-o", "near.csv"]].concat();
-    let output = bench.run(&near);
-    assert!(output.status.success());
-    let told = stderr(&output);
+    let told = stderr(&bench.done(&near));
     assert!(told.starts_with("warning: the sine of the elbow's angle falls to 0.1"), "{told}");
-    let denied = bench.run(&[&near[..], &["--deny-warnings"]].concat());
-    assert_eq!(denied.status.code(), Some(4));
+    bench.ends(4, &[&near[..], &["--deny-warnings"]].concat());
 }
 
 /// The command that made the square of the repository, from its first line.
@@ -103,12 +97,9 @@ fn the_square_of_the_repository_is_made_by_its_command_and_followed_without_a_wa
     let file = repository("trajectories/arms/square_6s.csv");
     let text = std::fs::read_to_string(&file).unwrap();
     let command = square_command(&text);
-    let output = bench.run(&command.iter().map(String::as_str).collect::<Vec<_>>());
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(&command.iter().map(String::as_str).collect::<Vec<_>>());
     assert!(text.ends_with(&stdout(&output)), "the file is what its command writes");
-    let solved = bench.run(&["solve", &repository(ARM), &file, "-o", "out"]);
-    assert!(solved.status.success());
-    assert_eq!(stderr(&solved), "");
+    let solved = bench.silent(&["solve", &repository(ARM), &file, "-o", "out"]);
     assert!(stdout(&solved).contains("path     of the tip"));
 }
 
@@ -136,7 +127,7 @@ fn the_shortest_path_within_the_limits_of_all_joints_is_found() {
     let rate = |duration_s: f64| -> f64 {
         let duration = format!("{duration_s:.3}");
         let exact = ["--duration", &duration, "-o", "exact.csv"];
-        assert!(bench.run(&[&step, &line[..], &exact].concat()).status.success());
+        bench.done(&[&step, &line[..], &exact].concat());
         let summary = stdout(&bench.run(&["solve", arm, "exact.csv", "--json"]));
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
         summary["results"]["joints"][0]["peak_hub_rate_rad_s"].as_f64().unwrap()
@@ -148,8 +139,7 @@ fn the_shortest_path_within_the_limits_of_all_joints_is_found() {
     let loose = stderr(&fit(&["--fit-limit", "hub_rate=0.8"]));
     assert!(loose.contains("; no limit binds: with a step less, step = 0.02"), "{loose}");
 
-    let heavy = fit(&["--fit-limit", "upper.torque=2"]);
-    assert_eq!(heavy.status.code(), Some(4));
+    let heavy = ended(4, fit(&["--fit-limit", "upper.torque=2"]));
     let message = "error: joint 1: limits.torque = 2.000 N m, but must be at least ";
     assert!(stderr(&heavy).starts_with(message), "{}", stderr(&heavy));
 }
@@ -195,8 +185,7 @@ fn difference(bench: &Bench, runs: [&str; 2]) -> f64 {
 
 fn solved(bench: &Bench, arguments: &[&str]) -> String {
     let arm = repository(ARM);
-    let output = bench.run(&[&["solve", &arm], arguments, &LINEAR, &["-q"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(&[&["solve", &arm], arguments, &LINEAR, &["-q"]].concat());
     stderr(&output)
 }
 
@@ -233,8 +222,7 @@ fn a_path_as_an_instrument_writes_it_is_read_by_the_options_recorded_and_repeate
     let recorded = bench.json("lab/summary.json")["inputs"]["arguments"].to_string();
     assert!(recorded.contains("\"--columns\",\"x=rechts\""), "{recorded}");
     assert!(recorded.contains("\"--scale\",\"y=-0.5\""), "{recorded}");
-    let again = bench.run(&["solve", "--repeat", "lab", &repository(ARM), "lab.csv"]);
-    assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
+    bench.done(&["solve", "--repeat", "lab", &repository(ARM), "lab.csv"]);
 }
 
 #[test]
@@ -246,14 +234,12 @@ fn uneven_samples_of_a_path_are_made_uniform_by_a_spline_and_repeated() {
     solved(&bench, &["uneven.csv", "--resample", "0.005", "-o", "uneven"]);
     let off = difference(&bench, ["even", "uneven"]);
     assert!(off > 1e-12 && off < 1e-6, "{off:e}");
-    let again = bench.run(&["solve", "--repeat", "uneven", &repository(ARM), "uneven.csv"]);
-    assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
+    bench.done(&["solve", "--repeat", "uneven", &repository(ARM), "uneven.csv"]);
 
     let arm = repository(ARM);
     let sweep = ["sweep", &arm, "uneven.csv", "--resample", "0.005", "--vary", "mesh.elements=4"];
     let linear = ["--set", "analysis.second_order=\"none\"", "-o", "sweep.csv", "-q"];
-    let swept = bench.run(&[&sweep[..], &linear].concat());
-    assert!(swept.status.success(), "{}", stderr(&swept));
+    bench.done(&[&sweep[..], &linear].concat());
     let summary = bench.json("uneven/summary.json");
     let peak = summary["results"]["joints"][0]["peak_torque_n_m"].as_f64().unwrap();
     let text = bench.read("sweep.csv");
@@ -261,43 +247,6 @@ fn uneven_samples_of_a_path_are_made_uniform_by_a_spline_and_repeated() {
     let at = names.iter().position(|name| *name == "peak_torque1_n_m").unwrap();
     let found: f64 = text.lines().nth(1).unwrap().split(',').nth(at).unwrap().parse().unwrap();
     assert!((found / peak - 1.0).abs() < 1e-8, "{found} {peak}");
-}
-
-#[test]
-fn options_that_do_not_fit_a_path_are_refused_in_words() {
-    let bench = Bench::new();
-    bench.write("path.csv", &table("time,x,y", samples(0.0).into_iter().map(standard)));
-    bench.write("uneven.csv", &table("time,x,y", samples(0.05).into_iter().map(standard)));
-    let turned = samples(0.0).into_iter().enumerate().map(|(k, [time, ..])| {
-        let degrees = if k < 100 { 170.0 } else { -175.0 };
-        format!("{time},{degrees},10")
-    });
-    bench.write("jump.csv", &table("time,angle1 [deg],angle2 [deg]", turned));
-    let arm = repository(ARM);
-    let refused = |file: &str, options: &[&str], code: i32, words: &str| {
-        let output = bench.run(&[&["solve", &arm, file], options, &["-o", "out"]].concat());
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(code), "{message}");
-        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
-        assert!(!bench.path("out").exists(), "nothing is written");
-    };
-    let read = "must be a unit of one of those read, x, y";
-    refused("path.csv", &["--unit", "deg"], 3, read);
-    refused("path.csv", &["--scale", "angle1=2"], 3, "must be one of those read, time, x, y");
-    refused("path.csv", &["--columns", "x=2"], 3, "--columns = x, but must also choose y");
-    refused("path.csv", &["--columns", "displacement=2"], 3, "must be one of time, x, y, angle1");
-    refused("path.csv", &["--columns", "x=2,y=4"], 3, "y=4, but must be at most 3");
-    refused("path.csv", &["--columns", "z=2"], 2, "angle1 to angle9");
-    refused("uneven.csv", &[], 3, "let --resample STEP make uneven samples uniform");
-    refused("uneven.csv", &["--resample", "0.3"], 3, "must divide the motion's 1 s into whole");
-    refused("uneven.csv", &["--resample", "-1"], 3, "must be finite and above 0");
-    // A spline through the jump would turn the link by nearly a turn.
-    refused("jump.csv", &["--resample", "0.001"], 3, "jump.csv:102: angle1 = -3.054326 rad");
-    let link = repository("specs/bayo1987_example1.toml");
-    let output = bench.run(&["solve", &link, "path.csv", "--columns", "x=2"]);
-    assert_eq!(output.status.code(), Some(3));
-    let words = "--columns = x, but must also choose y";
-    assert!(stderr(&output).contains(words), "{}", stderr(&output));
 }
 
 /// An arm of so many links under gravity that turn by a septic in 2 s, each joint its own way: times and torques, and the
@@ -333,8 +282,7 @@ fn turning(bench: &Bench, links: usize, step_s: f64) -> (Vec<(String, Vec<f64>)>
     let names: Vec<String> = (1..=links).map(|number| format!("angle{number}")).collect();
     let rows = format!("time,{}\n{}", names.join(","), rows.collect::<String>());
     bench.write("turning.csv", &rows);
-    let output = bench.run(&["solve", "turning.toml", "turning.csv", "-o", "turned"]);
-    assert!(output.status.success(), "{links} links, {step_s} s: {}", stderr(&output));
+    bench.done(&["solve", "turning.toml", "turning.csv", "-o", "turned"]);
     let summary = bench.json("turned/summary.json");
     let stated = summary["errors"]["joints"].as_array().unwrap().iter().map(|joint| {
         let kinds = ["mesh", "window", "step", "iteration"];
@@ -412,7 +360,6 @@ fn the_step_that_a_refusal_names_is_solved() {
         let (_, named) = refused.split_once("but must be shorter, about ").expect(&refused);
         let named_s: f64 = named.split(' ').next().unwrap().parse().unwrap();
         assert!(named_s > 0.001, "{refused}");
-        let output = solve(named_s);
-        assert!(output.status.success(), "{named_s} s: {}", stderr(&output));
+        succeeded(solve(named_s));
     }
 }

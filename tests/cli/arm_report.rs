@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use super::report::points;
 use super::{Bench, column, repository, stderr, stdout};
 
 const ARM: &str = "specs/arms/two_links.toml";
@@ -13,43 +14,19 @@ fn solved(bench: &Bench, folder: &str, more: &[&str]) {
     let fast = ["--set", "analysis.second_order=\"none\"", "--set", "mesh.elements=4"];
     let (arm, path) = (repository(ARM), repository(PATH));
     let given = ["solve", &arm, &path, "-q", "-o", folder];
-    let output = bench.run(&[&given[..], &fast, more].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&given[..], &fast, more].concat());
 }
 
 #[track_caller]
 fn done(bench: &Bench, arguments: &[&str]) -> String {
-    let output = bench.run(arguments);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(arguments);
     stdout(&output)
 }
 
 #[track_caller]
 fn refused(bench: &Bench, arguments: &[&str]) -> String {
-    let output = bench.run(arguments);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let output = bench.ends(3, arguments);
     stderr(&output)
-}
-
-/// Points of a line of a figure, in the units of its axes.
-fn points(svg: &str, line: &str) -> Vec<(f64, f64)> {
-    let attribute = |text: &str, name: &str| -> String {
-        let begin = text.find(&format!(" {name}=\"")).unwrap() + name.len() + 3;
-        text[begin..].split('"').next().unwrap().to_owned()
-    };
-    let numbers = |name: &str| -> Vec<f64> {
-        attribute(svg, name).split_whitespace().map(|number| number.parse().unwrap()).collect()
-    };
-    let (x, y, plot) = (numbers("data-x"), numbers("data-y"), numbers("data-plot"));
-    let path = &svg[svg.find(&format!("data-name=\"{line}\"")).unwrap()..];
-    let places = attribute(path, "d");
-    let places = places.split(['M', 'L']).filter(|place| !place.is_empty());
-    let point = |place: &str| {
-        let (across, down) = place.split_once(',').unwrap();
-        let (across, down): (f64, f64) = (across.parse().unwrap(), down.parse().unwrap());
-        (x[0] + across / plot[2] * (x[1] - x[0]), y[1] - down / plot[3] * (y[1] - y[0]))
-    };
-    places.map(point).collect()
 }
 
 /// Holds a line of a figure against values at times.

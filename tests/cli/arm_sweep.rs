@@ -4,7 +4,7 @@ use std::process::Output;
 
 use super::arms::bench;
 use super::sweep::rows;
-use super::{Bench, stderr};
+use super::{Bench, stderr, succeeded};
 
 /// `sweep` of the line of the arm in these tests.
 fn sweep(bench: &Bench, options: &[&str]) -> Output {
@@ -13,15 +13,12 @@ fn sweep(bench: &Bench, options: &[&str]) -> Output {
 
 #[track_caller]
 fn swept(bench: &Bench, options: &[&str]) -> Output {
-    let output = sweep(bench, options);
-    assert!(output.status.success(), "{}", stderr(&output));
-    output
+    succeeded(sweep(bench, options))
 }
 
 #[track_caller]
 fn solve(bench: &Bench, options: &[&str]) {
-    let output = bench.run(&[&["solve", "arm.toml"], options].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&["solve", "arm.toml"], options].concat());
 }
 
 /// Where summary.json has the number of a column of joints, `peak_torque2_n_m`: the number of the joint from 0,
@@ -117,11 +114,7 @@ fn a_factor_on_the_duration_is_a_path_with_scaled_times() {
     swept(&bench, &shared);
     assert_eq!(self::rows(&bench, "shared.csv")[1][1..], rows[2][1..]);
     // The record of the case has what `solve` takes for it.
-    let again = bench.run(&["solve", "--repeat", "all/2"]);
-    assert!(again.status.success(), "{}", stderr(&again));
-    let backwards = bench.run(&["solve", "arm.toml", "path.csv", "--scale-duration", "-1"]);
-    assert_eq!(backwards.status.code(), Some(2));
-    assert!(stderr(&backwards).contains("--scale-duration=-1: "), "{}", stderr(&backwards));
+    bench.done(&["solve", "--repeat", "all/2"]);
 }
 
 #[test]
@@ -133,9 +126,7 @@ fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
         let vary = "links.fore.segments.0.length=0.6,0.1,-1";
         let arguments =
             ["sweep", "arm.toml", "in/path.csv", "--vary", vary, "--vary", "duration*=1,-1"];
-        let output = bench.run(&[&arguments, options].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
-        output
+        bench.done(&[&arguments, options].concat())
     };
     let output = run(&[]);
     let told = "warning: 5 of 6 cases failed, the first is case 2: ";
@@ -154,7 +145,7 @@ fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
         run(&["--shard", shard]);
     }
     let merge = ["sweep", "-o", "merged.csv", "--merge", "sweep-1-of-2.csv", "sweep-2-of-2.csv"];
-    assert!(bench.run(&merge).status.success());
+    bench.done(&merge);
     assert!(bench.read("merged.csv") == bench.read("sweep.csv"));
     run(&["--shard", "1/2", "--resume"]);
 }
@@ -165,8 +156,7 @@ fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
     let stiffness = ["--vary", "links.*.segments.*.EI*=1,4"];
     swept(&bench, &[&stiffness[..], &["--vary", "duration*=1,1.5"]].concat());
     let done = |arguments: &[&str]| {
-        let output = bench.run(arguments);
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(arguments);
     };
     done(&["report", "sweep.csv", "-q", "--svg", "maps"]);
     let topics = ["deflection", "lag", "lead", "peak-torque", "torque-ratio"];
@@ -187,35 +177,5 @@ fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
         "other.csv",
         &bench.read("sweep.csv").replace("peak_torque2_n_m", "peak_torque3_n_m"),
     );
-    let output = bench.run(&["report", "other.csv"]);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-}
-
-#[test]
-fn what_is_of_one_link_is_refused_for_sweeps_of_arms() {
-    let bench = bench();
-    let mass = ["--vary", "links.fore.payload.mass=0.1,0.2"];
-    for (options, code, words) in [
-        (&["--vary", "distance*=1,2"][..], 2, "--vary: distance is for one link"),
-        (&["--vary", "duration=1,2"], 2, "duration=1, but duration of the motion takes factors"),
-        (&[&mass[..], &["--torque", "t.csv"]].concat(), 2, "--torque is for one link"),
-        (&[&mass[..], &["--periodic"]].concat(), 2, "--periodic is for one link"),
-        (
-            &["--vary", "links.fore.payload.mass=0.1,0.2", "--vary", "links.*.payload.mass=0.1"],
-            3,
-            "the last link alone has a payload",
-        ),
-        (
-            &[&mass[..], &["--vary", "links.1.payload.mass=0.1,0.2"]].concat(),
-            2,
-            "links.fore.payload.mass=0.1 and links.fore.payload.mass=0.2 give the same arm",
-        ),
-        (&["--vary", "links.lower.payload.mass=1,2"], 3, "links.lower is not in the file"),
-    ] {
-        let output = sweep(&bench, options);
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(code), "{message}");
-        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
-    }
-    assert_eq!(bench.names("."), ["arm.toml", "path.csv"]);
+    bench.ends(3, &["report", "other.csv"]);
 }

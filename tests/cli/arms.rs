@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Bench, column, keys, repository, stderr, stdout};
+use super::{Bench, column, keys, refusal, repository, stderr, stdout, succeeded};
 
 const ARM: &str = "gravity = [0, -9.81]
 elbow = 'left'
@@ -48,8 +48,7 @@ pub(super) fn bench() -> Bench {
 fn an_arm_is_solved_written_told_and_repeated() {
     let bench = bench();
     let options = ["--deflections", "--moments"];
-    let output = bench.run(&[&["solve", "arm.toml", "path.csv"], &options[..]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(&[&["solve", "arm.toml", "path.csv"], &options[..]].concat());
     let warned = stderr(&output);
     assert!(warned.starts_with("warning: joint 1: limits.torque = 5 N m is exceeded"), "{warned}");
     assert_eq!(warned.matches("warning:").count(), 1, "{warned}");
@@ -99,10 +98,8 @@ fn an_arm_is_solved_written_told_and_repeated() {
     assert_eq!(summary["second_order"]["order"], "full");
     assert_eq!(summary["results"]["joints"].as_array().unwrap().len(), 2);
     assert!(keys(&summary["errors"]["joints"][0]["torque"]).contains(&"iteration"));
-    let again = bench.run(&["solve", "--repeat", "out"]);
-    assert!(again.status.success(), "{}", stdout(&again));
-    let strict = bench.run(&["solve", "arm.toml", "path.csv", "--strict"]);
-    assert_eq!(strict.status.code(), Some(4));
+    bench.done(&["solve", "--repeat", "out"]);
+    bench.ends(4, &["solve", "arm.toml", "path.csv", "--strict"]);
 }
 
 #[test]
@@ -117,8 +114,7 @@ damping = { model = 'hysteretic', ratio = 0.02 }
     bench.write("arm.toml", &format!("title = 'one'\n[[links]]\nname = 'only'\n{body}"));
     let motion = repository("trajectories/sine_0.88s.csv");
     for (file, folder) in [("link.toml", "link"), ("arm.toml", "arm")] {
-        let output = bench.run(&["solve", file, &motion, "-o", folder]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&["solve", file, &motion, "-o", folder]);
     }
     for file in ["torque.csv", "hub_angle.csv", "nodal_displacements.csv", "tip.csv", "nodes.csv"] {
         assert_eq!(
@@ -127,66 +123,14 @@ damping = { model = 'hysteretic', ratio = 0.02 }
             "{file}"
         );
     }
-    let modes = bench.run(&["modes", "arm.toml"]);
-    assert!(modes.status.success(), "{}", stderr(&modes));
-}
-
-#[test]
-fn what_an_arm_cannot_follow_is_refused_by_its_row() {
-    let bench = bench();
-    let refused = |file: &str, more: &[&str], code: i32, words: &str| {
-        let output = bench.run(&[&["solve", "arm.toml", file], more].concat());
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(code), "{message}");
-        assert!(message.starts_with("error: ") && message.contains(words), "{message}");
-    };
-    bench.write("far.csv", &path([0.9, -0.5], [1.2, 0.9]));
-    refused("far.csv", &[], 3, "m from the first joint, but must be from 0.100000 to 1.300000 m");
-    bench.write("stretched.csv", &path([0.9, -0.5], [1.2999, 0.0]));
-    refused("stretched.csv", &[], 3, "the sine of the elbow's angle = 0.0");
-    bench.write("moving.csv", "time,x,y\n0,0.9,0\n0.1,0.9,0.1\n0.2,0.9,0.2\n0.3,0.9,0.3\n");
-    refused("moving.csv", &[], 3, "y: the motion starts with a velocity");
-    bench.write("lone.csv", "time,displacement\n0,0\n1,1\n2,1\n3,1\n");
-    refused("lone.csv", &[], 3, "x and y, or angle1");
-    refused("path.csv", &["--noise", "1"], 2, "--noise is for one link");
-    refused(
-        "path.csv",
-        &["--nodes", "1", "--report"],
-        2,
-        "--report draws an arm with all its nodes",
-    );
-    refused(
-        "path.csv",
-        &["--set", "links.upper.hub.inertia=-1"],
-        3,
-        "links.upper.hub.inertia = -1",
-    );
-    refused(
-        "path.csv",
-        &["--set", "links.lower.payload.mass=1"],
-        3,
-        "links.lower is not in the file",
-    );
-    bench.write("no_elbow.toml", &ARM.replace("elbow = 'left'\n", ""));
-    let output = bench.run(&["solve", "no_elbow.toml", "path.csv"]);
-    let words = "error: no_elbow.toml: elbow = nothing";
-    assert!(stderr(&output).starts_with(words), "{}", stderr(&output));
-    let modal = "links.fore.damping={ model = \"modal\", ratios = [0.01] }";
-    let line = ARM.lines().take_while(|line| !line.contains("fore")).count();
-    let words = format!("arm.toml:{line}: link fore: the damping is given mode by mode");
-    refused("path.csv", &["--set", modal], 4, &words);
-    let measured = repository("measurements/krauss_slfr.toml");
-    let output = bench.run(&["fit", "arm.toml", &measured, "--free", "links.fore.payload.mass"]);
-    assert_eq!(output.status.code(), Some(3));
-    let told = "krauss_slfr.toml:6: frequency.0.hub is given, but an arm of 2 links takes `joints`";
-    assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    bench.done(&["modes", "arm.toml"]);
 }
 
 /// The same motion as angles of the links, sampled from the rigid arm that follows the path.
 #[test]
 fn directions_of_the_links_lead_the_arm_too() {
     let bench = bench();
-    assert!(bench.run(&["solve", "arm.toml", "path.csv", "--digits", "full"]).status.success());
+    bench.done(&["solve", "arm.toml", "path.csv", "--digits", "full"]);
     let of = |file: &str, name: &str| column(&bench, file, name);
     let rigid = [1, 2].map(|joint| of("out/joint_angles.csv", &format!("rigid_joint{joint}_rad")));
     let time = of("out/torques.csv", "time_s");
@@ -194,8 +138,7 @@ fn directions_of_the_links_lead_the_arm_too() {
     let rows = rows
         .map(|(k, t)| format!("{t:.3},{:.15},{:.15}\n", rigid[0][k], rigid[0][k] + rigid[1][k]));
     bench.write("angles.csv", &format!("time,angle1,angle2\n{}", rows.collect::<String>()));
-    let output = bench.run(&["solve", "arm.toml", "angles.csv", "-o", "angles"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&["solve", "arm.toml", "angles.csv", "-o", "angles"]);
     let [tip, led] = ["out", "angles"].map(|out| of(&format!("{out}/torques.csv"), "torque1_n_m"));
     let times = of("angles/torques.csv", "time_s");
     // Chords that keep their directions lead the tip by as little elsewhere as the links shorten.
@@ -213,8 +156,7 @@ fn directions_of_the_links_lead_the_arm_too() {
 fn an_arm_is_verified_and_what_is_left_out_is_found() {
     let bench = bench();
     let within = ["--set", "links.upper.limits.torque=50"];
-    let solved = bench.run(&[&["solve", "arm.toml", "path.csv", "--verify"][..], &within].concat());
-    assert!(solved.status.success(), "{}", stderr(&solved));
+    bench.done(&[&["solve", "arm.toml", "path.csv", "--verify"][..], &within].concat());
     let summary = bench.json("out/summary.json");
     let checks = summary["verification"].as_array().unwrap();
     let names: Vec<&str> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
@@ -222,15 +164,13 @@ fn an_arm_is_verified_and_what_is_left_out_is_found() {
         assert!(names.contains(&name), "{names:?}");
     }
     assert!(checks.iter().all(|check| check["passes"] == true), "{checks:?}");
-    let verified = bench.run(&[&["verify", "arm.toml", "path.csv"][..], &within].concat());
-    assert!(verified.status.success(), "{}", stderr(&verified));
-    let table = stdout(&verified);
+    let table = stdout(&bench.done(&[&["verify", "arm.toml", "path.csv"][..], &within].concat()));
     assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
     assert!(!table.contains("FAILS") && !table.contains("not made"), "{table}");
     // Without second-order terms the tip strays by more than it may, and the energy still adds up.
     let linear = ["--set", "analysis.second_order=\"none\""];
-    let failed = bench.run(&[&["verify", "arm.toml", "path.csv"][..], &within, &linear].concat());
-    assert_eq!(failed.status.code(), Some(4), "{}", stdout(&failed));
+    let failed =
+        bench.ends(4, &[&["verify", "arm.toml", "path.csv"][..], &within, &linear].concat());
     assert!(stderr(&failed).contains("tip, the joints moved as solved"), "{}", stderr(&failed));
     let energy = stdout(&failed);
     let energy = energy.lines().find(|line| line.starts_with("work less energy")).unwrap();
@@ -244,8 +184,7 @@ fn an_arm_is_verified_and_what_is_left_out_is_found() {
 #[test]
 fn a_limit_that_the_torque_of_a_joint_and_its_error_exceed_fails() {
     let bench = bench();
-    let solved = bench.run(&["solve", "arm.toml", "path.csv"]);
-    assert!(solved.status.success(), "{}", stderr(&solved));
+    bench.done(&["solve", "arm.toml", "path.csv"]);
     let summary = bench.json("out/summary.json");
     let peak_n_m = summary["results"]["joints"][0]["peak_torque_n_m"].as_f64().unwrap();
     let errors = summary["errors"]["joints"][0]["torque"].as_object().unwrap();
@@ -254,15 +193,8 @@ fn a_limit_that_the_torque_of_a_joint_and_its_error_exceed_fails() {
         let limit = format!("links.upper.limits.torque={:e}", peak_n_m * (1.0 + beyond * error));
         bench.run(&["verify", "arm.toml", "path.csv", "--set", &limit])
     };
-    let kept = with(10.0);
-    assert!(kept.status.success(), "{}", stderr(&kept));
-    let exceeded = with(0.1);
-    assert_eq!(exceeded.status.code(), Some(4), "{}", stdout(&exceeded));
-    assert!(
-        stderr(&exceeded).contains("out of bounds: joint 1 limits.torque\n"),
-        "{}",
-        stderr(&exceeded)
-    );
+    succeeded(with(10.0));
+    refusal(4, with(0.1), "out of bounds: joint 1 limits.torque\n");
 }
 
 /// Angles go on over whole turns where the tip is led around the first joint, and the elbow stays on its side.
@@ -280,8 +212,7 @@ fn whole_turns_of_the_tip_are_counted_and_the_elbow_stays_on_its_side() {
     for (elbow, from, by) in [("left", 0.3, 7.0), ("right", 2.9, 0.5), ("left", 2.9, -6.0)] {
         bench.write("around.csv", &around(from, by));
         let elbow = format!("elbow=\"{elbow}\"");
-        let output = bench.run(&["solve", "arm.toml", "around.csv", "--set", &elbow, "-q"]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&["solve", "arm.toml", "around.csv", "--set", &elbow, "-q"]);
         let of = |file: &str, name: &str| column(&bench, &format!("out/{file}"), name);
         let chords = [1, 2].map(|link| of("chord_angles.csv", &format!("angle{link}_rad")));
         let steps = chords[0].windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -322,9 +253,7 @@ fn a_path_of_few_digits_is_told_with_what_that_does() {
     let words =
         "remark: the path has 3 decimals, ±5.0e-4 m: the tip is followed to 1.7e-3 of its way";
     assert!(stderr(&told).contains(words), "{}", stderr(&told));
-    assert!(
-        bench.run(&[&["solve", "arm.toml", "path.csv"][..], &within].concat()).status.success()
-    );
+    bench.done(&[&["solve", "arm.toml", "path.csv"][..], &within].concat());
     let of = |out: &str, name: &str| column(&bench, &format!("{out}/torques.csv"), name);
     let times = [of("few", "time_s"), of("out", "time_s")];
     let summary = bench.json("few/summary.json");
@@ -358,8 +287,7 @@ fn coordinates_that_hardly_move_are_solved_or_refused_in_words() {
     write("short.csv", &|k| 0.001 * f64::from(k.clamp(200, 204) - 200));
     let linear =
         ["--set", "analysis.second_order=\"none\"", "--set", "links.upper.limits.torque=50"];
-    let digit = bench.run(&[&["solve", "arm.toml", "digit.csv", "-q"][..], &linear].concat());
-    assert!(digit.status.success(), "{}", stderr(&digit));
+    bench.done(&[&["solve", "arm.toml", "digit.csv", "-q"][..], &linear].concat());
     let short = bench.run(&[&["solve", "arm.toml", "short.csv", "-q"][..], &linear].concat());
     let message = stderr(&short);
     assert!(!message.contains("panicked"), "{message}");
@@ -377,10 +305,8 @@ fn nodes_of_the_list_are_written_for_each_link_that_has_them_and_repeated() {
     let run = |more: &[&str]| {
         bench.run(&[&["solve", &two, &path][..], &linear, &elements, more].concat())
     };
-    let all = run(&["--moments", "-o", "all"]);
-    assert!(all.status.success(), "{}", stderr(&all));
-    let few = run(&["--moments", "--nodes", "4,1", "-o", "few"]);
-    assert!(few.status.success(), "{}", stderr(&few));
+    succeeded(run(&["--moments", "-o", "all"]));
+    succeeded(run(&["--moments", "--nodes", "4,1", "-o", "few"]));
     let heading = |file: &str| bench.read(file).lines().next().unwrap().to_owned();
     let names = "time_s,x1_4_m,y1_4_m,x1_1_m,y1_1_m,x2_1_m,y2_1_m";
     assert_eq!(heading("few/nodal_positions.csv"), names);
@@ -391,31 +317,16 @@ fn nodes_of_the_list_are_written_for_each_link_that_has_them_and_repeated() {
         assert!(few.len() == all.len() && few.iter().zip(&all).all(|(a, b)| (a - b).abs() < 1e-9));
     }
     assert!(bench.read("few/nodes.csv") == bench.read("all/nodes.csv"), "it lists all nodes");
-    let again = bench.run(&["solve", "--repeat", "few", &two, &path]);
-    assert!(again.status.success(), "{}{}", stdout(&again), stderr(&again));
+    bench.done(&["solve", "--repeat", "few", &two, &path]);
 
     // 0.7 m is the tip of the longer link, and not on the other. The links have four elements and two before: 0.3 m
     // is a node of the shorter, and 0.5 m divides both.
-    let at = run(&["--moments", "--stations", "0.7,0.3,0.5", "-o", "at"]);
-    assert!(at.status.success(), "{}", stderr(&at));
+    succeeded(run(&["--moments", "--stations", "0.7,0.3,0.5", "-o", "at"]));
     let told = stdout(&run(&["--stations", "0.7,0.3", "-o", "told"]));
     assert!(told.is_empty(), "{told}");
     let names = "time_s,m1_6_n_m,m1_2_n_m,m1_4_n_m,m2_1_n_m,m2_2_n_m";
     assert_eq!(heading("at/bending_moments.csv"), names);
-    let beyond = run(&["--stations", "0.71"]);
-    assert!(stderr(&beyond).contains("--stations = 0.71 m, but must lie on a link of the arm"));
 
-    let page = bench.run(&["report", "few"]);
-    assert_eq!(page.status.code(), Some(3));
-    let told = stderr(&page);
+    let told = stderr(&bench.ends(3, &["report", "few"]));
     assert!(told.contains("must include x1_0_m") && told.contains("without --nodes"), "{told}");
-    for (nodes, words) in [
-        ("5", "--nodes = 5, but must name nodes of a link, 0 to 4"),
-        ("1,1", "--nodes = 1 twice, but must name it once"),
-    ] {
-        let none = run(&["--nodes", nodes, "-o", "none"]);
-        assert_eq!(none.status.code(), Some(2));
-        assert!(stderr(&none).contains(words), "{}", stderr(&none));
-        assert!(!bench.path("none").exists());
-    }
 }

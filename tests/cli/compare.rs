@@ -1,8 +1,7 @@
 //! `compare`: two tables, or two folders of them, column by column.
 
 use std::fs;
-use std::io::Write as _;
-use std::process::{Output, Stdio};
+use std::process::Output;
 
 use serde_json::Value;
 
@@ -181,15 +180,7 @@ fn a_table_without_names_has_columns_by_number() {
 fn either_side_may_be_standard_input() {
     let bench = bench(EXPECTED);
     for arguments in [["compare", "-", "a.csv"], ["compare", "e.csv", "-"]] {
-        let mut child = bench
-            .program(&arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        child.stdin.take().unwrap().write_all(EXPECTED.as_bytes()).unwrap();
-        equal(&child.wait_with_output().unwrap());
+        equal(&bench.fed(EXPECTED, &arguments));
     }
 }
 
@@ -232,8 +223,7 @@ fn a_golden_pipe_is_not_replaced_by_a_file() {
     bench.write("a.csv", EXPECTED);
     let made = std::process::Command::new("mkfifo").arg(bench.path("pipe")).status().unwrap();
     assert!(made.success());
-    let output = bench.run(&["compare", "pipe", "a.csv", "--bless"]);
-    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    bench.ends(2, &["compare", "pipe", "a.csv", "--bless"]);
     assert!(fs::metadata(bench.path("pipe")).unwrap().file_type().is_fifo());
 }
 
@@ -249,7 +239,7 @@ fn a_file_of_one_side_whose_columns_are_all_ignored_is_no_difference() {
         "golden/tolerances.toml",
         "[[columns]]\nfile = 'log.csv'\ncolumn = '*'\nignore = true\n",
     );
-    assert_eq!(bench.run(&["compare", "golden", "out"]).status.code(), Some(0));
+    bench.done(&["compare", "golden", "out"]);
     // Of one file alone, what is said of others is no slip.
     let single = bench.run(&["compare", "golden/a.csv", "out/a.csv"]);
     assert_eq!((single.status.code(), stderr(&single).as_str()), (Some(0), ""));

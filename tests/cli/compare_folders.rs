@@ -6,7 +6,7 @@ use std::process::Output;
 use serde_json::Value;
 
 use super::Bench;
-use super::compare::{EXPECTED, bench, different, equal, refused};
+use super::compare::{EXPECTED, different, equal, refused};
 
 /// Two folders with the files given, `golden` and `out`.
 pub(super) fn folders(golden: &[(&str, &str)], out: &[(&str, &str)]) -> Bench {
@@ -236,15 +236,4 @@ fn a_table_that_is_refused_is_not_blessed() {
     let bench = folders(&[("a.csv", EXPECTED)], &[("a.csv", EXPECTED), ("b.csv", "x,y\n1\n")]);
     assert_eq!(compared(&bench, &["--bless"]).status.code(), Some(3));
     assert_eq!(bench.names("golden"), ["a.csv"]);
-}
-
-#[test]
-fn what_is_not_there_is_refused() {
-    let bench = bench("");
-    let message = "error: none.csv: cannot read: No such file or directory\nhint: flexlink compare --bless makes it from ACTUAL\n";
-    refused(&bench.run(&["compare", "none.csv", "a.csv"]), 3, message);
-    let message = "error: none.csv: cannot read: No such file or directory\n";
-    refused(&bench.run(&["compare", "e.csv", "none.csv"]), 3, message);
-    refused(&bench.run(&["compare", "new.csv", "none.csv", "--bless"]), 3, message);
-    refused(&bench.run(&["compare", ".", "none.csv"]), 3, message);
 }

@@ -2,7 +2,7 @@
 
 use super::compare::{EXPECTED, bench, different, equal, files};
 use super::compare_folders::{compared, folders};
-use super::stderr;
+use super::{stderr, succeeded};
 
 #[test]
 fn tolerances_beside_the_golden_files_hold_for_single_columns() {
@@ -61,8 +61,7 @@ fn a_tolerance_that_names_no_column_is_told() {
                 [[columns]]\nfile = 'e.csv'\ncolumn = 'times'\nrtol = 1\n\
                 [[columns]]\nfile = 'x.csv'\ncolumn = 'of another file'\nrtol = 1",
     );
-    let output = files(&bench, &[]);
-    assert_eq!(output.status.code(), Some(0));
+    let output = succeeded(files(&bench, &[]));
     let hint = "hint: `*` stands for any text, `?` for one character\n";
     let none = "but no column is called that";
     assert_eq!(

@@ -1,6 +1,6 @@
 //! Laws of damping by modes, and a link reduced to few modes, through all commands.
 
-use super::{Bench, LINK, column, repository, stderr, stdout};
+use super::{Bench, LINK, column, repository, stdout};
 
 const MODAL: &str = "damping.model=modal";
 const CAUGHEY: &str = "damping={model=\"caughey\", modes=[1, 2], ratios=[0.02, 0.03]}";
@@ -44,9 +44,7 @@ fn a_list_of_ratios_and_a_caughey_series_tell_what_each_mode_gets() {
 #[test]
 fn modes_tabulates_the_ratios_of_a_series() {
     let bench = Bench::new();
-    let output =
-        bench.run(&["modes", &repository(LINK), "--set", CAUGHEY, "--count", "3", "-o", "m"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&["modes", &repository(LINK), "--set", CAUGHEY, "--count", "3", "-o", "m"]);
     let ratios = column(&bench, "m/modes.csv", "damping_ratio");
     assert!((ratios[0] - 0.02).abs() < 1e-9 && (ratios[1] - 0.03).abs() < 1e-9);
     // Two modes make it the law of Rayleigh, ζ = α/(2ω) + βω/2.
@@ -101,8 +99,7 @@ fn the_truncation_error_is_the_difference_of_the_two_torques() {
 fn response(bench: &Bench, law: &str) -> Vec<(String, Vec<f64>)> {
     let arguments = ["--points", "400", "--to", "60", "-o", "frf.csv"];
     let link = repository(LINK);
-    let output = bench.run(&[&["frf", &link, "--set", law], &arguments[..]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&["frf", &link, "--set", law], &arguments[..]].concat());
     bench.table("frf.csv")
 }
 

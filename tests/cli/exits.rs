@@ -19,20 +19,6 @@ fn failed(bench: &Bench, arguments: &[&str], code: i32) -> String {
 }
 
 #[test]
-fn a_refusal_prints_an_error_alone_and_leaves_nothing_behind() {
-    let bench = Bench::new();
-    for (option, value, code) in [
-        ("--every", "0", 2),
-        ("--nodes", "11", 2),
-        ("--set", "damping.ratio=-0.02", 3),
-        ("--resample", "1e9", 3),
-        ("--set", "analysis.lag=1e6", 4),
-    ] {
-        failed(&bench, &[option, value], code);
-    }
-}
-
-#[test]
 fn five_for_a_folder_that_cannot_be_made_and_what_is_there_stays() {
     let bench = Bench::new();
     bench.write("taken", "a file");

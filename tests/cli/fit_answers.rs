@@ -1,6 +1,6 @@
 //! Several answers that fit about as well: printed, warned of, covered by the intervals, refused by --strict.
 
-use super::{Bench, stderr, stdout};
+use super::{Bench, ended, stderr, stdout, succeeded};
 
 const LINK: &str = "[[segments]]\nlength = 0.24\nEI = 6.2687\nmass_per_length = 0.30039\n\
                     [[segments]]\nlength = 0.36\nEI = 6.5037\nmass_per_length = 0.30039\n\
@@ -80,8 +80,7 @@ fn fit(bench: &Bench, free: [&str; 4], more: &[&str]) -> std::process::Output {
 
 /// Fits, and checks that each true factor lies within its interval; returns the factors of all answers.
 fn covering(bench: &Bench, free: [&str; 4], exact: [f64; 4]) -> Vec<Vec<f64>> {
-    let out = fit(bench, free, &["-o", "f.toml", "--report"]);
-    assert!(out.status.success(), "{}", stderr(&out));
+    let out = succeeded(fit(bench, free, &["-o", "f.toml", "--report"]));
     assert!(stderr(&out).contains("the measurements about as well"), "{}", stderr(&out));
     let record = bench.json("f.json");
     let values = record["values"].as_array().unwrap();
@@ -129,8 +128,7 @@ fn an_arm_has_the_answer_near_the_truth_beside_the_better_one() {
 fn strict_takes_several_answers_for_none() {
     let bench = Bench::new();
     let free = write_arm(&bench);
-    let out = fit(&bench, free, &["--strict", "-o", "f.toml"]);
-    assert_eq!(out.status.code(), Some(4), "{}", stderr(&out));
+    let out = ended(4, fit(&bench, free, &["--strict", "-o", "f.toml"]));
     let told =
         "error: no link file is written: one other answer fits the measurements about as well";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));

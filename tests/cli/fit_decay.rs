@@ -2,9 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use serde_json::Value;
-
-use super::{Bench, repository, stderr, stdout};
+use super::{Bench, ended, repository, stderr, stdout, succeeded};
 
 const LINK: &str = "[[segments]]\nlength = 0.42\nEI = 0.15\nmass_per_length = 0.155\n\
                     [hub]\ninertia = 0.0018\n[damping]\nmodel = 'hysteretic'\nratio = 0.02\n";
@@ -47,9 +45,8 @@ fn a_pluck_gives_stiffness_and_damping() {
     let bench = Bench::new();
     write_pluck(&bench);
     let measured = format!("{DECAY}from = '0.4 s'\n");
-    let out = fit(&bench, &measured, &["-o", "fitted.toml", "--report"]);
-    assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fitted.json")).unwrap();
+    let out = succeeded(fit(&bench, &measured, &["-o", "fitted.toml", "--report"]));
+    let record = bench.json("fitted.json");
     for (k, exact) in [0.18, 0.012].into_iter().enumerate() {
         let value = &record["values"][k];
         let (found, error) = (&value["after"], &value["relative_standard_error"]);
@@ -79,8 +76,7 @@ fn a_pluck_gives_stiffness_and_damping() {
 fn a_decay_that_begins_before_the_release_is_refused() {
     let bench = Bench::new();
     write_pluck(&bench);
-    let out = fit(&bench, &DECAY.replace("[1, 2]", "1"), &[]);
-    assert_eq!(out.status.code(), Some(3));
+    let out = ended(3, fit(&bench, &DECAY.replace("[1, 2]", "1"), &[]));
     for told in ["its uncertainty must be below half of it", "begin after the release with from"] {
         assert!(stderr(&out).contains(told), "{}", stderr(&out));
     }
@@ -92,8 +88,7 @@ fn values_without_uncertainty_beside_a_decay_are_refused() {
     write_pluck(&bench);
     let measured =
         format!("{DECAY}from = 0.4\n[[frequency]]\nmode = 3\nhub = 'held'\nvalue = 60\n");
-    let out = fit(&bench, &measured, &[]);
-    assert_eq!(out.status.code(), Some(3));
+    let out = ended(3, fit(&bench, &measured, &[]));
     let told = "frequency 3, hub held: uncertainty is missing, but others have one\nhint: the values of a \
                 [[decay]] have the uncertainties that its samples show";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
@@ -106,8 +101,7 @@ fn a_record_of_a_decay_is_led_to_the_right_entry() {
     let record = "[[record]]\nfile = 'pluck.csv'\ninput = 'hub_angle'\n[[record.channel]]\n\
                   sensor = 'tip_deflection'\ngain = 'free'\n";
     let record = record.replace("input", "columns = ['deflection=tip']\ninput");
-    let out = fit(&bench, &record, &[]);
-    assert_eq!(out.status.code(), Some(3));
+    let out = ended(3, fit(&bench, &record, &[]));
     let told = "pluck.csv: the input = the same value in all samples, but must change\nhint: [[decay]] with file";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
 }
@@ -131,9 +125,7 @@ fn an_arm_is_fitted_to_decays_in_a_pose() {
     let (inertia, spring) = ("links.shoulder.tip.inertia", "links.elbow.drive.joint_stiffness");
     let set = [format!("{inertia}=0.02"), format!("{spring}=30")];
     let set = ["--set", &set[0], "--set", &set[1], "--free", inertia, "--free", spring];
-    let out = bench.run(&[&["fit", &arm, "m.toml"], &set[..]].concat());
-    assert!(out.status.success(), "{}", stderr(&out));
-    let text = stdout(&out);
+    let text = stdout(&bench.done(&[&["fit", &arm, "m.toml"], &set[..]].concat()));
     // As docs/arms.md has them of the frequencies, whose damped ones are these over √(1 − ζ²).
     for (path, factor) in [(inertia, 2.4821), (spring, 2.2356)] {
         let line = text.lines().find(|line| line.starts_with(path)).unwrap();

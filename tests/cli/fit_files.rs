@@ -2,7 +2,7 @@
 
 use std::process::{Command, Stdio};
 
-use super::{Bench, repository, stderr};
+use super::{Bench, ended, refusal, repository, stderr, succeeded};
 
 const MEASURED: &str = "[[frequency]]\nmode = 1\nvalue = '1.8 Hz'\nuncertainty = '0.02 Hz'\n\
                         [[frequency]]\nmode = 2\nvalue = '5.3 Hz'\nuncertainty = '0.05 Hz'\n";
@@ -25,8 +25,7 @@ fn each_link_file_has_a_record_of_its_own_name() {
     let bench = Bench::new();
     bench.write("measured.toml", MEASURED);
     for (kind, name) in ["a.toml", "b.toml"].into_iter().enumerate() {
-        let out = fit(&bench, kind, &["-o", name]);
-        assert!(out.status.success(), "{}", stderr(&out));
+        succeeded(fit(&bench, kind, &["-o", name]));
     }
     let first = bench.read("a.json");
     assert!(first.contains("EI=0.01:100") && bench.read("b.json").contains("EI=0.001:1000"));
@@ -42,8 +41,7 @@ fn a_record_takes_the_place_of_no_other_file() {
     bench.write("measured.toml", MEASURED);
     for content in ["{\"flexlink\": \"0.1.0\", \"command\": \"solve\"}", "notes", ""] {
         bench.write("a.json", content);
-        let out = fit(&bench, 0, &["-o", "a.toml"]);
-        assert_eq!(out.status.code(), Some(2), "{}", stderr(&out));
+        let out = ended(2, fit(&bench, 0, &["-o", "a.toml"]));
         let told =
             "--output = a.toml, but its record a.json would replace a file that no fit has written";
         assert!(stderr(&out).contains(told), "{}", stderr(&out));
@@ -116,8 +114,6 @@ fn a_full_disk_leaves_the_files_of_the_fit_before() {
     let mut run = Command::new("sh");
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
     run.args(["-c", &script, env!("CARGO_BIN_EXE_flexlink")]).args(arguments(1, &more));
-    let out = run.current_dir(bench.path(".")).output().unwrap();
-    assert_eq!(out.status.code(), Some(5), "{}", stderr(&out));
-    assert!(stderr(&out).contains("cannot write f.html"), "{}", stderr(&out));
+    refusal(5, run.current_dir(bench.path(".")).output().unwrap(), "cannot write f.html");
     assert_eq!(names.map(|name| bench.read(name)), before);
 }

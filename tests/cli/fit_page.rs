@@ -1,6 +1,6 @@
 //! The page of a fit to a record.
 
-use super::{Bench, column, stderr};
+use super::{Bench, column};
 
 const LINK: &str = "[[segments]]\nlength = 0.42\nEI = 0.15\nmass_per_length = 0.155\n\
                     [hub]\ninertia = 0.0018\n[damping]\nmodel = 'modal'\nratio = 0.012\n";
@@ -19,8 +19,7 @@ fn write_log(bench: &Bench) {
         .fold(String::new(), |rows, t| format!("{rows}{t:.3},{:.9}\n", torque(t)));
     bench.write("torque.csv", &format!("time,torque\n{rows}"));
     let stiffer = ["--set", "segments.0.EI=0.18", "-o", "true", "--digits", "12"];
-    let out = bench.run(&[&["simulate", "link.toml", "torque.csv"], &stiffer[..]].concat());
-    assert!(out.status.success(), "{}", stderr(&out));
+    bench.done(&[&["simulate", "link.toml", "torque.csv"], &stiffer[..]].concat());
     let columns = [
         ("torque.csv", "time_s"),
         ("torque.csv", "torque_n_m"),
@@ -42,8 +41,7 @@ fn a_record_has_a_row_for_each_channel_and_its_histories_over_each_other() {
     let bench = Bench::new();
     write_log(&bench);
     let arguments = ["fit", "link.toml", "measured.toml", "--free", "segments.0.EI"];
-    let out = bench.run(&[&arguments[..], &["-o", "fitted.toml", "--report"]].concat());
-    assert!(out.status.success(), "{}", stderr(&out));
+    bench.done(&[&arguments[..], &["-o", "fitted.toml", "--report"]].concat());
     let page = bench.read("fitted.html");
     let section = &page[page.find("id=\"measured\"").unwrap()..];
     let section = &section[..section.find("</section>").unwrap()];

@@ -1,7 +1,5 @@
 //! `flexlink fit` with a `[[record]]`, as a logger would have written it.
 
-use serde_json::Value;
-
 use super::{Bench, stderr, stdout};
 
 const LINK: &str = "[[segments]]\nlength = 0.42\nEI = 0.15\nmass_per_length = 0.155\n\
@@ -24,8 +22,7 @@ fn write_log(bench: &Bench) {
     bench.write("torque.csv", &format!("time,torque\n{}", rows.collect::<String>()));
     let truth = ["--set", "segments.0.EI=0.18", "--set", "hub.inertia=0.0021"];
     let played = ["simulate", "link.toml", "torque.csv", "-o", "true", "--digits", "12"];
-    let out = bench.run(&[&played[..], &truth[..]].concat());
-    assert!(out.status.success(), "{}", stderr(&out));
+    bench.done(&[&played[..], &truth[..]].concat());
     let column = |file: &str, index: usize| -> Vec<f64> {
         let table = bench.read(file);
         let rows = table.lines().filter(|line| !line.starts_with('#')).skip(1);
@@ -56,9 +53,8 @@ fn a_log_gives_the_link_the_gain_and_the_delay() {
     bench.write("measured.toml", RECORD);
     let free = ["--free", "segments.0.EI", "--free", "hub.inertia"];
     let out = bench
-        .run(&[&["fit", "link.toml", "measured.toml", "-o", "fitted.toml"], &free[..]].concat());
-    assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fitted.json")).unwrap();
+        .done(&[&["fit", "link.toml", "measured.toml", "-o", "fitted.toml"], &free[..]].concat());
+    let record = bench.json("fitted.json");
     let number = |path: &str| record.pointer(path).unwrap().as_f64().unwrap();
     for (path, exact, tolerance) in [
         ("/values/0/after", 0.18, 1e-3),
@@ -93,8 +89,7 @@ fn what_a_record_is_not_is_refused_with_its_file() {
     write_log(&bench);
     let refused = |measured: &str| {
         bench.write("measured.toml", measured);
-        let out = bench.run(&["fit", "link.toml", "measured.toml", "--free", "segments.0.EI"]);
-        assert_eq!(out.status.code(), Some(3), "{}", stderr(&out));
+        let out = bench.ends(3, &["fit", "link.toml", "measured.toml", "--free", "segments.0.EI"]);
         stderr(&out)
     };
     for (from, to, expected) in [

@@ -6,7 +6,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-use super::{Bench, repository, stderr};
+use super::{Bench, ended, refusal, repository, stderr, succeeded};
 
 /// Frequencies in Hz, sizes and phases in rad of the tip's acceleration per torque of a link with a tenth more
 /// stiffness than its file has.
@@ -35,9 +35,8 @@ fn fit(bench: &Bench, table: &str) -> Output {
 
 /// The fitted factor on the stiffness is the right one, and each of the words is told.
 fn check(bench: &Bench, table: &str, told: &[&str]) {
-    let out = fit(bench, table);
-    assert!(out.status.success(), "{}", stderr(&out));
-    let record: Value = serde_json::from_str(&bench.read("fitted.json")).unwrap();
+    let out = succeeded(fit(bench, table));
+    let record = bench.json("fitted.json");
     let factor = record["values"][0]["factor"].as_f64().unwrap();
     assert!((factor / 1.1 - 1.0).abs() < 1e-5, "{factor}");
     for words in told {
@@ -86,9 +85,7 @@ fn rows_below_0_hz_are_held_against_the_others_and_left_out() {
     let count = rows.len();
     let told = format!("read without its {count} rows below 0 Hz, {count} of them conjugates");
     check(&bench, &two_sided(&rows, -1.0), &[&told]);
-    let out = fit(&bench, &two_sided(&rows, 1.0));
-    assert_eq!(out.status.code(), Some(3), "{}", stderr(&out));
-    let told = stderr(&out);
+    let told = stderr(&ended(3, fit(&bench, &two_sided(&rows, 1.0))));
     for words in
         ["frf.csv:2: frequency = \"-", "the conjugate of the value above 0 Hz", "below 0 Hz"]
     {
@@ -96,7 +93,5 @@ fn rows_below_0_hz_are_held_against_the_others_and_left_out() {
     }
     let all = two_sided(&rows, -1.0);
     let below: Vec<&str> = all.lines().take(count).collect();
-    let out = fit(&bench, &(below.join("\n") + "\n"));
-    assert_eq!(out.status.code(), Some(3), "{}", stderr(&out));
-    assert!(stderr(&out).contains("must be above 0"), "{}", stderr(&out));
+    refusal(3, fit(&bench, &(below.join("\n") + "\n")), "must be above 0");
 }

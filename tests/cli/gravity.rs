@@ -1,6 +1,6 @@
 //! Links under gravity on the command line: what is written and told, angles, refusals, repetition, modes in a pose.
 
-use super::{Bench, column, keys, stderr, stdout};
+use super::{Bench, column, json_of, keys, stderr, stdout};
 
 const STRIP: &str = "gravity = [0, '-981 cm/s^2']
 start_angle = '-90 deg'
@@ -23,7 +23,7 @@ fn bench() -> Bench {
     bench.write("strip.toml", STRIP);
     let arguments = ["septic", "--distance", "0.2", "--duration", "0.8", "--step", "0.002"];
     let arguments = [&["trajectory"], &arguments[..], &["-o", "move.csv"]].concat();
-    assert!(bench.run(&arguments).status.success());
+    bench.done(&arguments);
     bench
 }
 
@@ -31,9 +31,8 @@ fn bench() -> Bench {
 fn the_torque_at_rest_holds_the_weight_and_angles_are_absolute() {
     let bench = bench();
     let options = ["--deflections", "--moments", "--report"];
-    let output = bench.run(&[&["solve", "strip.toml", "move.csv"], &options[..]].concat());
-    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
-    let text = stdout(&output);
+    let text =
+        stdout(&bench.silent(&[&["solve", "strip.toml", "move.csv"], &options[..]].concat()));
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     for begins in
         ["gravity  0, -9.81 m/s²; the link moves from -1.571 to -1.071 rad", "order    full: "]
@@ -55,10 +54,8 @@ fn the_torque_at_rest_holds_the_weight_and_angles_are_absolute() {
     assert_eq!(summary["link"]["gravity"]["acceleration_m_s2"][1], -9.81);
     assert_eq!(summary["second_order"]["order"], "full");
     assert!(keys(&summary["errors"]["torque"]).contains(&"iteration"));
-    let again = bench.run(&["solve", "--repeat", "out"]);
-    assert!(again.status.success(), "{}", stdout(&again));
-    let page = bench.run(&["report", "out"]);
-    assert!(page.status.success(), "{}", stderr(&page));
+    bench.done(&["solve", "--repeat", "out"]);
+    bench.done(&["report", "out"]);
     let page = bench.read("out/report.html");
     for words in ["−9.81 m/s² along y", "start angle", "second order contraction"] {
         assert!(page.contains(words), "{words}");
@@ -68,8 +65,7 @@ fn the_torque_at_rest_holds_the_weight_and_angles_are_absolute() {
 #[test]
 fn a_motion_as_angles_starts_at_its_own_angle() {
     let bench = bench();
-    let displaced = bench.run(&["solve", "strip.toml", "move.csv", "--digits", "full"]);
-    assert!(displaced.status.success(), "{}", stderr(&displaced));
+    bench.done(&["solve", "strip.toml", "move.csv", "--digits", "full"]);
     let tip = bench.table("out/tip.csv");
     let turned = tip[0].1.iter().zip(&tip[1].1).filter(|(time, _)| (0.0..0.8001).contains(*time));
     let angle = |metres: &f64| metres / 0.4 - std::f64::consts::FRAC_PI_2;
@@ -77,8 +73,7 @@ fn a_motion_as_angles_starts_at_its_own_angle() {
     bench.write("angle.csv", &format!("time,angle\n{}", rows.collect::<String>()));
     let without = STRIP.replace("start_angle = '-90 deg'\n", "");
     bench.write("anywhere.toml", &without);
-    let angles = bench.run(&["solve", "anywhere.toml", "angle.csv", "-o", "angles"]);
-    assert!(angles.status.success(), "{}", stderr(&angles));
+    bench.done(&["solve", "anywhere.toml", "angle.csv", "-o", "angles"]);
     let first = |folder: &str| {
         bench.json(&format!("{folder}/summary.json"))["results"]["peak_torque_n_m"]
             .as_f64()
@@ -87,31 +82,25 @@ fn a_motion_as_angles_starts_at_its_own_angle() {
     assert!((first("angles") / first("out") - 1.0).abs() < 1e-4);
     let displacement = column(&bench, "angles/tip.csv", "tip_displacement_m");
     assert!(displacement[0].abs() < 1e-6, "{}", displacement[0]);
-    let elsewhere = bench.run(&["solve", "strip.toml", "angle.csv", "--set", "start_angle=0"]);
-    assert_eq!(elsewhere.status.code(), Some(3));
-    let message = stderr(&elsewhere);
+    let message =
+        stderr(&bench.ends(3, &["solve", "strip.toml", "angle.csv", "--set", "start_angle=0"]));
     assert!(message.starts_with("error: angle.csv:2: angle = -1.57"), "{message}");
     assert!(message.contains("must be start_angle of the link file, 0 rad"), "{message}");
     let swept = ["--vary", "start_angle=-1.570796,0.5", "-o", "swept.csv"];
     let swept = bench.run(&[&["sweep", "strip.toml", "angle.csv"], &swept[..]].concat());
     assert!(stderr(&swept).contains("1 of 2 cases failed"), "{}", stderr(&swept));
     assert!(bench.read("swept.csv").contains("must be start_angle of the link file, 0.5 rad"));
-    let nowhere = bench.run(&["solve", "anywhere.toml", "move.csv"]);
-    assert_eq!(nowhere.status.code(), Some(3));
-    assert!(stderr(&nowhere).contains("start_angle"), "{}", stderr(&nowhere));
+    bench.refuses(3, &["solve", "anywhere.toml", "move.csv"], "start_angle");
 }
 
 #[test]
 fn what_has_no_weight_yet_warns() {
     let bench = bench();
     for command in [&["modes", "strip.toml"][..], &["frf", "strip.toml", "-o", "f.csv"]] {
-        let output = bench.run(command);
-        assert!(output.status.success());
+        let output = bench.done(command);
         assert!(stderr(&output).contains("warning: gravity changes natural frequencies"));
     }
-    let verified = bench.run(&["verify", "strip.toml", "move.csv"]);
-    assert!(verified.status.success(), "{}", stderr(&verified));
-    let table = stdout(&verified);
+    let table = stdout(&bench.done(&["verify", "strip.toml", "move.csv"]));
     assert!(table.contains("with further iterations"), "{table}");
     assert!(!table.contains("tip deflection") && !table.contains("not made"), "{table}");
     for made in ["tip, the hub moved as solved", "torque that the moved hub takes"] {
@@ -125,19 +114,15 @@ fn what_has_no_weight_yet_warns() {
     }
     assert!(verified.status.success() && !table.contains("not made"), "{table}");
     let first = ["verify", "strip.toml", "move.csv", "--set", "analysis.second_order=\"none\""];
-    let failed = bench.run(&first);
-    assert_eq!(failed.status.code(), Some(4), "{}", stdout(&failed));
-    assert!(stderr(&failed).contains("tip, the hub moved as solved"), "{}", stderr(&failed));
+    bench.refuses(4, &first, "tip, the hub moved as solved");
 }
 
 #[test]
 fn the_torque_of_a_link_with_weight_is_played() {
     let bench = bench();
-    assert!(bench.run(&["solve", "strip.toml", "move.csv", "--report"]).status.success());
+    bench.done(&["solve", "strip.toml", "move.csv", "--report"]);
     let simulate = ["simulate", "strip.toml", "out/torque.csv", "--target", "out/tip.csv"];
-    let played = bench.run(&simulate);
-    assert!(played.status.success() && stderr(&played).is_empty(), "{}", stderr(&played));
-    let text = stdout(&played);
+    let text = stdout(&bench.silent(&simulate));
     for begins in [
         "gravity  0, -9.81 m/s²; at first 0.000 N m hold the hub at -1.571 rad",
         "order    all terms: ",
@@ -158,11 +143,9 @@ fn the_torque_of_a_link_with_weight_is_played() {
         assert!(apart < 2e-6, "{file}: {apart:e}");
     }
     let moved = ["simulate", "strip.toml", "out/hub_angle.csv", "--input", "hub-angle"];
-    let moved = bench.run(&[&moved[..], &["--target", "out/tip.csv"]].concat());
-    assert!(moved.status.success() && stderr(&moved).is_empty(), "{}", stderr(&moved));
+    bench.silent(&[&moved[..], &["--target", "out/tip.csv"]].concat());
     assert!(bench.json("simulated/summary.json")["tip_error"]["share"].as_f64().unwrap() < 5e-6);
-    let page = bench.run(&["report", "simulated"]);
-    assert!(page.status.success(), "{}", stderr(&page));
+    bench.done(&["report", "simulated"]);
     // Hub angles are absolute, and displacements are not: the page counts both from the same direction.
     for dir in ["out", "simulated"] {
         let page = bench.read(&format!("{dir}/report.html"));
@@ -177,34 +160,21 @@ fn the_torque_of_a_link_with_weight_is_played() {
     assert!(stderr(&level).contains("hold the link where it starts"), "{}", stderr(&level));
     let nowhere = STRIP.replace("start_angle = '-90 deg'\n", "");
     bench.write("nowhere.toml", &nowhere);
-    let refused = bench.run(&["simulate", "nowhere.toml", "out/torque.csv"]);
-    assert_eq!(refused.status.code(), Some(3));
-    assert!(stderr(&refused).starts_with("error: start_angle is missing"), "{}", stderr(&refused));
+    bench.refuses_first(
+        3,
+        &["simulate", "nowhere.toml", "out/torque.csv"],
+        "error: start_angle is missing",
+    );
     let tip = "time,acceleration\n0,0\n0.1,1\n0.2,0\n0.3,-1\n0.4,0\n";
     bench.write("tip.csv", tip);
-    let refused = bench.run(&["solve", "nowhere.toml", "tip.csv"]);
-    assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
-    assert!(stderr(&refused).contains("start_angle = nothing"), "{}", stderr(&refused));
-}
-
-#[test]
-fn a_limit_below_what_holds_the_weight_is_refused_at_once() {
-    let bench = bench();
-    let arguments = ["trajectory", "septic", "--distance", "0.2", "--step", "0.002"];
-    let limit = ["--link", "strip.toml", "--fit-limit", "torque=0.05"];
-    let refused = bench.run(&[&arguments[..], &limit].concat());
-    assert_eq!(refused.status.code(), Some(4));
-    let message = stderr(&refused);
-    assert!(message.contains("which a rigid link takes to hold its weight at rest"), "{message}");
-    assert!(message.contains("at least 0.1505 N m"), "{message}");
+    bench.refuses(3, &["solve", "nowhere.toml", "tip.csv"], "start_angle = nothing");
 }
 
 #[test]
 fn modes_of_a_direction_are_told_with_the_swing_first() {
     let bench = bench();
     let lines = |angle: &str| {
-        let output = bench.run(&["modes", "strip.toml", "--count", "2", "--at", angle]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        let output = bench.done(&["modes", "strip.toml", "--count", "2", "--at", angle]);
         let falls = stderr(&output).starts_with("warning: the link falls from this pose");
         assert!(falls || stderr(&output).is_empty(), "{}", stderr(&output));
         assert_eq!(falls, angle == "1.5708", "{}", stderr(&output));
@@ -221,16 +191,12 @@ fn modes_of_a_direction_are_told_with_the_swing_first() {
     assert_eq!(hanging[7], "hub held");
     assert!(lines("1.5708")[4].starts_with("0      not stable: it leaves the pose as e^(t/0.2"));
     assert_eq!(lines("0")[4], "0      neutral: the link stays where it is turned");
-    let denied = bench.run(&["modes", "strip.toml", "--at", "90 deg", "--deny-warnings"]);
-    assert_eq!(denied.status.code(), Some(4), "{}", stderr(&denied));
+    bench.ends(4, &["modes", "strip.toml", "--at", "90 deg", "--deny-warnings"]);
     let json = bench.run(&["modes", "strip.toml", "--at", "90 deg", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let json = json_of(&json);
     assert!(json["free"]["frequency_hz"][0].is_null());
     assert!((json["free"]["growth_per_s"][0].as_f64().unwrap() - swing).abs() < 0.2);
     assert!(json["held"]["growth_per_s"][0].is_null());
-    let without = STRIP.replace("gravity = [0, '-981 cm/s^2']\nstart_angle = '-90 deg'\n", "");
-    bench.write("flat.toml", &without);
-    assert_eq!(bench.run(&["modes", "flat.toml", "--at", "0"]).status.code(), Some(2));
 }
 
 /// Numbers of a table by name; NaN in an empty field.
@@ -251,14 +217,12 @@ fn modes_of_a_direction_are_tabled_as_those_of_an_arm() {
     let stiff = ["modes", "strip.toml", "--count", "2", "--set", "segments.*.EI*=1e4"];
     let inertia = 2e-3 + 0.15 * 0.064 / 3.0 + 0.05 * 0.16;
     let swing = f64::sqrt(9.81 * (0.15 * 0.08 + 0.05 * 0.4) / inertia);
-    let level = bench.run(&[&stiff[..], &["--set", "gravity=[0, 0]", "-o", "level"]].concat());
-    assert!(level.status.success(), "{}", stderr(&level));
+    bench.done(&[&stiff[..], &["--set", "gravity=[0, 0]", "-o", "level"]].concat());
     for (angle, [x, y]) in
         [("-90 deg", [0.0_f64, -1.0]), ("90 deg", [0.0, 1.0]), ("0.7", [0.764_842, 0.644_218])]
     {
-        let output = bench.run(&[&stiff[..], &["--at", angle, "-o", "pose", "--json"]].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
-        let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        let output = bench.done(&[&stiff[..], &["--at", angle, "-o", "pose", "--json"]].concat());
+        let json = json_of(&output);
         for (file, list) in [("pose/modes.csv", "free"), ("pose/held_modes.csv", "held")] {
             let names = "mode,omega_rad_s,frequency_hz,period_s,growth_per_s,mesh_error,joint1\n";
             assert!(bench.read(file).starts_with(names), "{}", bench.read(file));
@@ -311,8 +275,7 @@ fn the_response_in_a_direction_is_that_without_gravity_and_has_the_poles_of_its_
     let bench = bench();
     let band = ["--from", "0.5", "--to", "80", "--points", "30"];
     let run = |arguments: &[&str], file: &str| {
-        let output = bench.run(&[&["frf", "strip.toml"], arguments, &["-o", file]].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&[&["frf", "strip.toml"], arguments, &["-o", file]].concat());
         table(&bench, file)
     };
     let weightless =
@@ -348,7 +311,7 @@ fn the_response_in_a_direction_is_that_without_gravity_and_has_the_poles_of_its_
         ["--set", "damping={ model = 'none' }", "--set", "mesh.elements='auto'", "--at", "-90 deg"];
     let modes =
         bench.run(&[&["modes", "strip.toml", "--json", "--count", "2"], &undamped[..]].concat());
-    let json: serde_json::Value = serde_json::from_str(&stdout(&modes)).unwrap();
+    let json = json_of(&modes);
     for hertz in json["free"]["frequency_hz"].as_array().unwrap() {
         let hertz = hertz.as_f64().unwrap();
         let [from, to] = [0.9999, 1.0001].map(|factor| (factor * hertz).to_string());
@@ -359,15 +322,9 @@ fn the_response_in_a_direction_is_that_without_gravity_and_has_the_poles_of_its_
         assert!(turned[0] > 0.0 && turned[1] < 0.0, "{hertz} Hz: {turned:?}");
     }
     let up =
-        bench.run(&["frf", "strip.toml", "--at", "90 deg", "--points", "2", "--deny-warnings"]);
-    assert_eq!(up.status.code(), Some(4));
+        bench.ends(4, &["frf", "strip.toml", "--at", "90 deg", "--points", "2", "--deny-warnings"]);
     let words = "warning: the link falls from this pose if its hub is free: only under control";
     assert!(stderr(&up).contains(words), "{}", stderr(&up));
-    let few = ["frf", "strip.toml", "--at", "-90 deg", "--points", "2", "--set"];
-    let few = bench.run(&[&few[..], &["analysis.modes=2"]].concat());
-    assert_eq!(few.status.code(), Some(3));
-    let words = "error: analysis.modes is set, but the response in a pose has all modes";
-    assert!(stderr(&few).contains(words), "{}", stderr(&few));
 }
 
 #[test]
@@ -408,9 +365,7 @@ fn a_run_goes_on_from_the_state_that_another_left() {
     }
     // That of the level strip is linear.
     let other = ["simulate", "strip.toml", "second.csv", "--state", "state.json"];
-    let refused = bench.run(&other);
-    assert_eq!(refused.status.code(), Some(3));
-    let message = stderr(&refused);
+    let message = stderr(&bench.ends(3, &other));
     let must = "error: state.json: the state = of a linear link, but must be one at large angles";
     assert!(message.starts_with(must), "{message}");
     bench.write("state.json", "{\"command\": \"fit\"}");

@@ -1,6 +1,6 @@
 //! Help as it stands in a window: complete, not too wide, its examples whole.
 
-use super::{Bench, stderr, stdout};
+use super::{Bench, stderr, stdout, succeeded};
 
 /// The commands that the program's own help lists.
 fn commands(bench: &Bench) -> Vec<String> {
@@ -14,8 +14,7 @@ fn commands(bench: &Bench) -> Vec<String> {
 }
 
 fn help(bench: &Bench, arguments: &[&str], columns: &str) -> String {
-    let output = bench.program(arguments).env("COLUMNS", columns).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = succeeded(bench.program(arguments).env("COLUMNS", columns).output().unwrap());
     stdout(&output)
 }
 
@@ -49,8 +48,7 @@ fn every_command_has_an_example_that_no_window_breaks() {
 #[test]
 fn without_a_command_the_help_is_shown() {
     let bench = Bench::new();
-    let output = bench.run(&[]);
-    assert_eq!(output.status.code(), Some(2));
+    let output = bench.ends(2, &[]);
     assert_eq!(stdout(&output), "");
     assert_eq!(stderr(&output), stdout(&bench.run(&["-h"])));
     for code in [0, 1, 2, 3, 4, 5, 130] {

@@ -16,14 +16,12 @@ fn windows_line_ends_and_a_byte_order_mark_change_nothing() {
     for (mark, line_end) in [("", "\r\n"), ("\u{feff}", "\r\n"), ("\u{feff}", "\n")] {
         saved(&bench, "link.toml", LINK, mark, line_end);
         saved(&bench, "motion.csv", MOTION, mark, line_end);
-        let output = bench.run(&["solve", "link.toml", "motion.csv", "-o", "new", "-q"]);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        bench.done(&["solve", "link.toml", "motion.csv", "-o", "new", "-q"]);
         assert!(bench.read("new/torque.csv") == bench.read("out/torque.csv"));
         saved(&bench, "torque.csv", "trajectories/sine_0.88s.csv", mark, line_end);
         let torque = bench.read("out/torque.csv").replace('\n', line_end);
         bench.write("torque.csv", &format!("{mark}{torque}"));
-        let played = bench.run(&["simulate", "link.toml", "torque.csv", "-o", "played", "-q"]);
-        assert_eq!(played.status.code(), Some(0), "{}", stderr(&played));
+        bench.done(&["simulate", "link.toml", "torque.csv", "-o", "played", "-q"]);
     }
 }
 
@@ -45,13 +43,10 @@ fn carriage_returns_alone_are_read_or_refused_in_words() {
     bench.solve(&["-q"]);
     let (link, motion) = (repository(LINK), repository(MOTION));
     saved(&bench, "link.toml", LINK, "", "\r");
-    let output = bench.run(&["solve", "link.toml", &motion]);
-    assert_eq!(output.status.code(), Some(3));
     let message = "error: link.toml:1: carriage return must be followed by newline";
-    assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+    bench.refuses_first(3, &["solve", "link.toml", &motion], message);
     saved(&bench, "motion.csv", MOTION, "", "\r");
-    let output = bench.run(&["solve", &link, "motion.csv"]);
-    assert_eq!(output.status.code(), Some(3));
+    let output = bench.ends(3, &["solve", &link, "motion.csv"]);
     assert_eq!(
         stderr(&output),
         "error: motion.csv:1: line end = CR, but must be LF or CR LF where there are comments\n\
@@ -62,7 +57,6 @@ fn carriage_returns_alone_are_read_or_refused_in_words() {
         .filter(|line| !line.starts_with('#'))
         .collect();
     bench.write("motion.csv", &bare.join("\r"));
-    let output = bench.run(&["solve", &link, "motion.csv", "-o", "new", "-q"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    bench.done(&["solve", &link, "motion.csv", "-o", "new", "-q"]);
     assert!(bench.read("new/torque.csv") == bench.read("out/torque.csv"));
 }

@@ -22,7 +22,6 @@ mod fit;
 mod fit_answers;
 mod fit_decay;
 mod fit_files;
-mod fit_hostile;
 mod fit_page;
 mod fit_record;
 mod fit_response;
@@ -57,7 +56,7 @@ mod warnings;
 
 use std::fmt::Debug;
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
@@ -89,13 +88,56 @@ impl Bench {
         self.program(arguments).output().unwrap()
     }
 
+    /// Runs the program with this on standard input.
+    fn fed(&self, input: impl AsRef<[u8]>, arguments: &[&str]) -> Output {
+        let mut program = self.program(arguments);
+        program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = program.spawn().unwrap();
+        // A program that refuses its arguments does not read.
+        let _ = child.stdin.take().unwrap().write_all(input.as_ref());
+        child.wait_with_output().unwrap()
+    }
+
+    /// Runs the program, which must end with this code.
+    #[track_caller]
+    fn ends(&self, code: i32, arguments: &[&str]) -> Output {
+        let output = self.run(arguments);
+        let told = format!("{arguments:?}: {}{}", stdout(&output), stderr(&output));
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        output
+    }
+
+    /// Runs the program, which must succeed.
+    #[track_caller]
+    fn done(&self, arguments: &[&str]) -> Output {
+        self.ends(0, arguments)
+    }
+
+    /// Runs the program, which must succeed without a word on standard error.
+    #[track_caller]
+    fn silent(&self, arguments: &[&str]) -> Output {
+        let output = self.done(arguments);
+        assert_eq!(stderr(&output), "", "{arguments:?}");
+        output
+    }
+
+    /// Runs the program, which must end with this code and these words on standard error.
+    #[track_caller]
+    fn refuses(&self, code: i32, arguments: &[&str], words: &str) {
+        refusal(code, self.ends(code, arguments), words);
+    }
+
+    /// Runs the program, which must end with this code and begin standard error with these words.
+    #[track_caller]
+    fn refuses_first(&self, code: i32, arguments: &[&str], words: &str) {
+        let error = stderr(&self.ends(code, arguments));
+        assert!(error.starts_with(words), "{arguments:?}: {words}: {error}");
+    }
+
     /// `solve` of the paper's first example with more arguments; must succeed.
     #[track_caller]
     fn solve(&self, arguments: &[&str]) -> Output {
-        let (link, motion) = (repository(LINK), repository(MOTION));
-        let output = self.run(&[&["solve", &link, &motion], arguments].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
-        output
+        self.done(&[&["solve", &repository(LINK), &repository(MOTION)], arguments].concat())
     }
 
     fn json(&self, name: &str) -> Value {
@@ -123,9 +165,32 @@ fn plain(command: &mut Command) {
 /// `simulate` with the paper's first link and more arguments; must succeed.
 #[track_caller]
 fn simulated(bench: &Bench, arguments: &[&str]) -> Output {
-    let output = bench.run(&[&["simulate", &repository(LINK)], arguments].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&["simulate", &repository(LINK)], arguments].concat())
+}
+
+/// An output whose program must have ended with this code.
+#[track_caller]
+fn ended(code: i32, output: Output) -> Output {
+    assert_eq!(output.status.code(), Some(code), "{}{}", stdout(&output), stderr(&output));
     output
+}
+
+/// An output whose program must have succeeded.
+#[track_caller]
+fn succeeded(output: Output) -> Output {
+    ended(0, output)
+}
+
+/// An output that must have this code and these words on standard error.
+#[track_caller]
+fn refusal(code: i32, output: Output, words: &str) {
+    let error = stderr(&ended(code, output));
+    assert!(error.contains(words), "{words}: {error}");
+}
+
+/// The JSON on the standard output of a program.
+fn json_of(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 /// The column of this name.

@@ -1,7 +1,5 @@
 //! What a user is told where the model ends, and where a number is probably in another unit.
 
-use serde_json::Value;
-
 use super::{Bench, link_files, stderr, stdout};
 
 /// A bar of aluminium, 0.3 m by 0.1 m, that turns about its end.
@@ -35,8 +33,7 @@ fn bench() -> Bench {
     bench.write("bar.toml", BAR);
     bench.write("strip.toml", STRIP);
     let made = ["trajectory", "septic", "--distance", "0.2", "--duration", "1", "--step", "0.002"];
-    let output = bench.run(&[&made[..], &["-o", "move.csv"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&made[..], &["-o", "move.csv"]].concat());
     bench
 }
 
@@ -122,8 +119,7 @@ fn an_unknown_section_is_told_where_it_could_matter_alone() {
 fn large_deflections_are_told_and_verify_fails_of_them() {
     let bench = bench();
     let soft = ["--set", "segments.0.E=\"1 GPa\"", "--scale-distance", "20"];
-    let output = bench.run(&[&["verify", "strip.toml", "move.csv"], &soft[..]].concat());
-    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    let output = bench.ends(4, &[&["verify", "strip.toml", "move.csv"], &soft[..]].concat());
     let text = stderr(&output);
     assert!(text.contains("large deflections and centrifugal stiffening"), "{text}");
     let row = lines(&stdout(&output), "tip with all terms");
@@ -149,9 +145,8 @@ fn a_hub_that_turns_fast_is_told_by_simulate_and_by_sweeps_of_it() {
     bench.write("hub.csv", &format!("time,hub_angle\n{}", rows.collect::<String>()));
     let play = |set: &[&str]| {
         let command = ["simulate", "beam.toml", "hub.csv", "--input", "hub-angle", "-o", "out"];
-        let output = bench.run(&[&command[..], set].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+        bench.done(&[&command[..], set].concat());
+        let summary = bench.json("out/summary.json");
         let kinds = summary["warnings"].as_array().unwrap().iter().map(|w| w["kind"].clone());
         let peak_m = summary["results"]["peak_deflection_m"].as_f64().unwrap();
         (kinds.collect::<Vec<_>>(), peak_m, summary["errors"]["deflection"]["model"].as_f64())
@@ -170,8 +165,7 @@ fn a_hub_that_turns_fast_is_told_by_simulate_and_by_sweeps_of_it() {
 fn a_number_that_is_probably_in_another_unit_is_told_and_nothing_is_refused() {
     let bench = bench();
     let solve = |arguments: &[&str]| {
-        let output = bench.run(&[&["solve", "strip.toml", "move.csv"], arguments].concat());
-        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+        let output = bench.done(&[&["solve", "strip.toml", "move.csv"], arguments].concat());
         lines(&stderr(&output), "remark")
     };
     let none: [&str; 0] = [];
@@ -182,7 +176,7 @@ fn a_number_that_is_probably_in_another_unit_is_told_and_nothing_is_refused() {
             "remark: segments.0.density = 2.7 kg/m^3, where solids have 25 to 25000: probably another unit"
         ]
     );
-    let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    let summary = bench.json("out/summary.json");
     assert_eq!(summary["remarks"][0]["kind"], "density");
     assert_eq!(
         summary["remarks"][0]["hint"],
@@ -202,8 +196,7 @@ fn a_number_that_is_probably_in_another_unit_is_told_and_nothing_is_refused() {
           another unit"]
     );
     let modes = |set: &[&str]| {
-        let output = bench.run(&[&["modes", "strip.toml", "--count", "2", "--set"], set].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let output = bench.done(&[&["modes", "strip.toml", "--count", "2", "--set"], set].concat());
         lines(&stderr(&output), "remark")
     };
     let soft = modes(&["segments.0.E=90000"]);
@@ -220,8 +213,7 @@ fn a_number_that_is_probably_in_another_unit_is_told_and_nothing_is_refused() {
 fn a_factor_is_no_slip_of_units_and_the_value_before_it_is_judged() {
     let bench = bench();
     let remarks = |set: &[&str]| {
-        let output = bench.run(&[&["modes", "strip.toml", "--count", "1"], set].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let output = bench.done(&[&["modes", "strip.toml", "--count", "1"], set].concat());
         lines(&stderr(&output), "remark")
     };
     let stiff = ["--set", "segments.0.E*=40"];
@@ -242,8 +234,7 @@ fn a_strip_that_lies_on_its_edge_is_told() {
                 section = { shape = 'rectangle', width = '3 mm', thickness = '40 mm' }\n[hub]\ninertia = 0.01\n";
     bench.write("edge.toml", text);
     let told = |set: &[&str]| {
-        let output = bench.run(&[&["modes", "edge.toml", "--count", "1"], set].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let output = bench.done(&[&["modes", "edge.toml", "--count", "1"], set].concat());
         lines(&stderr(&output), "remark: segments.0.section")
     };
     assert_eq!(
@@ -260,10 +251,9 @@ fn a_strip_that_lies_on_its_edge_is_told() {
 fn quiet_hides_remarks_and_keeps_them_in_the_record() {
     let bench = bench();
     let slip = ["solve", "strip.toml", "move.csv", "--set", "segments.0.density=2.7", "-q"];
-    let output = bench.run(&slip);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = bench.done(&slip);
     assert_eq!(lines(&stderr(&output), "remark"), [""; 0]);
-    let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    let summary = bench.json("out/summary.json");
     assert_eq!(summary["remarks"][0]["kind"], "density");
 }
 

@@ -4,8 +4,7 @@ use super::{Bench, LINK, repository, stderr};
 
 #[track_caller]
 fn printed(bench: &Bench, arguments: &[&str]) -> String {
-    let output = bench.run(arguments);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(arguments);
     String::from_utf8(output.stdout).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use flexlink::text::significant;
 
-use super::{Bench, LINK, MOTION, column, keys, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, column, ended, keys, repository, stderr, stdout, succeeded};
 
 /// A rotor of 2 kg cm² behind a gear of 100, on the spring of a joint.
 const DRIVE: &str = "drive={joint_stiffness=100.0, rotor_inertia='2 kg cm^2', gear_ratio=100.0}";
@@ -65,7 +65,7 @@ fn without_a_drive_no_motor_is_told_of() {
     assert!(keys(&summary["results"]).iter().all(|key| !key.contains("motor")));
     assert!(!stdout(&output).contains("motor"));
     let arguments = ["sweep", &repository(LINK), &repository(MOTION), "--vary", "hub.inertia=0.1"];
-    assert!(bench.run(&arguments).status.success());
+    bench.done(&arguments);
     assert!(!bench.read("sweep.csv").contains("motor"));
 }
 
@@ -74,8 +74,7 @@ fn a_sweep_over_gears_tells_the_motors_numbers_and_its_page_shows_them() {
     let bench = Bench::new();
     let (link, motion) = (repository(LINK), repository(MOTION));
     let arguments = ["sweep", &link, &motion, "--set", DRIVE, "--vary", "drive.gear_ratio=10,50"];
-    let output = bench.run(&arguments);
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&arguments);
     let sweep = bench.read("sweep.csv");
     let mut rows = sweep.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let header = rows.next().unwrap();
@@ -92,8 +91,7 @@ fn a_sweep_over_gears_tells_the_motors_numbers_and_its_page_shows_them() {
             assert!((found / expected - 1.0).abs() < 1e-11, "{name}: {found} is not {expected}");
         }
     }
-    let report = bench.run(&["report", "sweep.csv", "-o", "page.html"]);
-    assert!(report.status.success(), "{}", stderr(&report));
+    bench.done(&["report", "sweep.csv", "-o", "page.html"]);
     assert!(bench.read("page.html").contains("Peak torque of the motor"));
 }
 
@@ -125,10 +123,8 @@ fn limits_of_the_motor_are_held_beside_the_hubs() {
         ("motor_power", KEYS[4]),
     ] {
         let found = results[of].as_f64().unwrap();
-        let kept = strict(&format!("{key}={:?}", 1.01 * found));
-        assert!(kept.status.success(), "{}", stderr(&kept));
-        let exceeded = strict(&format!("{key}={:?}", 0.99 * found));
-        assert_eq!(exceeded.status.code(), Some(4), "{key}");
+        succeeded(strict(&format!("{key}={:?}", 1.01 * found)));
+        let exceeded = ended(4, strict(&format!("{key}={:?}", 0.99 * found)));
         let error = stderr(&exceeded);
         assert!(error.contains(&format!("error: limits.{key} = ")), "{error}");
         assert!(error.contains(&format!("is exceeded: {} ", significant(found, 5))), "{error}");

@@ -1,30 +1,15 @@
 //! Paths of any kind, standard input and output by every name they have.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
-use std::process::{Output, Stdio};
+use std::process::Output;
 
-use super::{Bench, LINK, MOTION, plain, repository, stderr, stdout};
-
-/// Runs the program with a file of this repository on standard input.
-fn fed(bench: &Bench, input: &str, arguments: &[&str]) -> Output {
-    let mut program = bench.program(arguments);
-    program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = program.spawn().unwrap();
-    // A program that refuses its arguments does not read.
-    let _ = child.stdin.take().unwrap().write_all(&fs::read(repository(input)).unwrap());
-    child.wait_with_output().unwrap()
-}
-
-#[track_caller]
-fn done(output: &Output) {
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
-}
+use super::{Bench, LINK, MOTION, ended, plain, repository, stderr, stdout, succeeded};
 
 #[test]
 fn every_command_reads_the_link_from_standard_input() {
     let bench = Bench::new();
+    let link = fs::read(repository(LINK)).unwrap();
     bench.solve(&["-q"]);
     let motion = repository(MOTION);
     for arguments in [
@@ -46,7 +31,7 @@ fn every_command_reads_the_link_from_standard_input() {
             "torque=5",
         ],
     ] {
-        done(&fed(&bench, LINK, arguments));
+        succeeded(bench.fed(&link, arguments));
     }
     assert!(bench.read("new/torque.csv") == bench.read("out/torque.csv"));
     assert_eq!(bench.json("new/summary.json")["inputs"]["link"]["name"], "-");
@@ -55,6 +40,7 @@ fn every_command_reads_the_link_from_standard_input() {
 #[test]
 fn standard_input_is_read_once() {
     let bench = Bench::new();
+    let link = fs::read(repository(LINK)).unwrap();
     for arguments in [
         &["solve", "-", "-"][..],
         &["verify", "-", "-"],
@@ -62,8 +48,7 @@ fn standard_input_is_read_once() {
         &["simulate", "-", "torque.csv", "--target", "-"],
         &["solve", "-", "/dev/stdin"],
     ] {
-        let output = fed(&bench, LINK, arguments);
-        assert_eq!(output.status.code(), Some(2));
+        let output = ended(2, bench.fed(&link, arguments));
         assert_eq!(stderr(&output), "error: standard input = several files, but must be one\n");
     }
 }
@@ -78,8 +63,7 @@ fn a_dash_is_standard_output_where_one_file_is_written() {
         &["schema"],
     ] {
         let plain = bench.run(arguments);
-        let dash = bench.run(&[arguments, &["-o", "-"]].concat());
-        done(&dash);
+        let dash = bench.done(&[arguments, &["-o", "-"]].concat());
         assert!(dash.stdout == plain.stdout && !plain.stdout.is_empty());
         assert_eq!(bench.names("."), [""; 0]);
     }
@@ -92,9 +76,7 @@ fn results_do_not_replace_what_they_are_made_from() {
     bench.solve(&["-q"]);
     let tip = bench.read("out/tip.csv");
     let refused = |arguments: &[&str], message: &str| {
-        let output = bench.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
+        bench.refuses_first(2, arguments, message);
     };
     let message = "error: --output = out, but must be another folder than that of out/tip.csv\n";
     refused(&["solve", &link, "out/tip.csv"], message);
@@ -110,8 +92,8 @@ fn results_do_not_replace_what_they_are_made_from() {
     let message = "error: --output = move.csv, but must not be a file that is read\n";
     refused(&[&["sweep", "link.toml", "move.csv"], &vary[..]].concat(), message);
     // No run would write these names.
-    done(&bench.run(&["solve", "link.toml", "move.csv", "-o", ".", "-q"]));
-    done(&bench.run(&["solve", "link.toml", "out/tip.csv", "-o", "again", "-q"]));
+    bench.done(&["solve", "link.toml", "move.csv", "-o", ".", "-q"]);
+    bench.done(&["solve", "link.toml", "out/tip.csv", "-o", "again", "-q"]);
 }
 
 #[test]
@@ -119,25 +101,17 @@ fn paths_have_blanks_and_foreign_letters_and_begin_with_a_dash() {
     let bench = Bench::new();
     for folder in ["a b", "ü 橋", "-d"] {
         let at = |name: &str| format!("{folder}/{name}");
-        done(&bench.run(&["init", "--", folder]));
+        bench.done(&["init", "--", folder]);
         let (link, motion) = (&at("link.toml"), &at("motion.csv"));
         let option = |name: &str, file: &str| format!("--{name}={}", at(file));
-        done(&bench.run(&["solve", "-q", &option("output", "o t"), "--", link, motion]));
+        bench.done(&["solve", "-q", &option("output", "o t"), "--", link, motion]);
         let torque = &at("o t/torque.csv");
         let target = option("target", "o t/tip.csv");
-        done(&bench.run(&[
-            "simulate",
-            "-q",
-            &target,
-            &option("output", "s t"),
-            "--",
-            link,
-            torque,
-        ]));
-        done(&bench.run(&["modes", &option("output", "m s"), "--", link]));
-        done(&bench.run(&["frf", "--points", "2", &option("output", "f r.csv"), "--", link]));
-        done(&bench.run(&["schema", &option("output", "s c.json")]));
-        done(&bench.run(&["man", &option("output", "man 1")]));
+        bench.done(&["simulate", "-q", &target, &option("output", "s t"), "--", link, torque]);
+        bench.done(&["modes", &option("output", "m s"), "--", link]);
+        bench.done(&["frf", "--points", "2", &option("output", "f r.csv"), "--", link]);
+        bench.done(&["schema", &option("output", "s c.json")]);
+        bench.done(&["man", &option("output", "man 1")]);
         let names = [
             "f r.csv",
             "link.schema.json",
@@ -180,7 +154,7 @@ fn a_name_that_is_no_utf8_is_kept() {
     let link = folder.join("link.toml");
     fs::copy(repository(LINK), bench.folder.path().join(&link)).unwrap();
     let mut program = bench.program(&["frf", "--points", "2"]);
-    done(&program.arg(&link).arg("-o").arg(folder.join(name)).output().unwrap());
+    succeeded(program.arg(&link).arg("-o").arg(folder.join(name)).output().unwrap());
     assert!(bench.folder.path().join(folder).join(name).is_file());
     let missing = bench.program(&["modes"]).arg(name).output().unwrap();
     assert!(stderr(&missing).starts_with("error: n\u{fffd}.csv: cannot read: "));
@@ -216,9 +190,8 @@ fn a_device_or_a_pipe_is_written_to_and_not_replaced() {
     }
     assert_eq!(stdout(&shell(&bench, &format!("{make} -o >(cat) | cat"))), plain);
     assert_eq!(shell(&bench, &format!("{make} -o >(true)")).status.code(), Some(0));
-    done(&shell(&bench, &format!("{make} -o /dev/null && test -c /dev/null")));
-    let full = shell(&bench, &format!("{make} -o /dev/full"));
-    assert_eq!(full.status.code(), Some(5));
+    succeeded(shell(&bench, &format!("{make} -o /dev/null && test -c /dev/null")));
+    let full = ended(5, shell(&bench, &format!("{make} -o /dev/full")));
     assert_eq!(
         stderr(&full),
         "error: /dev: cannot write full: No space left on device\n\
@@ -233,7 +206,7 @@ fn a_link_to_a_file_stays_a_link() {
     std::os::unix::fs::symlink("real.csv", bench.path("link.csv")).unwrap();
     let arguments = ["frf", &repository(LINK), "--points", "2", "-o", "link.csv"];
     bench.write("real.csv", "old");
-    done(&bench.run(&arguments));
+    bench.done(&arguments);
     assert!(bench.path("link.csv").is_symlink());
     assert_eq!(bench.read("real.csv").lines().count(), 3);
 }

@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::{Bench, LINK, repository, stderr, stdout};
+use super::{Bench, LINK, refusal, repository, stderr};
 
 const FILES: &str = "tests/files/instruments";
 
 /// Runs the program, which must succeed, and returns what it prints to standard error.
 fn told(bench: &Bench, arguments: &[&str]) -> String {
-    let output = bench.run(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    let output = bench.done(arguments);
     stderr(&output)
 }
 
@@ -56,8 +55,7 @@ fn options_of_the_reader_are_recorded_and_repeated() {
     let recorded = &bench.json("out/summary.json")["inputs"]["arguments"];
     let expected = ["--columns", "time=1", "--columns", "displacement=3", "--unit", "m"];
     assert_eq!(*recorded, serde_json::json!(expected));
-    let output = bench.run(&["solve", "--repeat", "out", &link]);
-    assert!(output.status.success(), "{}{}", stdout(&output), stderr(&output));
+    bench.done(&["solve", "--repeat", "out", &link]);
 }
 
 #[test]
@@ -138,8 +136,7 @@ fn times_in_days_are_told_before_the_work_and_the_refusal_names_the_unit() {
     let output = bench.run(&["verify", &repository(LINK), "days.csv"]);
     assert_eq!((stderr(&output), output.status.code()), (found, Some(3)));
     bench.write("named.csv", &format!("time [d],displacement\n{rows}"));
-    let output = bench.run(&["solve", &repository(LINK), "named.csv"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&["solve", &repository(LINK), "named.csv"]);
 }
 
 #[test]
@@ -154,31 +151,22 @@ fn a_sign_that_may_stand_between_thousands_needs_the_option() {
     let rows = (0..=100).map(row).collect::<Vec<_>>().concat();
     bench.write("um.csv", &format!("Zeit (ms);Weg (um)\n{rows}"));
     let arguments = ["solve", &repository(LINK), "um.csv", "--decimal", "point"];
-    let output = bench.run(&arguments[..3]);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    assert!(stderr(&output).contains("hint: --decimal point says that decimals follow; nothing"));
-    assert!(bench.run(&arguments).status.success());
+    bench.refuses(3, &arguments[..3], "hint: --decimal point says that decimals follow; nothing");
+    bench.done(&arguments);
 }
 
 #[cfg(unix)]
 #[test]
-fn measured_values_name_files_of_their_own_folder_alone() {
+fn measured_values_in_a_pipe_are_refused() {
     let bench = Bench::new();
     let fit = |name: &str| {
         let response = format!("[[response]]\nfile = \"{name}\"\ntransfer = \"hub_angle\"\n");
         bench.write("measured.toml", &response);
         bench.run(&["fit", &repository(LINK), "measured.toml", "--free", "segments.*.EI"])
     };
-    let refused = |name: &str, why: &str| {
-        let output = fit(name);
-        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-        assert!(stderr(&output).contains(why), "{}", stderr(&output));
-    };
-    refused("/etc/passwd", "must be in the folder of measured.toml or below");
-    refused("../other.csv", "must be in the folder of measured.toml or below");
     let made = std::process::Command::new("mkfifo").arg(bench.path("pipe")).status();
     assert!(made.expect("mkfifo").success());
-    refused("pipe", "must be a file");
+    refusal(3, fit("pipe"), "must be a file");
 }
 
 /// A file in which one number of a row is changed: to what it was, and something more.
@@ -212,9 +200,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
     {
         let file_of_good = format!("{name}.csv");
         spoiled(&bench, (&file_of_good, "bad.csv"), (81, column), 0.005);
-        let refused = bench.run(&["solve", &file, "bad.csv", "-q"]);
-        assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
-        let text = stderr(&refused);
+        let text = stderr(&bench.ends(3, &["solve", &file, "bad.csv", "-q"]));
         assert!(text.contains("bad.csv:82: ") && text.contains("it is 0.00500 m"), "{text}");
         assert!(text.contains("--drop-outliers"), "{text}");
         let dropped = ["solve", &file, "bad.csv", "--drop-outliers", "-o", "dropped"];
@@ -276,9 +262,7 @@ fn bad_samples_beside_each_other_and_at_the_ends_are_refused_and_replaced() {
         for (row, off) in &bad {
             spoiled(&bench, ("bad.csv", "bad.csv"), (*row, 1), *off);
         }
-        let refused = bench.run(&["solve", &link, "bad.csv", "-q"]);
-        assert_eq!(refused.status.code(), Some(3), "{bad:?}: {}", stderr(&refused));
-        let text = stderr(&refused);
+        let text = stderr(&bench.ends(3, &["solve", &link, "bad.csv", "-q"]));
         let named = format!("bad.csv:{}: displacement = ", bad[0].0 + 1);
         assert!(text.contains(&named) && text.contains("--drop-outliers"), "{bad:?}: {text}");
         let text = told(&bench, &["solve", &link, "bad.csv", "--drop-outliers"]);

@@ -1,10 +1,9 @@
 //! A run done again: `solve --repeat`.
 
 use std::fs;
-use std::io::Write as _;
-use std::process::{Output, Stdio};
+use std::process::Output;
 
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, ended, refusal, repository, stderr, stdout, succeeded};
 
 /// A bench with link.toml and motion.csv.
 fn bench() -> Bench {
@@ -16,9 +15,7 @@ fn bench() -> Bench {
 
 #[track_caller]
 fn done(bench: &Bench, arguments: &[&str]) -> Output {
-    let output = bench.run(arguments);
-    assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
-    output
+    bench.done(arguments)
 }
 
 /// A bench whose folder `out` holds a run.
@@ -58,15 +55,6 @@ fn refused(bench: &Bench, arguments: &[&str]) -> String {
     stderr(&output)
 }
 
-/// Runs the program with this text on standard input.
-fn fed(bench: &Bench, input: &str, arguments: &[&str]) -> Output {
-    let mut program = bench.program(arguments);
-    program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = program.spawn().unwrap();
-    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
-    child.wait_with_output().unwrap()
-}
-
 /// SHA-256 in a summary of `out`.
 fn recorded(bench: &Bench, input: &str) -> String {
     bench.json("out/summary.json")["inputs"][input]["sha256"].as_str().unwrap().to_owned()
@@ -101,7 +89,7 @@ fn a_run_with_any_arguments_gives_the_same_bytes_again() {
 fn a_run_whose_answer_was_out_of_its_bounds_is_repeated_all_the_same() {
     let bench = bench();
     let arguments = ["solve", "link.toml", "motion.csv", "--digits=2", "--verify", "--every=99"];
-    assert_eq!(bench.run(&arguments).status.code(), Some(4));
+    bench.ends(4, &arguments);
     repeats(&bench, &["out"], 7);
 }
 
@@ -112,8 +100,7 @@ fn new_results_are_kept_where_they_are_asked_for_and_else_nothing_is_left() {
     let temporary = bench.path("temporary");
     fs::create_dir(&temporary).unwrap();
     let mut program = bench.program(&["solve", "--repeat", "out"]);
-    let output = program.env("TMPDIR", &temporary).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeeded(program.env("TMPDIR", &temporary).output().unwrap());
     assert_eq!(bench.names("temporary"), [""; 0]);
     fs::remove_dir(&temporary).unwrap();
     assert_eq!(bench.names("."), names);
@@ -137,10 +124,9 @@ fn one_byte_of_a_table_is_found_and_its_line_told() {
     let place = format!("line 3800, 1 of {rows} in all");
     let line = format!("differs  torque.csv: {place}: was \"{other}\", now \"{row}\"\n");
     differs(&bench, &line, 1, "hint: -o DIR keeps the new results, for flexlink compare\n");
-    let kept = repeat(&bench, &["out", "-o", "again"]);
-    assert_eq!(kept.status.code(), Some(1));
+    let kept = ended(1, repeat(&bench, &["out", "-o", "again"]));
     assert_eq!(stderr(&kept), "hint: flexlink compare out again says by how much\n");
-    assert_eq!(bench.run(&["compare", "out", "again"]).status.code(), Some(1));
+    bench.ends(1, &["compare", "out", "again"]);
     let quiet = repeat(&bench, &["out", "-q"]);
     assert_eq!(
         (quiet.status.code(), stdout(&quiet), stderr(&quiet)),
@@ -157,8 +143,7 @@ fn a_table_that_is_missing_or_too_many_is_told_and_foreign_files_are_not() {
     fs::remove_file(bench.path("out/tip.csv")).unwrap();
     differs(&bench, "missing  tip.csv: the run wrote it\n", 1, "");
     bench.write("out/motor.csv", "time_s\n");
-    let output = repeat(&bench, &["out"]);
-    assert_eq!(output.status.code(), Some(1));
+    let output = ended(1, repeat(&bench, &["out"]));
     let lines =
         "missing  tip.csv: the run wrote it\nextra    motor.csv: the run does not write it\n";
     assert_eq!(stdout(&output), format!("{lines}result   2 of 8 files of out not the same\n"));
@@ -258,18 +243,16 @@ fn an_input_that_has_changed_is_refused_with_both_fingerprints() {
 fn standard_input_must_be_given_again() {
     let bench = bench();
     let motion = bench.read("motion.csv");
-    let output = fed(&bench, &motion, &["solve", "link.toml", "-", "-q"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeeded(bench.fed(&motion, &["solve", "link.toml", "-", "-q"]));
     let told = refused(&bench, &["out"]);
     let error =
         "error: out/summary.json: inputs.motion = standard input, but must be given again\n";
     assert!(told.starts_with(error) && told.contains("\nhint: name both: "), "{told}");
-    let output = fed(&bench, &motion, &["solve", "--repeat", "out", "link.toml", "-"]);
+    let output = bench.fed(&motion, &["solve", "--repeat", "out", "link.toml", "-"]);
     assert_eq!(stdout(&output), "same     7 files of out, byte for byte\n", "{}", stderr(&output));
     // The content counts, and not where it comes from.
     repeats(&bench, &["out", "link.toml", "motion.csv"], 7);
-    let twice = fed(&bench, &motion, &["solve", "--repeat", "out", "-", "-"]);
-    assert_eq!(twice.status.code(), Some(2));
+    let twice = ended(2, bench.fed(&motion, &["solve", "--repeat", "out", "-", "-"]));
     assert_eq!(stderr(&twice), "error: standard input = several files, but must be one\n");
 }
 
@@ -376,9 +359,7 @@ fn other_arguments_contradict_a_repetition() {
                   --columns=time=1 --unit=m --time-unit=s --scale=time=2 --delimiter=; \
                   --decimal=comma";
     for argument in others.split(' ') {
-        let output = repeat(&bench, &["out", argument]);
-        assert_eq!(output.status.code(), Some(2), "{argument}: {}", stderr(&output));
-        assert!(stderr(&output).contains("--repeat <DIR>"), "{argument}: {}", stderr(&output));
+        refusal(2, repeat(&bench, &["out", argument]), "--repeat <DIR>");
     }
 }
 
@@ -387,8 +368,7 @@ fn new_results_do_not_replace_those_that_they_are_held_against() {
     let bench = solved(&[]);
     let before = bench.contents("out");
     for output in ["out", "./out/../out"] {
-        let refused = repeat(&bench, &["out", "-o", output]);
-        assert_eq!(refused.status.code(), Some(2));
+        let refused = ended(2, repeat(&bench, &["out", "-o", output]));
         let error = format!(
             "error: --output = {output}, but must be another folder than that of out/summary.json\n\
              hint: a folder holds one run: the results would replace those read\n"
@@ -399,8 +379,7 @@ fn new_results_do_not_replace_those_that_they_are_held_against() {
     // Nor an input, wherever it was found.
     fs::copy(bench.path("out/tip.csv"), bench.path("tip.csv")).unwrap();
     done(&bench, &["solve", "link.toml", "tip.csv", "-o", "second", "-q"]);
-    let refused = repeat(&bench, &["second", "-o", "."]);
-    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    ended(2, repeat(&bench, &["second", "-o", "."]));
     assert!(bench.read("tip.csv") == bench.read("out/tip.csv"));
 }
 
@@ -409,9 +388,7 @@ fn new_results_do_not_replace_those_that_they_are_held_against() {
 fn a_folder_of_the_system_that_takes_no_file_is_told_with_the_way_out() {
     let bench = solved(&[]);
     let mut program = bench.program(&["solve", "--repeat", "out"]);
-    let output = program.env("TMPDIR", bench.path("none")).output().unwrap();
-    assert_eq!(output.status.code(), Some(5));
-    let told = stderr(&output);
+    let told = stderr(&ended(5, program.env("TMPDIR", bench.path("none")).output().unwrap()));
     let hint = "hint: -o DIR takes another folder\n";
     assert!(
         told.contains("/none: cannot write into the folder: ") && told.ends_with(hint),

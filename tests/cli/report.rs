@@ -12,23 +12,18 @@ use super::{Bench, LINK, MOTION, repository, stderr};
 const QUIET: [&str; 3] = ["-q", "-o", "out"];
 
 fn solved(bench: &Bench, more: &[&str]) {
-    let output =
-        bench.run(&[&["solve", &repository(LINK), &repository(MOTION)], &QUIET[..], more].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&["solve", &repository(LINK), &repository(MOTION)], &QUIET[..], more].concat());
 }
 
 #[track_caller]
 fn done(bench: &Bench, arguments: &[&str]) -> String {
-    let output = bench.run(arguments);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert_eq!(stderr(&output), "");
+    let output = bench.silent(arguments);
     String::from_utf8(output.stdout).unwrap()
 }
 
 #[track_caller]
 fn refused(bench: &Bench, arguments: &[&str]) -> String {
-    let output = bench.run(arguments);
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let output = bench.ends(3, arguments);
     stderr(&output)
 }
 
@@ -185,9 +180,7 @@ fn the_rigid_torque_moves_the_tip_as_a_simulation_says() {
     solved(&bench, &["--set", "hub.viscous_friction=0.1"]);
     let play =
         ["-q", "-o", "played", "--column", "rigid_torque_n_m", "--set", "hub.viscous_friction=0.1"];
-    let output =
-        bench.run(&[&["simulate", &repository(LINK), "out/rigid_torque.csv"], &play[..]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&["simulate", &repository(LINK), "out/rigid_torque.csv"], &play[..]].concat());
     done(&bench, &["report", "out", "-q", "--svg", "figures"]);
     let shown = points(&bench.read("figures/tip-under-rigid-torque.svg"), "rigid link's torque");
     let tip = bench.table("played/tip.csv");
@@ -468,7 +461,7 @@ fn a_sweep_has_lines_over_one_value_and_colours_over_two() {
         for vary in vary {
             arguments.extend(["--vary", *vary]);
         }
-        assert!(bench.run(&arguments).status.success());
+        bench.done(&arguments);
     };
     sweep(&["segments.*.EI*=1,2,4,8"], "one.csv");
     done(&bench, &["report", "one.csv", "-q", "--svg", "one"]);
@@ -533,8 +526,7 @@ fn what_is_no_result_is_refused_in_words() {
     assert!(told.contains("foreign.csv"), "{told}");
     assert!(!bench.names(".").contains(&"report.html".to_owned()), "a page of nothing");
     for over in [["foreign.csv", "foreign.csv"], ["out", "out/tip.csv"]] {
-        let refused = bench.run(&["report", over[0], "-o", over[1]]);
-        assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+        bench.ends(2, &["report", over[0], "-o", over[1]]);
     }
     assert!(bench.read("out/tip.csv").starts_with("time_s,"), "a page over a table");
 }

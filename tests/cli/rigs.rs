@@ -1,8 +1,6 @@
 //! Every published rig through the commands that a user runs on it.
 
-use serde_json::Value;
-
-use super::{Bench, MOTION, link_files, repository, stderr, stdout};
+use super::{Bench, MOTION, link_files, repository, stdout};
 
 #[test]
 fn every_rig_is_solved_verified_and_has_its_modes() {
@@ -14,9 +12,8 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
         let moved = [rig, motion, "--scale-duration", slower];
 
         let out = ["-o", "out", "--verify", "--every", "10"];
-        let solved = bench.run(&[&["solve"], &moved[..], &out].concat());
-        assert!(solved.status.success(), "{rig}: {}", stderr(&solved));
-        let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+        bench.done(&[&["solve"], &moved[..], &out].concat());
+        let summary = bench.json("out/summary.json");
         let checks = summary["verification"].as_array().unwrap();
         assert!(checks.len() >= 9, "{rig}: {checks:?}");
         for check in checks {
@@ -25,8 +22,7 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
             assert_eq!(check["passes"], true, "{rig}: {check}");
         }
 
-        let modes = bench.run(&["modes", rig, "--count", "4", "-o", "modes"]);
-        assert!(modes.status.success(), "{rig}: {}", stderr(&modes));
+        bench.done(&["modes", rig, "--count", "4", "-o", "modes"]);
         let periods = summary["periods_s"].as_array().unwrap();
         let table = bench.read("modes/modes.csv");
         for (row, period) in table.lines().skip(1).zip(periods) {
@@ -34,9 +30,7 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
             assert!((listed / period.as_f64().unwrap() - 1.0).abs() < 1e-9, "{rig}: {row}");
         }
 
-        let verified = bench.run(&[&["verify"], &moved[..]].concat());
-        assert!(verified.status.success(), "{rig}: {}", stderr(&verified));
-        let text = stdout(&verified);
+        let text = stdout(&bench.done(&[&["verify"], &moved[..]].concat()));
         assert!(text.lines().count() >= 10, "{text}");
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(!text.contains("FAILS"), "{text}");

@@ -1,6 +1,6 @@
 //! `flexlink simulate` beside a recording: a hub angle as input, and channels compared.
 
-use super::{Bench, LINK, column, repository, simulated, stderr, stdout};
+use super::{Bench, column, simulated, stderr, stdout};
 
 const MODAL: [&str; 2] = ["--set", "damping.model=modal"];
 const TURNED: [&str; 3] = ["out/hub_angle.csv", "--input", "hub-angle"];
@@ -9,14 +9,6 @@ fn solved(arguments: &[&str]) -> Bench {
     let bench = Bench::new();
     bench.solve(&[&["-q"], arguments].concat());
     bench
-}
-
-#[track_caller]
-fn refused(bench: &Bench, arguments: &[&str], code: i32) -> String {
-    let output = bench.run(&[&["simulate", &repository(LINK)], arguments].concat());
-    assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
-    assert!(!bench.path("simulated").exists(), "nothing is left behind");
-    stderr(&output)
 }
 
 #[test]
@@ -42,8 +34,7 @@ fn the_hub_angle_of_solve_is_read_as_it_is_and_brings_back_tip_and_torque() {
     let arguments = [&MODAL[..], &["--input", "hub-angle"]].concat();
     assert_eq!(summary["inputs"]["arguments"], serde_json::json!(arguments));
     // The folder is a run like others.
-    let output = bench.run(&["report", "simulated"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&["report", "simulated"]);
 }
 
 #[test]
@@ -64,29 +55,6 @@ fn a_recorded_angle_takes_the_options_of_a_measured_table() {
     let found = column(&bench, "simulated/tip.csv", "tip_displacement_m");
     let worst = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-9, "{worst:e}");
-}
-
-#[test]
-fn options_of_a_torque_are_refused_beside_a_hub_angle() {
-    let bench = solved(&[]);
-    let feedback = ["--feedback", "1,1", "--reference", "out/hub_angle.csv"];
-    for (options, name) in [
-        (&["--column", "hub_angle_rad"][..], "--column"),
-        (&["--hold", "zero"], "--hold"),
-        (&["--linear"], "--linear"),
-        (&feedback, "--feedback"),
-    ] {
-        let error = refused(&bench, &[&TURNED[..], options].concat(), 2);
-        let message = format!("error: --input = hub-angle, but must be torque with {name}\nhint: ");
-        assert!(error.starts_with(&message), "{error}");
-    }
-    let error = refused(&bench, &["out/torque.csv", "--input", "hub-angle"], 3);
-    let columns = "columns = \"time_s,torque_n_m\", but must include hub_angle";
-    assert!(error.starts_with(&format!("error: out/torque.csv:1: {columns}\n")), "{error}");
-    bench.write("still.csv", "time,hub_angle\n0,1\n1,1\n2,1\n3,1\n");
-    let error = refused(&bench, &["still.csv", "--input", "hub-angle"], 3);
-    let still = "the hub angle is the same in all samples, but must move the link";
-    assert_eq!(error, format!("error: still.csv: {still}\n"));
 }
 
 /// The simulation of `out/torque.csv` as an instrument would write it, every third row, 4 ms late.
@@ -128,8 +96,7 @@ fn channels_are_compared_at_the_recordings_times_and_recorded_in_the_summary() {
         let share = channel["share"].as_f64().unwrap();
         assert!((1e-3..0.1).contains(&share), "{channel}");
     }
-    let output = bench.run(&["report", "simulated"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&["report", "simulated"]);
 }
 
 #[test]
@@ -144,23 +111,4 @@ fn a_constant_channel_says_so_in_place_of_a_delay() {
     assert!(!of("hub_angle").contains("constant"), "{text}");
     let channels = &bench.json("simulated/summary.json")["measured"]["channels"];
     assert_eq!(channels[1]["no_fit"], "constant_recording");
-}
-
-#[test]
-fn a_recording_of_another_time_or_of_nothing_is_refused() {
-    let bench = solved(&[]);
-    let with = |text: &str| {
-        bench.write("rig.csv", text);
-        refused(&bench, &["out/torque.csv", "--measured", "rig.csv"], 3)
-    };
-    let rows: Vec<String> = (0..20).map(|k| format!("{},0", 100 + k)).collect();
-    let error = with(&format!("time,tip\n{}\n", rows.join("\n")));
-    let overlap = "0 of the times lie within the simulation, -3.676 to 4.557 s, but 8 or more must";
-    assert!(error.starts_with(&format!("error: rig.csv: {overlap}\nhint: ")), "{error}");
-    let error = with("time,strain\n0,0\n1,1\n2,1\n3,1\n");
-    let columns = "columns = \"time,strain\", but must include one of hub_angle";
-    assert!(error.starts_with(&format!("error: rig.csv:1: {columns}")), "{error}");
-    let error = with("time,tip,displacement\n0,0,0\n1,1,1\n2,1,1\n3,1,1\n");
-    let twice = "column 3 = \"displacement\", but must not be given with column 2, \"tip\"";
-    assert!(error.starts_with(&format!("error: rig.csv:1: {twice}")), "{error}");
 }

@@ -1,10 +1,8 @@
 //! What `flexlink simulate` refuses and warns of; most words of refusals are in tests/refusals.
 
 use std::f64::consts::PI;
-use std::io::Write as _;
-use std::process::Stdio;
 
-use super::{Bench, LINK, no_such_file, repository, said, simulated, stderr, stdout};
+use super::{Bench, LINK, no_such_file, repository, said, simulated, stderr, stdout, succeeded};
 
 const TORQUE: &str = "time,torque\n0,0\n0.01,1\n0.02,1\n0.03,0\n";
 
@@ -20,8 +18,7 @@ fn bench() -> Bench {
 /// Plays, which must fail with `code`; nothing is printed or written. Error and hint.
 #[track_caller]
 fn failed(bench: &Bench, arguments: &[&str], code: i32) -> String {
-    let output = bench.run(&[&["simulate", &repository(LINK)], arguments].concat());
-    assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
+    let output = bench.ends(code, &[&["simulate", &repository(LINK)], arguments].concat());
     assert_eq!(stdout(&output), "");
     assert!(!bench.path("simulated").exists(), "nothing is left behind");
     stderr(&output)
@@ -60,16 +57,7 @@ fn the_folder_of_an_input_is_refused_however_it_is_written() {
 fn a_dash_reads_the_torque_from_standard_input() {
     let bench = bench();
     simulated(&bench, &["torque.csv", "-o", "file"]);
-    let link = repository(LINK);
-    let mut child = bench
-        .program(&["simulate", &link, "-", "-o", "piped"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(TORQUE.as_bytes()).unwrap();
-    assert!(child.wait_with_output().unwrap().status.success());
+    succeeded(bench.fed(TORQUE, &["simulate", &repository(LINK), "-", "-o", "piped"]));
     assert!(bench.read("piped/tip.csv") == bench.read("file/tip.csv"));
     assert_eq!(bench.json("piped/summary.json")["inputs"]["torque"]["name"], "-");
 }
@@ -166,8 +154,7 @@ fn falling(ei_n_m2: f64, times_s: &[f64]) -> [Vec<f64>; 2] {
 fn an_undamped_link_that_is_let_go_falls_as_its_modes_do_within_what_is_stated() {
     let bench = Bench::new();
     let_go(&bench, 150.0);
-    let free = bench.run(&["simulate", "pinned.toml", "torque.csv", "-o", "free"]);
-    assert!(free.status.success(), "{}", stderr(&free));
+    bench.done(&["simulate", "pinned.toml", "torque.csv", "-o", "free"]);
     let [tip, hub] = ["tip", "hub_angle"].map(|name| bench.table(&format!("free/{name}.csv")));
     let errors = &bench.json("free/summary.json")["errors"];
     let stated = ["tip", "hub_angle"].map(|name| errors[name]["refinement"].as_f64().unwrap());

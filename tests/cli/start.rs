@@ -7,20 +7,16 @@ use super::{Bench, stderr, stdout};
 #[test]
 fn the_files_to_start_from_are_solved_and_never_written_over() {
     let bench = Bench::new();
-    let first = bench.run(&["init", "my arm"]);
-    assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
+    bench.done(&["init", "my arm"]);
     assert_eq!(bench.names("my arm"), ["link.schema.json", "link.toml", "motion.csv"]);
-    let solved = bench.run(&["solve", "my arm/link.toml", "my arm/motion.csv", "--quiet"]);
-    assert_eq!(solved.status.code(), Some(0), "{}", stderr(&solved));
-    assert_eq!(stderr(&solved), "", "it is no example of what is warned about");
+    bench.silent(&["solve", "my arm/link.toml", "my arm/motion.csv", "--quiet"]);
 
     let silent = bench.run(&["init", "-q", "another"]);
     assert_eq!((stdout(&silent), stderr(&silent)), Default::default());
     assert_eq!(bench.names("another"), bench.names("my arm")[..3]);
 
     bench.write("my arm/link.toml", "mine");
-    let again = bench.run(&["init", "my arm"]);
-    assert_eq!(again.status.code(), Some(5));
+    let again = bench.ends(5, &["init", "my arm"]);
     let file = Path::new("my arm").join("link.toml");
     assert_eq!(
         stderr(&again),
@@ -36,13 +32,11 @@ fn the_files_to_start_from_are_solved_and_never_written_over() {
 #[test]
 fn the_arm_to_start_from_follows_its_path() {
     let bench = Bench::new();
-    let first = bench.run(&["init", "--arm", "robot"]);
-    assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
+    bench.done(&["init", "--arm", "robot"]);
     assert_eq!(bench.names("robot"), ["arm.toml", "link.schema.json", "path.csv"]);
     let solved = bench.run(&["solve", "robot/arm.toml", "robot/path.csv", "--quiet"]);
     assert_eq!((solved.status.code(), stderr(&solved)), (Some(0), String::new()));
-    let again = bench.run(&["init", "robot"]);
-    assert_eq!(again.status.code(), Some(5), "the schema is there");
+    bench.ends(5, &["init", "robot"]);
     assert!(!bench.path("robot/link.toml").exists());
 }
 
@@ -85,8 +79,7 @@ fn bash_reads_its_completions() {
 fn every_command_has_a_manual_page() {
     let bench = Bench::new();
     assert!(stdout(&bench.run(&["man"])).contains(".TH flexlink 1"));
-    let output = bench.run(&["man", "-o", "man1"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    bench.done(&["man", "-o", "man1"]);
     let pages = bench.names("man1");
     let commands = "solve simulate verify modes frf fit sweep trajectory compare report init schema \
                     completions man";

@@ -1,28 +1,19 @@
 //! Standard input, output and error.
 
 use std::fs;
-use std::io::Write as _;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use super::{Bench, LINK, MOTION, link_files, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, ended, link_files, repository, stderr, stdout, succeeded};
 
 #[test]
 fn a_dash_reads_the_motion_from_standard_input() {
     let bench = Bench::new();
     bench.solve(&["-o", "file"]);
-    let mut child = bench
-        .program(&["solve", &repository(LINK), "-", "-o", "piped"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
     let motion = fs::read(repository(MOTION)).unwrap();
-    child.stdin.take().unwrap().write_all(&motion).unwrap();
-    assert!(child.wait_with_output().unwrap().status.success());
+    succeeded(bench.fed(motion, &["solve", &repository(LINK), "-", "-o", "piped"]));
     assert!(bench.read("piped/torque.csv") == bench.read("file/torque.csv"));
-    let summary: serde_json::Value =
-        serde_json::from_str(&bench.read("piped/summary.json")).unwrap();
-    let file: serde_json::Value = serde_json::from_str(&bench.read("file/summary.json")).unwrap();
+    let summary = bench.json("piped/summary.json");
+    let file = bench.json("file/summary.json");
     assert_eq!(summary["inputs"]["motion"]["sha256"], file["inputs"]["motion"]["sha256"]);
     assert_eq!(summary["inputs"]["motion"]["name"], "-");
 }
@@ -30,15 +21,10 @@ fn a_dash_reads_the_motion_from_standard_input() {
 #[test]
 fn a_refused_standard_input_is_called_by_that_name() {
     let bench = Bench::new();
-    let mut child = bench
-        .program(&["solve", &repository(LINK), "-"])
-        .stdin(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(b"time,acceleration\n0,zero\n").unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(3));
+    let refused = "time,acceleration
+0,zero
+";
+    let output = ended(3, bench.fed(refused, &["solve", &repository(LINK), "-"]));
     assert!(stderr(&output).starts_with("error: standard input:2: "), "{}", stderr(&output));
 }
 
@@ -51,9 +37,7 @@ fn lines_of_the_summary_have_at_most_eighty_columns() {
         for motion in ["sine_0.88s.csv", "min_jerk_1s.csv"] {
             let motion = repository(&format!("trajectories/{motion}"));
             for setting in ["hub.inertia=0.1234", rayleigh, "analysis.lead=12.345"] {
-                let output = bench.run(&["solve", spec, &motion, "--set", setting]);
-                assert!(output.status.success(), "{}", stderr(&output));
-                let text = stdout(&output);
+                let text = stdout(&bench.done(&["solve", spec, &motion, "--set", setting]));
                 assert!(text.lines().count() <= 17, "{spec}: {text}");
                 for line in text.lines() {
                     assert!(line.chars().count() <= 80, "{spec}: {line}");
@@ -79,9 +63,7 @@ drive = { gear_ratio = 50.0, rotor_inertia = 1e-5, joint_stiffness = 900.0 }
 ",
     );
     let motion = repository("trajectories/min_jerk_1s.csv");
-    let output = bench.run(&["solve", "heavy.toml", &motion]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let text = stdout(&output);
+    let text = stdout(&bench.done(&["solve", "heavy.toml", &motion]));
     for label in ["damping  rayleigh, beta 2.00e-4 s, ratios ", "gravity ", "order ", "motor "] {
         assert!(text.lines().any(|line| line.starts_with(label)), "{text}");
     }
@@ -101,8 +83,7 @@ fn lines_about_a_tiny_link_have_at_most_eighty_columns() {
     };
     let rows: String = (0..=100).map(row).collect();
     bench.write("tiny.csv", &format!("time,displacement\n{rows}"));
-    let output = bench.run(&["solve", "tiny.toml", "tiny.csv"]);
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(&["solve", "tiny.toml", "tiny.csv"]);
     for line in stdout(&output).lines() {
         assert!(line.chars().count() <= 80, "{line}");
     }
@@ -115,8 +96,7 @@ fn an_error_and_its_hint_go_to_standard_error_alone() {
         "link.toml",
         "[[segments]]\nlength = 1\nEI = 5\nmass_per_length = 0.8\n\n[damping]\nratoi = 0.02\n",
     );
-    let output = bench.run(&["solve", "link.toml", &repository(MOTION)]);
-    assert_eq!(output.status.code(), Some(3));
+    let output = bench.ends(3, &["solve", "link.toml", &repository(MOTION)]);
     assert_eq!(stdout(&output), "");
     assert_eq!(
         stderr(&output),
@@ -189,12 +169,14 @@ fn a_reader_that_goes_away_is_no_error() {
 fn a_full_device_is_told_with_exit_code_five() {
     let bench = Bench::new();
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
-    let output = bench
-        .program(&["solve", &repository(LINK), &repository(MOTION)])
-        .stdout(full)
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(5));
+    let output = ended(
+        5,
+        bench
+            .program(&["solve", &repository(LINK), &repository(MOTION)])
+            .stdout(full)
+            .output()
+            .unwrap(),
+    );
     let expected = "error: standard output: cannot write: No space left on device\n";
     assert_eq!(stderr(&output), expected);
 }

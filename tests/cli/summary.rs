@@ -124,7 +124,7 @@ fn the_same_inputs_from_elsewhere_give_the_same_bytes() {
         let own = std::path::Path::new(name).file_name().unwrap().to_str().unwrap();
         std::fs::copy(repository(name), there.path(own)).unwrap();
     }
-    let output = there.run(&[
+    there.done(&[
         "solve",
         "bayo1987_example1.toml",
         "sine_0.88s.csv",
@@ -132,6 +132,5 @@ fn the_same_inputs_from_elsewhere_give_the_same_bytes() {
         "deep/down/results",
         "-q",
     ]);
-    assert!(output.status.success());
     assert!(here.contents("out") == there.contents("deep/down/results"));
 }

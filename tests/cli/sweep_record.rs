@@ -1,7 +1,7 @@
 //! The record beside the table of a sweep: what the table is of.
 
 use super::sweep::{rows, sweep, swept};
-use super::{Bench, keys, stderr};
+use super::{Bench, keys, stderr, succeeded};
 
 const VARY: [&str; 2] = ["--vary", "hub.inertia*=1,2"];
 
@@ -47,8 +47,7 @@ fn beside_a_table_lies_what_it_is_of() {
     assert_eq!(record["title"], summary["title"]);
 
     let page = |table: &str| {
-        let output = bench.run(&["report", table, "-o", "page.html"]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&["report", table, "-o", "page.html"]);
         bench.read("page.html")
     };
     let shown = page("a/stiffness.csv");
@@ -68,9 +67,7 @@ fn a_table_that_was_changed_is_not_shown_as_that_of_its_record() {
     swept(&bench, &VARY);
     let text = bench.read("sweep.csv");
     bench.write("sweep.csv", &text.replacen("\n2,", "\n3,", 1));
-    let output = bench.run(&["report", "sweep.csv"]);
-    assert_eq!(output.status.code(), Some(3));
-    let error = stderr(&output);
+    let error = stderr(&bench.ends(3, &["report", "sweep.csv"]));
     assert!(error.starts_with("error: sweep.json: table.sha256 = \""), "{error}");
     let hint = "hint: the table has changed since; without sweep.json it is taken as it is\n";
     assert!(error.ends_with(hint), "{error}");
@@ -93,6 +90,5 @@ fn a_file_in_the_place_of_the_record_is_kept() {
     assert_eq!(bench.read("sweep.json"), "{\"mine\": true}\n");
     // That of an earlier sweep makes way.
     swept(&bench, &[&VARY[..], &["-o", "s.csv"]].concat());
-    let output = swept(&bench, &[&VARY[..], &["-o", "-"]].concat());
-    assert!(output.status.success(), "standard output has no record");
+    succeeded(swept(&bench, &[&VARY[..], &["-o", "-"]].concat()));
 }

@@ -6,7 +6,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use super::sweep::{sweep, swept};
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, ended, refusal, repository, stderr, stdout};
 
 const VARY: [&str; 2] = ["--vary", "segments.*.EI*=0.5:8:200:log"];
 
@@ -121,8 +121,7 @@ fn a_sweep_started_to_ignore_ctrl_c_and_hangup_goes_on_but_ends_when_the_system_
         }
         wait_for_rows(&bench, 10);
         send(heard, &child);
-        let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(130), "{heard}: {}", output.status);
+        let output = ended(130, child.wait_with_output().unwrap());
         let words = "finishing the cases that have begun; once more ends at once";
         assert_eq!(stderr(&output).matches(words).count(), 1, "{}", stderr(&output));
         assert_eq!(bench.names("."), ["sweep.csv.part"], "{heard}");
@@ -135,15 +134,12 @@ fn another_sweep_does_not_go_on_with_its_rows() {
     let bench = Bench::new();
     let child = begun(&bench);
     // The one that is running has the file.
-    let second = sweep(&bench, &VARY);
-    assert_eq!(second.status.code(), Some(5));
-    assert!(stderr(&second).contains("sweep.csv.part: another run is writing it"));
+    refusal(5, sweep(&bench, &VARY), "sweep.csv.part: another run is writing it");
     send("-INT", &child);
     child.wait_with_output().unwrap();
     let part = bench.read("sweep.csv.part");
     let other = [&VARY[..], &["--resume", "--set", "hub.inertia=0.2"]].concat();
-    let other = sweep(&bench, &other);
-    assert_eq!(other.status.code(), Some(3));
+    let other = ended(3, sweep(&bench, &other));
     let words = "sweep.csv.part:1: inputs.arguments = \"\", but must be \"--set hub.inertia=0.2\"";
     assert!(stderr(&other).contains(words), "{}", stderr(&other));
     assert!(bench.read("sweep.csv.part") == part);
@@ -166,8 +162,7 @@ fn shards_join_to_the_table_of_one_machine_and_none_may_be_missing() {
     assert!(stdout(&printed) == bench.read("sweep.csv"));
 
     let refusal = |files: &[&str]| {
-        let output = bench.run(&[&["sweep", "-o", "no.csv", "--merge"], files].concat());
-        assert_eq!(output.status.code(), Some(3));
+        let output = bench.ends(3, &[&["sweep", "-o", "no.csv", "--merge"], files].concat());
         stderr(&output)
     };
     assert_eq!(
@@ -198,13 +193,14 @@ fn a_shard_of_failed_cases_is_a_shard_and_the_whole_tells_of_them() {
         swept(&bench, &[&vary[..], &["--shard", shard]].concat());
     }
     let names = ["sweep-1-of-3.csv", "sweep-2-of-3.csv", "sweep-3-of-3.csv"];
-    let merged = bench.run(&[&["sweep", "--merge"], &names[..]].concat());
-    assert_eq!(merged.status.code(), Some(0));
+    let merged = bench.done(&[&["sweep", "--merge"], &names[..]].concat());
     let warning = "warning: 1 of 3 cases failed, the first is case 2: --vary 'damping.ratio=1.5'";
     assert!(stderr(&merged).starts_with(warning), "{}", stderr(&merged));
-    let same = bench.run(&["sweep", "-o", names[0], "--merge", names[0]]);
-    assert_eq!(same.status.code(), Some(2));
-    assert!(stderr(&same).contains("must not be a file that is read"), "{}", stderr(&same));
+    bench.refuses(
+        2,
+        &["sweep", "-o", names[0], "--merge", names[0]],
+        "must not be a file that is read",
+    );
 }
 
 #[test]
@@ -254,14 +250,13 @@ fn rows_that_are_not_those_of_their_cases_are_neither_joined_nor_gone_on_with() 
         (damaged, "3: peak_torque_n_m = \"none\", but must be a finite number or nothing\n".into()),
     ] {
         bench.write("b.csv", &changed);
-        let output = bench.run(&["sweep", "-o", "no.csv", "--merge", "sweep-1-of-2.csv", "b.csv"]);
-        assert_eq!(output.status.code(), Some(3), "{words}");
+        let output =
+            bench.ends(3, &["sweep", "-o", "no.csv", "--merge", "sweep-1-of-2.csv", "b.csv"]);
         let hint = "hint: a row was removed, doubled, moved or changed since it was written\n";
         assert_eq!(stderr(&output), format!("error: b.csv:{words}{hint}"));
         bench.write("c.csv.part", &changed);
         let resumed = ["--shard", "2/2", "--resume", "-o", "c.csv"];
-        let output = sweep(&bench, &[&vary[..], &resumed].concat());
-        assert_eq!(output.status.code(), Some(3), "{words}");
+        let output = ended(3, sweep(&bench, &[&vary[..], &resumed].concat()));
         let hint = "hint: remove the file, or leave --resume out to begin anew\n";
         assert_eq!(stderr(&output), format!("error: c.csv.part:{words}{hint}"));
         assert!(bench.read("c.csv.part") == changed);
@@ -269,24 +264,10 @@ fn rows_that_are_not_those_of_their_cases_are_neither_joined_nor_gone_on_with() 
     // A number is no other case's; the check of its row tells of it.
     bench.write("sweep-2-of-2.csv", &text.replacen(number, "1.5", 1));
     let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
-    let output = bench.run(&[&["sweep", "-o", "no.csv", "--merge"], &names[..]].concat());
-    assert_eq!(output.status.code(), Some(3));
-    let error = stderr(&output);
+    let error =
+        stderr(&bench.ends(3, &[&["sweep", "-o", "no.csv", "--merge"], &names[..]].concat()));
     assert!(error.starts_with("error: sweep-2-of-2.csv:3: check = \""), "{error}");
     assert!(!bench.path("no.csv").exists());
-}
-
-#[test]
-fn a_shard_of_an_older_version_is_refused_with_the_advice_to_run_it_again() {
-    let bench = Bench::new();
-    bench.write("old.csv", "# flexlink 0.0.9 sweep 00ff, shard 1/1 of 1 cases\nx,error\n1,\n");
-    let output = bench.run(&["sweep", "--merge", "old.csv"]);
-    assert_eq!(output.status.code(), Some(3));
-    assert_eq!(
-        stderr(&output),
-        "error: old.csv:1: format = nothing, but must be 2\n\
-         hint: flexlink 0.0.9 wrote it in an older format: run it again\n"
-    );
 }
 
 /// The first request ends a sweep whose rows nobody takes: a pipe that is full, or one that is never opened.

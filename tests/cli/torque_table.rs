@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::{Command, Output};
 
-use super::{Bench, LINK, MOTION, column, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, column, json_of, repository, stderr, stdout, succeeded};
 
 /// `solve` of the paper's first example; must succeed.
 #[track_caller]
@@ -77,8 +77,7 @@ fn a_cut_table_begins_and_ends_at_rest_and_its_cost_is_that_of_a_simulation() {
     let link = repository(LINK);
     let simulate = [&["simulate", &link, "cut.csv"][..], &damped].concat();
     let ends = ["--target", "out/tip.csv", "--until", &end_s, "-q"];
-    let output = bench.run(&[&simulate[..], &ends].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&simulate[..], &ends].concat());
     let found_m = bench.json("simulated/summary.json")["tip_error"]["worst_m"].as_f64().unwrap();
     // A spline through the table's jumps of half a percent is another between two rows.
     assert!((found_m / worst_m - 1.0).abs() < 0.02, "{found_m} and {worst_m}");
@@ -100,7 +99,7 @@ fn a_cut_that_moves_the_tip_off_is_warned_of() {
     let (link, motion) = (repository(LINK), repository(MOTION));
     let strict =
         ["solve", &link, &motion, "--write", "cut.csv", "--window", "2%", "--deny-warnings"];
-    assert_eq!(bench.run(&strict).status.code(), Some(4));
+    bench.ends(4, &strict);
 }
 
 #[test]
@@ -113,9 +112,7 @@ fn values_for_a_converter_move_the_tip_far_less_off_than_samples_of_the_torque()
     let link = repository(LINK);
     let worst_m = |table: &str| {
         let simulate = [&["simulate", &link, table][..], &damped].concat();
-        let output = bench
-            .run(&[&simulate[..], &["--hold", "zero", "--target", "out/tip.csv", "-q"]].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&[&simulate[..], &["--hold", "zero", "--target", "out/tip.csv", "-q"]].concat());
         bench.json("simulated/summary.json")["tip_error"]["worst_m"].as_f64().unwrap()
     };
     let (held_m, samples_m) = (worst_m("held.csv"), worst_m("out/torque.csv"));
@@ -154,8 +151,7 @@ fn a_c_header_compiles_and_has_the_numbers_of_the_table() {
 fn a_matlab_script_has_a_row_for_each_time_and_makes_a_timeseries() {
     let bench = super::arms::bench();
     for file in ["torque.m", "torque.csv"] {
-        let output = bench.run(&["solve", "arm.toml", "path.csv", "-q", "--write", file]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&["solve", "arm.toml", "path.csv", "-q", "--write", file]);
     }
     let script = bench.read("torque.m");
     let array = |name: &str| -> Vec<Vec<f64>> {
@@ -185,8 +181,7 @@ fn printed_m(text: &str) -> f64 {
 #[track_caller]
 fn solved_arm(bench: &Bench, arguments: &[&str]) -> String {
     let solve = ["solve", "arm.toml", "path.csv", "-o", "out"];
-    let output = bench.run(&[&solve[..], arguments].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = bench.done(&[&solve[..], arguments].concat());
     stdout(&output)
 }
 
@@ -195,8 +190,7 @@ fn solved_arm(bench: &Bench, arguments: &[&str]) -> String {
 fn simulated_arm_m(bench: &Bench, table: &str, arguments: &[&str]) -> f64 {
     let end_s = column(bench, "out/tip.csv", "time_s").last().unwrap().to_string();
     let simulate = ["simulate", "arm.toml", table, "--target", "out/tip.csv", "-q"];
-    let output = bench.run(&[&simulate[..], &["--until", &end_s], arguments].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    bench.done(&[&simulate[..], &["--until", &end_s], arguments].concat());
     bench.json("simulated/summary.json")["tip_error"]["worst_m"].as_f64().unwrap()
 }
 
@@ -291,10 +285,8 @@ fn a_c_header_of_an_arm_has_a_row_for_each_time_and_a_column_for_each_joint() {
 fn run_c(bench: &Bench) -> Option<String> {
     let compile = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "main.c", "-o", "main"];
     // The linker of Rust's programs; without one there is nothing to try.
-    let compiled = Command::new("cc").args(compile).current_dir(bench.path(".")).output().ok()?;
-    assert!(compiled.status.success(), "{}", stderr(&compiled));
-    let output = Command::new(bench.path("main")).output().unwrap();
-    assert!(output.status.success());
+    succeeded(Command::new("cc").args(compile).current_dir(bench.path(".")).output().ok()?);
+    let output = succeeded(Command::new(bench.path("main")).output().unwrap());
     Some(stdout(&output))
 }
 
@@ -325,66 +317,19 @@ fn the_summary_has_the_table_and_a_repetition_finds_the_same() {
     let warnings = summary["warnings"].as_array().unwrap();
     assert!(warnings.iter().any(|own| own["kind"] == "table_moves_tip"), "{warnings:?}");
     let json = run(&[&table[..], &["--json"]].concat());
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let json = json_of(&json);
     assert_eq!(json["table"], *found);
     fs::remove_file(bench.path("cut.h")).unwrap();
     let repeated = bench.run(&["solve", "--repeat", "out"]);
     assert_eq!(stdout(&repeated), "same     7 files of out, byte for byte\n");
     assert!(!bench.path("cut.h").exists());
+    refused(&run(&["--write", "out/torque.csv"]), "must not be a file of a run's results");
     // A torque that nothing changes has no error to measure.
-    let plain = run(&["--write", "-"]);
-    assert!(plain.status.success());
+    succeeded(run(&["--write", "-"]));
     let json = run(&["--write", "whole.m", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let json = json_of(&json);
     assert_eq!(
         (&json["table"]["form"], &json["table"]["tip_error"]),
         (&"matlab".into(), &().into())
     );
-}
-
-#[test]
-fn a_file_that_is_no_form_or_replaces_another_is_refused() {
-    let bench = Bench::new();
-    fs::copy(repository(LINK), bench.path("link.toml")).unwrap();
-    fs::copy(repository(MOTION), bench.path("motion.csv")).unwrap();
-    let solve =
-        |options: &[&str]| bench.run(&[&["solve", "link.toml", "motion.csv"], options].concat());
-    refused(
-        &solve(&["--write", "torque.txt"]),
-        "--write = torque.txt, but must end in .csv, .h or .m",
-    );
-    refused(
-        &solve(&["--write", "motion.csv"]),
-        "--write = motion.csv, but must not be a file that is read",
-    );
-    refused(&solve(&["-o", ".", "--write", "tip.csv"]), "must not be a file of a run's results");
-    refused(&solve(&["-o", "new", "--write", "new/torque.csv"]), "must not be a file of a run's");
-    bench.solve(&["-o", "there"]);
-    refused(&solve(&["--write", "there/torque.csv"]), "must not be a file of a run's results");
-    let golden = "--golden is given, but has no effect on the table of --write";
-    refused(&solve(&["--golden", "--write", "q.csv"]), golden);
-    refused(
-        &solve(&["--write", "a.csv", "--report"]),
-        "--report is given, but has no effect on the table of --write",
-    );
-    refused(
-        &solve(&["--write", "-", "--json"]),
-        "--json is given, but standard output has the table of --write -",
-    );
-    refused(&solve(&["--window", "2%"]), "--write <FILE>");
-    for name in ["a-b.h", "2nd.m", "a b.h"] {
-        refused(&solve(&["--write", name]), "must have a name of letters, digits and `_`");
-    }
-    refused(
-        &solve(&["--write", "a.csv", "--start-at", "-1e17 s"]),
-        "--start-at = -1.00e17 s, but must lie from -4.50e9 to 4.50e9 s",
-    );
-    refused(&solve(&["--write", "a.csv", "--start-at", "--window"]), "'--window' for '--start-at");
-    refused(
-        &solve(&["--write", "a.csv", "--window", "100%"]),
-        "must be a share above 0 and below 1",
-    );
-    fs::copy(repository("trajectories/sway_1s.csv"), bench.path("motion.csv")).unwrap();
-    let cycle = solve(&["--write", "a.csv", "--window", "2%", "--periodic"]);
-    refused(&cycle, "--window is for a motion from rest to rest");
 }

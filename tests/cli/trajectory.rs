@@ -1,15 +1,13 @@
 //! `trajectory`: motions that `solve` takes as they are.
 
-use super::{Bench, LINK, column, repository, stderr, stdout};
+use super::{Bench, LINK, column, json_of, repository, stderr, stdout, succeeded};
 
 const PROFILES: [&str; 8] =
     ["sine", "versine", "min-jerk", "septic", "trapezoid", "s-curve", "bang-bang", "gaussian"];
 
 fn made(bench: &Bench, profile: &str, more: &[&str]) -> String {
     let arguments = ["trajectory", profile, "--distance", "-0.5", "--duration", "0.88"];
-    let output = bench.run(&[&arguments[..], &["--step", "0.002"], more].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert_eq!(stderr(&output), "");
+    let output = bench.silent(&[&arguments[..], &["--step", "0.002"], more].concat());
     stdout(&output)
 }
 
@@ -19,9 +17,8 @@ fn every_profile_is_a_motion_of_the_distance_asked_for() {
     for profile in PROFILES {
         made(&bench, profile, &["-o", "move.csv"]);
         let link = repository(LINK);
-        let solved = bench.run(&["solve", &link, "move.csv", "--json"]);
-        assert_eq!(solved.status.code(), Some(0), "{profile}: {}", stderr(&solved));
-        let summary: serde_json::Value = serde_json::from_str(&stdout(&solved)).unwrap();
+        let solved = bench.done(&["solve", &link, "move.csv", "--json"]);
+        let summary = json_of(&solved);
         let travel = summary["motion"]["travel_m"].as_f64().unwrap();
         assert!((travel + 0.5).abs() < 1e-12, "{profile}: {travel}");
         assert!(!stderr(&solved).contains("integrates to"), "{profile} ends at rest");
@@ -71,8 +68,7 @@ fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
     let link = repository(LINK);
     let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.002"];
     let fit = ["--link", &link, "--fit-limit", "torque=1", "-o", "fit.csv"];
-    let output = bench.run(&[&fixed[..], &fit].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = bench.done(&[&fixed[..], &fit].concat());
     let text = bench.read("fit.csv");
     let remark = text.lines().next().unwrap();
     let duration: f64 = remark
@@ -93,7 +89,7 @@ fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
     let peak = |duration_s: f64| -> f64 {
         let duration = format!("{duration_s:.6}");
         let exact = ["--duration", &duration, "-o", "exact.csv"];
-        assert_eq!(bench.run(&[&fixed[..], &exact].concat()).status.code(), Some(0));
+        bench.done(&[&fixed[..], &exact].concat());
         let summary = stdout(&bench.run(&["solve", &link, "exact.csv", "--json"]));
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
         summary["results"]["peak_torque_n_m"].as_f64().unwrap()
@@ -124,11 +120,6 @@ fn all_limits_that_hold_are_named_and_the_one_that_binds() {
     let (code, told) = fitted(&bench, "limited.toml", "0.01", &[]);
     assert_eq!(code, Some(0), "{told}");
     assert!(told.contains(" s, the shortest duration within hub_rate=2 rad/s; "), "{told}");
-    let (code, told) = fitted(&bench, &repository(LINK), "0.01", &[]);
-    assert_eq!(code, Some(2), "{told}");
-    let message =
-        "error: --duration is missing, but must be given where nothing limits the motion\n";
-    assert!(told.starts_with(message), "{told}");
 }
 
 #[test]
@@ -171,9 +162,8 @@ fn warnings_of_the_motion_that_fits_are_told_and_do_not_lengthen_it() {
     let bench = Bench::new();
     let link = repository(LINK);
     let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01", "--link", &link];
-    let fit = bench.run(&[&fixed[..], &["--fit-limit", "torque=4", "-o", "fit.csv"]].concat());
-    assert_eq!(fit.status.code(), Some(0), "{}", stderr(&fit));
-    let told = stderr(&fit);
+    let told =
+        stderr(&bench.done(&[&fixed[..], &["--fit-limit", "torque=4", "-o", "fit.csv"]].concat()));
     assert!(
         told.starts_with("note: 0.42 s, the shortest duration within torque=4 N m; "),
         "{told}"
@@ -198,8 +188,7 @@ fn a_limit_of_the_motor_is_fitted_to_with_a_drive() {
         let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01", "--link", link];
         bench.run(&[&fixed[..], &["--fit-limit", "motor_torque=0.4"]].concat())
     };
-    let fitted = fit("driven.toml");
-    assert_eq!(fitted.status.code(), Some(0), "{}", stderr(&fitted));
+    let fitted = succeeded(fit("driven.toml"));
     assert!(stderr(&fitted).contains("limits.motor_torque binds: "), "{}", stderr(&fitted));
 }
 
@@ -208,8 +197,7 @@ fn lengths_times_and_angles_have_units() {
     let bench = Bench::new();
     let link = repository(LINK);
     let made = |arguments: &[&str]| {
-        let output = bench.run(&[&["trajectory", "septic"], arguments].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
+        let output = bench.done(&[&["trajectory", "septic"], arguments].concat());
         stdout(&output)
     };
     let plain =
@@ -226,42 +214,10 @@ fn lengths_times_and_angles_have_units() {
     bench.write("longer.csv", &longer);
     let output =
         bench.run(&["solve", &link, "longer.csv", "--set", "segments.0.length*=2", "--json"]);
-    let summary: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let summary = json_of(&output);
     let length_m = summary["link"]["length_m"].as_f64().unwrap();
     let travel_m = summary["motion"]["travel_m"].as_f64().unwrap();
     assert!((travel_m + 0.5 * length_m).abs() < 1e-9, "{travel_m} {length_m}");
-}
-
-#[test]
-fn a_file_that_nothing_is_made_of_and_an_angle_without_a_link_are_refused() {
-    let bench = Bench::new();
-    let link = repository(LINK);
-    for (arguments, message) in [
-        (
-            vec!["--distance", "0.5", "--link", &link],
-            "error: --link is given, but has an effect only with --path, --cycle, an angle as --distance or \
-             --via, or without --duration\n",
-        ),
-        (
-            vec!["--distance", "0.5", "--set", "payload.mass=0"],
-            "error: --set is given, but has an effect only with --link, the file that it changes\n",
-        ),
-        (
-            vec!["--distance", "90 deg"],
-            "error: --distance = 1.57080 rad, but must be a length unless --link is given\n\
-             hint: --link LINK gives the length of the link that turns\n",
-        ),
-        (vec!["--distance", "0.5 kg"], "error: invalid value '0.5 kg' for '--distance <TRAVEL>': "),
-        (
-            vec!["--distance", "0.5", "--rest-after", "1 m"],
-            "error: invalid value '1 m' for '--rest-after <TIME>': ",
-        ),
-    ] {
-        let times = ["--duration", "0.8", "--step", "0.01"];
-        let output = bench.run(&[&["trajectory", "septic"], &arguments[..], &times[..]].concat());
-        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-        assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
-    }
 }
 
 #[test]
@@ -269,9 +225,8 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     let bench = Bench::new();
     let link = repository(LINK);
     let fixed = ["--distance", "0.5", "--step", "0.02", "--link", &link, "--fit-limit", "torque=2"];
-    let best = bench.run(&[&["trajectory", "best"], &fixed[..], &["-o", "best.csv"]].concat());
-    assert_eq!(best.status.code(), Some(0), "{}", stderr(&best));
-    let told = stderr(&best);
+    let told =
+        stderr(&bench.done(&[&["trajectory", "best"], &fixed[..], &["-o", "best.csv"]].concat()));
     let notes: Vec<&str> =
         told.lines().filter_map(|line| line.strip_prefix("note: ")).take(8).collect();
     let mut own_notes = Vec::new();
@@ -307,9 +262,7 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     assert!(bench.read("best.csv").starts_with("# gaussian: 1.5 s, "));
     // Limits that no profile keeps.
     let none = [&fixed[..7], &["torque=1e-9"]].concat();
-    let none = bench.run(&[&["trajectory", "best"], &none[..]].concat());
-    assert_eq!(none.status.code(), Some(4), "{}", stderr(&none));
-    let none = stderr(&none);
+    let none = stderr(&bench.ends(4, &[&["trajectory", "best"], &none[..]].concat()));
     let message = "the durations within the limits = none of the 17 tried";
     assert!(none.starts_with(&format!("note: sine       none: {message}")), "{none}");
     assert!(none.contains(&format!("\nerror: {message}")), "{none}");
@@ -321,8 +274,7 @@ fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
     let link = repository(LINK);
     let cycle = ["trajectory", "min-jerk", "--distance", "0.5", "--step", "10 ms", "--link", &link];
     let cycle = [&cycle[..], &["--cycle", "--dwell", "300 ms", "-o", "cycle.csv"]].concat();
-    let made = bench.run(&[&cycle[..], &["--duration", "0.8"]].concat());
-    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
+    let made = bench.done(&[&cycle[..], &["--duration", "0.8"]].concat());
     assert_eq!(column(&bench, "cycle.csv", "time").len(), 220);
     let told = stderr(&made);
     let torque = told.strip_prefix("note: a cycle of 2.2 s takes a torque of ").unwrap();
@@ -344,33 +296,24 @@ fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
     assert!(told.contains(" s takes a torque of 0.49"), "{told}");
     // A limit of the file that a given duration exceeds.
     let set = ["--duration", "0.62", "--set", "limits.torque=1", "--deny-warnings"];
-    let made = bench.run(&[&cycle[..], &set].concat());
-    assert_eq!(made.status.code(), Some(4), "{}", stderr(&made));
+    let made = bench.ends(4, &[&cycle[..], &set].concat());
     assert!(stderr(&made).starts_with("note: a cycle of 1.84 s takes a torque of "));
     let exceeded = "\nwarning: limits.torque = 1 N m is exceeded at the hub: ";
     assert!(stderr(&made).contains(exceeded), "{}", stderr(&made));
 }
 
 #[test]
-fn a_cycle_that_is_not_solved_is_not_written_and_the_option_to_leave_out_is_named() {
+fn a_cycle_whose_ends_are_nearly_equal_is_written_and_solved() {
     let bench = Bench::new();
     let link = repository(LINK);
     let cycle =
         ["trajectory", "gaussian", "--distance", "0.1", "--duration", "1", "--step", "2 ms"];
     let cycle = [&cycle[..], &["--cycle", "-o", "cycle.csv"]].concat();
-    let lead = ["--link", &link, "--set", "analysis.lead='1 s'"];
-    let refused = bench.run(&[&cycle[..], &lead].concat());
-    assert!(!refused.status.success() && bench.names(".").is_empty());
-    let message = "error: the cycle is not solved, nor written: analysis.lead or analysis.lag = given, \
-                   but a periodic motion has neither\nhint: leave them out; without --link it is written\n";
-    assert_eq!(stderr(&refused), message);
     // The bell's first and last samples are nearly equal, but its last is not its first one again.
     for link in [&["--link", &link][..], &[]] {
-        let made = bench.run(&[&cycle[..], link].concat());
-        assert!(made.status.success(), "{}", stderr(&made));
+        bench.done(&[&cycle[..], link].concat());
     }
-    let solved = bench.run(&["solve", &link, "cycle.csv", "--periodic", "-q"]);
-    assert!(solved.status.success(), "{}", stderr(&solved));
+    bench.done(&["solve", &link, "cycle.csv", "--periodic", "-q"]);
 }
 
 #[test]
@@ -378,10 +321,8 @@ fn a_tip_stops_on_its_way() {
     let bench = Bench::new();
     let way = ["trajectory", "sine", "--distance", "0.6", "--duration", "1.2", "--step", "0.002"];
     let stops = ["--via", "10 cm", "--via=-0.3", "--dwell", "0.2", "-o", "stops.csv"];
-    let made = bench.run(&[&way[..], &stops].concat());
-    assert_eq!(made.status.code(), Some(0), "{}", stderr(&made));
-    let solved = bench.run(&["solve", &repository(LINK), "stops.csv", "-o", "out"]);
-    assert!(solved.status.success(), "{}", stderr(&solved));
+    bench.done(&[&way[..], &stops].concat());
+    bench.done(&["solve", &repository(LINK), "stops.csv", "-o", "out"]);
     // Moves of 0.1, 0.4 and 0.9 m take 0.2, 0.4 and 0.6 s, with 0.2 s of rest between them.
     let [times_s, tip_m] =
         ["time_s", "tip_displacement_m"].map(|name| column(&bench, "out/tip.csv", name));
@@ -389,53 +330,4 @@ fn a_tip_stops_on_its_way() {
         let row = times_s.iter().position(|own| (own - time_s).abs() < 1e-9).unwrap();
         assert!((tip_m[row] - at_m).abs() < 2e-6, "{} at {time_s}", tip_m[row]);
     }
-}
-
-#[test]
-fn stops_and_cycles_that_mean_nothing_are_refused() {
-    let bench = Bench::new();
-    let moved = ["--distance", "0.5"];
-    let line = ["--path", "line", "--from", "0.9,-0.5", "--to", "0.5,0.8"];
-    for (arguments, message) in [
-        (
-            [&moved[..], &["--dwell", "0.1"]].concat(),
-            "error: --dwell is given, but has an effect only with --cycle, or with --via where the tip stops\n",
-        ),
-        (
-            [&moved[..], &["--via", "0.4,0.2"]].concat(),
-            "error: --via = x and y, but must be the travel of the tip unless --path is given\n",
-        ),
-        (
-            [&line[..], &["--via", "0.4"]].concat(),
-            "error: --via = a travel, but must be a place, x and y, where --path is given\n\
-             hint: it reads like --via 0.5,0.2\n",
-        ),
-        (
-            [&moved[..], &["--via", "0.5"]].concat(),
-            "error: --distance = 0.5 m, but must differ from 0.5 m, where the tip is before\n",
-        ),
-        (
-            [&moved[..], &["--via", "0.6"]].concat(),
-            "error: the rest at stop 1 = 0 steps, but must be at least 1: the tip turns back there, and the \
-             acceleration of versine jumps\n",
-        ),
-        (
-            [&moved[..], &["--via", "0.2", "--corner", "0.1"]].concat(),
-            "error: --corner is given, but has an effect only with --path\n",
-        ),
-        ([&line[..], &["--cycle"]].concat(), "error: the argument '--path <CURVE>' cannot be used"),
-    ] {
-        let times = ["--duration", "0.8", "--step", "0.01"];
-        let output = bench.run(&[&["trajectory", "versine"], &arguments[..], &times[..]].concat());
-        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-        assert!(stderr(&output).starts_with(message), "{}", stderr(&output));
-    }
-    let best = ["trajectory", "best", "--distance", "0.5", "--duration", "1", "--step", "0.1"];
-    let best = bench.run(&best);
-    assert_eq!(best.status.code(), Some(2));
-    let message = "error: PROFILE = best, but must be one profile where --duration is given\n";
-    assert!(stderr(&best).starts_with(message), "{}", stderr(&best));
-    let best = ["trajectory", "best", "--distance", "0.5", "--step", "0.1"];
-    let message = "error: --link is missing, but must be given with best\n";
-    assert!(stderr(&bench.run(&best)).starts_with(message));
 }

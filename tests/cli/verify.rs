@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Bench, LINK, MOTION, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, ended, json_of, repository, stderr, stdout, succeeded};
 
 const NAMES: [&str; 9] = [
     "tip_error",
@@ -23,8 +23,7 @@ fn verify(bench: &Bench, arguments: &[&str]) -> std::process::Output {
 
 #[test]
 fn every_line_is_a_number_against_what_it_may_be() {
-    let output = verify(&Bench::new(), &[]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = succeeded(verify(&Bench::new(), &[]));
     assert_eq!(stderr(&output), "");
     let text = stdout(&output);
     let mut lines = text.lines();
@@ -59,8 +58,7 @@ fn json_lists_the_checks_and_quiet_prints_nothing() {
 
 #[test]
 fn a_number_out_of_its_bound_ends_the_program_with_four() {
-    let output = verify(&Bench::new(), &["--set", "analysis.lead=0.2"]);
-    assert_eq!(output.status.code(), Some(4));
+    let output = ended(4, verify(&Bench::new(), &["--set", "analysis.lead=0.2"]));
     assert_eq!(stdout(&output).matches("  FAILS").count(), 3, "{}", stdout(&output));
     let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping, as \
                   predicted; torque at the window's edge\n\
@@ -74,23 +72,20 @@ fn a_limit_that_the_torque_and_its_error_exceed_fails() {
     let bench = Bench::new();
     // Peak 1.35817 N m; the mesh may have 4.4e-5 of it wrong.
     let with = |limit: &str| verify(&bench, &["--set", limit]);
-    let kept = with("limits.torque=1.3595");
-    assert_eq!(kept.status.code(), Some(0), "{}", stderr(&kept));
+    let kept = succeeded(with("limits.torque=1.3595"));
     assert!(
         stdout(&kept)
             .ends_with("limits.torque                          1.0e0       1.0e0   the limit\n")
     );
-    let exceeded = with("limits.torque=1.3582");
-    assert_eq!(exceeded.status.code(), Some(4), "{}", stdout(&exceeded));
+    let exceeded = ended(4, with("limits.torque=1.3582"));
     assert!(stdout(&exceeded).ends_with("1.0e0   the limit  FAILS\n"), "{}", stdout(&exceeded));
     assert!(stderr(&exceeded).contains("out of bounds: limits.torque\n"), "{}", stderr(&exceeded));
 }
 
 #[test]
 fn few_digits_are_found_at_the_tip() {
-    let output = verify(&Bench::new(), &["--digits", "2", "--json"]);
-    assert_eq!(output.status.code(), Some(4));
-    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let output = ended(4, verify(&Bench::new(), &["--digits", "2", "--json"]));
+    let json = json_of(&output);
     assert_eq!(
         (json[0]["name"].as_str(), json[0]["passes"].as_bool()),
         (Some(NAMES[0]), Some(false))
@@ -104,7 +99,7 @@ fn what_is_not_measured_says_why() {
     let reason = "not made: 210 elements, more than the 200 that are factorised";
     assert!(stdout(&output).contains(reason), "{}", stdout(&output));
     let json = verify(&Bench::new(), &[&set[..], &["--json"]].concat());
-    let json: Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let json = json_of(&json);
     assert_eq!((&json[6]["found"], &json[6]["passes"]), (&Value::Null, &Value::Bool(true)));
 }
 
@@ -113,21 +108,20 @@ fn solve_keeps_the_table_in_its_summary_and_its_results_whatever_it_says() {
     let bench = Bench::new();
     let printed = bench.solve(&["--verify"]);
     assert!(stdout(&printed).ends_with(&stdout(&verify(&bench, &[]))));
-    let summary: Value = serde_json::from_str(&bench.read("out/summary.json")).unwrap();
+    let summary = bench.json("out/summary.json");
     let checks = summary["verification"].as_array().unwrap();
     assert_eq!(checks.len(), NAMES.len());
 
     let (link, motion) = (repository(LINK), repository(MOTION));
     let arguments =
         ["solve", &link, &motion, "--verify", "--set", "analysis.lead=0.2", "-o", "cut"];
-    let cut = bench.run(&arguments);
-    assert_eq!(cut.status.code(), Some(4));
-    let summary: Value = serde_json::from_str(&bench.read("cut/summary.json")).unwrap();
+    bench.ends(4, &arguments);
+    let summary = bench.json("cut/summary.json");
     assert_eq!(summary["verification"][0]["passes"], false);
     assert!(bench.names("cut").contains(&"torque.csv".to_owned()));
 
     bench.solve(&["-o", "plain"]);
-    let summary: Value = serde_json::from_str(&bench.read("plain/summary.json")).unwrap();
+    let summary = bench.json("plain/summary.json");
     assert_eq!(summary["verification"], Value::Null);
 }
 
@@ -137,7 +131,6 @@ fn the_shortest_motion_is_measured_too() {
     bench.write("four.csv", "time,acceleration\n0,1\n0.5,1\n1,-1\n1.5,-1\n");
     let link = repository(LINK);
     let cut = ["--set", "analysis.lead=0", "--set", "analysis.lag=0"];
-    let output = bench.run(&[&["verify", &link, "four.csv"], &cut[..]].concat());
-    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    let output = bench.ends(4, &[&["verify", &link, "four.csv"], &cut[..]].concat());
     assert_eq!(stdout(&output).lines().count(), 1 + NAMES.len(), "{}", stdout(&output));
 }

@@ -1,7 +1,7 @@
 //! Warnings reach whoever must see them: in tables, on pages, and as an exit code.
 
 use super::sweep::{rows, sweep, swept};
-use super::{Bench, LINK, MOTION, column, repository, stderr, stdout};
+use super::{Bench, LINK, MOTION, column, ended, repository, stderr, stdout};
 
 /// Cases of which the second bends too much.
 const VARY: [&str; 2] = ["--vary", "distance*=1,3"];
@@ -24,7 +24,7 @@ fn an_acceleration_that_jumps_is_remarked_where_it_overshoots() {
         ("sine", false),
         ("septic", false),
     ] {
-        let made = bench.run(&[
+        bench.done(&[
             "trajectory",
             profile,
             "--distance",
@@ -36,7 +36,6 @@ fn an_acceleration_that_jumps_is_remarked_where_it_overshoots() {
             "-o",
             "tip.csv",
         ]);
-        assert!(made.status.success(), "{}", stderr(&made));
         let output = bench.run(&[
             "solve",
             &tube,
@@ -73,9 +72,8 @@ fn an_acceleration_that_jumps_is_remarked_where_it_overshoots() {
         ("s-curve", "0.001", &["--lowpass", "3"]),
     ] {
         let made = ["trajectory", profile, "--distance", "0.5", "--duration", "1", "--step", step];
-        assert!(bench.run(&[&made[..], &["-o", "tip.csv"]].concat()).status.success());
-        let output = bench.run(&[&["solve", &tube, "tip.csv"], more].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&[&made[..], &["-o", "tip.csv"]].concat());
+        let output = bench.done(&[&["solve", &tube, "tip.csv"], more].concat());
         assert!(!stderr(&output).contains("jumps"), "{profile} {step}: {}", stderr(&output));
     }
     // Displacements say nothing of a jump: theirs may be rounding.
@@ -105,11 +103,9 @@ fn a_warning_is_an_error_where_it_is_denied_and_the_results_are_written() {
     ];
     for (arguments, warnings) in cases {
         let arguments = [&arguments[..], &cut].concat();
-        let allowed = bench.run(&arguments);
-        assert_eq!(allowed.status.code(), Some(0), "{}", stderr(&allowed));
+        let allowed = bench.done(&arguments);
         assert_eq!(stderr(&allowed).matches("warning: ").count(), warnings, "{arguments:?}");
-        let denied = bench.run(&[&arguments[..], &["--deny-warnings"]].concat());
-        assert_eq!(denied.status.code(), Some(4));
+        let denied = bench.ends(4, &[&arguments[..], &["--deny-warnings"]].concat());
         let error = format!(
             "error: --deny-warnings: warnings = {warnings}, but must be none; all output is written\n"
         );
@@ -134,9 +130,8 @@ fn a_verified_answer_with_a_warning_fails_where_warnings_are_denied() {
     );
     let made =
         ["trajectory", "septic", "--distance", "0.6", "--duration", "0.7", "--step", "0.001"];
-    assert!(bench.run(&[&made[..], &["-o", "radius.csv"]].concat()).status.success());
-    let warned = bench.run(&["verify", "radius.toml", "radius.csv", "--deny-warnings", "-q"]);
-    assert_eq!(warned.status.code(), Some(4));
+    bench.done(&[&made[..], &["-o", "radius.csv"]].concat());
+    let warned = bench.ends(4, &["verify", "radius.toml", "radius.csv", "--deny-warnings", "-q"]);
     let error = "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
     let told = stderr(&warned);
     assert!(told.starts_with("warning: large deflections ") && told.ends_with(error), "{told}");
@@ -154,8 +149,7 @@ fn nothing_is_denied_where_nothing_is_warned_of() {
         &["frf", &link, "--to", "10", "--points", "3", "--deny-warnings"],
         &[&trajectory[..], &["--step", "0.01", "--deny-warnings"]].concat(),
     ] {
-        let output = bench.run(arguments);
-        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+        bench.done(arguments);
     }
 }
 
@@ -169,10 +163,8 @@ fn warnings_of_compare_repeat_and_sweep_are_errors_where_they_are_denied() {
     let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
     let repeat = ["solve", "--repeat", "out", &repository(LINK), &repository(MOTION), "-q"];
     let denied = |arguments: &[&str], allowed: i32| {
-        let plain = bench.run(arguments);
-        assert_eq!(plain.status.code(), Some(allowed), "{}", stderr(&plain));
-        let denied = bench.run(&[arguments, &["--deny-warnings"]].concat());
-        assert_eq!(denied.status.code(), Some(4), "{}", stderr(&denied));
+        let plain = bench.ends(allowed, arguments);
+        let denied = bench.ends(4, &[arguments, &["--deny-warnings"]].concat());
         let error =
             "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
         assert_eq!(stderr(&denied), stderr(&plain) + error);
@@ -208,8 +200,7 @@ fn one_table_of_a_run_that_is_accepted_alone_is_warned_of() {
     bench.solve(&["-q"]);
     bench.solve(&["-q", "-o", "other", "--set", "payload.mass=0.1"]);
     let one = ["compare", "out/torque.csv", "other/torque.csv", "--bless", "-q"];
-    let blessed = bench.run(&one);
-    assert_eq!(blessed.status.code(), Some(0));
+    let blessed = bench.done(&one);
     let warning =
         "warning: out/torque.csv: is not the table of the summary.json beside it any more";
     assert!(stderr(&blessed).starts_with(warning), "{}", stderr(&blessed));
@@ -234,8 +225,7 @@ fn the_table_of_a_sweep_names_the_kinds_of_every_cases_warnings() {
     assert!(kinds.eq(["inexact_model", "limit_exceeded"]));
 
     let page = |table: &str| {
-        let output = bench.run(&["report", table, "-o", "page.html"]);
-        assert!(output.status.success(), "{}", stderr(&output));
+        bench.done(&["report", table, "-o", "page.html"]);
         bench.read("page.html")
     };
     let shown = page("sweep.csv");
@@ -293,13 +283,14 @@ fn what_a_shard_warned_of_is_told_when_it_is_joined_or_was_complete() {
     let warning = "1 of 2 cases, the first is case 2: inexact_model\n\
                    hint: flexlink solve tells more of a single case\n";
     let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
-    let merged = bench.run(&[&["sweep", "--deny-warnings", "--merge"], &names[..]].concat());
-    assert_eq!(merged.status.code(), Some(4));
-    assert!(stderr(&merged).starts_with(&format!("warning: {warning}error: --deny-warnings: ")));
+    bench.refuses_first(
+        4,
+        &[&["sweep", "--deny-warnings", "--merge"], &names[..]].concat(),
+        &format!("warning: {warning}error: --deny-warnings: "),
+    );
     assert!(bench.path("sweep.csv").exists() && bench.path("sweep.json").exists());
     let again = [&VARY[..], &["--shard", "2/2", "--resume", "--deny-warnings"]].concat();
-    let again = sweep(&bench, &again);
-    assert_eq!(again.status.code(), Some(4));
+    let again = ended(4, sweep(&bench, &again));
     assert!(
         stderr(&again).starts_with("warning: 1 of 1 cases, the first is case 2: inexact_model")
     );

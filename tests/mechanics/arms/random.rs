@@ -127,7 +127,8 @@ proptest! {
         (parts, turns) in any_arm(1),
         is_tip in any::<bool>(),
     ) {
-        let [work, stored, taken] = balance(&parts, &turns, any_kept(parts.len(), is_tip));
+        let [work, raised, bent, rubbed, damped] = balance((&parts, 6), &turns, any_kept(parts.len(), is_tip));
+        let (stored, taken) = (raised + bent, rubbed + damped);
         let size = work.abs().max(stored.abs());
         let off = (work - stored - taken) / size;
         prop_assert!(off.abs() < 1e-5, "{off:e} of {size} J");

@@ -18,22 +18,17 @@ const SERIES: [(usize, f64); 3] = [(1, 0.01), (2, 0.02), (4, 0.2)];
 /// A link with tapers and bodies on it.
 fn arm(damping: Damping) -> LinkParts {
     let segment = |length_m, stiffness: (f64, f64), mass: (f64, f64)| Segment {
-        name: None,
-        length_m,
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
-        cross_section: None,
-        timoshenko: None,
+        ..Segment::uniform(length_m, 1.0, 1.0)
     };
     LinkParts {
-        title: String::new(),
         segments: vec![segment(0.5, (20.0, 8.0), (0.9, 0.5)), segment(0.8, (8.0, 3.0), (0.5, 0.3))],
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.08, viscous_friction_n_m_s_rad: 0.0 },
         masses: vec![LumpedMass { at_m: 0.9, mass_kg: 0.2, inertia_kg_m2: 1e-3 }],
         payload: Payload { mass_kg: 0.3, inertia_kg_m2: 4e-3, offset_m: 0.06 },
         damping,
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     }
 }
 

@@ -2,29 +2,19 @@
 
 use faer::c64;
 use flexlink::beam::{Mesh, MeshPlan, nodal_transfer, tip_transfer};
-use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::link::{Hub, Link, LinkParts, Segment};
 
 use super::assembly::{Assembly, Load};
 
 /// The paper's link of n equal elements, the first one ten times stiffer than the others.
 fn bayo(elements: usize) -> Mesh {
-    let segment = |count: usize, stiffness: f64| Segment {
-        name: None,
-        length_m: 1.5 * count as f64 / elements as f64,
-        bending_stiffness_n_m2: Taper::constant(stiffness),
-        mass_per_length_kg_m: Taper::constant(0.8),
-        cross_section: None,
-        timoshenko: None,
+    let segment = |count: usize, stiffness: f64| {
+        Segment::uniform(1.5 * count as f64 / elements as f64, stiffness, 0.8)
     };
     let link = Link::new(LinkParts {
-        title: String::new(),
         segments: vec![segment(1, 50.0), segment(elements - 1, 5.0)],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-        masses: vec![],
-        payload: Payload::default(),
-        damping: Damping::None,
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(1), Some(elements - 1)], None, 1e-6);

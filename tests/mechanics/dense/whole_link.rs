@@ -17,12 +17,9 @@ const DENSE_ERROR: f64 = 1e-8;
 
 fn arm() -> LinkParts {
     let segment = |length_m, stiffness: (f64, f64), mass: (f64, f64)| Segment {
-        name: None,
-        length_m,
         bending_stiffness_n_m2: Taper { inner: stiffness.0, outer: stiffness.1 },
         mass_per_length_kg_m: Taper { inner: mass.0, outer: mass.1 },
-        cross_section: None,
-        timoshenko: None,
+        ..Segment::uniform(length_m, 1.0, 1.0)
     };
     let mass = |at_m, mass_kg, inertia_kg_m2| LumpedMass { at_m, mass_kg, inertia_kg_m2 };
     LinkParts {

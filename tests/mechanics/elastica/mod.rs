@@ -50,14 +50,11 @@ impl Turn {
 /// 1.1 m long, with 0.2 kg at its tip.
 pub(crate) fn arm() -> LinkParts {
     LinkParts {
-        title: String::new(),
         segments: vec![Segment::uniform(1.1, 20.0, 0.5)],
         hub: Hub { inertia_kg_m2: 0.05, ..Hub::default() },
-        masses: vec![],
         payload: Payload { mass_kg: 0.2, inertia_kg_m2: 1e-4, offset_m: 0.0 },
         damping: Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 3e-4 },
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     }
 }
 
@@ -73,11 +70,6 @@ pub(crate) fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
 /// The turn over a period: half a second of rest on either side, one second more after it, half a second in which
 /// the chord returns, and one second before the next.
 pub(crate) fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ChordPeriod {
-    chord_of(turn, gravity_m_s2, 1.0)
-}
-
-/// The same, all times that many times as long.
-fn chord_of(turn: &Turn, gravity_m_s2: [f64; 2], slower: f64) -> ChordPeriod {
     let last = Turn::sample(turn.duration_s + BEFORE_S + 1.0);
     let columns: Vec<[f64; 3]> =
         (0..=last).map(|k| turn.at(k as f64 * STEP_S - BEFORE_S)).collect();
@@ -89,7 +81,5 @@ fn chord_of(turn: &Turn, gravity_m_s2: [f64; 2], slower: f64) -> ChordPeriod {
     angle.resize(len, turn.from_rad);
     rate.resize(len, 0.0);
     acceleration.resize(len, 0.0);
-    let slow = |values: Vec<f64>, factor: f64| values.iter().map(|v| v / factor).collect();
-    let (rate, acceleration) = (slow(rate, slower), slow(acceleration, slower * slower));
-    ChordPeriod::new(slower * STEP_S, [angle, rate, acceleration], gravity_m_s2).expect("a period")
+    ChordPeriod::new(STEP_S, [angle, rate, acceleration], gravity_m_s2).expect("a period")
 }

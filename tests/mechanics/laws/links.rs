@@ -1,9 +1,7 @@
 //! Links of any make.
 
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::link::{
-    Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, Timoshenko,
-};
+use flexlink::link::{Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, Timoshenko};
 use flexlink::modal::natural_frequencies;
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -27,14 +25,11 @@ pub(crate) fn any_parts() -> impl Strategy<Value = LinkParts> {
             }
         };
         LinkParts {
-            title: String::new(),
             masses: masses.into_iter().map(place).collect(),
             segments,
             hub,
             payload,
-            damping: Damping::None,
-            drive: None,
-            gravity: None,
+            ..LinkParts::default()
         }
     })
 }

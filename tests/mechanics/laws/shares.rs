@@ -1,7 +1,7 @@
 //! How elements are shared among the pieces of a link.
 
 use flexlink::beam::{ElementCount, MeshPlan, Piece};
-use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::link::{Link, LinkParts, LumpedMass, Segment, Taper};
 use proptest::prelude::*;
 
 use super::links::any_parts;
@@ -57,24 +57,12 @@ proptest! {
 fn a_mass_within_a_billionth_of_the_length_of_a_border_needs_no_node_of_its_own() {
     for length_m in [0.01, 100.0] {
         let pieces = |share: f64| {
-            let segment = || Segment {
-                name: None,
-                length_m,
-                bending_stiffness_n_m2: Taper::constant(5.0),
-                mass_per_length_kg_m: Taper::constant(0.8),
-                cross_section: None,
-                timoshenko: None,
-            };
+            let segment = || Segment::uniform(length_m, 5.0, 0.8);
             let at_m = length_m + share * 2.0 * length_m;
             let link = Link::new(LinkParts {
-                title: String::new(),
                 segments: vec![segment(), segment()],
-                hub: Hub::default(),
                 masses: vec![LumpedMass { at_m, mass_kg: 0.1, inertia_kg_m2: 0.0 }],
-                payload: Payload::default(),
-                damping: Damping::None,
-                drive: None,
-                gravity: None,
+                ..LinkParts::default()
             });
             shares(&link.expect("a valid link"), 9).len()
         };

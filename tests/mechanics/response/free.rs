@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::assembly::Assembly;
 use super::{damping, link, mesh_of, played, times};
 use flexlink::beam::{Mesh, MeshPlan};
-use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::modal::natural_frequencies;
 use flexlink::response::{Interpolation, Play, Played, Torque};
 
@@ -31,23 +31,12 @@ impl TwoBodies {
     }
 
     fn with_hub(inertia_kg_m2: f64) -> Self {
-        let beam = Segment {
-            name: None,
-            length_m: Self::LENGTH_M,
-            bending_stiffness_n_m2: Taper::constant(Self::STIFFNESS_N_M2),
-            mass_per_length_kg_m: Taper::constant(0.0),
-            cross_section: None,
-            timoshenko: None,
-        };
+        let beam = Segment::uniform(Self::LENGTH_M, Self::STIFFNESS_N_M2, 0.0);
         let link = Link::new(LinkParts {
-            title: String::new(),
             segments: vec![beam],
             hub: Hub { inertia_kg_m2, ..Hub::default() },
-            masses: vec![],
             payload: Payload { mass_kg: Self::MASS_KG, ..Payload::default() },
-            damping: Damping::None,
-            drive: None,
-            gravity: None,
+            ..LinkParts::default()
         })
         .unwrap();
         let plan = mesh_of(&link, 3);

@@ -22,7 +22,7 @@ use std::f64::consts::{PI, TAU};
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
-use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
+use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
 use flexlink::motion::{MotionColumns, TipMotion};
 use flexlink::response::{Play, Played, SimulationError, Torque};
 
@@ -30,23 +30,11 @@ use super::dense::{assembly, damping};
 
 /// Bayo's link, undamped: 1.5 m with a stiff root, its rigid inertia 1 kg m².
 fn bayo() -> LinkParts {
-    let segment = |length_m, stiffness| Segment {
-        name: None,
-        length_m,
-        bending_stiffness_n_m2: Taper::constant(stiffness),
-        mass_per_length_kg_m: Taper::constant(0.8),
-        cross_section: None,
-        timoshenko: None,
-    };
+    let segment = |length_m, stiffness| Segment::uniform(length_m, stiffness, 0.8);
     LinkParts {
-        title: String::new(),
         segments: vec![segment(0.15, 50.0), segment(1.35, 5.0)],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-        masses: vec![],
-        payload: Payload::default(),
-        damping: Damping::None,
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     }
 }
 

@@ -19,12 +19,9 @@ fn automatic(link: &Link, motion: &TipMotion, tolerance: f64) -> Solution {
 fn tapered() -> Link {
     link(|parts| {
         let taper = Segment {
-            name: None,
-            length_m: 0.7,
             bending_stiffness_n_m2: Taper { inner: 5.0, outer: 2.0 },
             mass_per_length_kg_m: Taper { inner: 0.8, outer: 0.5 },
-            cross_section: None,
-            timoshenko: None,
+            ..Segment::uniform(0.7, 1.0, 1.0)
         };
         parts.segments[0].length_m = 0.8;
         parts.segments.push(taper);

@@ -22,28 +22,17 @@ use std::f64::consts::PI;
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, InversionError, Solution, invert};
-use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::link::{Damping, Hub, Link, LinkParts, Segment};
 use flexlink::motion::{MotionColumns, TipMotion};
 
 /// The uniform link of 1.5 m, 5 N m², 0.8 kg/m on a hub of 0.1 kg m²: Bayo's without its stiff
 /// root, its rigid inertia 1 kg m².
 fn uniform() -> LinkParts {
     LinkParts {
-        title: String::new(),
-        segments: vec![Segment {
-            name: None,
-            length_m: 1.5,
-            bending_stiffness_n_m2: Taper::constant(5.0),
-            mass_per_length_kg_m: Taper::constant(0.8),
-            cross_section: None,
-            timoshenko: None,
-        }],
+        segments: vec![Segment::uniform(1.5, 5.0, 0.8)],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
-        masses: vec![],
-        payload: Payload::default(),
         damping: Damping::Hysteretic { ratio: 0.02 },
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     }
 }
 

@@ -19,7 +19,7 @@
 //! and v(0) = 0 fixes the ratio of v(L) = F to v'(L) = N.
 
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::link::{Hub, Link, LinkParts, Payload, Segment};
 use num_complex::{Complex, Complex64};
 use twofloat::TwoFloat;
 
@@ -72,21 +72,14 @@ impl UniformLink {
     /// The same link in finite elements.
     pub(crate) fn mesh(&self, elements: usize) -> Mesh {
         let link = Link::new(LinkParts {
-            title: String::new(),
-            segments: vec![Segment {
-                name: None,
-                length_m: self.length_m,
-                bending_stiffness_n_m2: Taper::constant(self.bending_stiffness_n_m2),
-                mass_per_length_kg_m: Taper::constant(self.mass_per_length_kg_m),
-                cross_section: None,
-                timoshenko: None,
-            }],
+            segments: vec![Segment::uniform(
+                self.length_m,
+                self.bending_stiffness_n_m2,
+                self.mass_per_length_kg_m,
+            )],
             hub: Hub { inertia_kg_m2: self.hub_inertia_kg_m2, ..Hub::default() },
-            masses: vec![],
             payload: self.payload,
-            damping: Damping::None,
-            drive: None,
-            gravity: None,
+            ..LinkParts::default()
         })
         .expect("a valid link");
         let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);

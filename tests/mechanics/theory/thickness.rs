@@ -3,9 +3,7 @@
 use std::f64::consts::TAU;
 
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::link::{
-    CrossSection, Damping, Hub, Link, LinkParts, Payload, Section, Segment, Taper,
-};
+use flexlink::link::{CrossSection, Hub, Link, LinkParts, Payload, Section, Segment, Taper};
 use flexlink::modal::{Thickness, natural_frequencies};
 
 /// Steps of the integration along each segment.
@@ -25,14 +23,10 @@ pub(crate) fn bar(length_m: f64, section: &Section) -> Segment {
 
 pub(crate) fn link(segments: Vec<Segment>, hub_kg_m2: f64, payload: Payload) -> Link {
     Link::new(LinkParts {
-        title: String::new(),
         segments,
         hub: Hub { inertia_kg_m2: hub_kg_m2, ..Hub::default() },
-        masses: vec![],
         payload,
-        damping: Damping::None,
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     })
     .unwrap()
 }

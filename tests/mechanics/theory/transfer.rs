@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use flexlink::beam::{Mesh, MeshPlan, nodal_transfer};
-use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment, Taper};
+use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::model::{FrequencyResponse, KeptModes, model_of};
 use num_complex::Complex64;
 
@@ -128,21 +128,10 @@ fn four_thousand_elements_are_exact_to_thirteen_digits_at_a_hundredth_radian_per
 #[test]
 fn the_frequency_response_of_a_stiff_link_is_that_of_the_rigid_one_with_drag_and_friction() {
     let link = Link::new(LinkParts {
-        title: String::new(),
-        segments: vec![Segment {
-            name: None,
-            length_m: 1.3,
-            bending_stiffness_n_m2: Taper::constant(1e13),
-            mass_per_length_kg_m: Taper::constant(0.8),
-            cross_section: None,
-            timoshenko: None,
-        }],
+        segments: vec![Segment::uniform(1.3, 1e13, 0.8)],
         hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad: 0.7, radius_m: 0.0 },
-        masses: vec![],
-        payload: Payload::default(),
         damping: Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 0.0 },
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     })
     .expect("a valid link");
     let plan = MeshPlan::new(&link, &[Some(4)], None, 1e-6).expect("a valid plan");

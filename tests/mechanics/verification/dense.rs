@@ -19,15 +19,11 @@ fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn
     let Units { length, mass } = units;
     let inertia = mass * length * length;
     let link = Link::new(LinkParts {
-        title: String::new(),
         segments: vec![Segment {
-            name: None,
-            length_m: 1.4 * length,
             bending_stiffness_n_m2: Taper { inner: 6.0, outer: 6.0 * taper }
                 .scaled(inertia * length),
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.9 * taper }.scaled(mass / length),
-            cross_section: None,
-            timoshenko: None,
+            ..Segment::uniform(1.4 * length, 1.0, 1.0)
         }],
         hub: Hub {
             inertia_kg_m2: 0.1 * inertia,
@@ -45,8 +41,7 @@ fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn
             offset_m: 0.15 * length,
         },
         damping,
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     })
     .unwrap();
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();

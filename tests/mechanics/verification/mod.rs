@@ -19,21 +19,16 @@ use flexlink::verify::{Answer, Verification, verify};
 /// A tapered link with hub radius, friction, a lumped mass and a payload.
 fn parts(stiffness_n_m2: f64, damping: Damping) -> LinkParts {
     LinkParts {
-        title: String::new(),
         segments: vec![Segment {
-            name: None,
-            length_m: 1.4,
             bending_stiffness_n_m2: Taper { inner: stiffness_n_m2, outer: 0.6 * stiffness_n_m2 },
             mass_per_length_kg_m: Taper { inner: 0.9, outer: 0.7 },
-            cross_section: None,
-            timoshenko: None,
+            ..Segment::uniform(1.4, 1.0, 1.0)
         }],
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.1, viscous_friction_n_m_s_rad: 0.05 },
         masses: vec![LumpedMass { at_m: 0.8, mass_kg: 0.1, inertia_kg_m2: 0.0 }],
         payload: Payload { mass_kg: 0.1, inertia_kg_m2: 0.0, offset_m: 0.0 },
         damping,
-        drive: None,
-        gravity: None,
+        ..LinkParts::default()
     }
 }
 
