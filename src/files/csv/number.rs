@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use rayon::prelude::*;
-use thiserror::Error;
 
 use crate::numeric::largest;
 use crate::text::excerpt;
@@ -70,15 +69,8 @@ fn decimal_exponent(value: f64) -> Option<i32> {
     exponent.parse().ok()
 }
 
-/// An invalid number of digits.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("digits = {found}, but must be a whole number from 1 to 17, or full")]
-pub struct DigitsError {
-    found: String,
-}
-
 impl FromStr for Digits {
-    type Err = DigitsError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         if text == "full" {
@@ -86,7 +78,10 @@ impl FromStr for Digits {
         }
         match text.parse() {
             Ok(n @ 1..=17) => Ok(Self::BelowPeak(n)),
-            _ => Err(DigitsError { found: excerpt(text).into_owned() }),
+            _ => {
+                let found = excerpt(text);
+                Err(format!("digits = {found}, but must be a whole number from 1 to 17, or full"))
+            }
         }
     }
 }
