@@ -112,10 +112,10 @@ pub(super) const fn joined<const N: usize>(lists: &[&[Quantity]]) -> [Quantity; 
     let mut all = [TIME; N];
     let (mut at, mut list) = (0, 0);
     while list < lists.len() {
-        let mut own = 0;
-        while own < lists[list].len() {
-            all[at] = lists[list][own];
-            (at, own) = (at + 1, own + 1);
+        let mut item = 0;
+        while item < lists[list].len() {
+            all[at] = lists[list][item];
+            (at, item) = (at + 1, item + 1);
         }
         list += 1;
     }

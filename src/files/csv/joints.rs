@@ -146,7 +146,7 @@ fn torques(
 ) -> Result<(Vec<Torque>, Reading), TableError> {
     doubt(&mut samples);
     let (time_s, columns) = samples.take_uniform(quantities);
-    let torques = columns.into_iter().map(|own| Torque::new(&time_s, own.unwrap_or_default()));
+    let torques = columns.into_iter().map(|n_m| Torque::new(&time_s, n_m.unwrap_or_default()));
     let torques = samples.history(torques.collect())?;
     Ok((torques, samples.reading))
 }
@@ -232,7 +232,9 @@ fn references(
 pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading), TableError> {
     let columns = |header: Header| {
         let columns = Columns::find(&PLACES, header, Beside::Time)?;
-        [TIME, PATH_X, PATH_Y].iter().try_for_each(|own| columns.require(*own, header))?;
+        [TIME, PATH_X, PATH_Y]
+            .iter()
+            .try_for_each(|quantity| columns.require(*quantity, header))?;
         Ok(columns)
     };
     let mut samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
@@ -255,7 +257,7 @@ fn columns(
     for quantity in &each[..links] {
         columns.require(*quantity, header).map_err(|error| error.with_hint(hint.to_owned()))?;
     }
-    if let Some(beyond) = each[links..].iter().find(|own| columns.has(**own)) {
+    if let Some(beyond) = each[links..].iter().find(|quantity| columns.has(**quantity)) {
         let must = format!("must not be there: the arm has {links} links");
         return Err(header.place.refuse(beyond.word, "a column", must));
     }

@@ -43,7 +43,7 @@ pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
         return place_columns(header);
     }
     let mut columns = Columns::find(&TRAJECTORY, header, Beside::Time)?;
-    let is_motion = columns.has(TIME) && MOTIONS.iter().any(|own| columns.has(*own));
+    let is_motion = columns.has(TIME) && MOTIONS.iter().any(|quantity| columns.has(*quantity));
     if !is_motion && let Some(index) = suspect(&columns, fields) {
         return Err(unknown_column(index, fields[index], place));
     }
@@ -55,7 +55,7 @@ pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
         let wanted = "acceleration, displacement, angle or velocity";
         return Err(refuse_missing(&names(fields), wanted, place).or_hint(by_option()));
     }
-    if ![ACCELERATION, DISPLACEMENT, ANGLE].iter().any(|own| columns.has(*own)) {
+    if ![ACCELERATION, DISPLACEMENT, ANGLE].iter().any(|quantity| columns.has(*quantity)) {
         columns.reading.found.push("displacement as the velocity's integral".to_owned());
     }
     columns.reading.unread = unread(&columns, fields, &TRAJECTORY, OTHER);

@@ -76,13 +76,11 @@ impl FromStr for Digits {
         if text == "full" {
             return Ok(Self::Full);
         }
-        match text.parse() {
-            Ok(n @ 1..=17) => Ok(Self::BelowPeak(n)),
-            _ => {
-                let found = excerpt(text);
-                Err(format!("digits = {found}, but must be a whole number from 1 to 17, or full"))
-            }
+        if let Ok(n @ 1..=17) = text.parse() {
+            return Ok(Self::BelowPeak(n));
         }
+        let found = excerpt(text);
+        Err(format!("digits = {found}, but must be a whole number from 1 to 17, or full"))
     }
 }
 

@@ -181,7 +181,7 @@ fn path_columns(header: Header) -> Result<Columns, TableError> {
     let hint =
         format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
     check_places(&columns, header, BY_OPTION, &hint)?;
-    if !columns.has(PATH_X) && !ANGLES.iter().any(|own| columns.has(*own)) {
+    if !columns.has(PATH_X) && !ANGLES.iter().any(|quantity| columns.has(*quantity)) {
         return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint));
     }
     columns.reading.unread = unread(&columns, fields, &PATH, BY_OPTION);

@@ -167,7 +167,7 @@ impl MotionTable {
             displacement_m: on_grid(&columns.displacement_m, rests),
             time_s: uniform.times_s,
         };
-        Self { lines, columns, recording, ..self }
+        Self { columns, lines, recording, ..self }
     }
 
     /// Replaces a velocity without other columns by its displacement.

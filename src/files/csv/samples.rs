@@ -128,7 +128,7 @@ impl Samples {
         quantities: &[Quantity],
     ) -> (Vec<f64>, Vec<Option<Vec<f64>>>) {
         let time_s = self.take(TIME).unwrap_or_default();
-        let mut columns: Vec<_> = quantities.iter().map(|own| self.take(*own)).collect();
+        let mut columns: Vec<_> = quantities.iter().map(|quantity| self.take(*quantity)).collect();
         let uniform_s = self.make_uniform(time_s, columns.iter_mut().flatten().collect());
         (uniform_s, columns)
     }
