@@ -1,9 +1,9 @@
 //! Assignment of columns to quantities.
 
-use super::format::{ColumnName, TableFormat};
+use super::format::{ColumnName, Reading, TableFormat};
 use super::heading::{
     HUB_ANGLE, HUB_RATE, Heading, Quantity, Spelling, TIME, Vocabulary, find, names, nearest,
-    unread_unit,
+    refuse_missing, unread_unit,
 };
 use super::place::{Place, TableError, quoted};
 use super::unit_name::{split_any_unit, split_unit};
@@ -17,6 +17,8 @@ pub(super) struct Columns {
     pub(super) is_guessed: bool,
     /// Columns without a quantity, from 0; empty if the user chose the columns.
     pub(super) unread: Vec<usize>,
+    /// Deviations of the columns from the standard form.
+    pub(super) reading: Reading,
 }
 
 /// Content of a table's first row.
@@ -27,11 +29,12 @@ pub(super) enum FirstRow {
 }
 
 /// Quantities that may have a common name besides a quantity with its standard word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Beside {
+pub(super) enum Beside {
     /// Only the time: the quantities of a table are one motion.
-    None,
-    /// All: each quantity is a separate channel.
+    Time,
+    /// Only the time, beside a column that is already known.
+    Column(Heading),
+    /// All: each quantity is a separate channel. The search continues besides chosen columns.
     Others,
 }
 
@@ -51,36 +54,21 @@ impl Columns {
     /// Finds the quantities of a vocabulary: first the user's choice, then standard headings, then other spellings and
     /// common names.
     ///
-    /// If the user chose a quantity other than the time, the search ends there.
+    /// If the user chose a quantity other than the time, the search ends there, except [`Beside::Others`].
     ///
     /// # Errors
     /// [`TableError`] for a first row without names unless columns are chosen by number, a choice that fits no column
     /// or several, a unit of another quantity, and two columns of one quantity.
-    pub(super) fn find(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
-        Self::find_beside(vocabulary, header, None)
-    }
-
-    /// Finds all quantities of a vocabulary: common names count besides other quantities with their standard word, and
-    /// the search continues besides chosen columns.
-    pub(super) fn find_all(vocabulary: &Vocabulary, header: Header) -> Result<Self, TableError> {
-        Self::found(vocabulary, header, None, Beside::Others)
-    }
-
-    /// [`Self::find`] besides a column that is already known.
-    pub(super) fn find_beside(
+    pub(super) fn find(
         vocabulary: &Vocabulary,
         header: Header,
-        own: Option<Heading>,
-    ) -> Result<Self, TableError> {
-        Self::found(vocabulary, header, own, Beside::None)
-    }
-
-    fn found(
-        vocabulary: &Vocabulary,
-        header: Header,
-        own: Option<Heading>,
         beside: Beside,
     ) -> Result<Self, TableError> {
+        let (own, is_one_motion) = match beside {
+            Beside::Time => (None, true),
+            Beside::Column(heading) => (Some(heading), true),
+            Beside::Others => (None, false),
+        };
         let chosen = header.chosen(vocabulary)?;
         let is_number = |(_, index): &(Quantity, usize)| is_number(header.fields[*index]);
         let first = if !chosen.is_empty() && own.is_none() && chosen.iter().all(is_number) {
@@ -93,28 +81,28 @@ impl Columns {
         let heading = |&(quantity, index)| header.chosen_heading(quantity, index, first);
         let headings = own.into_iter().map(Ok).chain(chosen.iter().map(heading));
         let headings = headings.collect::<Result<_, _>>()?;
-        let columns = Self { headings, first, is_guessed: false, unread: Vec::new() };
-        let mut columns = match first {
-            FirstRow::Samples => columns,
-            FirstRow::Names => columns.with_named(vocabulary, header, beside)?,
-        };
+        let (unread, reading) = (Vec::new(), Reading::default());
+        let mut columns = Self { headings, first, is_guessed: false, unread, reading };
+        if first == FirstRow::Names {
+            columns.add_named(vocabulary, header, is_one_motion)?;
+        }
         columns.headings.sort_by_key(|heading| heading.index);
         // A file that names another file already determines the units.
-        if beside == Beside::None {
+        if is_one_motion {
             header.check_measures(&columns.headings)?;
         }
         Ok(columns)
     }
 
     /// Adds the quantities named in the first row.
-    fn with_named(
-        mut self,
+    fn add_named(
+        &mut self,
         vocabulary: &Vocabulary,
         header: Header,
-        beside: Beside,
-    ) -> Result<Self, TableError> {
+        is_one_motion: bool,
+    ) -> Result<(), TableError> {
         let is_chosen =
-            beside == Beside::None && self.headings.iter().any(|heading| heading.quantity != TIME);
+            is_one_motion && self.headings.iter().any(|heading| heading.quantity != TIME);
         let free = |(index, field): (usize, &&'_ str)| {
             let is_taken = self.headings.iter().any(|heading| heading.index == index);
             if is_taken { String::new() } else { (*field).to_owned() }
@@ -124,7 +112,7 @@ impl Columns {
         for ways in WAYS {
             let has_motion = self.headings.iter().any(|heading| heading.quantity != TIME);
             // A common name is no second motion besides one with its standard word.
-            let is_second = beside == Beside::None && has_motion && ways == [Spelling::Alias];
+            let is_second = is_one_motion && has_motion && ways == [Spelling::Alias];
             let is_time_alone = is_chosen || is_second;
             for &quantity in vocabulary.quantities {
                 let is_moot = is_time_alone && quantity != TIME;
@@ -133,14 +121,45 @@ impl Columns {
                 }
                 let found = vocabulary.column(&free, quantity, ways, header.place)?;
                 let Some((index, way)) = found else { continue };
-                self.headings.push(header.heading(quantity, index, way)?);
+                let field = (index, header.fields[index]);
+                self.headings.push(header.heading(quantity, field, way == Spelling::Suffixed)?);
                 self.is_guessed |= matches!(way, Spelling::Free | Spelling::Alias);
             }
         }
         let is_read = |index: &usize| self.headings.iter().any(|heading| heading.index == *index);
         let unread = (0..header.fields.len()).filter(|index| !is_chosen && !is_read(index));
         self.unread = unread.collect();
-        Ok(self)
+        Ok(())
+    }
+
+    /// True if the table has a column of this quantity.
+    pub(super) fn has(&self, quantity: Quantity) -> bool {
+        find(&self.headings, quantity).is_some()
+    }
+
+    /// Refuses a table without a column of this quantity.
+    pub(super) fn require(&self, quantity: Quantity, header: Header) -> Result<(), TableError> {
+        if self.has(quantity) {
+            return Ok(());
+        }
+        Err(refuse_missing(&names(header.fields), quantity.word, header.place))
+    }
+
+    /// Refuses two columns that name one thing; `hint` is the remedy.
+    pub(super) fn refuse_both(
+        &self,
+        quantities: [Quantity; 2],
+        header: Header,
+        hint: &str,
+    ) -> Result<(), TableError> {
+        let is_one = |heading: &&Heading| quantities.contains(&heading.quantity);
+        // Headings stand in the order of their columns.
+        let mut both = self.headings.iter().filter(is_one);
+        let (Some(first), Some(second)) = (both.next(), both.next()) else { return Ok(()) };
+        let first = first.named();
+        let must = format!("must not be given with {first}: they are two names of one thing");
+        let error = header.place.refuse_column(second.index, &second.name, must);
+        Err(error.with_hint(hint.to_owned()))
     }
 
     /// Descriptions of the used columns for the user.
@@ -267,7 +286,6 @@ impl Header<'_> {
             FirstRow::Names => self.fields[index],
             FirstRow::Samples => quantity.word,
         };
-        let suffixed = quantity.is_suffixed(split_unit(field).0);
         if measure.unit.is_none()
             && measure.factor.is_none()
             && split_any_unit(field).1.is_none()
@@ -278,8 +296,7 @@ impl Header<'_> {
             let error = self.place.refuse_column(index, field, must);
             return Err(error.with_hint(format!("{option} UNIT says which it is")));
         }
-        let heading = Heading::of(index, field, quantity, suffixed, measure, self.place);
-        heading.map_err(|error| if suffixed { error } else { with_options(error, quantity) })
+        self.heading(quantity, (index, field), quantity.is_suffixed(split_unit(field).0))
     }
 
     /// Refuses names in some of the chosen columns and numbers in others: otherwise a first sample with a gap would
@@ -294,15 +311,14 @@ impl Header<'_> {
         Err(error.with_hint("--skip N leaves out lines at the beginning".to_owned()))
     }
 
-    /// Heading of a column whose name has this spelling.
+    /// Heading of a column with this name; a `suffixed` name contains the SI unit.
     fn heading(
         &self,
         quantity: Quantity,
-        index: usize,
-        way: Spelling,
+        (index, field): (usize, &str),
+        suffixed: bool,
     ) -> Result<Heading, TableError> {
-        let (field, measure) = (self.fields[index], self.format.measure(quantity));
-        let suffixed = way == Spelling::Suffixed;
+        let measure = self.format.measure(quantity);
         let heading = Heading::of(index, field, quantity, suffixed, measure, self.place);
         heading.map_err(|error| if suffixed { error } else { with_options(error, quantity) })
     }

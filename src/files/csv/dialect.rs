@@ -2,115 +2,8 @@
 //!
 //! The standard form has commas and points. If the first row shows it, the rest is not examined.
 
-use std::fmt;
-use std::str::FromStr;
-
+use super::format::{Decimal, Delimiter, TableFormat};
 use super::place::{Place, TableError, quoted};
-use super::unit_name::in_brackets;
-
-/// Delimiter of the fields in a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Delimiter {
-    /// `,`
-    #[default]
-    Comma,
-    /// `;`
-    Semicolon,
-    /// A tabulator.
-    Tab,
-    /// One or more blanks; a tabulator counts as a blank.
-    Blanks,
-}
-
-/// Decimal sign of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Decimal {
-    /// `.`
-    #[default]
-    Point,
-    /// `,`
-    Comma,
-}
-
-impl Delimiter {
-    const ALL: [Self; 4] = [Self::Comma, Self::Semicolon, Self::Tab, Self::Blanks];
-
-    /// The byte between two fields; `None` for blanks, which may be several.
-    pub(super) fn byte(self) -> Option<u8> {
-        match self {
-            Self::Comma => Some(b','),
-            Self::Semicolon => Some(b';'),
-            Self::Tab => Some(b'\t'),
-            Self::Blanks => None,
-        }
-    }
-
-    /// Delimiter of a line `sep=;`.
-    fn of_sign(sign: &str) -> Option<Self> {
-        let byte = |known: &Self| known.byte().unwrap_or(b' ');
-        Self::ALL.into_iter().find(|known| sign.as_bytes() == [byte(known)])
-    }
-
-    /// Fields of a line without regard to quotes: enough to recognise numbers.
-    fn split(self, line: &str) -> Vec<&str> {
-        match self.byte() {
-            Some(byte) => line.split(char::from(byte)).map(str::trim).collect(),
-            None => in_brackets(line),
-        }
-    }
-}
-
-/// Text as for `--delimiter`.
-impl fmt::Display for Delimiter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Comma => ",",
-            Self::Semicolon => ";",
-            Self::Tab => "tab",
-            Self::Blanks => "blanks",
-        })
-    }
-}
-
-impl FromStr for Delimiter {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let named = Self::ALL.into_iter().find(|known| known.to_string() == text);
-        named.or_else(|| Self::of_sign(text)).ok_or("must be `,`, `;`, tab or blanks")
-    }
-}
-
-/// Text as for `--decimal`.
-impl fmt::Display for Decimal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Point => "point",
-            Self::Comma => "comma",
-        })
-    }
-}
-
-impl FromStr for Decimal {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "point" | "." => Ok(Self::Point),
-            "comma" | "," => Ok(Self::Comma),
-            _ => Err("must be point or comma"),
-        }
-    }
-}
-
-/// The user's options for a dialect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Given {
-    /// Number of lines to skip at the beginning.
-    pub(super) skip: usize,
-    pub(super) delimiter: Option<Delimiter>,
-    pub(super) decimal: Option<Decimal>,
-}
 
 /// The dialect of a text.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -130,7 +23,7 @@ impl Dialect {
     ///
     /// # Errors
     /// [`TableError`] for an ambiguous text, with the option that decides.
-    pub(super) fn detect(file: &str, text: &str, given: Given) -> Result<Self, TableError> {
+    pub(super) fn detect(file: &str, text: &str, given: &TableFormat) -> Result<Self, TableError> {
         let mut dialect = Self::after(text, given.skip);
         let named = dialect.take_sep_line(file, text)?;
         let body = &text[dialect.start..];
@@ -328,7 +221,7 @@ mod tests {
     use super::*;
 
     fn found(text: &str) -> Delimiter {
-        Dialect::detect("t.csv", text, Given::default()).unwrap().delimiter
+        Dialect::detect("t.csv", text, &TableFormat::default()).unwrap().delimiter
     }
 
     #[test]
@@ -356,14 +249,14 @@ mod tests {
             ("sep=,\na,b\n", 0, 6, 1),
             ("a", 3, 1, 3),
         ] {
-            let given = Given { skip, ..Given::default() };
-            let dialect = Dialect::detect("t.csv", text, given).unwrap();
+            let given = TableFormat { skip, ..TableFormat::default() };
+            let dialect = Dialect::detect("t.csv", text, &given).unwrap();
             assert_eq!((dialect.start, dialect.lines), (start, lines), "{text:?}");
         }
     }
 
     fn decimal(text: &str) -> Result<Decimal, TableError> {
-        Dialect::detect("t.csv", text, Given::default()).map(|dialect| dialect.decimal)
+        Dialect::detect("t.csv", text, &TableFormat::default()).map(|dialect| dialect.decimal)
     }
 
     #[test]

@@ -3,9 +3,103 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::dialect::{Decimal, Delimiter, Given};
 use super::heading::{ANGLES, Measure, QUANTITIES, Quantity, TIME, nearest};
-use super::unit_name::UnitName;
+use super::unit_name::{UnitName, in_brackets};
+
+/// Delimiter of the fields in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Delimiter {
+    /// `,`
+    #[default]
+    Comma,
+    /// `;`
+    Semicolon,
+    /// A tabulator.
+    Tab,
+    /// One or more blanks; a tabulator counts as a blank.
+    Blanks,
+}
+
+/// Decimal sign of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Decimal {
+    /// `.`
+    #[default]
+    Point,
+    /// `,`
+    Comma,
+}
+
+impl Delimiter {
+    const ALL: [Self; 4] = [Self::Comma, Self::Semicolon, Self::Tab, Self::Blanks];
+
+    /// The byte between two fields; `None` for blanks, which may be several.
+    pub(super) fn byte(self) -> Option<u8> {
+        match self {
+            Self::Comma => Some(b','),
+            Self::Semicolon => Some(b';'),
+            Self::Tab => Some(b'\t'),
+            Self::Blanks => None,
+        }
+    }
+
+    /// Delimiter of a line `sep=;`.
+    pub(super) fn of_sign(sign: &str) -> Option<Self> {
+        let byte = |known: &Self| known.byte().unwrap_or(b' ');
+        Self::ALL.into_iter().find(|known| sign.as_bytes() == [byte(known)])
+    }
+
+    /// Fields of a line without regard to quotes: enough to recognise numbers.
+    pub(super) fn split(self, line: &str) -> Vec<&str> {
+        match self.byte() {
+            Some(byte) => line.split(char::from(byte)).map(str::trim).collect(),
+            None => in_brackets(line),
+        }
+    }
+}
+
+/// Text as for `--delimiter`.
+impl fmt::Display for Delimiter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Comma => ",",
+            Self::Semicolon => ";",
+            Self::Tab => "tab",
+            Self::Blanks => "blanks",
+        })
+    }
+}
+
+impl FromStr for Delimiter {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|known| known.to_string() == text);
+        named.or_else(|| Self::of_sign(text)).ok_or("must be `,`, `;`, tab or blanks")
+    }
+}
+
+/// Text as for `--decimal`.
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Point => "point",
+            Self::Comma => "comma",
+        })
+    }
+}
+
+impl FromStr for Decimal {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "point" | "." => Ok(Self::Point),
+            "comma" | "," => Ok(Self::Comma),
+            _ => Err("must be point or comma"),
+        }
+    }
+}
 
 /// The user's options for a table's form. The reader finds the rest in the table.
 ///
@@ -44,11 +138,6 @@ pub struct TableFormat {
 }
 
 impl TableFormat {
-    pub(super) fn given(&self) -> Given {
-        let Self { skip, delimiter, decimal, .. } = *self;
-        Given { skip, delimiter, decimal }
-    }
-
     /// The user's unit and factor for a quantity.
     pub(super) fn measure(&self, quantity: Quantity) -> Measure<'_> {
         let fits = |unit: &&UnitName| unit.unit.dimension() == quantity.dimension;
@@ -145,8 +234,8 @@ fn pair<'a>(text: &'a str, example: &str) -> Result<(Quantity, &'a str), String>
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Reading {
     pub(super) found: Vec<String>,
-    pub(super) unread: Option<String>,
-    pub(super) hint: Option<String>,
+    /// Unread columns, and a remedy.
+    pub(super) unread: Option<(String, String)>,
     /// Treatment of times off a uniform grid.
     pub(super) jitter: Option<String>,
     /// Remark on samples that do not follow their neighbours, in a table that is used unchanged.
@@ -173,7 +262,7 @@ impl Reading {
 
     /// Unread columns, and a remedy.
     pub fn remark(&self) -> Option<(&str, &str)> {
-        Some((self.unread.as_deref()?, self.hint.as_deref()?))
+        self.unread.as_ref().map(|(unread, hint)| (unread.as_str(), hint.as_str()))
     }
 
     /// All remarks on the table, each with a remedy: unread columns, uneven times, and samples that do not follow their

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::digits::digits_of;
 use super::format::Reading;
 use super::motion::MotionTable;
 use super::outliers::Judged;
 use super::path::PathTable;
 use super::place::Place;
+use super::quality::digits_of;
 use super::rows::TableError;
-use super::samples::MIN_SAMPLES;
+use super::uniform::MIN_SAMPLES;
 use crate::motion::{Ends, MotionColumns, PathColumns, Uncertainty};
 use crate::recording::{Change, Digits, Rounding};
 

@@ -95,6 +95,7 @@ pub(super) const JOINT_TORQUES: [Quantity; 9] = nine(
     ],
     quantity("", "_n_m", Dimension::TORQUE, ["N m", "N cm"]),
 );
+
 /// Copies a quantity for each link or joint.
 pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9] {
     let mut each = [of; 9];
@@ -104,6 +105,21 @@ pub(super) const fn nine(words: [&'static str; 9], of: Quantity) -> [Quantity; 9
         number += 1;
     }
     each
+}
+
+/// Joins lists of quantities.
+pub(super) const fn joined<const N: usize>(lists: &[&[Quantity]]) -> [Quantity; N] {
+    let mut all = [TIME; N];
+    let (mut at, mut list) = (0, 0);
+    while list < lists.len() {
+        let mut item = 0;
+        while item < lists[list].len() {
+            all[at] = lists[list][item];
+            (at, item) = (at + 1, item + 1);
+        }
+        list += 1;
+    }
+    all
 }
 
 /// All quantities that an option may name, besides [`ANGLES`].
@@ -149,6 +165,15 @@ pub(super) struct Vocabulary {
 }
 
 impl Vocabulary {
+    /// No quantities, in a table that options do not describe.
+    pub(super) const NONE: Self = Self {
+        quantities: &[],
+        prefix: "",
+        example: "",
+        choice: Some("rename one of them"),
+        by_option: "",
+    };
+
     /// The name in lower case, without the prefix.
     pub(super) fn plain(&self, name: &str) -> String {
         let lower = name.to_lowercase();
@@ -235,19 +260,6 @@ pub(super) enum Spelling {
 /// The heading of a quantity, if the table has one.
 pub(super) fn find(headings: &[Heading], quantity: Quantity) -> Option<&Heading> {
     headings.iter().find(|heading| heading.quantity == quantity)
-}
-
-/// Refuses a table without a column of this quantity.
-pub(super) fn require(
-    headings: &[Heading],
-    quantity: Quantity,
-    fields: &[&str],
-    place: Place,
-) -> Result<(), TableError> {
-    match find(headings, quantity) {
-        Some(_) => Ok(()),
-        None => Err(refuse_missing(&names(fields), quantity.word, place)),
-    }
 }
 
 /// The user's unit and factor for the numbers of a column.

@@ -1,15 +1,17 @@
-//! Torques and angles of an arm's joints, and places of its tip, over time.
+//! Torques and motions of a hub or of an arm's joints, and places of its tip, over time.
 
-use super::columns::{Columns, Header};
+use super::columns::{Beside, Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    JOINT_TORQUES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, nine, quantity, require,
+    HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, PATH_X, PATH_Y, Quantity, Spelling, TIME, TORQUE,
+    Vocabulary, joined, names, nearest, nine, quantity, unread_unit,
 };
 use super::outliers::doubt;
-use super::place::TableError;
-use super::samples::{Samples, refuse_samples};
-use crate::numeric::{Dimension, TimeGrid};
-use crate::response::{HistoryError, HubReference, Torque};
+use super::rows::{Place, TableError, quoted};
+use super::samples::Samples;
+use super::unit_name::{parse_unit, split_any_unit, split_unit};
+use crate::numeric::Dimension;
+use crate::response::{HubReference, Torque};
 use crate::result::TipPlaces;
 
 /// Angles of an arm's joints.
@@ -33,53 +35,34 @@ const JOINT_RATES: [Quantity; 9] = nine(
     quantity("", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
 );
 
+/// Names of a torque at the hub.
+const RECORDING: Vocabulary = Vocabulary {
+    quantities: &[TIME, TORQUE],
+    prefix: "hub_",
+    example: "time,torque",
+    choice: Some("rename one of them, or choose a torque with --column"),
+    by_option: "--columns time=1,torque=2 says which column is what",
+};
+
+/// Names of the hub's motion.
+const HUB_MOTION: Vocabulary = Vocabulary {
+    quantities: &[TIME, HUB_ANGLE, HUB_RATE],
+    example: "time,hub_angle",
+    ..Vocabulary::NONE
+};
+
 /// Names of an arm's torques.
 const TORQUES: Vocabulary = Vocabulary {
-    quantities: &[
-        TIME,
-        JOINT_TORQUES[0],
-        JOINT_TORQUES[1],
-        JOINT_TORQUES[2],
-        JOINT_TORQUES[3],
-        JOINT_TORQUES[4],
-        JOINT_TORQUES[5],
-        JOINT_TORQUES[6],
-        JOINT_TORQUES[7],
-        JOINT_TORQUES[8],
-    ],
-    prefix: "",
+    quantities: &joined::<10>(&[&[TIME], &JOINT_TORQUES]),
     example: "time,torque1,torque2",
-    choice: Some("rename one of them"),
-    by_option: "",
+    ..Vocabulary::NONE
 };
 
 /// Names of the joints' motion.
 const JOINT_MOTION: Vocabulary = Vocabulary {
-    quantities: &[
-        TIME,
-        JOINTS[0],
-        JOINTS[1],
-        JOINTS[2],
-        JOINTS[3],
-        JOINTS[4],
-        JOINTS[5],
-        JOINTS[6],
-        JOINTS[7],
-        JOINTS[8],
-        JOINT_RATES[0],
-        JOINT_RATES[1],
-        JOINT_RATES[2],
-        JOINT_RATES[3],
-        JOINT_RATES[4],
-        JOINT_RATES[5],
-        JOINT_RATES[6],
-        JOINT_RATES[7],
-        JOINT_RATES[8],
-    ],
-    prefix: "",
+    quantities: &joined::<19>(&[&[TIME], &JOINTS, &JOINT_RATES]),
     example: "time,joint1,joint2",
-    choice: Some("rename one of them"),
-    by_option: "",
+    ..Vocabulary::NONE
 };
 
 /// Names of the tip's places.
@@ -87,9 +70,50 @@ const PLACES: Vocabulary = Vocabulary {
     quantities: &[TIME, PATH_X, PATH_Y],
     prefix: "tip_",
     example: "time,x,y",
-    choice: Some("rename one of them"),
-    by_option: "",
+    ..Vocabulary::NONE
 };
+
+/// Reads a torque over time: a row of names, then a row for each sample.
+///
+/// Without `column` the torque is the column `torque`, `torque_n_m`, `hub_torque` or `hub_torque_n_m`; with it, the
+/// column of that name, with or without the unit in brackets. The unit is N m unless one follows the name in brackets.
+/// Other columns than time and torque are ignored.
+///
+/// ```
+/// use flexlink::csv::read_torque_table;
+/// let file = b"time [ms],motor [N cm],state\n0,0,idle\n1,50,run\n2,50,run\n3,0,idle\n";
+/// let torque = read_torque_table("lab.csv", file, Some("motor"))?;
+/// assert_eq!(torque.torque_n_m(), [0.0, 0.5, 0.5, 0.0]);
+/// assert_eq!(torque.grid().step_s, 0.001);
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
+///
+/// # Errors
+/// [`TableError`] names the file, and the faulty line and column.
+pub fn read_torque_table(
+    name: &str,
+    bytes: &[u8],
+    column: Option<&str>,
+) -> Result<Torque, TableError> {
+    let read = read_torque_table_as(name, bytes, column, &TableFormat::default());
+    read.map(|(torque, _)| torque)
+}
+
+/// Reads a torque from a table with the user's options for its form; also returns its deviations from the standard
+/// form.
+///
+/// # Errors
+/// Those of [`read_torque_table`]; also options that do not fit the table.
+pub fn read_torque_table_as(
+    name: &str,
+    bytes: &[u8],
+    column: Option<&str>,
+    format: &TableFormat,
+) -> Result<(Torque, Reading), TableError> {
+    let columns = |header: Header| torque_columns(header, column);
+    let (mut torques, reading) = torques(Samples::read(name, bytes, format, columns)?, &[TORQUE])?;
+    Ok((torques.remove(0), reading))
+}
 
 /// Reads the torques of an arm with `links` links: `time`, `torque1`, `torque2`, …, as in `torques.csv` of `solve`.
 /// Other columns are ignored.
@@ -112,13 +136,60 @@ pub fn read_joint_torques(
 ) -> Result<(Vec<Torque>, Reading), TableError> {
     let hint = "torques.csv of `flexlink solve` holds them";
     let columns = |header: Header| columns(&TORQUES, &JOINT_TORQUES, (header, links), hint);
-    let mut samples = Samples::read(name, bytes, format, columns)?;
+    torques(Samples::read(name, bytes, format, columns)?, &JOINT_TORQUES[..links])
+}
+
+/// The torques in the columns of these quantities.
+fn torques(
+    mut samples: Samples,
+    quantities: &[Quantity],
+) -> Result<(Vec<Torque>, Reading), TableError> {
     doubt(&mut samples);
-    let (time_s, torques) = samples.take_uniform(JOINT_TORQUES);
-    let Samples { lines, reading, .. } = samples;
-    let torques = torques.into_iter().flatten().take(links);
-    let torques = torques.map(|own| Torque::new(&time_s, own)).collect::<Result<_, _>>();
-    Ok((torques.map_err(|error| refused(name, &lines, &error))?, reading))
+    let (time_s, columns) = samples.take_uniform(quantities);
+    let torques = columns.into_iter().map(|n_m| Torque::new(&time_s, n_m.unwrap_or_default()));
+    let torques = samples.history(torques.collect())?;
+    Ok((torques, samples.reading))
+}
+
+/// Reads a motion of the hub, for a feedback or as an input: `hub_angle`, and optionally `hub_rate`, as in the
+/// `hub_angle.csv` of `solve`. Other columns are ignored.
+///
+/// ```
+/// use flexlink::csv::read_hub_reference;
+/// let file = b"time_s,hub_angle [deg],note\n0,0,\n1,90,\n2,180,\n3,180,\n";
+/// let reference = read_hub_reference("hub_angle.csv", file)?;
+/// assert_eq!(reference.angle_rad()[2], std::f64::consts::PI);
+/// assert_eq!(reference.rate_rad_s(), None);
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
+///
+/// # Errors
+/// [`TableError`] names the file, and the faulty line and column.
+pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, TableError> {
+    read_hub_reference_as(name, bytes, &TableFormat::default()).map(|(reference, _)| reference)
+}
+
+/// Reads a hub reference from a table with the user's options for its form; also returns its deviations from the
+/// standard form.
+///
+/// # Errors
+/// Those of [`read_hub_reference`]; also options that do not fit the table.
+pub fn read_hub_reference_as(
+    name: &str,
+    bytes: &[u8],
+    format: &TableFormat,
+) -> Result<(HubReference, Reading), TableError> {
+    let columns = |header: Header| {
+        let columns = Columns::find(&HUB_MOTION, header, Beside::Time)?;
+        columns.require(TIME, header)?;
+        columns.require(HUB_ANGLE, header).map_err(|error| {
+            error.or_hint("hub_angle.csv of `flexlink solve` holds it".to_owned())
+        })?;
+        Ok(columns)
+    };
+    let samples = Samples::read(name, bytes, format, columns)?;
+    let (mut references, reading) = references(samples, &[[HUB_ANGLE, HUB_RATE]])?;
+    Ok((references.remove(0), reading))
 }
 
 /// Reads the motion of an arm's joints for a feedback: `time`, `joint1`, `joint2`, … up to `links`, and optionally
@@ -133,20 +204,24 @@ pub fn read_joint_references(
 ) -> Result<(Vec<HubReference>, Reading), TableError> {
     let hint = "joint_angles.csv of `flexlink solve` holds them";
     let columns = |header: Header| columns(&JOINT_MOTION, &JOINTS, (header, links), hint);
-    let mut samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
+    let samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
+    let motions: Vec<_> = (0..links).map(|joint| [JOINTS[joint], JOINT_RATES[joint]]).collect();
+    references(samples, &motions)
+}
+
+/// The motions in the columns of these angles and rates.
+fn references(
+    mut samples: Samples,
+    motions: &[[Quantity; 2]],
+) -> Result<(Vec<HubReference>, Reading), TableError> {
     doubt(&mut samples);
-    let (mut time_s, mut motions) = (samples.take(TIME).unwrap_or_default(), Vec::new());
-    for joint in 0..links {
-        let angle = samples.take(JOINTS[joint]).unwrap_or_default();
-        motions.push((angle, samples.take(JOINT_RATES[joint])));
-    }
-    let columns = motions.iter_mut().flat_map(|(angle, rate)| [angle].into_iter().chain(rate));
-    time_s = samples.make_uniform(time_s, columns.collect());
-    let Samples { lines, reading, .. } = samples;
-    let motions = motions.into_iter();
-    let references = motions.map(|(angle, rate)| HubReference::new(&time_s, angle, rate));
-    let references = references.collect::<Result<_, _>>();
-    Ok((references.map_err(|error| refused(name, &lines, &error))?, reading))
+    let (time_s, columns) = samples.take_uniform(&motions.concat());
+    let references = columns.chunks_exact(2).map(|motion| {
+        let angle_rad = motion[0].clone().unwrap_or_default();
+        HubReference::new(&time_s, angle_rad, motion[1].clone())
+    });
+    let references = samples.history(references.collect())?;
+    Ok((references, samples.reading))
 }
 
 /// Reads the places of a tip for comparison with a simulation: `time`, `x` and `y`, as in `tip.csv` of `solve`. Other
@@ -156,21 +231,18 @@ pub fn read_joint_references(
 /// Those of [`read_joint_torques`].
 pub fn read_tip_places(name: &str, bytes: &[u8]) -> Result<(TipPlaces, Reading), TableError> {
     let columns = |header: Header| {
-        let Header { fields, place, .. } = header;
-        let columns = Columns::find(&PLACES, header)?;
-        for quantity in [TIME, PATH_X, PATH_Y] {
-            require(&columns.headings, quantity, fields, place)?;
-        }
-        Ok((columns, Reading::default()))
+        let columns = Columns::find(&PLACES, header, Beside::Time)?;
+        [TIME, PATH_X, PATH_Y]
+            .iter()
+            .try_for_each(|quantity| columns.require(*quantity, header))?;
+        Ok(columns)
     };
     let mut samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
     doubt(&mut samples);
-    let (time_s, at_m) = samples.take_uniform([PATH_X, PATH_Y]);
-    let Samples { lines, reading, .. } = samples;
-    let grid = TimeGrid::through(&time_s).map_err(|error| {
-        refuse_samples(name, &lines, Some(error.sample), &error, Some(error.hint()))
-    })?;
-    Ok((TipPlaces { grid, at_m: at_m.map(Option::unwrap_or_default).to_vec() }, reading))
+    let (time_s, at_m) = samples.take_uniform(&[PATH_X, PATH_Y]);
+    let grid = samples.grid_from(0, &time_s)?;
+    let at_m = at_m.into_iter().map(Option::unwrap_or_default).collect();
+    Ok((TipPlaces { grid, at_m }, samples.reading))
 }
 
 /// Finds the time and the columns of `links` joints.
@@ -179,22 +251,106 @@ fn columns(
     each: &[Quantity; 9],
     (header, links): (Header, usize),
     hint: &str,
-) -> Result<(Columns, Reading), TableError> {
-    let Header { fields, place, .. } = header;
-    let columns = Columns::find(vocabulary, header)?;
-    require(&columns.headings, TIME, fields, place)?;
+) -> Result<Columns, TableError> {
+    let columns = Columns::find(vocabulary, header, Beside::Time)?;
+    columns.require(TIME, header)?;
     for quantity in &each[..links] {
-        require(&columns.headings, *quantity, fields, place)
-            .map_err(|error| error.with_hint(hint.to_owned()))?;
+        columns.require(*quantity, header).map_err(|error| error.with_hint(hint.to_owned()))?;
     }
-    let beyond = each[links..].iter().find(|own| find(&columns.headings, **own).is_some());
-    if let Some(beyond) = beyond {
+    if let Some(beyond) = each[links..].iter().find(|quantity| columns.has(**quantity)) {
         let must = format!("must not be there: the arm has {links} links");
-        return Err(place.refuse(beyond.word, "a column", must));
+        return Err(header.place.refuse(beyond.word, "a column", must));
     }
-    Ok((columns, Reading::default()))
+    Ok(columns)
 }
 
-fn refused(name: &str, lines: &[u64], error: &HistoryError) -> TableError {
-    refuse_samples(name, lines, error.sample(), error, error.hint())
+const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
+
+/// Finds the time and the torque named `column` or, without it, `torque`.
+fn torque_columns(header: Header, column: Option<&str>) -> Result<Columns, TableError> {
+    let Header { fields, place, .. } = header;
+    let Some(column) = column else {
+        let columns = Columns::find(&RECORDING, header, Beside::Time)?;
+        let by_option = || RECORDING.by_option.to_owned();
+        columns.require(TIME, header).map_err(|error| error.or_hint(by_option()))?;
+        columns.require(TORQUE, header).map_err(|error| error.or_hint(where_torque_is(fields)))?;
+        return Ok(columns);
+    };
+    RECORDING.check_names(fields, place)?;
+    let torque = chosen_torque(header, column)?;
+    let columns = Columns::find(&RECORDING, header, Beside::Column(torque))?;
+    columns.require(TIME, header)?;
+    Ok(columns)
+}
+
+/// Hint for choosing the torque in a table without a column of its name.
+fn where_torque_is(fields: &[&str]) -> String {
+    match fields.iter().find(|field| field.to_lowercase().contains(TORQUE.word)) {
+        Some(field) if unread_unit(field, TORQUE).is_some() => IN_BRACKETS.to_owned(),
+        Some(field) => format!("choose the torque with --column {}", quoted(split_unit(field).0)),
+        None => "choose the torque with --column NAME".to_owned(),
+    }
+}
+
+/// Heading of the torque named `column`.
+fn chosen_torque(header: Header, column: &str) -> Result<Heading, TableError> {
+    let Header { fields, format, place } = header;
+    let refuse = |found: String, must| Err(place.refuse("--column", found, must));
+    if format.columns.iter().any(|choice| choice.quantity == TORQUE) {
+        return refuse(quoted(column), "must not be given with --columns torque");
+    }
+    let index = chosen_index(fields, column, place)?;
+    let field = fields[index];
+    if matches!(RECORDING.spelling(field, TIME), Some(Spelling::Exact | Spelling::Suffixed)) {
+        return refuse(quoted(column), "must be a torque, not the time");
+    }
+    let measure = format.measure(TORQUE);
+    let unread = unread_unit(field, TORQUE).filter(|_| measure.unit.is_none());
+    let round = split_any_unit(field).1.filter(|_| split_unit(field).1.is_none());
+    let is_unit = round.is_some_and(|unit| parse_unit(unit).is_ok());
+    if let (Some(word), false) = (unread, is_unit) {
+        let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
+        return Err(place.refuse_column(index, field, must).with_hint(IN_BRACKETS.to_owned()));
+    }
+    // Parentheses may also contain a remark.
+    let field = if round.is_some() && !is_unit { split_any_unit(field).0 } else { field };
+    let suffixed = TORQUE.is_suffixed(split_unit(field).0);
+    Heading::of(index, field, TORQUE, suffixed, measure, place)
+}
+
+/// Index of the only column with the heading `column`, with or without its unit.
+fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, TableError> {
+    // A surplus comma leaves a column without a name.
+    if column.is_empty() {
+        return Err(place.refuse("--column", "nothing", "must name a column"));
+    }
+    let all = |is_meant: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..fields.len()).filter(|index| is_meant(fields[*index])).collect()
+    };
+    let mut found = all(&|field| field == column);
+    if found.is_empty() {
+        found = all(&|field| split_unit(field).0 == column);
+    }
+    match found[..] {
+        [] => Err(unknown_column(fields, column, place)),
+        [index] => Ok(index),
+        [first, second, ..] => {
+            let must = format!("must not repeat column {}, {}", first + 1, quoted(fields[first]));
+            let hint = if fields[first] == fields[second] {
+                "rename one of them".to_owned()
+            } else {
+                format!("choose one with its unit: --column {}", quoted(fields[first]))
+            };
+            Err(place.refuse_column(second, fields[second], must).with_hint(hint))
+        }
+    }
+}
+
+fn unknown_column(fields: &[&str], column: &str, place: Place) -> TableError {
+    let names = names(fields);
+    let same = |name: &&&str| name.to_lowercase() == column.to_lowercase();
+    let meant = names.iter().find(same).copied().or_else(|| nearest(column, names.clone()));
+    let hint = meant.map(|name| format!("did you mean {}?", quoted(name)));
+    let must = format!("must be one of the columns {}", quoted(&names.join(",")));
+    place.refuse("--column", quoted(column), must).with_hint(hint)
 }

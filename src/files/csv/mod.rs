@@ -1,16 +1,11 @@
 //! CSV: reading, writing, and numbers as text; defines the name and the unit of every column once.
 
-mod bare_phase;
-mod between;
 mod cells;
 mod columns;
-mod decay;
 mod dialect;
-mod digits;
 mod format;
 mod given;
 mod heading;
-mod hub;
 mod input;
 mod joints;
 mod motion;
@@ -19,29 +14,31 @@ mod number;
 mod outliers;
 mod path;
 mod place;
+mod quality;
 mod record;
 mod recorded;
 mod response;
 mod rows;
 mod samples;
 mod table;
+mod uniform;
 mod unit_name;
 
-pub use decay::read_decay;
-pub use dialect::{Decimal, Delimiter};
-pub use format::{ColumnChoice, ColumnScale, Reading, TableFormat};
+pub use format::{ColumnChoice, ColumnScale, Decimal, Delimiter, Reading, TableFormat};
 pub(crate) use heading::{check_separator, refuse_missing};
-pub use hub::{read_hub_reference, read_hub_reference_as, read_torque_table, read_torque_table_as};
 pub(crate) use input::sha256;
 pub use input::{InputError, InputFile, system_words};
-pub use joints::{read_joint_references, read_joint_torques, read_tip_places};
+pub use joints::{
+    read_hub_reference, read_hub_reference_as, read_joint_references, read_joint_torques,
+    read_tip_places, read_torque_table, read_torque_table_as,
+};
 pub use motion::{
     MotionTable, read_motion_table, read_motion_table_as, read_target, write_trajectory,
 };
 pub(crate) use number::time_format;
-pub use number::{Digits, DigitsError, NumberFormat};
+pub use number::{Digits, NumberFormat};
 pub use path::{PathTable, read_path_table, write_path};
-pub use record::{RecordTable, read_record, read_recording, read_recording_as};
+pub use record::{RecordTable, read_decay, read_record, read_recording, read_recording_as};
 pub use response::{ResponseTable, read_frequency_response};
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};
 pub use rows::{TableError, checked_header, checked_rows};

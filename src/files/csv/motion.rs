@@ -1,24 +1,21 @@
 use std::io::{self, Write};
 
-use super::digits::digits_of;
 use super::format::{Reading, TableFormat};
 use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
 use super::motion_columns::{motion_columns, take_angle};
 use super::number::Digits;
 use super::outliers::settle;
 use super::place::BY_HEADINGS;
+use super::quality::digits_of;
 use super::rows::{Place, TableError};
-use super::samples::{MIN_SAMPLES, Samples, refuse_samples};
+use super::samples::{Samples, grid_of};
 use super::table::{group, write_over_time};
+use super::uniform::{Uniform, whole_steps};
 use crate::link::Gravity;
 use crate::motion::{Ends, MotionColumns, Recording, TipTarget, Uncertainty};
-use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
-use crate::recording::{LARGEST_JITTER, Rounding, jitter};
+use crate::numeric::{SplineEnds, TimeGrid};
+use crate::recording::{Rounding, jitter};
 use crate::result::Remark;
-use crate::text::given;
-
-/// Largest number of samples of a resampled motion.
-const MAX_SAMPLES: f64 = 1e7;
 
 /// A tip motion read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,9 +79,7 @@ impl MotionTable {
             let error = place.refuse("displacement", "nothing", must);
             return Err(error.with_hint(hint.to_owned()));
         };
-        let grid = TimeGrid::through(&columns.time_s).map_err(|error| {
-            refuse_samples(&name, &lines, Some(error.sample), &error, Some(error.hint()))
-        })?;
+        let grid = grid_of(&columns.time_s, &name, &lines)?;
         Ok(TipTarget::new(grid, displacement_m).from_angle(recording.start_angle_rad))
     }
 
@@ -105,17 +100,8 @@ impl MotionTable {
     /// [`TableError`] unless the step is above 0, divides the motion's duration within a twentieth of a step, and gives
     /// from 4 to 1e7 samples.
     pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
-        self.with_integral().on_grid(step_s)
-    }
-
-    fn on_grid(self, step_s: f64) -> Result<Self, TableError> {
-        let known = &self.columns.time_s;
-        let (Some(&first), Some(&last)) = (known.first(), known.last()) else {
-            return Ok(self);
-        };
-        let place = Place { file: &self.name, line: None };
-        let steps = whole_steps(last - first, step_s, place)?;
-        Ok(self.at_steps(steps, step_s))
+        let steps = whole_steps(&self.columns.time_s, step_s, &self.name)?;
+        Ok(self.with_integral().at_steps(steps, step_s))
     }
 
     /// Sets the ends of a tip that is not at rest there.
@@ -220,62 +206,17 @@ pub fn read_target(
         None => table,
     };
     let MotionColumns { time_s, displacement_m, .. } = &table.columns;
+    let mut reading = table.reading.clone();
     let jitter = jitter(time_s, displacement_m.as_deref());
     let Some((steps, displacement)) = jitter.zip(displacement_m.as_deref()) else {
-        let reading = table.reading.clone();
         return Ok((table.into_target()?, reading));
     };
-    let last = time_s.len() - 1;
-    let step_s = (time_s[last] - time_s[0]) / last as f64;
-    let spline = CubicSpline::new(time_s, displacement, SplineEnds::NotAKnot);
-    let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len: last + 1 };
-    let uniform = (0..=last).map(|k| spline.value(grid.time_s(k).min(time_s[last])));
-    let reading = Reading {
-        jitter: Some(Remark::Jitter { steps, step_s }.to_string()),
-        ..table.reading.clone()
-    };
-    let target = TipTarget::new(grid, uniform.collect());
+    let uniform = Uniform::over(time_s);
+    let step_s = uniform.step_s;
+    reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
+    let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len: time_s.len() };
+    let target = TipTarget::new(grid, uniform.interpolated(displacement, SplineEnds::NotAKnot));
     Ok((target.from_angle(table.recording.start_angle_rad), reading))
-}
-
-/// Number of steps in the duration.
-///
-/// # Errors
-/// [`TableError`] unless it is whole.
-pub(super) fn whole_steps(duration_s: f64, step_s: f64, place: Place) -> Result<usize, TableError> {
-    let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
-    if !(step_s.is_finite() && step_s > 0.0) {
-        return Err(refuse("must be finite and above 0".to_owned()));
-    }
-    let ratio = duration_s / step_s;
-    let steps = ratio.round();
-    let fewest = (MIN_SAMPLES - 1) as f64;
-    if steps < fewest {
-        let longest = duration_s / fewest;
-        let must =
-            format!("must be at most {} s, which gives {MIN_SAMPLES} samples", given(longest));
-        return Err(refuse(must));
-    }
-    if steps >= MAX_SAMPLES {
-        let shortest = duration_s / (MAX_SAMPLES - 1.0);
-        let must =
-            format!("must be at least {} s, which gives {MAX_SAMPLES:e} samples", given(shortest));
-        return Err(refuse(must));
-    }
-    if (ratio - steps).abs() > LARGEST_JITTER {
-        let below = ratio.floor().max(fewest);
-        let (long, short) = (duration_s / below, duration_s / (below + 1.0));
-        let must = format!("must divide the motion's {} s into whole steps", given(duration_s));
-        // With all digits, so that the user can copy one of them.
-        let hint = format!("the nearest steps that do are {short} s and {long} s");
-        return Err(refuse(must).with_hint(hint));
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number from 3 to 1e7"
-    )]
-    Ok(steps as usize)
 }
 
 /// Writes a trajectory in the form of [`read_motion_table`]: the time, and acceleration, velocity and displacement if

@@ -2,11 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::columns::{Columns, Header};
-use super::format::Reading;
+use super::columns::{Beside, Columns, Header};
 use super::heading::{
-    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, Spelling, TIME,
-    VELOCITY, Vocabulary, find, names, nearest, refuse_missing, require,
+    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, PATH_X, PATH_Y, Quantity, Spelling, TIME, VELOCITY,
+    Vocabulary, names, nearest, refuse_missing,
 };
 use super::place::{Place, TableError, quoted};
 use super::samples::{Samples, refuse_samples};
@@ -38,35 +37,29 @@ const MOST_NAMED: usize = 8;
 const MOTIONS: [Quantity; 4] = [ACCELERATION, DISPLACEMENT, ANGLE, VELOCITY];
 
 /// Reads the first row, and checks that its columns describe a motion.
-pub(super) fn motion_columns(header: Header) -> Result<(Columns, Reading), TableError> {
+pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
     let Header { fields, place, .. } = header;
     if is_of_places(header) {
         return place_columns(header);
     }
-    let columns = Columns::find(&TRAJECTORY, header)?;
-    let headings = &columns.headings;
-    let has = |quantity: &Quantity| find(headings, *quantity).is_some();
-    let is_motion = has(&TIME) && MOTIONS.iter().any(has);
+    let mut columns = Columns::find(&TRAJECTORY, header, Beside::Time)?;
+    let is_motion = columns.has(TIME) && MOTIONS.iter().any(|quantity| columns.has(*quantity));
     if !is_motion && let Some(index) = suspect(&columns, fields) {
         return Err(unknown_column(index, fields[index], place));
     }
-    if let (Some(arc), Some(angle)) = (find(headings, DISPLACEMENT), find(headings, ANGLE)) {
-        let (first, second) = if arc.index < angle.index { (arc, angle) } else { (angle, arc) };
-        let first = first.named();
-        let must = format!("must not be given with {first}: they are two names of one thing");
-        let hint =
-            "displacement = angle * link length; keep one of them, or choose it with --columns";
-        let error = place.refuse_column(second.index, &second.name, must);
-        return Err(error.with_hint(hint.to_owned()));
-    }
+    let hint = "displacement = angle * link length; keep one of them, or choose it with --columns";
+    columns.refuse_both([DISPLACEMENT, ANGLE], header, hint)?;
     let by_option = || TRAJECTORY.by_option.to_owned();
-    require(headings, TIME, fields, place).map_err(|error| error.or_hint(by_option()))?;
+    columns.require(TIME, header).map_err(|error| error.or_hint(by_option()))?;
     if !is_motion {
         let wanted = "acceleration, displacement, angle or velocity";
         return Err(refuse_missing(&names(fields), wanted, place).or_hint(by_option()));
     }
-    let reading = reading_of(&columns, fields);
-    Ok((columns, reading))
+    if ![ACCELERATION, DISPLACEMENT, ANGLE].iter().any(|quantity| columns.has(*quantity)) {
+        columns.reading.found.push("displacement as the velocity's integral".to_owned());
+    }
+    columns.reading.unread = unread(&columns, fields, &TRAJECTORY, OTHER);
+    Ok(columns)
 }
 
 /// True if the columns x and y of a table are the tip's place: by the user's choice, or because both are present and
@@ -85,34 +78,34 @@ fn is_of_places(header: Header) -> bool {
 }
 
 /// Finds the time and the tip's place.
-fn place_columns(header: Header) -> Result<(Columns, Reading), TableError> {
-    let Header { fields, place, .. } = header;
-    let columns = Columns::find(&PLACES, header)?;
-    require(&columns.headings, TIME, fields, place)
-        .map_err(|error| error.or_hint(PLACES.by_option.to_owned()))?;
-    check_places(&columns.headings, header, PLACES.by_option, PLACES.by_option)?;
-    let (unread, hint) = unread(&columns, fields, &PLACES, OTHER);
-    let found = vec!["angle as the direction of x and y".to_owned()];
-    Ok((columns, Reading { found, unread, hint, ..Reading::default() }))
+fn place_columns(header: Header) -> Result<Columns, TableError> {
+    let mut columns = Columns::find(&PLACES, header, Beside::Time)?;
+    let by_option = PLACES.by_option;
+    columns.require(TIME, header).map_err(|error| error.or_hint(by_option.to_owned()))?;
+    check_places(&columns, header, by_option, by_option)?;
+    columns.reading.found.push("angle as the direction of x and y".to_owned());
+    columns.reading.unread = unread(&columns, header.fields, &PLACES, OTHER);
+    Ok(columns)
 }
 
 /// Refuses x without y and y without x.
 pub(super) fn check_places(
-    headings: &[Heading],
-    Header { fields, place, format }: Header,
+    columns: &Columns,
+    header: Header,
     by_option: &str,
     hint: &str,
 ) -> Result<(), TableError> {
-    let has = |quantity: Quantity| find(headings, quantity).is_some();
     for (own, other) in [(PATH_X, PATH_Y), (PATH_Y, PATH_X)] {
-        if has(own) && !has(other) && format.columns.iter().any(|choice| choice.quantity != TIME) {
+        if !columns.has(own) {
+            continue;
+        }
+        let is_chosen = header.format.columns.iter().any(|choice| choice.quantity != TIME);
+        if is_chosen && !columns.has(other) {
             let must = format!("must also choose {}: with it no other column is read", other.word);
-            let error = place.refuse("--columns", own.word, must);
+            let error = header.place.refuse("--columns", own.word, must);
             return Err(error.with_hint(by_option.to_owned()));
         }
-        if has(own) && !has(other) {
-            return Err(refuse_missing(&names(fields), other.word, place).or_hint(hint.to_owned()));
-        }
+        columns.require(other, header).map_err(|error| error.or_hint(hint.to_owned()))?;
     }
     Ok(())
 }
@@ -122,25 +115,15 @@ const OTHER: &str = "--columns QUANTITY=NUMBER reads one of them instead";
 
 /// A column that may be the missing one: the first with a hint, else the first unread one.
 fn suspect(columns: &Columns, fields: &[&str]) -> Option<usize> {
-    let is_near =
-        |index: &&usize| absent_by(&TRAJECTORY, &columns.headings, fields[**index]).is_some();
+    let is_near = |index: &&usize| absent_by(&TRAJECTORY, columns, fields[**index]).is_some();
     columns.unread.iter().find(is_near).or(columns.unread.first()).copied()
 }
 
 /// The absent quantity that an unknown heading may mean.
-fn absent_by(vocabulary: &Vocabulary, headings: &[Heading], field: &str) -> Option<&'static str> {
-    let absent = vocabulary.quantities.iter().filter(|known| find(headings, **known).is_none());
+fn absent_by(vocabulary: &Vocabulary, columns: &Columns, field: &str) -> Option<&'static str> {
+    let absent = vocabulary.quantities.iter().filter(|known| !columns.has(**known));
     let name = vocabulary.plain(split_unit(field).0);
     nearest(&name, absent.map(|quantity| quantity.word))
-}
-
-/// Reading of a motion's columns: unread columns, and an integrated velocity.
-fn reading_of(columns: &Columns, fields: &[&str]) -> Reading {
-    let has = |quantity: Quantity| find(&columns.headings, quantity).is_some();
-    let is_velocity_alone = !(has(ACCELERATION) || has(DISPLACEMENT) || has(ANGLE));
-    let integral = is_velocity_alone.then(|| "displacement as the velocity's integral".to_owned());
-    let (unread, hint) = unread(columns, fields, &TRAJECTORY, OTHER);
-    Reading { found: Vec::from_iter(integral), unread, hint, ..Reading::default() }
 }
 
 /// Unread columns, and a remedy: correcting a slip, or else the `other` hint.
@@ -149,18 +132,17 @@ pub(super) fn unread(
     fields: &[&str],
     vocabulary: &Vocabulary,
     other: &str,
-) -> (Option<String>, Option<String>) {
+) -> Option<(String, String)> {
     let named = |index: &usize| format!("{} {}", index + 1, quoted(fields[*index]));
     let mut unread: Vec<String> = columns.unread.iter().take(MOST_NAMED).map(named).collect();
     let more = columns.unread.len() - unread.len();
     unread.extend((more > 0).then(|| format!("and {more} more")));
     let slip = columns.unread.iter().find_map(|&index| {
-        let word = absent_by(vocabulary, &columns.headings, fields[index])?;
+        let word = absent_by(vocabulary, columns, fields[index])?;
         Some(format!("did you mean {word} by {}?", quoted(fields[index])))
     });
-    let unread = (!unread.is_empty()).then(|| format!("columns not read: {}", unread.join(", ")));
-    let hint = unread.as_ref().map(|_| slip.unwrap_or_else(|| other.to_owned()));
-    (unread, hint)
+    let hint = slip.unwrap_or_else(|| other.to_owned());
+    (!unread.is_empty()).then(|| (format!("columns not read: {}", unread.join(", ")), hint))
 }
 
 fn unknown_column(index: usize, field: &str, place: Place) -> TableError {

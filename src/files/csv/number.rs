@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use rayon::prelude::*;
-use thiserror::Error;
 
 use crate::numeric::largest;
 use crate::text::excerpt;
@@ -70,24 +69,18 @@ fn decimal_exponent(value: f64) -> Option<i32> {
     exponent.parse().ok()
 }
 
-/// An invalid number of digits.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("digits = {found}, but must be a whole number from 1 to 17, or full")]
-pub struct DigitsError {
-    found: String,
-}
-
 impl FromStr for Digits {
-    type Err = DigitsError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         if text == "full" {
             return Ok(Self::Full);
         }
-        match text.parse() {
-            Ok(n @ 1..=17) => Ok(Self::BelowPeak(n)),
-            _ => Err(DigitsError { found: excerpt(text).into_owned() }),
+        if let Ok(n @ 1..=17) = text.parse() {
+            return Ok(Self::BelowPeak(n));
         }
+        let found = excerpt(text);
+        Err(format!("digits = {found}, but must be a whole number from 1 to 17, or full"))
     }
 }
 

@@ -2,29 +2,26 @@
 
 use std::io::{self, Write};
 
-use super::between;
-use super::columns::{Columns, Header};
+use super::columns::{Beside, Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    ANGLES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, find, names, refuse_missing, require,
+    ANGLES, PATH_X, PATH_Y, Quantity, TIME, Vocabulary, joined, names, refuse_missing,
 };
 use super::motion_columns::{check_places, unread};
 use super::number::Digits;
 use super::outliers::settle;
-use super::place::{Place, TableError};
-use super::recorded::Uniform;
+use super::place::TableError;
+use super::quality::of_spline_m;
 use super::samples::{Samples, refuse_samples};
 use super::table::{Column, ColumnGroup, write_over_time};
+use super::uniform::{Uniform, whole_steps};
 use crate::motion::{
     ArmPath, MotionError, PathColumn, PathColumns, Recording, Uncertainty, refuse_jump,
 };
 use crate::numeric::SplineEnds;
 
 const PATH: Vocabulary = Vocabulary {
-    quantities: &[
-        TIME, PATH_X, PATH_Y, ANGLES[0], ANGLES[1], ANGLES[2], ANGLES[3], ANGLES[4], ANGLES[5],
-        ANGLES[6], ANGLES[7], ANGLES[8],
-    ],
+    quantities: &joined::<12>(&[&[TIME, PATH_X, PATH_Y], &ANGLES]),
     prefix: "tip_",
     example: "time,x,y",
     choice: None,
@@ -89,15 +86,14 @@ impl PathTable {
             refuse_jump(column)
                 .map_err(|error| self.refused(error.sample(), &error, error.hint()))?;
         }
-        let place = Place { file: &self.name, line: None };
         let PathColumns { time_s, tip, angles } = &mut self.columns;
-        let uniform = Uniform::dividing(time_s, step_s, place)?;
+        let steps = whole_steps(time_s, step_s, &self.name)?;
+        let uniform = Uniform::of(time_s, steps, step_s);
         for column in tip.iter_mut().flatten().chain(angles.iter_mut().flatten()) {
             let recording = &mut column.recording;
-            let spline_m = between::of_spline_m(time_s, &column.values, SplineEnds::Clamped);
+            let spline_m = of_spline_m(time_s, &column.values, SplineEnds::Clamped);
             recording.between.spline_m = recording.between.spline_m.max(spline_m);
-            recording.spacing_s =
-                Some((time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64);
+            recording.spacing_s = Some(Uniform::over(time_s).step_s);
             column.values = uniform.interpolated(&column.values, SplineEnds::Clamped);
         }
         self.lines = uniform.lines(&self.lines);
@@ -178,21 +174,18 @@ pub fn write_path(
 }
 
 /// Reads the first row, and checks that its columns describe a path.
-fn path_columns(header: Header) -> Result<(Columns, Reading), TableError> {
+fn path_columns(header: Header) -> Result<Columns, TableError> {
     let Header { fields, place, .. } = header;
-    let columns = Columns::find(&PATH, header)?;
-    let headings = &columns.headings;
-    let by_option = || BY_OPTION.to_owned();
-    require(headings, TIME, fields, place).map_err(|error| error.or_hint(by_option()))?;
-    let has = |quantity: Quantity| find(headings, quantity).is_some();
+    let mut columns = Columns::find(&PATH, header, Beside::Time)?;
+    columns.require(TIME, header).map_err(|error| error.or_hint(BY_OPTION.to_owned()))?;
     let hint =
         format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
-    check_places(headings, header, BY_OPTION, &hint)?;
-    if !has(PATH_X) && !ANGLES.into_iter().any(has) {
+    check_places(&columns, header, BY_OPTION, &hint)?;
+    if !columns.has(PATH_X) && !ANGLES.iter().any(|quantity| columns.has(*quantity)) {
         return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint));
     }
-    let (unread, hint) = unread(&columns, fields, &PATH, BY_OPTION);
-    Ok((columns, Reading { unread, hint, ..Reading::default() }))
+    columns.reading.unread = unread(&columns, fields, &PATH, BY_OPTION);
+    Ok(columns)
 }
 
 #[cfg(test)]

@@ -1,20 +1,22 @@
-//! Measurements of a link: records for a fit, and a recording for comparison with a simulation.
+//! Measurements of a link: records and free decays for a fit, and a recording for comparison with a simulation.
 
-use super::columns::{Columns, Header};
-use super::format::{Reading, TableFormat};
+use super::columns::{Beside, Columns, Header};
+use super::format::{ColumnScale, Reading, TableFormat};
 use super::heading::{
-    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Heading, Quantity, ROOT_STRAIN,
-    Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, find, names, refuse_missing,
-    require,
+    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Heading, Measure, Quantity,
+    ROOT_STRAIN, Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, names, quantity,
+    refuse_missing,
 };
 use super::motion_columns::unread;
-use super::outliers::doubt;
+use super::outliers::{Judged, doubt};
 use super::place::BY_HEADINGS;
-use super::rows::TableError;
-use super::samples::{Samples, refuse_samples};
-use crate::fit::RecordedInput;
+use super::rows::{Place, TableError};
+use super::samples::Samples;
+use super::uniform::MIN_SAMPLES;
+use crate::fit::{DecaySamples, RecordedInput};
 use crate::model::Sensor;
-use crate::numeric::TimeGrid;
+use crate::numeric::Dimension;
+use crate::recording::Change;
 use crate::result::{ChannelRecording, SimulatedChannel};
 
 /// Inputs of a link, and quantities of its sensors.
@@ -90,13 +92,9 @@ pub fn read_record(
         wanted.iter().map(|wanted| samples.take(*wanted).unwrap_or_default()).collect();
     let time_s = taken.remove(0);
     let time_s = samples.make_uniform(time_s, taken.iter_mut().collect());
-    let Samples { lines, reading, .. } = samples;
-    let grid = TimeGrid::through(&time_s).map_err(|error| {
-        refuse_samples(name, &lines, Some(error.sample), &error, Some(error.hint()))
-    })?;
-    let input = taken.remove(0);
-    let (step_s, units) = (grid.step_s, units[2..].to_vec());
-    Ok(RecordTable { step_s, input, channels: taken, units, reading })
+    let step_s = samples.grid_from(0, &time_s)?.step_s;
+    let (input, units) = (taken.remove(0), units[2..].to_vec());
+    Ok(RecordTable { step_s, input, channels: taken, units, reading: samples.reading })
 }
 
 fn driving(input: RecordedInput) -> Quantity {
@@ -107,7 +105,7 @@ fn driving(input: RecordedInput) -> Quantity {
     }
 }
 
-pub(super) fn shown(sensor: Sensor) -> Quantity {
+fn shown(sensor: Sensor) -> Quantity {
     match sensor {
         Sensor::HubAngle => HUB_ANGLE,
         Sensor::HubRate => HUB_RATE,
@@ -117,20 +115,19 @@ pub(super) fn shown(sensor: Sensor) -> Quantity {
     }
 }
 
-fn columns(header: Header, wanted: &[Quantity]) -> Result<(Columns, Reading), TableError> {
+fn columns(header: Header, wanted: &[Quantity]) -> Result<Columns, TableError> {
     let Header { fields, place, .. } = header;
-    let mut columns = Columns::find_all(&RECORD, header)?;
-    if let Some(missing) = wanted.iter().find(|wanted| find(&columns.headings, **wanted).is_none())
-    {
+    let mut columns = Columns::find(&RECORD, header, Beside::Others)?;
+    if let Some(missing) = wanted.iter().find(|wanted| !columns.has(**wanted)) {
         let missing = refuse_missing(&names(fields), &word_of(*missing), place);
         return Err(missing.or_hint(CHOICES.to_owned()));
     }
     columns.headings.retain(|heading| wanted.contains(&heading.quantity));
-    Ok((columns, Reading::default()))
+    Ok(columns)
 }
 
 /// Name of a quantity in messages.
-pub(super) fn word_of(quantity: Quantity) -> String {
+fn word_of(quantity: Quantity) -> String {
     let of_tip = [DEFLECTION, ACCELERATION].contains(&quantity);
     if of_tip { format!("tip_{}", quantity.word) } else { quantity.word.to_owned() }
 }
@@ -150,8 +147,7 @@ const CHANNELS: Vocabulary = Vocabulary {
     ],
     prefix: "tip_",
     example: "time,hub_angle",
-    choice: Some("rename one of them"),
-    by_option: "",
+    ..Vocabulary::NONE
 };
 
 /// Channel of each quantity.
@@ -205,9 +201,9 @@ pub fn read_recording_as(
     Ok((ChannelRecording { time_s, channels }, samples.reading))
 }
 
-fn channel_columns(header: Header) -> Result<(Columns, Reading), TableError> {
+fn channel_columns(header: Header) -> Result<Columns, TableError> {
     let Header { fields, place, format } = header;
-    let mut columns = Columns::find_all(&CHANNELS, header)?;
+    let mut columns = Columns::find(&CHANNELS, header, Beside::Others)?;
     if !format.columns.is_empty() {
         let is_chosen = |quantity| format.columns.iter().any(|own| own.quantity == quantity);
         let counts = |own: &Heading| {
@@ -219,24 +215,137 @@ fn channel_columns(header: Header) -> Result<(Columns, Reading), TableError> {
         let is_read = |index: &usize| columns.headings.iter().any(|own| own.index == *index);
         columns.unread = (0..fields.len()).filter(|index| !is_read(index)).collect();
     }
-    let headings = &columns.headings;
-    require(headings, TIME, fields, place)?;
-    if let (Some(tip), Some(displacement)) = (find(headings, TIP), find(headings, DISPLACEMENT)) {
-        let (first, second) =
-            if tip.index < displacement.index { (tip, displacement) } else { (displacement, tip) };
-        let must =
-            format!("must not be given with {}: they are two names of one thing", first.named());
-        return Err(place
-            .refuse_column(second.index, &second.name, must)
-            .with_hint("rename one of them".to_owned()));
-    }
-    if headings.len() < 2 {
+    columns.require(TIME, header)?;
+    columns.refuse_both([TIP, DISPLACEMENT], header, "rename one of them")?;
+    if columns.headings.len() < 2 {
         let words = CHANNELS.quantities[1..].iter().map(|quantity| quantity.word);
         let wanted = format!("one of {}", words.collect::<Vec<_>>().join(", "));
         return Err(refuse_missing(&names(fields), &wanted, place));
     }
-    let (unread, hint) = unread(&columns, fields, &CHANNELS, "a simulation has no such channel");
-    Ok((columns, Reading { unread, hint, ..Reading::default() }))
+    let hint = "a simulation has no such channel";
+    columns.reading.unread = unread(&columns, fields, &CHANNELS, hint);
+    Ok(columns)
+}
+
+/// The only column besides the time.
+const SIGNAL: Quantity = quantity("signal", "_1", Dimension::NONE, ["1", "1"]);
+
+/// All quantities that may vibrate, in any unit.
+const DECAY: Vocabulary = Vocabulary {
+    quantities: &[
+        TIME,
+        HUB_ANGLE,
+        HUB_RATE,
+        TIP,
+        DISPLACEMENT,
+        VELOCITY,
+        ACCELERATION,
+        DEFLECTION,
+        ROOT_STRAIN,
+        VOLTAGE,
+    ],
+    prefix: "tip_",
+    example: "time,tip_deflection",
+    choice: Some("rename one of them, or choose with columns"),
+    by_option: "columns = [\"time=1\", \"deflection=2\"] says which column is what",
+};
+
+/// Hint at the keys of a decay.
+const OF_DECAY: &str = "sensor = \"tip_acceleration\" names the column that vibrates; columns = [\"time=1\", \
+                        \"deflection=2\"] chooses columns by number or heading; skip = 3 leaves lines out";
+
+/// Reads a free decay: `time` and the column of a sensor, in any unit. Without a sensor it is the only column that
+/// changes. Only the samples in a span in s are used; their times must be uniform.
+///
+/// ```
+/// use flexlink::csv::{TableFormat, read_decay};
+/// let file = b"time [ms],hub_angle,strain [mV]\n0,0,3\n1,0,2\n2,0,-1\n3,0,-2\n4,0,1\n";
+/// let format = TableFormat { columns: vec!["root_strain=strain".parse()?], ..Default::default() };
+/// let (decay, _) = read_decay("pluck.csv", file, None, [Some(0.001), None], &format)?;
+/// assert_eq!((decay.start_s, &decay.samples[..]), (0.001, &[2.0, -1.0, -2.0, 1.0][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`read_record`]; also several changing columns, or no changing column.
+pub fn read_decay(
+    name: &str,
+    bytes: &[u8],
+    sensor: Option<Sensor>,
+    [from_s, until_s]: [Option<f64>; 2],
+    format: &TableFormat,
+) -> Result<(DecaySamples, Reading), TableError> {
+    // The unit does not matter for a vibration.
+    let of_any_unit = |quantity: &Quantity| ColumnScale { quantity: *quantity, factor: 1.0 };
+    let scales = DECAY.quantities[1..].iter().map(of_any_unit).collect();
+    let format = TableFormat { scales, ..format.clone() };
+    let wanted = sensor.map(shown);
+    let mut samples = Samples::read(name, bytes, &format, |header| decaying(header, wanted))
+        .map_err(|error| error.of_named_file(OF_DECAY))?;
+    let time_s = samples.take(TIME).unwrap_or_default();
+    let first = from_s.map_or(0, |from_s| time_s.partition_point(|time| *time < from_s));
+    let end = until_s.map_or(time_s.len(), |until_s| time_s.partition_point(|t| *t <= until_s));
+    let within = first.min(end)..end;
+    let all = DECAY.quantities[1..].iter().chain([&SIGNAL]);
+    let columns = all.filter_map(|own| Some((*own, samples.take(*own)?[within.clone()].to_vec())));
+    let mut columns: Vec<(Quantity, Vec<f64>)> = columns.collect();
+    if wanted.is_none() {
+        columns.retain(|(_, samples)| {
+            samples.windows(2).any(|pair| pair[0].total_cmp(&pair[1]).is_ne())
+        });
+    }
+    let place = Place { file: name, line: None };
+    let words: Vec<String> = columns.iter().map(|(own, _)| word_of(*own)).collect();
+    let [(_, column)] = &mut columns[..] else {
+        let found = if words.is_empty() { "none".to_owned() } else { words.join(", ") };
+        let must = "must be one, or sensor must name one of them";
+        let error = place.refuse("columns that change", found, must);
+        return Err(error.with_hint(OF_DECAY.to_owned()));
+    };
+    if within.len() < MIN_SAMPLES {
+        let must = format!("must be {MIN_SAMPLES} or more from its begin to its end");
+        return Err(place.refuse("samples", within.len().to_string(), must));
+    }
+    let judged = Judged {
+        name: &words[0],
+        unit: ("", 1.0),
+        change: Change::Jumping,
+        is_command: false,
+        time_s: &time_s[within.clone()],
+        values: column,
+    };
+    samples.reading.doubt = judged.doubt(&samples.lines[first..]);
+    let uniform_s = samples.make_uniform(time_s[within].to_vec(), vec![column]);
+    let decay = DecaySamples {
+        name: name.to_owned(),
+        column: words[0].clone(),
+        start_s: uniform_s[0],
+        step_s: samples.grid_from(first, &uniform_s)?.step_s,
+        samples: std::mem::take(column),
+    };
+    Ok((decay, samples.reading))
+}
+
+/// Columns of a decay: the time and quantities that may vibrate, or else the only other column.
+fn decaying(header: Header, wanted: Option<Quantity>) -> Result<Columns, TableError> {
+    let Header { fields, place, .. } = header;
+    let mut columns = Columns::find(&DECAY, header, Beside::Others)?;
+    columns.require(TIME, header)?;
+    if let ([_], None, [only]) = (&columns.headings[..], wanted, &columns.unread[..]) {
+        let measure = Measure { factor: Some(1.0), ..Measure::default() };
+        let heading = Heading::of(*only, fields[*only], SIGNAL, false, measure, place)?;
+        columns.headings.push(heading);
+    }
+    let sensors = columns.headings.iter_mut().filter(|heading| heading.quantity != TIME);
+    sensors.for_each(|heading| "any unit".clone_into(&mut heading.unit_text));
+    if let Some(wanted) = wanted {
+        if !columns.has(wanted) {
+            let missing = refuse_missing(&names(fields), &word_of(wanted), place);
+            return Err(missing.or_hint(OF_DECAY.to_owned()));
+        }
+        columns.headings.retain(|heading| [TIME, wanted].contains(&heading.quantity));
+    }
+    Ok(columns)
 }
 
 #[cfg(test)]
@@ -265,7 +374,7 @@ mod tests {
         };
         let (channels, unread) = read(&["time=t", "hub_angle=theta"]);
         assert_eq!(channels, [SimulatedChannel::HubAngle]);
-        assert_eq!(unread.as_deref(), Some("columns not read: 3 \"v\""));
+        assert_eq!(unread.map(|(unread, _)| unread).as_deref(), Some("columns not read: 3 \"v\""));
         let (channels, _) = read(&["time=t", "hub_angle=theta", "velocity=v"]);
         assert_eq!(channels, [SimulatedChannel::HubAngle, SimulatedChannel::Velocity]);
     }

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::between;
-use super::motion::{MotionTable, whole_steps};
+use super::motion::MotionTable;
+use super::quality;
 use super::rows::{Place, TableError};
 use super::samples::refuse_samples;
+use super::uniform::Uniform;
 use crate::link::Gravity;
 use crate::motion::{Between, Ends, MotionColumns, Recording, TipMotion, Uncertainty, wrapped};
 use crate::numeric::{CubicSpline, SplineEnds};
@@ -14,9 +15,6 @@ use crate::text::{plain, significant};
 
 /// Largest uncertainty of a displacement over its travel.
 const LEAST_WORTH: f64 = 0.1;
-
-/// Difference of times, in steps, below which they are equal.
-const SAME_TIME: f64 = 1e-6;
 
 /// Ratio of the error of a slope from four rows to the error of a row, and its largest allowed ratio to the largest
 /// step.
@@ -74,7 +72,7 @@ impl MotionTable {
         let mut recording = Recording { moves_by_column, ..recording };
         if let Some(acceleration) = acceleration {
             let of_integral =
-                between::of_acceleration(&motion, &acceleration, recording.deviation());
+                quality::of_acceleration(&motion, &acceleration, recording.deviation());
             recording.between = recording.between.or(of_integral);
         }
         let motion = motion.recorded(recording);
@@ -147,34 +145,29 @@ impl MotionTable {
         };
         let columns = &self.columns;
         let known_s = &columns.time_s;
-        let spacing_s = (known_s[known_s.len() - 1] - known_s[0]) / (known_s.len() - 1) as f64;
+        let spacing_s = Uniform::over(known_s).step_s;
         let ends = self.ends.said_by(columns.velocity_m_s.as_deref());
         let rests = if ends == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
         let earlier = self.recording.between;
         let between = match (&columns.acceleration_m_s2, &columns.displacement_m) {
             (Some(own), _) => {
-                between::of_spline_of_acceleration(known_s, own, self.recording.deviation())
+                quality::of_spline_of_acceleration(known_s, own, self.recording.deviation())
             }
             (None, Some(own)) => {
-                let spline_m = between::of_spline_m(known_s, own, rests).max(earlier.spline_m);
+                let spline_m = quality::of_spline_m(known_s, own, rests).max(earlier.spline_m);
                 Between { spline_m, ..earlier }
             }
             (None, None) => earlier,
         };
-        Self {
-            lines: uniform.lines(&self.lines),
-            columns: MotionColumns {
-                acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
-                velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
-                displacement_m: on_grid(&columns.displacement_m, rests),
-                time_s: uniform.times_s,
-            },
-            name: self.name,
-            reading: self.reading,
-            recording: Recording { spacing_s: Some(spacing_s), between, ..self.recording },
-            first_angle_rad: self.first_angle_rad,
-            ends: self.ends,
-        }
+        let lines = uniform.lines(&self.lines);
+        let recording = Recording { spacing_s: Some(spacing_s), between, ..self.recording };
+        let columns = MotionColumns {
+            acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
+            velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
+            displacement_m: on_grid(&columns.displacement_m, rests),
+            time_s: uniform.times_s,
+        };
+        Self { columns, lines, recording, ..self }
     }
 
     /// Replaces a velocity without other columns by its displacement.
@@ -186,7 +179,7 @@ impl MotionTable {
                 let ends = self.ends.said_by(Some(&velocity));
                 let integral = integral(&time_s, &velocity, ends);
                 if ends != Ends::Periodic {
-                    self.recording.between = between::of_velocity(&time_s, &velocity);
+                    self.recording.between = quality::of_velocity(&time_s, &velocity);
                 }
                 // The displacement does not show the velocity's ends.
                 ((ends != Ends::AtRest).then_some(velocity), Some(integral))
@@ -203,55 +196,11 @@ impl MotionTable {
         let MotionColumns { time_s, acceleration_m_s2, displacement_m, .. } = &self.columns;
         let decides = displacement_m.as_deref().filter(|_| acceleration_m_s2.is_none());
         let Some(jitter) = jitter(time_s, decides) else { return self };
-        let steps = time_s.len() - 1;
-        let step_s = (time_s[steps] - time_s[0]) / steps as f64;
+        let (steps, step_s) = (time_s.len() - 1, Uniform::over(time_s).step_s);
         let lines = self.lines.clone();
         let uniform = self.at_steps(steps, step_s);
         let recording = Recording { jitter: Some(jitter), ..uniform.recording };
         Self { lines, recording, ..uniform }
-    }
-}
-
-/// Uniform times that start at the first of known times.
-#[expect(clippy::struct_field_names, reason = "their units end alike")]
-pub(super) struct Uniform<'a> {
-    known_s: &'a [f64],
-    step_s: f64,
-    pub(super) times_s: Vec<f64>,
-}
-
-impl<'a> Uniform<'a> {
-    /// Times from the first known time to the last, with a step that must divide the duration.
-    pub(super) fn dividing(
-        known_s: &'a [f64],
-        step_s: f64,
-        place: Place,
-    ) -> Result<Self, TableError> {
-        let steps = whole_steps(known_s[known_s.len() - 1] - known_s[0], step_s, place)?;
-        Ok(Self::of(known_s, steps, step_s))
-    }
-
-    fn of(known_s: &'a [f64], steps: usize, step_s: f64) -> Self {
-        let times_s = (0..=steps).map(|k| known_s[0] + k as f64 * step_s).collect();
-        Self { known_s, step_s, times_s }
-    }
-
-    /// Interpolates values at the known times by a cubic spline.
-    pub(super) fn interpolated(&self, values: &[f64], ends: SplineEnds) -> Vec<f64> {
-        let spline = CubicSpline::new(self.known_s, values, ends);
-        let (steps, last_s) = (self.times_s.len() - 1, self.known_s[self.known_s.len() - 1]);
-        // The motion rests at its end, so that a twentieth of a step does not matter.
-        let at = |(k, t): (usize, &f64)| if k == steps { last_s } else { t.min(last_s) };
-        self.times_s.iter().enumerate().map(|time| spline.value(at(time))).collect()
-    }
-
-    /// For each time, the line of the last known time that is not later; empty for samples without lines.
-    pub(super) fn lines(&self, lines: &[u64]) -> Vec<u64> {
-        let line = |time_s: &f64| {
-            let is_not_later = |known_s: &f64| *known_s <= time_s + SAME_TIME * self.step_s;
-            lines.get(self.known_s.partition_point(is_not_later).saturating_sub(1)).copied()
-        };
-        self.times_s.iter().filter_map(line).collect()
     }
 }
 

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::dialect::{Decimal, Dialect};
+use super::dialect::Dialect;
+use super::format::Decimal;
 use super::input::{disguise, remedy, sha256};
 pub use super::place::TableError;
 pub(crate) use super::place::{Place, quoted};

@@ -1,20 +1,19 @@
 //! Named columns of a table: numbers over time in SI, or any numbers and words.
 
 use super::columns::{Columns, FirstRow, Header};
-use super::dialect::{Delimiter, Dialect};
-use super::format::{Reading, TableFormat};
+use super::dialect::Dialect;
+use super::format::{Delimiter, Reading, TableFormat};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
     check_separator,
 };
 use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
+use super::uniform::{MIN_SAMPLES, Uniform};
 use crate::compare::{Cell, Table, TableColumn};
-use crate::numeric::{CubicSpline, SplineEnds};
+use crate::numeric::{SplineEnds, TimeGrid};
 use crate::recording::{Digits, Rounding, jitter};
+use crate::response::HistoryError;
 use crate::result::Remark;
-
-/// Fewest samples of a table.
-pub(super) const MIN_SAMPLES: usize = 4;
 
 /// Longest number that a message shows in full.
 const LONGEST_SHOWN: usize = 60;
@@ -35,6 +34,8 @@ const WORDS: &str = "blanks divide names of several words, too: --skip leaves th
 
 /// Columns of a table over time that the program uses, in SI, with the line of each sample.
 pub(super) struct Samples {
+    /// The file as the user named it.
+    file: String,
     /// Number of all columns of the table.
     width: usize,
     pub(super) headings: Vec<Heading>,
@@ -57,18 +58,20 @@ impl Samples {
         name: &str,
         bytes: &[u8],
         format: &TableFormat,
-        read_columns: impl Fn(Header) -> Result<(Columns, Reading), TableError>,
+        read_columns: impl Fn(Header) -> Result<Columns, TableError>,
     ) -> Result<Self, TableError> {
         let whole = Place { file: name, line: None };
         let at = |line| Place { line: Some(line), ..whole };
         let begin = |dialect: &Dialect, line, fields: &[&str]| {
             let place = at(line);
-            let (columns, mut reading) = read_columns(Header { fields, format, place })?;
+            let columns = read_columns(Header { fields, format, place })?;
+            let mut reading = columns.reading.clone();
             if columns.is_guessed || !dialect.found.is_empty() || !reading.found.is_empty() {
                 let found = dialect.found.iter().cloned().chain(columns.told());
                 reading.found = found.chain(reading.found).collect();
             }
             let mut samples = Self {
+                file: name.to_owned(),
                 width: fields.len(),
                 has_blanks: dialect.delimiter == Delimiter::Blanks,
                 values: vec![Vec::new(); columns.headings.len()],
@@ -84,7 +87,7 @@ impl Samples {
             Ok(samples)
         };
         let push = |samples: &mut Self, line, fields: &[&str]| samples.push(fields, at(line));
-        let detect = |text: &str| Dialect::detect(name, text, format.given());
+        let detect = |text: &str| Dialect::detect(name, text, format);
         let samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
             whole.refuse("content", "nothing", must)
@@ -120,12 +123,12 @@ impl Samples {
     /// as they are, and are refused later.
     ///
     /// [`LARGEST_JITTER`]: crate::recording::LARGEST_JITTER
-    pub(super) fn take_uniform<const N: usize>(
+    pub(super) fn take_uniform(
         &mut self,
-        quantities: [Quantity; N],
-    ) -> (Vec<f64>, [Option<Vec<f64>>; N]) {
+        quantities: &[Quantity],
+    ) -> (Vec<f64>, Vec<Option<Vec<f64>>>) {
         let time_s = self.take(TIME).unwrap_or_default();
-        let mut columns = quantities.map(|quantity| self.take(quantity));
+        let mut columns: Vec<_> = quantities.iter().map(|quantity| self.take(*quantity)).collect();
         let uniform_s = self.make_uniform(time_s, columns.iter_mut().flatten().collect());
         (uniform_s, columns)
     }
@@ -138,17 +141,25 @@ impl Samples {
     ) -> Vec<f64> {
         let decides = columns.first().map(|column| column.as_slice());
         let Some(steps) = jitter(&time_s, decides) else { return time_s };
-        let last = time_s.len() - 1;
-        let step_s = (time_s[last] - time_s[0]) / last as f64;
-        let uniform =
-            |k: usize| if k == last { time_s[last] } else { time_s[0] + k as f64 * step_s };
-        let uniform_s: Vec<f64> = (0..=last).map(uniform).collect();
+        let uniform = Uniform::over(&time_s);
         for column in columns {
-            let spline = CubicSpline::new(&time_s, column, SplineEnds::NotAKnot);
-            *column = uniform_s.iter().map(|t| spline.value(*t)).collect();
+            *column = uniform.interpolated(column, SplineEnds::NotAKnot);
         }
+        let step_s = uniform.step_s;
         self.reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
-        uniform_s
+        uniform.times_s
+    }
+
+    /// The uniform grid of the times from a sample on.
+    pub(super) fn grid_from(&self, sample: usize, time_s: &[f64]) -> Result<TimeGrid, TableError> {
+        grid_of(time_s, &self.file, &self.lines[sample..])
+    }
+
+    /// A history of the samples, or its error with the file and the line.
+    pub(super) fn history<T>(&self, made: Result<T, HistoryError>) -> Result<T, TableError> {
+        made.map_err(|error| {
+            refuse_samples(&self.file, &self.lines, error.sample(), &error, error.hint())
+        })
     }
 
     /// Rounding of a prescribed quantity, with its step in SI.
@@ -198,6 +209,13 @@ impl Samples {
 fn is_followed(quantity: Quantity) -> bool {
     let of_a_tip = [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE, PATH_X, PATH_Y];
     of_a_tip.contains(&quantity) || ANGLES.contains(&quantity)
+}
+
+/// The uniform grid of times in a file with these `lines`.
+pub(super) fn grid_of(time_s: &[f64], file: &str, lines: &[u64]) -> Result<TimeGrid, TableError> {
+    TimeGrid::through(time_s).map_err(|error| {
+        refuse_samples(file, lines, Some(error.sample), &error, Some(error.hint()))
+    })
 }
 
 /// Error about one of the samples with these `lines`, or all of them, for the reason `why`.

@@ -81,7 +81,7 @@ struct RawArm {
     gravity: Option<AlongAxes>,
     #[serde(rename = "start_angle")]
     _start_angle: Option<Angle>,
-    elbow: Option<Side>,
+    elbow: Option<Elbow>,
     #[serde(deserialize_with = "tables")]
     links: Vec<RawArmLink>,
     #[serde(rename = "mesh")]
@@ -94,14 +94,6 @@ struct RawArm {
 #[derive(Debug, Deserialize)]
 struct RawArmLink {
     name: Option<String>,
-}
-
-/// Side of the elbow.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-enum Side {
-    Left,
-    Right,
 }
 
 /// Reads the text of a link file and applies the `overrides` in their order.
@@ -148,8 +140,7 @@ impl LinkDocument {
                 let message = "this takes an arm of one link, but the file has more";
                 let fault = Fault::new("links.1", message)
                     .hinting("`flexlink solve` takes arms of several links".to_owned());
-                let place = self.changed(overrides)?.last_place(&fault);
-                Err(fault.at(shown(place, name, overrides)))
+                Err(located(fault, &self.changed(overrides)?, (name, overrides)))
             }
         }
     }
@@ -160,10 +151,8 @@ impl LinkDocument {
     /// [`SpecError`] names the line, or the `--set`, and the wrong value.
     pub fn described(&self, name: &str, overrides: &[Override]) -> Result<Described, SpecError> {
         let tree = self.changed(overrides)?;
-        let mut found = described(&tree).map_err(|fault| {
-            let place = tree.last_place(&fault);
-            fault.at(shown(place, name, overrides))
-        })?;
+        let mut found =
+            described(&tree).map_err(|fault| located(fault, &tree, (name, overrides)))?;
         // A multiplied value keeps the unit of the value before, so that only the latter is judged.
         if overrides.iter().any(Override::is_factor) {
             let given: Vec<_> =
@@ -193,6 +182,16 @@ pub(super) fn shown(place: Place, name: &str, overrides: &[Override]) -> String 
         Place::Line(line) => format!("{name}:{line}"),
         Place::Override(number) => overrides[number].place.clone(),
     }
+}
+
+/// Makes the error for the last of its places in a tree, which the `overrides` changed.
+pub(super) fn located(
+    fault: Fault,
+    tree: &Node,
+    (name, overrides): (&str, &[Override]),
+) -> SpecError {
+    let place = fault.paths.iter().map(|path| tree.place_of(path)).max();
+    fault.at(shown(place.unwrap_or(Place::File), name, overrides))
 }
 
 /// Reads a link or an arm from a tree.
@@ -237,10 +236,7 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
         title: raw.title.unwrap_or_default(),
         links: found.0,
         gravity_m_s2: raw.gravity.map_or([0.0; 2], |AlongAxes(gravity)| gravity),
-        elbow: raw.elbow.map(|side| match side {
-            Side::Left => Elbow::Left,
-            Side::Right => Elbow::Right,
-        }),
+        elbow: raw.elbow,
     })?;
     let (meshes, limits, remarks) = (found.1, found.2, found.3);
     Ok(Described::Arm(Box::new(ArmSpecification { arm, meshes, analysis, limits, remarks, lines })))

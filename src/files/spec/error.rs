@@ -26,9 +26,7 @@ impl SpecError {
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
-}
 
-impl SpecError {
     /// Replaces the hint.
     pub(super) fn hinting(self, hint: String) -> Self {
         Self { hint: Some(hint), ..self }
@@ -47,6 +45,13 @@ pub(super) struct Fault {
 impl Fault {
     pub(super) fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
         Self::among(vec![path.into()], message)
+    }
+
+    /// Error with the text *path words*.
+    pub(super) fn on(path: impl Into<String>, words: impl Display) -> Self {
+        let path = path.into();
+        let message = format!("{path} {words}");
+        Self::new(path, message)
     }
 
     pub(super) fn among(paths: Vec<String>, message: impl Into<String>) -> Self {

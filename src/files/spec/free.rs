@@ -73,7 +73,8 @@ impl FreeValue {
         let Some(bounds) = &self.bounds else { return Ok(USUAL_FACTORS) };
         let mut factors = [0.0; 2];
         for (factor, text) in factors.iter_mut().zip(bounds) {
-            let bound = Quantity::read(text)
+            let bound = split_number(text)
+                .and_then(Quantity::of)
                 .ok_or_else(|| self.refused(format!("{text:?} must be a number"), None))?;
             *factor = match value {
                 // A number without unit is in SI, as in the file.
@@ -121,8 +122,7 @@ struct Quantity {
 }
 
 impl Quantity {
-    fn read(text: &str) -> Option<Self> {
-        let (number, unit) = split_number(text)?;
+    fn of((number, unit): (f64, &str)) -> Option<Self> {
         if unit.trim().is_empty() {
             return Some(Self { si: number, unit: None });
         }
@@ -148,14 +148,8 @@ impl LinkDocument {
             .map_err(|error| error.hinting(hint()))?;
         let mut leaves = Vec::new();
         leaves_of(&tree, Place::Override(changes.len()), &mut leaves);
-        let quantity = |node: &Node| match &node.kind {
-            Kind::Integer(number) => Some(Quantity { si: *number as f64, unit: None }),
-            Kind::Number(number) => Some(Quantity { si: *number, unit: None }),
-            Kind::Text(text) => Quantity::read(text),
-            _ => None,
-        };
         let mut quantities: Vec<Option<Quantity>> =
-            leaves.iter().map(|leaf| quantity(leaf)).collect();
+            leaves.iter().map(|leaf| number(leaf).and_then(Quantity::of)).collect();
         if let Some(wrong) = quantities.iter().position(|q| !q.as_ref().is_some_and(|q| q.si > 0.0))
         {
             let message = format!(
@@ -167,21 +161,20 @@ impl LinkDocument {
         }
         let is_single = quantities.len() == 1 && !value.path.split('.').any(|step| step == "*");
         let single = if is_single { quantities.pop().flatten() } else { None };
-        let number =
-            if single.is_some() { leaves.first().and_then(|leaf| number(leaf)) } else { None };
+        let number = leaves.first().filter(|_| single.is_some()).and_then(|leaf| number(leaf));
+        let number = number.map(|(value, unit)| FreeNumber { value, unit: unit.trim().to_owned() });
         Ok(Free { path: value.path.clone(), factors: value.factors(single.as_ref())?, number })
     }
 }
 
 /// A number of the file and its unit.
-fn number(node: &Node) -> Option<FreeNumber> {
-    let (value, unit) = match &node.kind {
-        Kind::Integer(number) => (*number as f64, ""),
-        Kind::Number(number) => (*number, ""),
-        Kind::Text(text) => split_number(text)?,
-        _ => return None,
-    };
-    Some(FreeNumber { value, unit: unit.trim().to_owned() })
+fn number(node: &Node) -> Option<(f64, &str)> {
+    match &node.kind {
+        Kind::Integer(number) => Some((*number as f64, "")),
+        Kind::Number(number) => Some((*number, "")),
+        Kind::Text(text) => split_number(text),
+        _ => None,
+    }
 }
 
 /// Collects the values below a node that a change has written.

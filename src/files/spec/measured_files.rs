@@ -1,10 +1,103 @@
-//! Recorded histories in separate files, and the parts that they share with frequency responses.
+//! Frequency responses, recorded histories and free decays in separate files.
+
+use std::fmt;
+
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
 use super::error::Fault;
-use super::value::{Count, Length, Si, tables};
-use crate::fit::{Gain, Motor, RecordedInput};
+use super::measured_values::{MeasuredOf, ModeKeys, checked};
+use super::value::{Angle, Count, Length, Si, Time, tables};
+use crate::fit::{DecayValues, Gain, HubEnd, Motor, Observable, RecordedInput};
 use crate::model::Sensor;
 use crate::response::Interpolation;
+
+/// A frequency response in a separate file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseFile {
+    /// The file, relative to the file that names it.
+    pub file: String,
+    /// Measured sensor.
+    pub transfer: Sensor,
+    /// True if the response is per volt at the motor, not per torque.
+    pub is_per_volt: bool,
+    /// Known or free scale of the response.
+    pub gain: Gain,
+    /// Distance of a strain gauge from the neutral axis in m, or 1.
+    pub distance_m: f64,
+    /// Relative uncertainty of the values.
+    pub uncertainty: Option<f64>,
+    /// Number of the zero in the lowest dip, for a measurement in a closed loop, in which only the zeros are the
+    /// link's.
+    pub first_zero: Option<usize>,
+}
+
+/// `[[response]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawResponse {
+    file: String,
+    transfer: Sensor,
+    #[serde(rename = "loop")]
+    around: Option<RawLoop>,
+    first_zero: Option<Count>,
+    per: Option<RawPer>,
+    gain: Option<Gain>,
+    distance: Option<Length>,
+    uncertainty: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RawLoop {
+    Open,
+    Closed,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RawPer {
+    Torque,
+    Volt,
+}
+
+impl RawResponse {
+    pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<ResponseFile, Fault> {
+        let first_zero = self.first_zero(path)?;
+        let Self { file, transfer, per, gain, distance, uncertainty, .. } = self;
+        checked(path, "uncertainty", uncertainty)?;
+        let gain = gain.unwrap_or_default();
+        let is_per_volt = per == Some(RawPer::Volt);
+        if is_per_volt {
+            check_motor(&format!("{path}.per"), "volt", has_motor)?;
+        }
+        let distance_m = distance_m(path, transfer, gain, distance)?;
+        Ok(ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, first_zero })
+    }
+
+    /// Number of the first zero of a closed loop.
+    fn first_zero(&self, path: &str) -> Result<Option<usize>, Fault> {
+        let refused = |key: &str, must: &str| Err(Fault::on(format!("{path}.{key}"), must));
+        if self.around != Some(RawLoop::Closed) {
+            return match self.first_zero {
+                Some(_) => refused("first_zero", "must stand beside loop = \"closed\" alone"),
+                None => Ok(None),
+            };
+        }
+        if !matches!(self.transfer, Sensor::HubAngle | Sensor::HubRate) {
+            let must = "must be \"hub_angle\" or \"hub_rate\" beside loop = \"closed\": \
+                        no other sensor has the zeros of the clamped link";
+            return refused("transfer", must);
+        }
+        // A dip has the same place at any scale and behind any motor.
+        let useless = [("per", self.per.is_some()), ("gain", self.gain.is_some())];
+        if let Some((key, _)) = useless.into_iter().find(|(_, is_given)| *is_given) {
+            let words = "has no meaning beside loop = \"closed\": the dips alone are read";
+            return refused(key, words);
+        }
+        Ok(Some(self.first_zero.map_or(1, |Count(number)| number)))
+    }
+}
 
 /// Recorded histories in a separate file.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +149,7 @@ pub(super) struct RawMotor {
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct RawRecord {
     file: String,
-    input: RawInput,
+    input: RecordedInput,
     hold: Option<RawHold>,
     delay: Option<RawFreedom>,
     skip: Option<Count>,
@@ -72,41 +165,16 @@ pub(super) struct RawRecord {
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 struct RawChannel {
-    sensor: RawSensor,
-    gain: Option<RawGain>,
+    sensor: Sensor,
+    #[serde(default)]
+    gain: Gain,
     offset: Option<RawFreedom>,
     distance: Option<Length>,
     uncertainty: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "a string")]
-pub(super) enum RawSensor {
-    HubAngle,
-    HubRate,
-    TipDeflection,
-    TipAcceleration,
-    RootStrain,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-pub(super) enum RawGain {
-    Known,
-    Sign,
-    Free,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "a string")]
-enum RawInput {
-    Torque,
-    Voltage,
-    HubAngle,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
+#[serde(rename_all = "lowercase")]
 enum RawHold {
     Zero,
     Linear,
@@ -114,82 +182,50 @@ enum RawHold {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
+#[serde(rename_all = "lowercase")]
 enum RawFreedom {
     Known,
     Free,
 }
 
-impl RawSensor {
-    pub(super) fn sensor(self) -> Sensor {
-        match self {
-            Self::HubAngle => Sensor::HubAngle,
-            Self::HubRate => Sensor::HubRate,
-            Self::TipDeflection => Sensor::TipDeflection,
-            Self::TipAcceleration => Sensor::TipAcceleration,
-            Self::RootStrain => Sensor::RootStrain,
+/// Distance of a strain gauge from the neutral axis in m; 1 for other sensors, and if a free gain includes it.
+fn distance_m(
+    path: &str,
+    sensor: Sensor,
+    gain: Gain,
+    distance: Option<Length>,
+) -> Result<f64, Fault> {
+    let key = format!("{path}.distance");
+    match (sensor, distance.map(Si::si)) {
+        (Sensor::RootStrain, None) if gain != Gain::Free => {
+            let message = format!("{key} is missing: that of the gauge from the neutral axis");
+            let hint = "half the thickness of a strip; or gain = \"free\"";
+            Err(Fault::new(path, message).hinting(hint.to_owned()))
         }
-    }
-
-    /// Distance of a strain gauge from the neutral axis in m; 1 for other sensors, and if a free gain includes it.
-    pub(super) fn distance_m(
-        self,
-        path: &str,
-        gain: Gain,
-        distance: Option<Length>,
-    ) -> Result<f64, Fault> {
-        let key = || format!("{path}.distance");
-        match (self, distance.map(Si::si)) {
-            (Self::RootStrain, None) if gain != Gain::Free => {
-                let message =
-                    format!("{} is missing: that of the gauge from the neutral axis", key());
-                let hint = "half the thickness of a strip; or gain = \"free\"";
-                Err(Fault::new(path, message).hinting(hint.to_owned()))
-            }
-            (Self::RootStrain, Some(distance_m)) => {
-                checked(path, "distance", distance_m).map(|()| distance_m)
-            }
-            (_, Some(_)) => {
-                let message = format!("{} must stand beside root_strain alone", key());
-                Err(Fault::new(key(), message))
-            }
-            (_, None) => Ok(1.0),
+        (Sensor::RootStrain, Some(distance_m)) => {
+            checked(path, "distance", distance_m).map(|()| distance_m)
         }
-    }
-}
-
-impl RawGain {
-    pub(super) fn gain(gain: Option<Self>) -> Gain {
-        match gain {
-            Some(Self::Free) => Gain::Free,
-            Some(Self::Sign) => Gain::Sign,
-            Some(Self::Known) | None => Gain::Known,
-        }
+        (_, Some(_)) => Err(Fault::on(key, "must stand beside root_strain alone")),
+        (_, None) => Ok(1.0),
     }
 }
 
 impl RawMotor {
     pub(super) fn convert(self) -> Result<Motor, Fault> {
         let Self { torque_constant, resistance, gear_ratio } = self;
-        Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0))
-            .map_err(|error| Fault::new(error.parameter.clone(), error.to_string()))
+        Ok(Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0))?)
     }
 }
 
 impl RawRecord {
     pub(super) fn convert(self, path: &str, has_motor: bool) -> Result<RecordFile, Fault> {
-        let input = match self.input {
-            RawInput::Torque => RecordedInput::Torque,
-            RawInput::Voltage => RecordedInput::Voltage,
-            RawInput::HubAngle => RecordedInput::HubAngle,
-        };
+        let input = self.input;
         if input == RecordedInput::Voltage {
             check_motor(&format!("{path}.input"), "voltage", has_motor)?;
         }
         if let (RecordedInput::HubAngle, Some(_)) = (input, self.hold) {
-            let path = format!("{path}.hold");
-            let message = format!("{path} has no meaning beside input = \"hub_angle\"");
-            return Err(Fault::new(path, message));
+            let words = "has no meaning beside input = \"hub_angle\"";
+            return Err(Fault::on(format!("{path}.hold"), words));
         }
         if let (RecordedInput::Voltage, None) = (input, self.hold) {
             let message =
@@ -214,10 +250,9 @@ impl RawRecord {
             let channel = raw.convert(&path)?;
             let is_input = channel.sensor.word() == input.word();
             if is_input || channels.iter().any(|earlier| earlier.sensor == channel.sensor) {
-                let path = format!("{path}.sensor");
                 let word = channel.sensor.word();
-                let message = format!("{path} = \"{word}\", which is the input already");
-                return Err(Fault::new(path, message));
+                let words = format!("= \"{word}\", which is the input already");
+                return Err(Fault::on(format!("{path}.sensor"), words));
             }
             channels.push(channel);
         }
@@ -237,34 +272,124 @@ impl RawRecord {
 impl RawChannel {
     fn convert(&self, path: &str) -> Result<ChannelFile, Fault> {
         let Self { sensor, gain, offset, distance, uncertainty } = *self;
-        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
-        let gain = RawGain::gain(gain);
-        let distance_m = sensor.distance_m(path, gain, distance)?;
+        checked(path, "uncertainty", uncertainty)?;
+        let distance_m = distance_m(path, sensor, gain, distance)?;
         let has_offset = offset == Some(RawFreedom::Free);
-        Ok(ChannelFile { sensor: sensor.sensor(), gain, has_offset, distance_m, uncertainty })
+        Ok(ChannelFile { sensor, gain, has_offset, distance_m, uncertainty })
     }
 }
 
-pub(super) fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
+fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
     if has_motor {
         return Ok(());
     }
-    let message = format!("{path} = \"{found}\", but must stand beside [motor]");
     let hint = "[motor] with torque_constant in N m/A and resistance in ohm";
-    Err(Fault::new(path, message).hinting(hint.to_owned()))
+    let words = format!("= \"{found}\", but must stand beside [motor]");
+    Err(Fault::on(path, words).hinting(hint.to_owned()))
 }
 
-pub(super) fn checked(path: &str, key: &str, number: f64) -> Result<(), Fault> {
-    if number.is_finite() && number > 0.0 {
-        return Ok(());
+/// A free decay in a separate file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DecayFile {
+    /// The file, relative to the file that names it.
+    pub file: String,
+    /// Frequencies of the modes in the decay.
+    pub frequencies: Vec<Observable>,
+    /// Values to take from the decay.
+    pub values: DecayValues,
+    /// Relative uncertainty of each value from other causes than noise of the samples.
+    pub uncertainty: Option<f64>,
+    /// The sensor; `None` for a table in which only one column changes.
+    pub sensor: Option<Sensor>,
+    /// Times in s of the first and the last sample to use.
+    pub span_s: [Option<f64>; 2],
+    /// Number of lines to skip at the beginning.
+    pub skip: usize,
+    /// Columns of the quantities, as for `--columns`.
+    pub columns: Vec<String>,
+}
+
+/// `[[decay]]`
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RawDecay {
+    file: String,
+    mode: Option<Modes>,
+    hub: Option<HubEnd>,
+    joints: Option<HubEnd>,
+    at: Option<Vec<Angle>>,
+    sensor: Option<Sensor>,
+    only: Option<DecayValues>,
+    uncertainty: Option<f64>,
+    from: Option<Time>,
+    until: Option<Time>,
+    skip: Option<Count>,
+    #[serde(default)]
+    columns: Vec<String>,
+}
+
+/// The number of a mode, or a list of them.
+#[derive(Debug)]
+struct Modes(Vec<Count>);
+
+impl<'de> Deserialize<'de> for Modes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMore;
+        impl<'de> Visitor<'de> for OneOrMore {
+            type Value = Modes;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(formatter, "{}, or a list of such numbers", Count::WORDS)
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Modes, E> {
+                Count::try_from(number).map(|count| Modes(vec![count])).map_err(E::custom)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Modes, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Modes)
+            }
+        }
+        deserializer.deserialize_any(OneOrMore)
     }
-    let path = format!("{path}.{key}");
-    Err(Fault::new(path.clone(), format!("{path} = {number}, but must be above 0")))
+}
+
+impl RawDecay {
+    pub(super) fn convert(self, path: &str, of: &MeasuredOf) -> Result<DecayFile, Fault> {
+        let Self { file, mode, hub, joints, at, sensor, only, uncertainty, .. } = self;
+        checked(path, "uncertainty", uncertainty)?;
+        let modes = mode.map_or(vec![Count(1)], |Modes(modes)| modes);
+        let refused = |key: &str, must: &str| Err(Fault::on(format!("{path}.{key}"), must));
+        let is_twice = |k: usize| modes[..k].contains(&modes[k]);
+        if modes.is_empty() || (0..modes.len()).any(is_twice) {
+            return refused("mode", "must be the number of a mode, or a list of different ones");
+        }
+        let span_s = [self.from, self.until].map(|time| time.map(Si::si));
+        if let [Some(from_s), Some(until_s)] = span_s
+            && from_s >= until_s
+        {
+            return refused("until", "must be after from");
+        }
+        let frequency = |Count(mode): &Count| {
+            of.frequency(path, ModeKeys { mode: *mode, hub, joints, at: at.clone() })
+        };
+        Ok(DecayFile {
+            file,
+            frequencies: modes.iter().map(frequency).collect::<Result<_, _>>()?,
+            values: only.unwrap_or_default(),
+            uncertainty,
+            sensor,
+            span_s,
+            skip: self.skip.map_or(0, |Count(lines)| lines),
+            columns: self.columns,
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::read_measurements;
+    use super::*;
 
     const MOTOR: &str = "[motor]\ntorque_constant = 0.042\nresistance = 8.4\n";
 
@@ -322,5 +447,31 @@ mod tests {
                 + MOTOR;
         let read = read_measurements("m.toml", &text, 1).unwrap();
         assert!(read.motor.is_some() && read.records[0].channels[0].uncertainty.is_none());
+    }
+
+    #[test]
+    fn one_mode_or_several_are_read() {
+        let read = |more: &str| {
+            let text = format!("[[decay]]\nfile = 'd.csv'\nhub = 'held'\n{more}");
+            read_measurements("m.toml", &text, 1).map(|mut read| read.decays.remove(0))
+        };
+        let mode = |mode| Observable::Frequency { mode, hub: HubEnd::Held };
+        assert_eq!(read("").unwrap().frequencies, [mode(1)]);
+        assert_eq!(read("mode = 2").unwrap().frequencies, [mode(2)]);
+        let several = read("mode = [1, 3]\nfrom = '200 ms'\nonly = 'ratio'").unwrap();
+        assert_eq!(several.frequencies, [mode(1), mode(3)]);
+        assert_eq!((several.span_s, several.values), ([Some(0.2), None], DecayValues::Ratios));
+        for (more, expected) in [
+            ("mode = [1, 1]", "m.toml:4: decay.0.mode must be the number of a mode"),
+            ("mode = []", "m.toml:4: decay.0.mode must be the number of a mode"),
+            ("mode = 0", "m.toml:4: decay.0.mode = 0, but must be a whole number from 1"),
+            ("mode = [0]", "m.toml:4: decay.0.mode.0 = 0, but must be a whole number from 1"),
+            ("from = 2\nuntil = 1", "m.toml:5: decay.0.until must be after from"),
+            ("at = ['0 deg']", "m.toml:4: decay.0.at is given, but one link takes none"),
+            ("only = 'phase'", "m.toml:4: decay.0.only"),
+        ] {
+            let refused = read(more).unwrap_err().to_string();
+            assert!(refused.starts_with(expected), "{refused}");
+        }
     }
 }

@@ -6,7 +6,6 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 use super::error::Fault;
-use super::measured_files::checked;
 use super::value::{Angle, Count, Si};
 use crate::fit::{ArmMode, HubEnd, Measured, Observable};
 use crate::numeric::split_number;
@@ -25,8 +24,8 @@ pub(super) struct MeasuredOf {
 #[derive(Clone)]
 pub(super) struct ModeKeys {
     pub(super) mode: usize,
-    pub(super) hub: Option<RawHub>,
-    pub(super) joints: Option<RawHub>,
+    pub(super) hub: Option<HubEnd>,
+    pub(super) joints: Option<HubEnd>,
     pub(super) at: Option<Vec<Angle>>,
 }
 
@@ -47,15 +46,14 @@ impl MeasuredOf {
             return Ok(());
         }
         let links = self.links;
-        let message = format!("{path} is given, but an arm of {links} links takes {instead}");
-        Err(Fault::new(path, message))
+        Err(Fault::on(path, format!("is given, but an arm of {links} links takes {instead}")))
     }
 
     fn refuse_for_one(&self, path: &str, instead: &str) -> Result<(), Fault> {
         if self.is_arm() {
             return Ok(());
         }
-        Err(Fault::new(path, format!("{path} is given, but one link takes {instead}")))
+        Err(Fault::on(path, format!("is given, but one link takes {instead}")))
     }
 
     /// Directions in rad, one for each link of an arm.
@@ -65,14 +63,14 @@ impl MeasuredOf {
         let (given, links) = (at.len(), self.links);
         if given != links {
             let must = format!("must be {links}, one for each link of the arm");
-            let message = format!("{path} = {given} directions, but {must}");
-            return Err(Fault::new(path, message).hinting(AT.to_owned()));
+            let words = format!("= {given} directions, but {must}");
+            return Err(Fault::on(path, words).hinting(AT.to_owned()));
         }
         let at_rad: Vec<f64> = at.into_iter().map(Si::si).collect();
         match at_rad.iter().find(|angle| angle.is_nan() || angle.abs() > MOST_RAD) {
             Some(angle) => {
-                let message = format!("{path} = {angle:?} rad, but must be at most 1e4 in size");
-                Err(Fault::new(path, message))
+                let words = format!("= {angle:?} rad, but must be at most 1e4 in size");
+                Err(Fault::on(path, words))
             }
             None => Ok(Some(at_rad)),
         }
@@ -102,14 +100,14 @@ impl MeasuredOf {
         }
         let own_rad = self.directions(&below("at"), at)?;
         if !self.is_arm() {
-            return Ok(of_link(mode, RawHub::end(hub)));
+            return Ok(of_link(mode, hub.unwrap_or_default()));
         }
         let Some(at_rad) = own_rad.or_else(|| self.at_rad.clone()) else {
             let at = below("at");
             let must = format!("the directions of all {} links of the arm", self.links);
             return Err(Fault::new(path, format!("{at} is missing: {must}")).hinting(AT.to_owned()));
         };
-        Ok(of_arm(ArmMode { mode, joints: RawHub::end(joints), at_rad }))
+        Ok(of_arm(ArmMode { mode, joints: joints.unwrap_or_default(), at_rad }))
     }
 }
 
@@ -126,8 +124,8 @@ const AT: &str = "as in at = [\"30 deg\", \"75 deg\"]: from joint to joint, the 
 pub(super) struct RawFrequency {
     mode: Option<Count>,
     zero: Option<Count>,
-    hub: Option<RawHub>,
-    joints: Option<RawHub>,
+    hub: Option<HubEnd>,
+    joints: Option<HubEnd>,
     at: Option<Vec<Angle>>,
     value: Hertz,
     uncertainty: Option<Hertz>,
@@ -138,28 +136,12 @@ pub(super) struct RawFrequency {
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct RawDamping {
     mode: Count,
-    hub: Option<RawHub>,
-    joints: Option<RawHub>,
+    hub: Option<HubEnd>,
+    joints: Option<HubEnd>,
     at: Option<Vec<Angle>>,
     ratio: Option<f64>,
     peaks: Option<Vec<f64>>,
     uncertainty: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "a string")]
-pub(super) enum RawHub {
-    Free,
-    Held,
-}
-
-impl RawHub {
-    fn end(hub: Option<Self>) -> HubEnd {
-        match hub {
-            Some(Self::Held) => HubEnd::Held,
-            Some(Self::Free) | None => HubEnd::Free,
-        }
-    }
 }
 
 /// Frequency in Hz: a number, or text with Hz, kHz, rad/s or rpm. `Rate` would take a hertz for a radian.
@@ -212,24 +194,16 @@ impl RawFrequency {
                 let beside =
                     [("hub", hub.is_some()), ("joints", joints.is_some()), ("at", at.is_some())];
                 if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {
-                    let key = format!("{path}.{key}");
                     let must = "must not stand beside zero, which is one of torque → hub angle";
-                    return Err(Fault::new(key.clone(), format!("{key} {must}")));
+                    return Err(Fault::on(format!("{path}.{key}"), must));
                 }
                 Observable::Zero { zero }
             }
-            _ => {
-                let found =
-                    if mode.is_some() { "both mode and zero" } else { "neither mode nor zero" };
-                return Err(Fault::new(
-                    path,
-                    format!("{path} = {found}, but must have one of them"),
-                ));
-            }
+            _ => return Err(not_one_of(path, ["mode", "zero"], mode.is_some())),
         };
         checked(path, "value", value)?;
         let uncertainty = uncertainty.map(|Hertz(uncertainty)| uncertainty);
-        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
+        checked(path, "uncertainty", uncertainty)?;
         Ok(Measured { observable, value, uncertainty })
     }
 }
@@ -246,21 +220,31 @@ impl RawDamping {
         let value = match (ratio, peaks) {
             (Some(ratio), None) => ratio,
             (None, Some(peaks)) => of_decay(&format!("{path}.peaks"), &peaks)?,
-            (ratio, _) => {
-                let found = if ratio.is_some() {
-                    "both ratio and peaks"
-                } else {
-                    "neither ratio nor peaks"
-                };
-                return Err(Fault::new(
-                    path,
-                    format!("{path} = {found}, but must have one of them"),
-                ));
-            }
+            _ => return Err(not_one_of(path, ["ratio", "peaks"], ratio.is_some())),
         };
         checked(path, "ratio", value)?;
-        uncertainty.map_or(Ok(()), |uncertainty| checked(path, "uncertainty", uncertainty))?;
+        checked(path, "uncertainty", uncertainty)?;
         Ok(Measured { observable, value, uncertainty })
+    }
+}
+
+/// Error about two keys of which one must be there: both are, or neither.
+fn not_one_of(path: &str, [one, other]: [&str; 2], has_both: bool) -> Fault {
+    let words = if has_both {
+        format!("= both {one} and {other}, but must have one of them")
+    } else {
+        format!("= neither {one} nor {other}, but must have one of them")
+    };
+    Fault::on(path, words)
+}
+
+/// Refuses a number that is not above 0.
+pub(super) fn checked(path: &str, key: &str, number: impl Into<Option<f64>>) -> Result<(), Fault> {
+    match number.into() {
+        Some(number) if !(number.is_finite() && number > 0.0) => {
+            Err(Fault::on(format!("{path}.{key}"), format!("= {number}, but must be above 0")))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -268,9 +252,8 @@ impl RawDamping {
 fn of_decay(path: &str, peaks: &[f64]) -> Result<f64, Fault> {
     let falls = peaks.windows(2).all(|pair| pair[1] < pair[0]);
     if peaks.len() < FEWEST_PEAKS || !falls || peaks.iter().any(|peak| *peak <= 0.0) {
-        let message =
-            format!("{path} must be two or more peaks of one sign, each below the one before");
-        return Err(Fault::new(path, message));
+        let must = "must be two or more peaks of one sign, each below the one before";
+        return Err(Fault::on(path, must));
     }
     let middle = 0.5 * (peaks.len() - 1) as f64;
     let places = || (0..peaks.len()).map(|k| k as f64 - middle);

@@ -12,21 +12,17 @@
 //! # Ok::<(), flexlink::spec::SpecError>(())
 //! ```
 
-mod choices;
 mod convert;
-mod damping;
 mod document;
 mod error;
 mod free;
 mod measured;
-mod measured_decay;
 mod measured_files;
 mod measured_values;
 mod overrides;
 mod raw;
 mod schema;
 mod segment;
-mod theory;
 mod tolerances;
 mod tree;
 mod value;
@@ -35,9 +31,8 @@ pub use convert::Specification;
 pub use document::{ArmSpecification, Described, LinkDocument, read_specification};
 pub use error::SpecError;
 pub use free::{FreeValue, rewrite};
-pub use measured::{MeasuredFile, ResponseFile, read_measurements};
-pub use measured_decay::DecayFile;
-pub use measured_files::{ChannelFile, RecordFile};
+pub use measured::{MeasuredFile, read_measurements};
+pub use measured_files::{ChannelFile, DecayFile, RecordFile, ResponseFile};
 pub use overrides::Override;
 pub use schema::{link_file_schema, unit_of_key};
 pub use tolerances::read_tolerances;

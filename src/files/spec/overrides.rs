@@ -1,7 +1,7 @@
 use std::str::FromStr;
 
-use super::choices::PROPERTIES;
 use super::error::{Fault, SpecError};
+use super::raw::PROPERTIES;
 use super::tree::{Kind, Node, Place};
 use crate::numeric::split_number;
 use crate::text::{did_you_mean, excerpt, visible};

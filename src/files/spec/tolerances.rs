@@ -1,6 +1,6 @@
 use serde::Deserialize;
 
-use super::document::shown;
+use super::document::{located, shown};
 use super::error::{Fault, SpecError};
 use super::tree::Node;
 use super::value::tables;
@@ -45,10 +45,7 @@ pub fn read_tolerances(name: &str, text: &str) -> Result<Tolerances, SpecError> 
     let tree = Node::document(name, text)?;
     let raw = RawTolerances::deserialize(&tree).map_err(Fault::from);
     let place_of = |path: &str| shown(tree.place_of(path), name, &[]);
-    raw.and_then(|raw| convert(raw, place_of)).map_err(|fault| {
-        let place = tree.last_place(&fault);
-        fault.at(shown(place, name, &[]))
-    })
+    raw.and_then(|raw| convert(raw, place_of)).map_err(|fault| located(fault, &tree, (name, &[])))
 }
 
 fn convert(raw: RawTolerances, place_of: impl Fn(&str) -> String) -> Result<Tolerances, Fault> {
@@ -71,19 +68,16 @@ fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fa
     let change = match (raw.ignore, rtol.or(atol)) {
         (Some(true), None) => Change::Ignore,
         (Some(true), Some(_)) => {
-            let at = format!("{path}.ignore");
-            let message = format!("{at} = true, but must not be given with rtol or atol");
-            return Err(Fault::new(at, message));
+            let words = "= true, but must not be given with rtol or atol";
+            return Err(Fault::on(format!("{path}.ignore"), words));
         }
         (None, None) => {
-            let message = format!("{path} = no rtol, atol or ignore, but must have one");
-            return Err(Fault::new(path, message));
+            return Err(Fault::on(path, "= no rtol, atol or ignore, but must have one"));
         }
         _ => Change::Tolerance { rtol, atol },
     };
     if raw.file.is_none() && raw.column.is_none() {
-        let message = format!("{path} = no file or column, but must have one");
-        return Err(Fault::new(path, message));
+        return Err(Fault::on(path, "= no file or column, but must have one"));
     }
     let column = raw.column.unwrap_or_else(|| "*".to_owned());
     Ok(ColumnRule { place, file: raw.file, column, change })
@@ -93,7 +87,7 @@ fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fa
 fn checked(path: &str, number: Option<f64>) -> Result<Option<f64>, Fault> {
     match number {
         Some(number) if number < 0.0 => {
-            Err(Fault::new(path, format!("{path} = {number}, but must be 0 or above")))
+            Err(Fault::on(path, format!("= {number}, but must be 0 or above")))
         }
         number => Ok(number),
     }

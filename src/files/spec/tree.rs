@@ -98,11 +98,6 @@ impl Node {
         node.place
     }
 
-    /// Last of the places that an error concerns.
-    pub(super) fn last_place(&self, fault: &Fault) -> Place {
-        fault.paths.iter().map(|path| self.place_of(path)).max().unwrap_or(Place::File)
-    }
-
     /// Text of the value in messages.
     pub(super) fn shown(&self) -> String {
         match &self.kind {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::link_on_mesh::{Model, ModelError};
 use crate::beam::TipTransfer;
@@ -97,7 +97,7 @@ fn change(found: &FrequencyResponse, half: &FrequencyResponse) -> f64 {
 }
 
 /// Quantity that a sensor measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sensor {
     /// Hub angle in rad.

@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::noise::UNCERTAIN;
 use super::period::farthest_m;
+use super::recording::UNCERTAIN;
 use super::samples::{Ends, Source};
 use super::spectrum::{Cutoff, InputBand, LOOSER, ROLL_OFF, Shortfall, TipSpectrum, weight};
 use super::tip_motion::TipMotion;
@@ -173,10 +173,17 @@ impl TipMotion {
             let found = residual.lowest(low, high, allowed_m, PRECISION);
             (found, residual.looser(found, LOOSER * allowed_m(found.omega_rad_s)), None)
         };
+        found.cutoff(looser, shortfall)
+    }
+}
+
+impl Left {
+    /// The cut-off of exact samples, beside the one for the looser tolerance.
+    fn cutoff(self, looser: Self, shortfall: Option<Shortfall>) -> Cutoff {
         Cutoff {
-            omega_rad_s: found.omega_rad_s,
+            omega_rad_s: self.omega_rad_s,
             looser_rad_s: looser.omega_rad_s,
-            tip_error_m: found.error_m,
+            tip_error_m: self.error_m,
             shortfall,
             input: None,
         }
@@ -190,14 +197,7 @@ fn chosen(spectrum: &TipSpectrum, omega_rad_s: f64) -> Cutoff {
     // Transforms all frequencies, because the error of the cut-off is not known yet.
     let (residual, ..) = Residual::bracketed(spectrum, f64::MIN_POSITIVE);
     let found = residual.left_by(omega_rad_s);
-    let looser = residual.looser(found, LOOSER * found.error_m);
-    Cutoff {
-        omega_rad_s,
-        looser_rad_s: looser.omega_rad_s,
-        tip_error_m: found.error_m,
-        shortfall: None,
-        input: None,
-    }
+    found.cutoff(residual.looser(found, LOOSER * found.error_m), None)
 }
 
 impl Residual {

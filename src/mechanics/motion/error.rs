@@ -1,4 +1,4 @@
-//! Errors of sampled columns and of curves that make no motion.
+//! Errors of sampled columns and of curves that make no motion or no path.
 
 use thiserror::Error;
 
@@ -203,6 +203,102 @@ impl MotionError {
             }
             Self::TooSmall { .. } => Some("check the units of the motion, and their powers of ten"),
             _ => None,
+        }
+    }
+}
+
+/// Reason why sampled columns are no path.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PathError {
+    /// Columns are missing for an arm with this number of links.
+    #[error(
+        "{missing} = nothing, but must be given for an arm of {links} links: {}",
+        match links { 2 => "x and y, or angle1 and angle2".to_owned(), links => format!(
+            "x and y with angle3{}, or angle1 to angle{links}",
+            if *links == 3 { String::new() } else { format!(" to angle{links}") }
+        ) }
+    )]
+    Missing {
+        /// Name of a column.
+        missing: String,
+        /// Number of links.
+        links: usize,
+    },
+    /// The column is a direction of a link that the arm does not have.
+    #[error("{column} is given, but the arm has {links} links")]
+    TooMany {
+        /// Name of the column.
+        column: String,
+        /// Number of links.
+        links: usize,
+    },
+    /// A column is no motion from rest to rest.
+    #[error("{column}: {error}")]
+    Column {
+        /// Name of the column.
+        column: String,
+        /// Reason.
+        error: MotionError,
+    },
+    /// The times are no uniform grid.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// An angle is not at rest at an end.
+    #[error(
+        "{column}: the link {} with a rate of {rate_rad_s:.3e} rad/s, {:.2} % of its peak, but must be at rest there",
+        if *sample == 0 { "starts" } else { "ends" },
+        100.0 * share
+    )]
+    TurnsAtEnd {
+        /// Name of the column.
+        column: String,
+        /// Number of the sample, the first or the last.
+        sample: usize,
+        /// Rate at this sample in rad/s.
+        rate_rad_s: f64,
+        /// Ratio of this rate to the peak rate.
+        share: f64,
+    },
+    /// An angle jumps from one sample to the next.
+    #[error(
+        "{column} = {found:.6} rad, but must lie within half a turn of the {before:.6} rad before it: angles go on over whole turns"
+    )]
+    Jump {
+        /// Name of the column.
+        column: String,
+        /// Number of the sample, from 0.
+        sample: usize,
+        /// Angle of the sample in rad.
+        found: f64,
+        /// Angle of the sample before in rad.
+        before: f64,
+    },
+    /// No column changes.
+    #[error("the arm stands still in all samples, but must move")]
+    NoMotion,
+}
+
+impl PathError {
+    /// Number of the faulty sample, from 0, if the error has one.
+    pub fn sample(&self) -> Option<usize> {
+        match self {
+            Self::Column { error, .. } | Self::Motion(error) => error.sample(),
+            Self::Jump { sample, .. } | Self::TurnsAtEnd { sample, .. } => Some(*sample),
+            _ => None,
+        }
+    }
+
+    /// Suggests a remedy to the user.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Column { error: MotionError::MovingAtEnd { .. }, .. }
+            | Self::TurnsAtEnd { .. } => {
+                Some("a path goes from rest to rest; add the samples that bring the arm to rest")
+            }
+            Self::Column { error, .. } | Self::Motion(error) => error.hint(),
+            Self::Jump { .. } => Some("add or take away 2π, or 360 deg, from there on"),
+            Self::TooMany { .. } => Some("leave the column out, or give the arm file all links"),
+            Self::Missing { .. } | Self::NoMotion => None,
         }
     }
 }

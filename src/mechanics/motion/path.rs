@@ -5,11 +5,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::error::MotionError;
-use super::noise::UNCERTAIN;
-use super::path_columns::{PathColumn, PathColumns, PathError, refuse_jump};
+use super::error::{MotionError, PathError};
 use super::period::{TipPeriod, farthest_m};
-use super::recording::Uncertainty;
+use super::recording::{Recording, UNCERTAIN, Uncertainty};
 use super::samples::MotionColumns;
 use super::spectrum::{Cutoff, InputBand};
 use super::tip_motion::TipMotion;
@@ -20,6 +18,83 @@ const COMMON: u64 = 2;
 
 /// Range of a column over the largest range of all columns below which it is round-off and its coordinate constant.
 const HELD: f64 = 1e-12;
+
+/// One column of a path: its name in the file, its samples, and their quality.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathColumn {
+    /// Name, for messages: `x`, `angle1`.
+    pub name: String,
+    /// Samples in m or rad.
+    pub values: Vec<f64>,
+    /// Quality of the samples, in m or rad.
+    pub recording: Recording,
+}
+
+/// Sampled columns of a path, of equal length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PathColumns {
+    /// Time in s.
+    pub time_s: Vec<f64>,
+    /// x and y of the tip in m.
+    pub tip: Option<[PathColumn; 2]>,
+    /// Directions of the chords in rad, counterclockwise from x; the inner link first, `None` for a link without a
+    /// column.
+    pub angles: Vec<Option<PathColumn>>,
+}
+
+impl PathColumns {
+    /// Columns of a tip at these places in m, one a step from 0 s on, with constant directions in rad for links from
+    /// the third on.
+    pub fn of_tip(step_s: f64, places_m: &[[f64; 2]], outer_rad: &[f64]) -> Self {
+        let column =
+            |name: String, values| PathColumn { name, values, recording: Recording::default() };
+        let axis = |axis: usize| places_m.iter().map(|place| place[axis]).collect();
+        let held = |(link, angle_rad): (usize, &f64)| {
+            Some(column(format!("angle{}", link + 3), vec![*angle_rad; places_m.len()]))
+        };
+        Self {
+            time_s: (0..places_m.len()).map(|k| k as f64 * step_s).collect(),
+            tip: Some([column("x".to_owned(), axis(0)), column("y".to_owned(), axis(1))]),
+            angles: [None, None]
+                .into_iter()
+                .chain(outer_rad.iter().enumerate().map(held))
+                .collect(),
+        }
+    }
+
+    /// Multiplies the path's duration by a factor; the first sample's time stays.
+    ///
+    /// # Errors
+    /// [`MotionError::Scale`] for a factor that is not finite and above 0.
+    pub fn slowed(mut self, factor: f64) -> Result<Self, MotionError> {
+        let possible = [factor, factor.recip()].iter().all(|x| x.is_finite());
+        if !possible || factor <= 0.0 {
+            return Err(MotionError::Scale { distance: 1.0, duration: factor });
+        }
+        let first_s = self.time_s.first().copied().unwrap_or_default();
+        if factor.total_cmp(&1.0).is_ne() {
+            self.time_s.iter_mut().for_each(|t| *t = first_s + factor * (*t - first_s));
+            for column in self.tip.iter_mut().flatten().chain(self.angles.iter_mut().flatten()) {
+                column.recording = column.recording.scaled(1.0, factor);
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// Refuses an angle that jumps by half a turn or more.
+pub(crate) fn refuse_jump(column: &PathColumn) -> Result<(), PathError> {
+    let jumps = |pair: &[f64]| (pair[1] - pair[0]).abs() >= PI;
+    match column.values.windows(2).position(jumps) {
+        None => Ok(()),
+        Some(at) => Err(PathError::Jump {
+            column: column.name.clone(),
+            sample: at + 1,
+            found: column.values[at + 1],
+            before: column.values[at],
+        }),
+    }
+}
 
 /// Quantities that a path prescribes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +143,7 @@ impl ArmPath {
     pub fn new(columns: PathColumns, lengths_m: &[f64]) -> Result<Self, PathError> {
         let PathColumns { time_s, tip, angles } = columns;
         let links = lengths_m.len();
-        let grid = TimeGrid::through(&time_s).map_err(PathError::Time)?;
+        let grid = TimeGrid::through(&time_s).map_err(MotionError::from)?;
         for column in angles.iter().flatten() {
             refuse_jump(column)?;
         }

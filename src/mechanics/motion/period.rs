@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::error::MotionError;
 use super::images::Images;
-use super::noise::Noise;
+use super::recording::Noise;
 use super::samples::{Ends, Samples, Source};
 use super::spectrum::{Cutoff, InputBand, TipSpectrum};
 use crate::numeric::{fast_length, largest};
@@ -28,25 +28,18 @@ pub(crate) struct TipPeriod {
 impl TipPeriod {
     /// Computes spectrum and histories; arguments as for [`TipSpectrum::of`].
     pub(super) fn of(motion: &Samples, len: usize, seam: usize, cutoff: Cutoff) -> Self {
-        let spectrum = TipSpectrum::of(motion, len, seam, cutoff);
-        Self {
-            histories: TipHistories::of(motion, &spectrum),
-            spectrum,
-            samples: motion.clone(),
-            images: OnceLock::new(),
-        }
+        Self::with(motion, TipSpectrum::of(motion, len, seam, cutoff))
+    }
+
+    fn with(motion: &Samples, spectrum: TipSpectrum) -> Self {
+        let histories = TipHistories::of(motion, &spectrum);
+        Self { spectrum, histories, samples: motion.clone(), images: OnceLock::new() }
     }
 
     /// A period whose tip moves only by the samples' errors, up to the same cut-off, with the expected amplitude at
     /// each frequency.
     pub(crate) fn of_noise(&self, noise: &Noise) -> Self {
-        let spectrum = self.spectrum.of_noise(noise);
-        Self {
-            histories: TipHistories::of(&self.samples, &spectrum),
-            spectrum,
-            samples: self.samples.clone(),
-            images: OnceLock::new(),
-        }
+        Self::with(&self.samples, self.spectrum.of_noise(noise))
     }
 
     /// Parts of the tip's motion beyond the band of uncertain samples, see [`TipSpectrum::beyond`].

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::noise::Noise;
+use super::recording::Noise;
 use super::samples::{Ends, Samples, Source};
 use crate::numeric::{FourierPair, angular_frequency, fast_length, largest, magnitude};
 
@@ -235,7 +235,7 @@ impl TipSpectrum {
             noise.velocity_m_s[k] = Complex64::new(0.0, omega * amplitude_m);
             noise.magnitudes_m_s2[k] = omega * omega * amplitude_m;
         }
-        noise.velocity_m_s[0] = (of_samples.travel_m() / self.period_s()).into();
+        noise.velocity_m_s[0] = (of_samples.travel_m / self.period_s()).into();
         noise.mean_m_s2 = None;
         noise.largest_m_s2 = largest(&noise.magnitudes_m_s2);
         noise

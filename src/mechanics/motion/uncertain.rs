@@ -1,8 +1,7 @@
 //! Errors of a motion's samples, from the quality of its recording.
 
-use super::noise::{Noise, UNCERTAIN};
 use super::period::farthest_m;
-use super::recording::{Between, Uncertainty};
+use super::recording::{Between, Noise, UNCERTAIN, Uncertainty};
 use super::samples::Ends;
 use super::tip_motion::TipMotion;
 use crate::numeric::largest;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::damped::{Damped, Pole};
@@ -47,13 +47,17 @@ pub struct DecaySamples {
 }
 
 /// Values of a decay to use in a fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum DecayValues {
     /// Frequencies and damping ratios.
+    #[default]
+    #[serde(skip)]
     Both,
     /// Frequencies.
+    #[serde(rename = "frequency")]
     Frequencies,
     /// Damping ratios.
+    #[serde(rename = "ratio")]
     Ratios,
 }
 

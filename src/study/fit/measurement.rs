@@ -4,7 +4,7 @@ use crate::link::{Link, ParameterError};
 use crate::modal::PoseHub;
 use crate::response::PoseError;
 use crate::text::significant;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use thiserror::Error;
 
@@ -12,10 +12,11 @@ use thiserror::Error;
 const MOST_NUMBER: usize = 100;
 
 /// State of the hub while the link vibrated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HubEnd {
     /// The hub is free to turn.
+    #[default]
     Free,
     /// The hub is held: at the rotor of a drive, behind the joint's spring; without a drive at the hub.
     Held,

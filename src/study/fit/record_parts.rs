@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use serde::Deserialize;
 use thiserror::Error;
 
 use super::motor::Motor;
@@ -20,7 +21,8 @@ pub(super) const FEWEST: usize = 4;
 pub(super) const INPUT: &str = "the input";
 
 /// Kind of input that drives the recorded link.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RecordedInput {
     /// The torque at the hub.
     Torque,

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::motor::Motor;
@@ -17,10 +17,11 @@ pub(super) const MOST_UNCERTAIN: f64 = 0.5;
 const FEWEST: usize = 2;
 
 /// Known or free scale of measured values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gain {
     /// The values are in SI.
+    #[default]
     Known,
     /// The values are in SI, but with an unknown sign.
     Sign,

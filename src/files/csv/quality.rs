@@ -1,4 +1,4 @@
-//! Errors of a motion between the samples of its table.
+//! Errors of a motion's samples, from the digits of its columns, and between them.
 //!
 //! A spline through every second sample misses the others by more than a spline through all misses the motion. The
 //! ratio is a power of the spacing: the fourth, or a lower one if the samples are too coarse for it, as every fourth
@@ -8,8 +8,9 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::motion::{Between, Ends, TipMotion};
-use crate::numeric::{CubicSpline, FourierPair, SplineEnds, extremes, fast_length};
+use crate::motion::{Between, Ends, MotionColumns, Recording, TipMotion, Uncertainty};
+use crate::numeric::{CubicSpline, FourierPair, SplineEnds, extremes, fast_length, largest};
+use crate::recording::Rounding;
 
 /// Limit of samples for a comparison of two rules: with more the acceleration between them is known, and the comparison
 /// would need much memory.
@@ -199,6 +200,41 @@ fn beyond_samples(values: &[f64], cycles: Option<usize>, deviation: f64) -> f64 
     LOCAL * (upper * fall / (1.0 - fall)).sqrt()
 }
 
+/// Number of slope changes of an exact acceleration: two at each of the four jumps of a trapezoid.
+const MOST_KINKS: usize = 8;
+
+/// Change of the slope, over the largest sample, below which it is round-off.
+const KINK: f64 = 1e-9;
+
+/// Quality of a motion from the digits of the column that defines it, and of the velocities at its ends.
+pub(super) fn digits_of(
+    columns: &MotionColumns,
+    in_place: Option<Uncertainty>,
+    [acceleration, velocity]: [Option<Rounding>; 2],
+) -> Recording {
+    let integrated = |column: &Option<Vec<f64>>, rounding: Option<Rounding>, times| {
+        let is_rounded = !column.as_deref().is_some_and(has_few_kinks);
+        let of = |Rounding { decimals, step }| Uncertainty::Integrated { times, decimals, step };
+        rounding.filter(|_| is_rounded).map(of)
+    };
+    let once = integrated(&columns.velocity_m_s, velocity, 1);
+    let uncertainty = match (&columns.acceleration_m_s2, &columns.displacement_m) {
+        (Some(_), _) => integrated(&columns.acceleration_m_s2, acceleration, 2),
+        (None, Some(_)) => in_place,
+        (None, None) => once,
+    };
+    let velocity_m_s = once.map(|own| own.deviation());
+    Recording { uncertainty, velocity_m_s, ..Recording::default() }
+}
+
+/// True for samples on few straight lines, such as those of a bang-bang or a trapezoid: few decimals represent them
+/// exactly. The slope of rounded samples changes at every last decimal that they cross.
+fn has_few_kinks(samples: &[f64]) -> bool {
+    let round_off = KINK * largest(samples);
+    let bends = |three: &&[f64]| (three[2] - 2.0 * three[1] + three[0]).abs() > round_off;
+    samples.windows(3).filter(bends).count() <= MOST_KINKS
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,5 +254,21 @@ mod tests {
             let told_m = of_spline_m(&time_s, &places_m, SplineEnds::Clamped);
             assert!((0.5..3.0).contains(&(told_m / true_m)), "{count}: {told_m} of {true_m}");
         }
+    }
+
+    #[test]
+    fn lines_with_jumps_are_exact_and_a_rounded_slope_is_not() {
+        let trapezoid: Vec<f64> = (0..100)
+            .map(|k| match k {
+                10..30 => 2.5,
+                70..90 => -2.5,
+                _ => 0.0,
+            })
+            .collect();
+        assert!(has_few_kinks(&trapezoid));
+        let ramps: Vec<f64> = (0..100).map(|k| 0.1 * f64::from(50 - i32::abs(k - 50))).collect();
+        assert!(has_few_kinks(&ramps));
+        let rounded: Vec<f64> = (0..100).map(|k| (0.137 * f64::from(k)).round()).collect();
+        assert!(!has_few_kinks(&rounded));
     }
 }
