@@ -313,7 +313,7 @@ impl TorqueArgs {
 }
 
 /// What refuses one case is no reason to end all others.
-fn of_case(refused: Failure) -> Failure {
+pub(super) fn of_case(refused: Failure) -> Failure {
     Failure { exit: Exit::InputRefused, ..refused }
 }
 
@@ -330,9 +330,9 @@ impl OutputsArgs {
         folder.chain(self.arguments()).collect()
     }
 
-    /// The tables of a case with this mesh; refuses nodes that it does not have.
-    pub(crate) fn of_case(&self, mesh: &Mesh) -> Result<RunOutputs, Failure> {
-        self.nodes.check(&[mesh.nodes_m()])?;
+    /// The tables of a case with these nodes of each link; refuses nodes that it does not have.
+    pub(crate) fn of_case(&self, nodes_m: &[&[f64]]) -> Result<RunOutputs, Failure> {
+        self.nodes.check(nodes_m)?;
         Ok(self.nodes.outputs(self.digits))
     }
 

@@ -15,7 +15,7 @@ use crate::store::{
 use crate::sweep::{ArmCase, CaseNumbers, PlayedCase, SolvedCase, SweepKind};
 use crate::verify::AnySolution;
 
-use super::cases::Cases;
+use super::cases::{Cases, of_case};
 use super::first::{First, FirstLink};
 use super::tally::of_limit;
 use crate::cli::options::inputs::remarks;
@@ -94,7 +94,7 @@ impl Cases<'_> {
                 verification: None,
                 remarks: &remarks,
             };
-            let outputs = self.shared.outputs.of_case(solution.mesh())?;
+            let outputs = self.shared.outputs.of_case(&[solution.mesh().nodes_m()])?;
             let summary = Summary::of_solution(inputs, &solution, &metrics, &findings, &outputs);
             let deflections = outputs.deflections(&solution)?;
             memory::check_nodes(deflections.bytes(), memory_bytes)?;
@@ -131,9 +131,7 @@ impl Cases<'_> {
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
             // Meshes differ from case to case: one without such a node is no reason to end all others.
             let nodes_m = AnySolution::Arm(&solved.solution).nodes_m();
-            let checked = self.shared.outputs.nodes.check(&nodes_m);
-            checked.map_err(|refused| Failure { exit: Exit::InputRefused, ..refused })?;
-            let outputs = self.shared.outputs.nodes.outputs(self.shared.outputs.digits);
+            let outputs = self.shared.outputs.of_case(&nodes_m).map_err(of_case)?;
             let (findings, metrics) = (solved.findings(None), &solved.metrics);
             let summary = Summary::of_arm(inputs, &solved.solution, metrics, &findings, &outputs);
             let tables = RunTables::of_arm(&solved.solution, &outputs);
@@ -187,7 +185,7 @@ impl Cases<'_> {
             };
             let inputs =
                 RunInputs::of_simulate(&self.link_file, &files, play.input.is_torque(), arguments);
-            let outputs = self.shared.outputs.of_case(&simulation.mesh)?;
+            let outputs = self.shared.outputs.of_case(&[simulation.mesh.nodes_m()])?;
             memory::check_nodes(outputs.simulation_bytes(&simulation), memory_bytes)?;
             let target = Some(&target);
             let limits = from_ref(limits);
