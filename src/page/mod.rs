@@ -13,8 +13,6 @@ mod link;
 mod motion;
 mod sweep;
 mod tables;
-#[cfg(test)]
-mod tests;
 mod tip;
 mod view;
 mod words;
@@ -70,3 +68,6 @@ fn run_figures(view: &View) -> Figures {
     }
     figures
 }
+
+#[cfg(test)]
+mod tests;
