@@ -2,36 +2,21 @@
 
 use std::ops::Range;
 
+use crate::fit::Spacing;
 use crate::numeric::rounded;
 use crate::text::significant;
 
 /// Name of the axis common to all figures over time.
 pub(super) const TIME: &str = "time";
 
-/// Spacing of the numbers on an axis.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) enum Scale {
-    #[default]
-    Linear,
-    Logarithmic,
-}
-
-impl Scale {
-    /// Name in the page's script.
-    pub(super) fn word(self) -> &'static str {
-        if self == Self::Linear { "linear" } else { "log" }
-    }
-}
-
-/// One axis of a figure: quantity, unit, scale and range.
+/// One axis of a figure: quantity, unit, spacing and range.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Axis {
     /// Name of the quantity: `torque`.
     pub(super) name: String,
     /// Unit of the quantity, empty for a pure number: `N m`.
     pub(super) unit: String,
-    /// Spacing of the numbers.
-    pub(super) scale: Scale,
+    pub(super) spacing: Spacing,
     /// First and last number; both above 0 on a logarithmic axis.
     pub(super) range: Range<f64>,
     /// Values of the ticks; empty for round ones.
@@ -55,7 +40,7 @@ impl Axis {
 
     /// A logarithmic axis over a range above 0.
     pub(super) fn logarithmic(name: &str, unit: &str, range: Range<f64>) -> Self {
-        Self { scale: Scale::Logarithmic, ..Self::linear(name, unit, range) }
+        Self { spacing: Spacing::Logarithmic, ..Self::linear(name, unit, range) }
     }
 
     /// An axis over 0 and all finite `values`, with a margin.
@@ -80,9 +65,9 @@ impl Axis {
     /// True if its numbers would overflow or underflow in a drawing.
     pub(super) fn is_extreme(&self) -> bool {
         let Range { start, end } = self.range;
-        let spread = match self.scale {
-            Scale::Linear => end - start,
-            Scale::Logarithmic => end / start,
+        let spread = match self.spacing {
+            Spacing::Linear => end - start,
+            Spacing::Logarithmic => end / start,
         };
         [start, end, spread].into_iter().any(is_extreme) || end <= start
     }
@@ -90,9 +75,17 @@ impl Axis {
     /// Position of a number: 0 at the start of the axis, 1 at its end.
     pub(super) fn share(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;
-        match self.scale {
-            Scale::Linear => (value - start) / (end - start),
-            Scale::Logarithmic => libm::log(value / start) / libm::log(end / start),
+        match self.spacing {
+            Spacing::Linear => (value - start) / (end - start),
+            Spacing::Logarithmic => libm::log(value / start) / libm::log(end / start),
+        }
+    }
+
+    /// Name of the spacing in the page's script.
+    pub(super) fn spacing_word(&self) -> &'static str {
+        match self.spacing {
+            Spacing::Linear => "linear",
+            Spacing::Logarithmic => "log",
         }
     }
 
@@ -106,9 +99,9 @@ impl Axis {
         if !self.places.is_empty() {
             return self.places.iter().map(|value| (*value, short_label(*value))).collect();
         }
-        match self.scale {
-            Scale::Linear => self.linear_ticks(),
-            Scale::Logarithmic => self.decades(),
+        match self.spacing {
+            Spacing::Linear => self.linear_ticks(),
+            Spacing::Logarithmic => self.decades(),
         }
     }
 

@@ -4,7 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::axis::digits;
-use crate::numeric::largest;
+use crate::numeric::{extremes, largest};
 
 /// Numbers over a rectangle, shown as colours.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,9 +51,9 @@ const LEAST_SPAN: f64 = 0.1;
 
 impl ColourMap {
     /// Smallest and largest number of the map.
-    fn range(&self) -> (f64, f64) {
-        let finite = || self.rows.iter().flatten().copied().filter(|value| value.is_finite());
-        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max))
+    fn range(&self) -> [f64; 2] {
+        let all = self.rows.iter().flatten().copied();
+        extremes(&all.filter(|value| value.is_finite()).collect::<Vec<f64>>())
     }
 
     /// Smallest and largest number with a colour.
@@ -62,14 +62,14 @@ impl ColourMap {
             let peak = self.rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
             return (-peak, peak);
         }
-        let (low, high) = self.range();
+        let [low, high] = self.range();
         let lacks = 0.5 * (LEAST_SPAN * low.abs().max(high.abs()) - (high - low)).max(0.0);
         (low - lacks, high + lacks)
     }
 
     /// Range of the numbers in words, and that of the colours if wider.
     pub(super) fn range_words(&self) -> String {
-        let ((low, high), (first, last)) = (self.range(), self.limits());
+        let ([low, high], (first, last)) = (self.range(), self.limits());
         if !low.is_finite() {
             return String::new();
         }

@@ -6,9 +6,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest as _, Sha256};
 
 use super::figure::{self, Figure, Figures};
-use super::link::{given, link_drawing};
+use super::link::{given, link_drawing, link_readings};
 use super::motion::Motion;
-use super::tables::{checks, errors, joints, link_readings, modes, readings, results, table};
+use super::tables::{checks, errors, joints, modes, readings, results, table};
 use super::view::View;
 use super::words::glossary;
 use crate::link::Link;

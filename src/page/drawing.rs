@@ -83,7 +83,7 @@ impl Figure {
                 data-x-places=[places]
                 data-x-grid=[self.grid()]
                 data-x-axis=(across)
-                data-x-scale=(x.scale.word()) data-y-scale=(y.scale.word()) {
+                data-x-scale=(x.spacing_word()) data-y-scale=(y.spacing_word()) {
                 rect class="plot-area" x=(LEFT) y=(TOP) width=(width) height=(height) {}
                 (self.ticks(band))
                 svg class="plot" x=(LEFT) y=(TOP) width=(width) height=(height)

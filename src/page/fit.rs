@@ -1,12 +1,16 @@
-//! The page of a fitted link: values, measured and fitted quantities, and overlays of both.
+//! The page of a fitted link and its figures: values, measured and fitted quantities, and overlays of both.
 
 use maud::{Markup, html};
 
-use super::axis;
+use super::axis::{Axis, digits};
 use super::document::{Section, advice, all_figures, document, inputs, made_by};
-use super::fit_figures::{figures, labels};
+use super::figure::{Curve, Figure, Figures, Mark, Stroke};
 use super::tables::table;
-use crate::fit::{FitOutcome, FittedValue, Replaced, Residual};
+use super::words::formula;
+use crate::fit::{
+    Coordinate, FitOutcome, FittedValue, HubEnd, Observable, Overlay, Replaced, Residual, Spacing,
+};
+use crate::numeric::extremes;
 use crate::result::Origin;
 use crate::text::{plain, significant, visible_document};
 
@@ -32,7 +36,10 @@ pub fn fit_page(report: &FitReport) -> String {
     };
     let mut sections: Vec<Section> = warnings(outcome).map(Section::warnings).into_iter().collect();
     if !outcome.undetermined.is_empty() {
-        sections.push(Section::new("undetermined", "Not determined", undetermined(outcome)));
+        let all = html! {
+            ul { @for open in &outcome.undetermined { li { (sentence(&open.to_string())) } } }
+        };
+        sections.push(Section::new("undetermined", "Not determined", all));
     }
     let figures = figures(outcome);
     sections.push(all_figures(&figures));
@@ -60,10 +67,6 @@ fn warnings(outcome: &FitOutcome) -> Option<Markup> {
     let all = misfit.into_iter().chain(others);
     let all: Vec<_> = all.map(|(message, hint)| (sentence(&message), hint)).collect();
     advice(&all, true)
-}
-
-fn undetermined(outcome: &FitOutcome) -> Markup {
-    html! { ul { @for open in &outcome.undetermined { li { (sentence(&open.to_string())) } } } }
 }
 
 /// A message with a capital letter and a full stop.
@@ -277,11 +280,8 @@ fn decays(outcome: &FitOutcome) -> Markup {
 const UNKNOWN: &str = "not known";
 
 /// Digits for a page.
-fn shown(value: f64, digits: usize) -> String {
-    if !value.is_finite() {
-        return UNKNOWN.to_owned();
-    }
-    axis::digits(value, digits)
+fn shown(value: f64, count: usize) -> String {
+    if value.is_finite() { digits(value, count) } else { UNKNOWN.to_owned() }
 }
 
 /// Other values that fit about as well.
@@ -323,4 +323,123 @@ fn starts(outcome: &FitOutcome) -> Markup {
             " to the fitted values."
         }
     }
+}
+
+/// Largest number of measurements with all numbers at the axis.
+const MOST_TICKS: usize = 20;
+
+/// Caption of measurements over frequency or time.
+const DOTS: &str = "Dots: measured. Line: the fitted link, its value at each of them.";
+
+/// Caption of a decay.
+const DOTS_OF_DECAY: &str =
+    "Dots: measured. Line: the vibrations that were identified, on their offset and drift.";
+
+/// Letter for the kind of each measurement, and its number.
+fn labels(outcome: &FitOutcome) -> impl Iterator<Item = String> {
+    let of = |[free, held]: [&str; 2], end: HubEnd, mode: usize| match end {
+        HubEnd::Free => format!("{free}{mode}"),
+        HubEnd::Held => format!("{held}{mode}"),
+    };
+    outcome.residuals.iter().map(move |residual| match &residual.measured.observable {
+        Observable::Frequency { mode, hub } => of(["f", "h"], *hub, *mode),
+        Observable::ArmFrequency(own) => of(["f", "h"], own.joints, own.mode),
+        Observable::Zero { zero } => format!("z{zero}"),
+        Observable::Damping { mode, hub } => of(["d", "dh"], *hub, *mode),
+        Observable::ArmDamping(own) => of(["d", "dh"], own.joints, own.mode),
+    })
+}
+
+/// Differences of values, then measurements over frequency or time.
+fn figures(outcome: &FitOutcome) -> Figures {
+    let mut figures = Figures::default();
+    figures.extend((!outcome.residuals.is_empty()).then(|| Ok(differences(outcome))));
+    for (number, overlay) in (1..).zip(&outcome.overlays) {
+        figures.add(Ok(over_each_other(overlay, format!("overlay-{number}"), DOTS)));
+    }
+    for (number, decay) in (1..).zip(&outcome.decays) {
+        figures.add(Ok(over_each_other(&decay.overlay, format!("decay-{number}"), DOTS_OF_DECAY)));
+    }
+    figures
+}
+
+/// Fitted minus measured over measured value, each with one uncertainty.
+fn differences(outcome: &FitOutcome) -> Figure {
+    let count = outcome.residuals.len();
+    let at = |k: usize| (k + 1) as f64;
+    let shares: Vec<f64> = outcome.residuals.iter().map(|r| 100.0 * r.relative).collect();
+    let places: Vec<f64> = (0..count).map(at).collect();
+    let mut curves = vec![Curve::new("difference", Stroke::Points(1), &places, &shares)];
+    let bars: Vec<(f64, f64)> = outcome
+        .residuals
+        .iter()
+        .enumerate()
+        .filter_map(|(k, r)| Some((k, r.measured.uncertainty? / r.measured.value)))
+        .flat_map(|(k, share)| {
+            let ends = [-100.0, 100.0].map(|u| (at(k), shares[k] + u * share));
+            ends.into_iter().chain([(f64::NAN, f64::NAN)])
+        })
+        .collect();
+    let has_bars = !bars.is_empty();
+    if has_bars {
+        let name = "one uncertainty either way".to_owned();
+        curves.push(Curve { name, stroke: Stroke::Bars(1), points: bars });
+    }
+    let known = if has_bars {
+        "The bars are one uncertainty either way: they should cross 0 in two cases of three."
+    } else {
+        "The uncertainties are not known."
+    };
+    let caption = format!(
+        "The fitted link's value less the measured one, over the measured one. {known} f: natural \
+         frequencies, h: with the hub or the joints held, z: zeros of the hub angle, d: damping ratios, dh: with the hub \
+         or the joints held; each with its number."
+    );
+    let ticks = if count <= MOST_TICKS { places } else { Vec::new() };
+    let x = Axis { places: ticks, ..Axis::linear("measurement", "", 0.5..count as f64 + 0.5) };
+    let marks = labels(outcome).enumerate();
+    let marks = marks.map(|(k, label)| Mark { at: at(k), label, class: "mode" }).collect();
+    let figure = Figure::of_curves(
+        "differences",
+        "Differences",
+        caption,
+        x,
+        ("fitted less measured", "%"),
+        curves,
+    );
+    // Room for the names of the marks at the top.
+    let range = figure.y.range.clone();
+    let high = range.end + 0.15 * (range.end - range.start);
+    let y = Axis { range: range.start..high, ..figure.y.clone() };
+    Figure { y, marks, ..figure }.by(formula::DIFFERENCES)
+}
+
+/// Measured values as dots, fitted ones as a line.
+fn over_each_other(overlay: &Overlay, id: String, caption: &str) -> Figure {
+    let Overlay { name, places, measured, fitted, .. } = overlay;
+    let curves = vec![
+        Curve::new("measured", Stroke::Points(2), places, measured),
+        Curve::new("fitted", Stroke::Thin(1), places, fitted),
+    ];
+    let x = axis_around(&overlay.x, &[places]);
+    let y = axis_around(&overlay.y, &[measured, fitted]);
+    Figure { curves, ..Figure::new(id, name, caption.to_owned(), x, y) }.by(formula::OVERLAY)
+}
+
+/// An axis around these numbers.
+fn axis_around(of: &Coordinate, numbers: &[&Vec<f64>]) -> Axis {
+    let all = numbers.iter().copied().flatten().copied();
+    let finite: Vec<f64> = all.filter(|number| number.is_finite()).collect();
+    let [low, high] = extremes(&finite);
+    let range = match of.spacing {
+        Spacing::Logarithmic => {
+            let margin = libm::pow(high / low, 0.02).max(1.01);
+            low / margin..high * margin
+        }
+        Spacing::Linear => {
+            let margin = 0.04 * (high - low).max(f64::MIN_POSITIVE);
+            low - margin..high + margin
+        }
+    };
+    Axis { spacing: of.spacing, ..Axis::linear(of.name, of.unit, range) }
 }

@@ -6,22 +6,68 @@ mod colour_map;
 mod document;
 mod drawing;
 mod figure;
-mod figures;
 mod fit;
-mod fit_figures;
 mod frequency;
-mod limited;
+mod joint;
 mod link;
 mod motion;
 mod sweep;
-mod sweep_page;
 mod tables;
-#[cfg(test)]
-mod tests;
 mod tip;
 mod view;
 mod words;
 
 pub use figure::{Figure, Figures};
-pub use figures::page;
 pub use fit::{FitReport, fit_page};
+
+use crate::result::StoredResult;
+use crate::text::visible_document;
+use view::View;
+
+impl Figures {
+    /// All figures of a result.
+    pub fn of(result: &StoredResult) -> Self {
+        match result {
+            StoredResult::Runs(runs) => run_figures(&View::of(runs)),
+            StoredResult::Sweep(sweep) => sweep::sweep_figures(sweep),
+        }
+    }
+}
+
+/// The page of a result, with its figures: one self-contained HTML file.
+pub fn page(result: &StoredResult, figures: &Figures) -> String {
+    let document = match result {
+        StoredResult::Runs(runs) => document::run_page(&View::of(runs), figures),
+        StoredResult::Sweep(sweep) => sweep::sweep_page(sweep, figures),
+    };
+    visible_document(&document.into_string())
+}
+
+fn run_figures(view: &View) -> Figures {
+    let joints = 0..view.first().joints.len();
+    let mut figures = Figures::default();
+    for joint in joints.clone() {
+        figures.add(Ok(joint::torque(view, joint)));
+        figures.extend(joint::MOTOR_TORQUE.figure(view, joint).map(Ok));
+    }
+    let motion = view.link.map(|run| tip::motion(view, run));
+    let [acceleration, displacement] = motion.map_or([None, None], |motion| motion.map(Some));
+    figures.add(Ok(displacement.unwrap_or_else(|| tip::place(view))));
+    figures.extend(tip::error(view).into_iter().chain(acceleration).map(Ok));
+    for joint in joints.clone() {
+        figures.add(Ok(joint::angle(view, joint)));
+        figures.extend(joint::limited(view, joint));
+    }
+    figures.extend(view.is_arm().then(|| joint::bent_angles(view)));
+    figures.extend(joints.map(|link| bending::waves(view, link)));
+    if let Some(run) = view.link {
+        figures.extend(view.is_solved().then(|| tip::under_rigid_torque(view, run)));
+        figures.extend([frequency::transfer(run), frequency::shapes(&run.arc.mesh)]);
+    } else {
+        figures.add(joint::root_moments(view));
+    }
+    figures
+}
+
+#[cfg(test)]
+mod tests;

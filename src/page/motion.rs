@@ -100,9 +100,11 @@ impl Motion {
             let of = |row: &usize| from_joint(first(*row), &|node| histories[node][*row]);
             self.rows.iter().map(of).collect()
         };
-        let at_samples = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
-            self.samples.iter().map(|k| of(*k).map(short)).collect()
+        let at_samples = |history: &[f64]| -> Vec<f64> {
+            self.samples.iter().map(|k| short(history[*k])).collect()
         };
+        let rigid_angle = |k: &usize| Some(short(rigid_directions_rad(arm, *k)?[number]));
+        let rigid_angle_rad: Option<Vec<f64>> = self.samples.iter().map(rigid_angle).collect();
         // Moments at other nodes or times than the deflections are omitted.
         let alike = |moments: &StoredNodes| {
             moments.nodes == deflections.nodes
@@ -110,7 +112,7 @@ impl Motion {
                 && !is_extreme(moments.peak())
         };
         let moments = view.moments(number).map(|moments| moments.nodes).filter(alike);
-        let (mut angle_rad, mut chord_m) = (at_samples(&|k| Some(joint.angle_rad[k])), None);
+        let (mut angle_rad, mut chord_m) = (at_samples(&joint.angle_rad), None);
         if view.is_arm() {
             let mut directions: Vec<f64> = Vec::new();
             let mut lengths_m = Vec::new();
@@ -121,7 +123,7 @@ impl Motion {
                 directions.push(chord.angle_rad + TAU * turns.round());
                 lengths_m.push(short(chord.length_m));
             }
-            angle_rad = Some(directions.into_iter().map(short).collect());
+            angle_rad = directions.into_iter().map(short).collect();
             chord_m = Some(lengths_m);
         }
         let body = |at: f64, kg: f64| json!({ "at_m": at, "mass_kg": kg });
@@ -136,9 +138,9 @@ impl Motion {
             "nodes_m": from_joint(0.0, &|node| own.nodes_m[deflections.nodes[node]]),
             "payload": { "mass_kg": payload.mass_kg, "offset_m": payload.offset_m },
             "peak_torque_n_m": largest(&joint.torque_n_m),
-            "rigid_angle_rad": at_samples(&|k| Some(rigid_directions_rad(arm, k)?[number])),
+            "rigid_angle_rad": rigid_angle_rad,
             "thickness": thickness(link, stiffest),
-            "torque_n_m": at_samples(&|k| Some(joint.torque_n_m[k])),
+            "torque_n_m": at_samples(&joint.torque_n_m),
         });
         if let Some(data) = data.as_object_mut().filter(|_| chord_m.is_none()) {
             data.shift_remove("chord_m");

@@ -1,4 +1,4 @@
-//! Tables of a page: names and values, parts of a link, modes, errors, limits, checks.
+//! Tables of a page: names and values, modes, errors, limits, checks.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,6 @@ use maud::{Markup, html};
 use super::axis::digits;
 use super::link::given;
 use super::view::{ERROR, Single, View};
-use crate::link::{Damping, Drive, Link, Segment};
 use crate::modal::{
     DampingLaw, PoseHub, REPORTED_MODES, REPORTED_ZEROS, natural_frequencies, torque_zeros,
 };
@@ -104,67 +103,6 @@ fn distinct<'a>(numbers: impl Iterator<Item = &'a (String, f64)>) -> Vec<&'a str
     names
 }
 
-/// The parts of the link.
-pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
-    let (hub, payload) = (link.hub(), link.payload());
-    let friction = hub.viscous_friction_n_m_s_rad;
-    let rows = [
-        ("length", Some(given(link.length_m(), "m"))),
-        ("rigid inertia", Some(given(link.rigid_inertia_kg_m2(), "kg m²"))),
-        ("hub inertia", Some(given(hub.inertia_kg_m2, "kg m²"))),
-        ("hub radius", (hub.radius_m > 0.0).then(|| given(hub.radius_m, "m"))),
-        ("hub friction", (friction > 0.0).then(|| given(friction, "N m s/rad"))),
-    ];
-    let rows = rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
-    let mut rows: Vec<(String, String)> = rows.collect();
-    for (k, segment) in link.segments().iter().enumerate() {
-        let name = segment.name.clone().unwrap_or_else(|| k.to_string());
-        rows.push((format!("segment {name}"), segment_words(segment)));
-    }
-    for mass in link.masses() {
-        let place = format!("mass at {}", given(mass.at_m, "m"));
-        rows.push((place, body_words(mass.mass_kg, mass.inertia_kg_m2)));
-    }
-    if payload.mass_kg > 0.0 || payload.inertia_kg_m2 > 0.0 {
-        let mut words = body_words(payload.mass_kg, payload.inertia_kg_m2);
-        if payload.offset_m.abs() > 0.0 {
-            words = format!("{words}, {} beyond the tip", given(payload.offset_m, "m"));
-        }
-        rows.push(("payload".to_owned(), words));
-    }
-    rows.push(("damping".to_owned(), damping_words(link.damping())));
-    rows.extend(link.drive().map(|drive| ("drive".to_owned(), drive_words(drive))));
-    if let Some(gravity) = link.gravity() {
-        let [along_x, along_y] = gravity.acceleration_m_s2.map(|part| given(part, "m/s²"));
-        rows.push(("gravity".to_owned(), format!("{along_x} along x, {along_y} along y")));
-        let start = gravity.start_angle_rad.map(|angle| given(angle, "rad"));
-        let start = start.unwrap_or_else(|| "that of the motion".into());
-        rows.push(("start angle".to_owned(), start));
-    }
-    rows
-}
-
-fn drive_words(drive: &Drive) -> String {
-    let (ratio, rotor) = (given(drive.gear_ratio, ""), given(drive.rotor_inertia_kg_m2, "kg m²"));
-    let stiffness = drive.joint_stiffness_n_m_rad;
-    let joint = if stiffness.is_finite() { given(stiffness, "N m/rad") } else { "stiff".into() };
-    format!("gear ratio {ratio}; rotor {rotor}; joint {joint}")
-}
-
-/// A damping law with its numbers, if it has any.
-fn damping_words(damping: &Damping) -> String {
-    let name = damping.name();
-    let list = |ratios: &[f64]| ratios.iter().map(|r| given(*r, "")).collect::<Vec<_>>().join(", ");
-    match damping {
-        Damping::Hysteretic { ratio } => format!("{name}, ratio {}", given(*ratio, "")),
-        Damping::Modal { ratios } => format!("{name}, ratios {}", list(ratios)),
-        Damping::Rayleigh { alpha_per_s, beta_s } => {
-            format!("{name}, α {}, β {}", given(*alpha_per_s, "1/s"), given(*beta_s, "s"))
-        }
-        _ => name.to_owned(),
-    }
-}
-
 /// Natural frequencies in Hz with their damping ratios, and the first zeros.
 pub(super) fn modes(run: Single) -> Markup {
     let frequencies = natural_frequencies(&run.arc.mesh, REPORTED_MODES);
@@ -226,35 +164,6 @@ pub(super) fn errors(view: &View) -> Option<Markup> {
         (table(&head, &rows))
     };
     (!all.is_empty()).then_some(content)
-}
-
-fn segment_words(segment: &Segment) -> String {
-    let ends = |inner: f64, outer: f64, unit: &str| {
-        if inner.total_cmp(&outer).is_eq() {
-            given(inner, unit)
-        } else {
-            format!("{} … {}", given(inner, ""), given(outer, unit))
-        }
-    };
-    let (stiffness, mass) = (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m);
-    let slender = format!(
-        "{}; EI {}; {}",
-        given(segment.length_m, "m"),
-        ends(stiffness.inner, stiffness.outer, "N m²"),
-        ends(mass.inner, mass.outer, "kg/m")
-    );
-    let Some(thick) = segment.timoshenko else { return slender };
-    let (shear, rotary) = (thick.shear_stiffness_n, thick.rotary_inertia_per_length_kg_m);
-    format!(
-        "{slender}; κGA {}; ρI {}",
-        ends(shear.inner, shear.outer, "N"),
-        ends(rotary.inner, rotary.outer, "kg m")
-    )
-}
-
-fn body_words(mass_kg: f64, inertia_kg_m2: f64) -> String {
-    let mass = given(mass_kg, "kg");
-    if inertia_kg_m2 > 0.0 { format!("{mass}, {}", given(inertia_kg_m2, "kg m²")) } else { mass }
 }
 
 /// Table of `verify`, if present.

@@ -308,7 +308,7 @@ fn equal_factors_and_decades_have_a_logarithmic_axis_and_keys_their_units() {
         ("hub.inertia", &[0.0, 1.0, 1000.0], "", "linear"),
     ] {
         let axis = &sweep_figures(&sweep(&[(name, values)], &vec![0.5; values.len()])).drawn[0].x;
-        assert_eq!((&axis.unit[..], axis.scale.word()), (unit, scale), "{name}");
+        assert_eq!((&axis.unit[..], axis.spacing_word()), (unit, scale), "{name}");
     }
 }
 

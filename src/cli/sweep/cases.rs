@@ -313,7 +313,7 @@ impl TorqueArgs {
 }
 
 /// What refuses one case is no reason to end all others.
-fn of_case(refused: Failure) -> Failure {
+pub(super) fn of_case(refused: Failure) -> Failure {
     Failure { exit: Exit::InputRefused, ..refused }
 }
 

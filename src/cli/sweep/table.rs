@@ -18,10 +18,8 @@ use crate::cli::terminal::{Exit, Failure};
 pub(crate) enum TableOutput {
     /// A file that is whole at the end.
     InFile(Box<SweepFile>),
-    /// Standard output.
-    Printed,
-    /// Standard output, each row with the checksum of a shard.
-    PrintedShard,
+    /// Standard output; each row of a shard has a checksum.
+    Printed { is_shard: bool },
 }
 
 /// A table that is opened for its rows.
@@ -62,8 +60,7 @@ impl TableOutput {
             let is_shard = identity.shard().of() > 1;
             let first = identity.line() + &checked_header(header);
             console::print_bytes(if is_shard { &first } else { header }.as_bytes())?;
-            let rows = if is_shard { Self::PrintedShard } else { Self::Printed };
-            return Ok(OpenedTable::Unfinished(rows, None, 0));
+            return Ok(OpenedTable::Unfinished(Self::Printed { is_shard }, None, 0));
         }
         let in_file = |file, rows, warnings| {
             OpenedTable::Unfinished(Self::InFile(Box::new(file)), rows, warnings)
@@ -88,8 +85,8 @@ impl TableOutput {
     pub(crate) fn append(&mut self, row: &str) -> Result<(), EarlyEnd> {
         let printed = match self {
             Self::InFile(file) => return Ok(file.append(row).map_err(Failure::from)?),
-            Self::Printed => console::print_part(row.as_bytes())?,
-            Self::PrintedShard => console::print_part(checked_rows(row).as_bytes())?,
+            Self::Printed { is_shard: true } => console::print_part(checked_rows(row).as_bytes())?,
+            Self::Printed { is_shard: false } => console::print_part(row.as_bytes())?,
         };
         match printed {
             Reader::There => Ok(()),
@@ -100,7 +97,7 @@ impl TableOutput {
     pub(crate) fn finish(self, named_by: NamedBy, durability: Durability) -> Result<(), Failure> {
         match self {
             Self::InFile(file) => Ok(file.finish(named_by, durability, &console::waiting)?),
-            Self::Printed | Self::PrintedShard => Ok(()),
+            Self::Printed { .. } => Ok(()),
         }
     }
 

@@ -2,10 +2,10 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `element`, `timoshenko` | K and M of one element, and in relative coordinates; with shear and rotary inertia |
-//! | `plan`, `given_nodes`, `stations` | number of elements of each piece of the link; from given nodes; nodes at places |
+//! | `element` | K and M of one element, and in relative coordinates; with shear and rotary inertia |
+//! | `plan`, `stations` | number of elements of each piece of the link; nodes at places and through those of a table |
 //! | `inertia` | apparent inertia A, and the 2×2 system of one element |
-//! | `mesh`, `rigid_limit` | all elements and bodies; λ up to which the link is rigid |
+//! | `mesh` | all elements and bodies; λ up to which the link is rigid |
 //! | `recursion` | from tip to hub: torque, hub angle, tip; back from hub to tip: deflections and moments at the nodes |
 //! | `loaded` | the recursion with forces on the nodes and an axis that moves |
 //! | `pivoted` | both with row pivoting, for resonances of the outboard part |
@@ -14,16 +14,13 @@
 
 mod batch;
 mod element;
-mod given_nodes;
 mod inertia;
 mod loaded;
 mod mesh;
 mod pivoted;
 mod plan;
 mod recursion;
-mod rigid_limit;
 mod stations;
-mod timoshenko;
 mod transfer;
 
 pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_displacements_m};
@@ -31,14 +28,13 @@ pub use batch::{nodal_transfers, tip_transfers};
 pub use element::{Element, RelativeElement};
 pub use inertia::{Gain, Inertia};
 pub use loaded::{LoadedMotion, Loads, loaded_motion};
-pub use mesh::Mesh;
+pub(crate) use mesh::nearest_node;
+pub use mesh::{Mesh, node_at};
 pub(crate) use pivoted::{DrivenMotion, driven_motion};
 pub use plan::{ElementCount, MeshPlan, Piece};
 pub use recursion::{
     HubResponse, NodalHistories, NodalQuantity, Step, condense, hub_response, tip_displacement_m,
 };
-pub(crate) use stations::nearest_node;
-pub use stations::node_at;
 pub use transfer::{NodalTransfer, TipTransfer, nodal_transfer, tip_transfer};
 
 /// Test link of the recursion: has every part of a mesh, and no damping, so that it resonates.

@@ -3,7 +3,6 @@
 
 mod basis;
 mod frequencies;
-mod inertia;
 mod law;
 mod pose;
 mod shape;
@@ -11,9 +10,10 @@ mod thickness;
 mod zeros;
 
 pub use basis::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES, ModalBasis};
-pub(crate) use frequencies::{OF_DEFLECTION, OF_TORQUE, second_order_share};
+pub(crate) use frequencies::{
+    OF_DEFLECTION, OF_TORQUE, flexible_modes, hub_moves_mass, second_order_share,
+};
 pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
-pub(crate) use inertia::{flexible_modes, hub_moves_mass};
 pub use law::{CaugheySeries, DampingError, DampingLaw};
 pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, pose_modes};
 pub use shape::{Mode, Shape, mode};

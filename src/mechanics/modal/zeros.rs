@@ -1,5 +1,6 @@
-use super::frequencies::{HubSpring, SEARCH_LIMIT_RAD_S};
-use super::inertia::{outboard_degrees_of_freedom, zeros_may_leave_the_real_axis};
+use super::frequencies::{
+    HubSpring, SEARCH_LIMIT_RAD_S, outboard_degrees_of_freedom, zeros_may_leave_the_real_axis,
+};
 use crate::beam::{Mesh, hub_response, tip_displacement_m, tip_displacements_m};
 use crate::numeric::{SECTIONS, geometric_scan, next_places, root};
 

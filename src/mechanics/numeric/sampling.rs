@@ -59,7 +59,7 @@ impl Sampling {
         let upsampler = Upsampler::plan(transform.len(), bins);
         let transform = upsampler
             .as_ref()
-            .map_or_else(|| transform.clone(), |upsampler| FourierPair::new(upsampler.coarse()));
+            .map_or_else(|| transform.clone(), |upsampler| FourierPair::new(upsampler.coarse));
         Self { transform, upsampler, first, every }
     }
 
@@ -184,6 +184,7 @@ impl Sampling {
 /// (J. F. Kaiser, *Nonrecursive digital filter design using the I₀-sinh window function*, 1974.)
 #[derive(Debug, Clone)]
 struct Upsampler {
+    /// Number M of coarse samples.
     coarse: usize,
     /// Coarse steps after which the positions between two coarse samples repeat.
     steps: usize,
@@ -202,11 +203,6 @@ impl Upsampler {
         let phases = phases(&coarse);
         let weights = (0..phases).map(|phase| weights(phase as f64 / phases as f64)).collect();
         Some(Self { coarse, steps: coarse / (samples / phases), weights })
-    }
-
-    /// Number M of coarse samples.
-    fn coarse(&self) -> usize {
-        self.coarse
     }
 
     /// Largest sum of absolute weights over all positions.

@@ -10,7 +10,7 @@ use super::course::{
     AROUND, CONTINUES, CONTINUES_DEVIATIONS, Change, Column, Course, DEVIATIONS, ENDS,
     LEFT_DEVIATIONS, Lead, NEAR, Noise, SECOND, quantile,
 };
-use crate::numeric::largest;
+use crate::numeric::{extremes, largest};
 
 /// Samples of each burst, relative to its first. The first burst is one sample at an end.
 const BURSTS: [&[usize]; 8] =
@@ -246,8 +246,7 @@ impl<'a> Burst<'a> {
             let leads = LEADS_OF_ENDS.map(|(samples, degree)| {
                 course.fitted(course.time_s[*k], &inside[..samples], degree).value
             });
-            let low = leads.into_iter().fold(f64::INFINITY, f64::min);
-            let high = leads.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let [low, high] = extremes(&leads);
             let within = (CONTINUES * off.abs()).max(noise.surely(CONTINUES_DEVIATIONS));
             (low - within..=high + within).contains(&course.values[*k])
         })
@@ -310,8 +309,7 @@ impl<'a> Burst<'a> {
                 lead.value + apart.signum() * (apart.abs() - noise).max(0.0)
             });
             let beyond: Vec<f64> = beyond.chain([lead.value]).collect();
-            let low = beyond.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let [low, high] = extremes(&beyond);
             let (value, within) = (course.values[*k], CONTINUES * off.abs());
             value > low - within && value < high + within
         })

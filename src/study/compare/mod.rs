@@ -76,8 +76,8 @@ fn compare_column(
     pairs: &[(usize, usize)],
     place: impl Fn(usize, usize) -> (RowPlace, RowPlace),
 ) -> ColumnComparison {
-    let peak = expected.peak();
-    let allowed = tolerance.allowed(peak);
+    let column = ignored(expected);
+    let allowed = tolerance.allowed(column.peak);
     let mut rows_beyond = 0;
     let mut largest = (0.0, None);
     for &(e, a) in pairs {
@@ -98,8 +98,7 @@ fn compare_column(
             actual_field: field(actual.cell(a)),
         }
     });
-    let name = expected.name().to_owned();
-    ColumnComparison { name, peak, tolerance: Some(tolerance), worst, rows_beyond }
+    ColumnComparison { tolerance: Some(tolerance), worst, rows_beyond, ..column }
 }
 
 /// Absolute difference of two fields: 0 if equal, infinite if one is not a finite number.

@@ -9,7 +9,7 @@
 
 use std::borrow::Cow;
 
-use super::response::Gain;
+use super::instruments::Gain;
 use crate::numeric::{CubicSpline, SplineEnds};
 
 /// Largest delay of the search, in samples; for a short record a quarter of its samples.

@@ -7,9 +7,8 @@ use rayon::prelude::*;
 use super::least_squares::{Depth, End, POLISH, Problem};
 use super::measurements::Prediction;
 use super::misfits::Misfits;
-use super::outcome::{FitOutcome, OtherAnswer, USUAL_MISFIT};
+use super::outcome::{FitOutcome, OtherAnswer, Spread, USUAL_MISFIT};
 use super::specimen::{FINE, Specimen};
-use super::value::Spread;
 use crate::numeric::NORMAL_95;
 
 /// Depth of the search for the least sum of squares with one fixed value.

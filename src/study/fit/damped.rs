@@ -67,11 +67,6 @@ pub(super) struct Damped {
 }
 
 impl Damped {
-    /// Only an offset and a drift.
-    pub(super) fn line(samples: &[f64]) -> Option<Self> {
-        Self::of(samples, Vec::new())
-    }
-
     /// Solves for the amplitudes of these vibrations; `None` if the samples cannot distinguish them.
     pub(super) fn of(samples: &[f64], poles: Vec<Pole>) -> Option<Self> {
         let width = LINE + 4 * poles.len();
@@ -87,10 +82,6 @@ impl Damped {
         let gram = DMatrix::from_fn(width, width, |i, j| gram[i.max(j) * width + i.min(j)]);
         let right = DVector::from_vec(right);
         let linear = LINE + 2 * poles.len();
-        let place = |column: usize| match column.checked_sub(LINE) {
-            Some(of_pole) => LINE + 4 * (of_pole / 2) + of_pole % 2,
-            None => column,
-        };
         let known = DVector::from_fn(linear, |i, _| right[place(i)]);
         let own = DMatrix::from_fn(linear, linear, |i, j| gram[(place(i), place(j))]);
         let coefficients = solved(&own, &known)?;
@@ -151,10 +142,9 @@ impl Damped {
     /// The samples minus the vibrations.
     pub(super) fn differences(&self, samples: &[f64]) -> Vec<f64> {
         let mut left = samples.to_vec();
-        let linear = |of_pole: usize| LINE + 4 * (of_pole / 2) + of_pole % 2;
         let c = &self.coefficients;
         each_row(&self.poles, samples.len(), |k, row| {
-            let vibrations = (LINE..c.len()).map(|j| c[j] * row[linear(j - LINE)]);
+            let vibrations = (LINE..c.len()).map(|j| c[j] * row[place(j)]);
             left[k] -= c[0] + c[1] * row[1] + vibrations.sum::<f64>();
         });
         left
@@ -275,16 +265,19 @@ impl Damped {
     /// Value of a column of J in a row of [`each_row`].
     fn column(&self, column: usize, row: &[f64]) -> f64 {
         let linear = self.coefficients.len();
-        let Some(moved) = column.checked_sub(linear) else {
-            return match column.checked_sub(LINE) {
-                Some(of_pole) => row[LINE + 4 * (of_pole / 2) + of_pole % 2],
-                None => row[column],
-            };
-        };
+        let Some(moved) = column.checked_sub(linear) else { return row[place(column)] };
         let pole = moved / 2;
         let [a, b] = [0, 1].map(|k| self.coefficients[LINE + 2 * pole + k]);
         let [c, s] = [2, 3].map(|k| row[LINE + 4 * pole + k]);
         if moved % 2 == 0 { -(a * c + b * s) } else { b * c - a * s }
+    }
+}
+
+/// Place of a coefficient's column in a row of [`each_row`].
+fn place(coefficient: usize) -> usize {
+    match coefficient.checked_sub(LINE) {
+        Some(of_pole) => LINE + 4 * (of_pole / 2) + of_pole % 2,
+        None => coefficient,
     }
 }
 

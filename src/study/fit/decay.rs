@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::damped::{Damped, Pole};
+use super::instruments::{MOST_UNCERTAIN, is_constant, rms};
 use super::measurement::{Measured, Observable};
-use super::record_parts::{is_constant, rms};
-use super::response::{Coordinate, MOST_UNCERTAIN, Overlay};
+use super::response::{Coordinate, Overlay};
 use super::vibrations::Search;
 use crate::text::significant;
 
@@ -204,8 +204,9 @@ impl Decay {
         let samples: Vec<f64> = about.iter().map(|sample| sample / size).collect();
         let duration_s = len as f64 * given.step_s;
         let search = Search { samples: &samples, duration_s, modes };
-        let line =
-            Damped::line(&samples).ok_or_else(|| DecayError::Constant(given.column.clone()))?;
+        // Only an offset and a drift.
+        let line = Damped::of(&samples, Vec::new())
+            .ok_or_else(|| DecayError::Constant(given.column.clone()))?;
         let total = line.cost;
         let fit = search.all(line);
         let differences = fit.differences(&samples);

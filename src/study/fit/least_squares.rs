@@ -7,10 +7,9 @@ use rayon::prelude::*;
 use super::measurement::{FARTHEST, LinkFitError};
 use super::measurements::{Measurements, Prediction};
 use super::misfits::DELAY_UNIT;
-use super::outcome::{Course, FitOutcome, StartEnd};
+use super::outcome::{Course, FitOutcome, Free, StartEnd};
 use super::record::Record;
 use super::specimen::{COARSE, FINE, Specimen};
-use super::value::Free;
 
 /// Step of a logarithm for a derivative. At a resonance of damping ratio 0.02 the fourth order leaves a share of
 /// (h/0.02)⁴, and a frequency has 13 digits.
@@ -171,7 +170,8 @@ impl<S: Into<Specimen>, E: Send, F: Fn(&[f64]) -> Result<S, E> + Sync> Problem<'
     /// Refuses a specimen without a measured mode.
     fn check(&self, x: &[f64]) -> Result<(), LinkFitError<E>> {
         let specimen = self.specimen(x).map_err(LinkFitError::Link)?;
-        if specimen.has_drive() && self.measurements.has_files() {
+        let has_drive = matches!(&specimen, Specimen::Link(own) if own.0.drive().is_some());
+        if has_drive && self.measurements.has_files() {
             return Err(LinkFitError::Drive);
         }
         let refinements = specimen.checked(self.measurements)?;

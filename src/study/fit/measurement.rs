@@ -1,5 +1,4 @@
-use super::response::MOST_UNCERTAIN;
-use crate::beam::Mesh;
+use super::instruments::MOST_UNCERTAIN;
 use crate::link::{Link, ParameterError};
 use crate::modal::PoseHub;
 use crate::response::PoseError;
@@ -171,11 +170,6 @@ impl End {
             Self::Held => PoseHub::Spring(link.joint_stiffness_n_m_rad()),
             Self::Clamped => PoseHub::Spring(f64::INFINITY),
         }
-    }
-
-    /// The first `count` natural frequencies in rad/s; fewer if the mesh has fewer.
-    pub(super) fn frequencies(self, link: &Link, mesh: &Mesh, count: usize) -> Vec<f64> {
-        self.hub(link).frequencies(mesh, count)
     }
 }
 

@@ -1,6 +1,7 @@
+use super::alignment::Alignment;
 use super::decay::Decay;
 use super::measurement::{Measured, MeasurementsError};
-use super::record::{Record, RecordFit};
+use super::record::Record;
 use super::response::{Overlay, Response, ResponseFit};
 use crate::model::Sensor;
 
@@ -22,7 +23,7 @@ pub(super) struct Prediction {
     /// Ratio of each response to the link's.
     pub(super) responses: Vec<ResponseFit>,
     /// Misfits of each record, and its alignment with the computed histories.
-    pub(super) records: Vec<RecordFit>,
+    pub(super) records: Vec<Alignment>,
 }
 
 impl Measurements {
@@ -162,7 +163,7 @@ impl Measurements {
 
     /// Records with a delay among the free values.
     pub(super) fn records_with_free_delay(&self) -> impl Iterator<Item = &Record> {
-        self.records.iter().filter(|record| record.is_delay_free())
+        self.records.iter().filter(|record| record.is_delay_free)
     }
 
     /// Measured and fitted curves: gain and phase of each response, each channel of a record.

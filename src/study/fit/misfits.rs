@@ -5,11 +5,11 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::alignment::Alignment;
+use super::instruments::{Channel, Gain, rms as root_mean_square};
 use super::measurement::Measured;
 use super::measurements::{Measurements, Prediction};
-use super::record::{Record, RecordFit};
-use super::record_parts::{Channel, rms as root_mean_square};
-use super::response::{Coordinate, Gain, Overlay, ResponseMisfit};
+use super::record::Record;
+use super::response::{Coordinate, Overlay, ResponseMisfit};
 use crate::model::Sensor;
 use crate::numeric::{NORMAL_95, student_95};
 
@@ -319,7 +319,7 @@ impl ChannelMisfit {
 }
 
 impl RecordMisfit {
-    pub(super) fn of(record: &Record, RecordFit(alignment): &RecordFit) -> Self {
+    pub(super) fn of(record: &Record, alignment: &Alignment) -> Self {
         let Alignment { delay, lines, differences } = alignment;
         let channels = record.channels.iter().zip(lines).zip(differences).enumerate();
         let channels = channels.map(|(k, ((channel, line), differences))| {
@@ -349,7 +349,7 @@ impl RecordMisfit {
 
 impl Record {
     /// Samples of each channel, with those of the fitted link.
-    pub(super) fn overlays(&self, RecordFit(alignment): &RecordFit) -> Vec<Overlay> {
+    pub(super) fn overlays(&self, alignment: &Alignment) -> Vec<Overlay> {
         let channels = self.channels.iter().zip(&alignment.differences);
         let overlay = |(channel, differences): (&Channel, &Vec<f64>)| {
             let (quantity, unit) = (channel.sensor.quantity(), channel.sensor.unit());

@@ -17,30 +17,28 @@ mod alignment;
 mod answers;
 mod damped;
 mod decay;
-mod dips;
+mod instruments;
 mod least_squares;
 mod measurement;
 mod measurements;
 mod misfits;
-mod motor;
 mod outcome;
 mod record;
-mod record_parts;
 mod response;
 mod specimen;
-mod value;
 mod vibrations;
 
 pub use advice::FitWarning;
 pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
+pub use instruments::{Channel, Gain, Motor, RecordError, RecordInput, RecordedInput};
 pub use least_squares::fit;
 pub use measurement::{ArmMode, HubEnd, LinkFitError, Measured, MeasurementsError, Observable};
 pub use measurements::Measurements;
 pub use misfits::{ChannelMisfit, Misfit, RecordMisfit, Residual};
-pub use motor::Motor;
-pub use outcome::{FitOutcome, Openness, OtherAnswer, StartEnd, Undetermined};
+pub use outcome::{
+    FitOutcome, FittedValue, Free, FreeNumber, Openness, OtherAnswer, Replaced, StartEnd,
+    Undetermined,
+};
 pub use record::Record;
-pub use record_parts::{Channel, RecordError, RecordInput, RecordedInput};
-pub use response::{Coordinate, Gain, Overlay, Response, ResponseError, ResponseMisfit, Spacing};
+pub use response::{Coordinate, Overlay, Response, ResponseError, ResponseMisfit, Spacing};
 pub use specimen::Specimen;
-pub use value::{FittedValue, Free, FreeNumber, Replaced};

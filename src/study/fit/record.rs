@@ -7,11 +7,10 @@
 use std::f64::consts::PI;
 
 use super::alignment::{Alignment, Freedom, Overlaid, longest_delay, rough_delay};
-use super::motor::with_motor_friction;
-use super::record_parts::{
-    Channel, FEWEST, INPUT, RecordError, RecordInput, check, is_constant, rms, rms_about_mean,
+use super::instruments::{
+    Channel, FEWEST, Gain, INPUT, MOST_UNCERTAIN, RecordError, RecordInput, check, is_constant,
+    rms, rms_about_mean, with_motor_friction,
 };
-use super::response::{Gain, MOST_UNCERTAIN};
 use crate::beam::Mesh;
 use crate::link::Link;
 use crate::modal::natural_frequencies;
@@ -50,14 +49,11 @@ pub struct Record {
     pub(super) channels: Vec<Channel>,
     /// Root mean square of the samples of each channel, about their mean if an offset is free.
     pub(super) sizes: Vec<f64>,
+    /// True if the sensors may be late.
     pub(super) is_delay_free: bool,
     /// Noise of each channel over its size, from a fit, if uncertainties are unknown.
     noise: Option<Vec<f64>>,
 }
-
-/// Alignment of a record with the computed histories.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct RecordFit(pub(super) Alignment);
 
 impl Record {
     /// Checks a record of step `step_s` in s; messages call it `name`.
@@ -212,7 +208,7 @@ impl Record {
     }
 
     /// This record with each channel weighted by the remaining differences of a fit.
-    pub(super) fn weighed(&self, RecordFit(alignment): &RecordFit) -> Self {
+    pub(super) fn weighed(&self, alignment: &Alignment) -> Self {
         let shares = alignment.differences.iter().zip(&self.sizes);
         let noise = shares.map(|(differences, size)| (rms(differences) / size).max(EXACT));
         Self { noise: Some(noise.collect()), ..self.clone() }
@@ -225,16 +221,11 @@ impl Record {
         modes.last().map_or(nyquist, |highest| highest.min(nyquist))
     }
 
-    /// True if the sensors may be late.
-    pub(super) fn is_delay_free(&self) -> bool {
-        self.is_delay_free
-    }
-
     /// Alignment with the histories of a link, including its motor's friction, at a delay of `delay` samples. `None` if
     /// the link cannot be simulated.
-    pub(super) fn fitted(&self, link: &Link, mesh: &Mesh, delay: f64) -> Option<RecordFit> {
+    pub(super) fn fitted(&self, link: &Link, mesh: &Mesh, delay: f64) -> Option<Alignment> {
         let computed = self.computed(link, mesh)?;
-        Some(RecordFit(Alignment::of(&self.overlaid(&computed), delay, self.compared())))
+        Some(Alignment::of(&self.overlaid(&computed), delay, self.compared()))
     }
 
     /// The delay in whole samples at which the histories of a link fit the record best.
@@ -259,8 +250,8 @@ impl Record {
     }
 
     /// Differences over their uncertainties, or over the size of the channel if these are unknown.
-    pub(super) fn residuals(&self, fitted: &RecordFit) -> Vec<f64> {
-        let channels = fitted.0.differences.iter().enumerate();
+    pub(super) fn residuals(&self, alignment: &Alignment) -> Vec<f64> {
+        let channels = alignment.differences.iter().enumerate();
         let residuals = channels.flat_map(|(k, differences)| {
             let unit = self.sizes[k] * self.uncertainty(k);
             differences.iter().map(move |difference| difference / unit)

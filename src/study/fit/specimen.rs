@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
+use super::instruments::with_motor_friction;
 use super::measurement::{ArmMode, End, HubEnd, LinkFitError, Measured, Observable};
 use super::measurements::{Measurements, Prediction};
-use super::motor::with_motor_friction;
 use super::record::Record;
 use super::response::Response;
 use crate::beam::{Mesh, MeshPlan};
@@ -39,11 +39,6 @@ impl From<(Link, MeshPlan)> for Specimen {
 }
 
 impl Specimen {
-    /// True for a link with a drive.
-    pub(super) fn has_drive(&self) -> bool {
-        matches!(self, Self::Link(own) if own.0.drive().is_some())
-    }
-
     /// Number of times that the elements of an automatic plan are halved, or the orders of an arm's polynomials are
     /// raised, for measured values exact to a tolerance; 0 for other plans.
     pub(super) fn refinements<E>(
@@ -218,7 +213,8 @@ impl Measurements {
         while mesh.elements().len() <= most {
             mesh = mesh.refined();
         }
-        let ends = counts.map(|(end, count)| end.frequencies(link, &mesh, count).last().copied());
+        let ends =
+            counts.map(|(end, count)| end.hub(link).frequencies(&mesh, count).last().copied());
         let responses = self.responses().iter().map(Response::highest_rad_s);
         let fastest = ends.into_iter().flatten().chain(responses).fold(0.0, f64::max);
         let mesh = mesh.resolving(fastest, tolerance);
@@ -254,7 +250,7 @@ impl Measurements {
         let responses = self.responses().iter().map(response).collect::<Option<_>>()?;
         let mut delays = delays.iter();
         let record = |record: &Record| {
-            let own = if record.is_delay_free() { delays.next() } else { None };
+            let own = if record.is_delay_free { delays.next() } else { None };
             record.fitted(&record.with_motor_friction(link)?, mesh, own.copied().unwrap_or(0.0))
         };
         let records = self.records().iter().map(record).collect::<Option<_>>()?;
@@ -263,7 +259,7 @@ impl Measurements {
 
     fn predicted_values(&self, link: &Link, mesh: &Mesh) -> Vec<Option<f64>> {
         let law = DampingLaw::of(link, mesh).ok();
-        let known = End::ALL.map(|end| end.frequencies(link, mesh, self.most(end)));
+        let known = End::ALL.map(|end| end.hub(link).frequencies(mesh, self.most(end)));
         // Ratios up to the highest mode with a measured ratio.
         let ratios = End::ALL.map(|end| {
             let is_own = |own: &Observable| own.is_damping() && own.end() == Some(end);

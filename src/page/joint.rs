@@ -1,13 +1,131 @@
-//! Figures of quantities that may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
+//! Figures of the joints over time: torque and angle, of a link as in figures 5 to 7 of Bayo (1987), and quantities that
+//! may have a limit: torque of the motor, rates, powers, deflection, moment at the root.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 
 use super::bending::{TRUSTED, bent_m, tip_deflection_m};
 use super::figure::{Curve, Figure, Stroke};
+use super::tip::{at_times, motion_formula};
 use super::view::{COLOURS, View, peak_words};
-use super::words::formula;
+use super::words::{cited, formula};
+use crate::elastica::SecondOrder;
 use crate::numeric::largest;
 use crate::result::{Limits, StoredJoint, StoredNodes};
+use crate::text::significant;
+
+/// A quantity of a joint of the flexible and of the rigid arm.
+type Both<'a> = (&'a Vec<f64>, Option<&'a Vec<f64>>);
+
+/// A quantity of a joint: of every run, and of the first rigid arm in the files.
+fn of_joint(view: &View, (joint, name): (usize, &str), of: fn(&StoredJoint) -> Both) -> Vec<Curve> {
+    let mut curves =
+        view.of_runs(name, |arm| Some((&arm.times_s, Cow::from(of(&arm.joints[joint]).0))));
+    let known = view.runs.iter().find_map(|arm| Some((arm, of(&arm.joints[joint]).1?)));
+    if let Some((arm, rigid)) = known {
+        let name = view.pick("rigid link", "rigid arm");
+        curves.push(view.curve(name, Stroke::Dashed(2), &arm.times_s, rigid));
+    }
+    curves
+}
+
+/// Torque at a joint, flexible and rigid.
+pub(super) fn torque(view: &View, joint: usize) -> Figure {
+    let own = &view.first().joints[joint];
+    let peak = |name: &str, history: &[f64]| peak_words(own.reading(name), history);
+    let mut caption = format!("At most {} N m.", peak("peak_torque_n_m", &own.torque_n_m));
+    if let Some(rigid) = &own.rigid_torque_n_m {
+        let rigid = peak("peak_rigid_torque_n_m", rigid);
+        let links = view.pick("link", "links");
+        let paper = cited(view, [Some(5), Some(7)]);
+        // Writing to a string cannot fail.
+        let _ = write!(caption, " Were the {links} rigid, it would be {rigid} N m{paper}.");
+        if !view.is_arm() {
+            caption.push_str(&timing_words(["lead_s", "lag_s"].map(|name| own.reading(name))));
+        }
+    }
+    let line = (joint, flexible(view, "torque"));
+    let mut curves = of_joint(view, line, |j| (&j.torque_n_m, j.rigid_torque_n_m.as_ref()));
+    caption.push_str(&Curve::add_limit(&mut curves, own.limits.torque_n_m, ("", "N m"), 1));
+    let id = view.id("torque", joint);
+    let title = format!("Torque {} {}", view.pick("at", "of"), view.joint_words(joint));
+    let figure = view.figure(id, &title, caption, ("torque", "N m"), curves);
+    Figure { spans: view.lead_and_lag(joint), ..figure }.by(torque_formula(view))
+}
+
+/// Formula of a torque, for a solution with its second-order terms.
+fn torque_formula(view: &View) -> Cow<'static, str> {
+    let is_bent = |order: SecondOrder| order != SecondOrder::None || view.has_weight();
+    match view.link {
+        _ if !view.is_solved() => formula::TORQUE_PLAYED.into(),
+        None => formula::ARM_TORQUE.into(),
+        Some(run) if is_bent(run.arc.second_order) => {
+            format!("{} {}", formula::TORQUE, formula::SECOND_ORDER).into()
+        }
+        Some(_) => formula::TORQUE.into(),
+    }
+}
+
+/// Start and end of a link's torque relative to the motion.
+fn timing_words([lead_s, lag_s]: [Option<f64>; 2]) -> String {
+    let Some((lead_s, lag_s)) = lead_s.zip(lag_s) else {
+        return " This is one cycle, which the torque repeats.".to_owned();
+    };
+    let [lead, lag] = [lead_s, lag_s].map(|seconds| significant(seconds.abs(), 4));
+    if lead_s > 0.0 && lag_s > 0.0 {
+        return format!(
+            " Bending waves take time: it acts, at the 2 % level, from {lead} s before the tip moves \
+             until {lag} s after it has stopped (shaded)."
+        );
+    }
+    let start = if lead_s >= 0.0 { "before the tip sets out" } else { "after the tip has set out" };
+    let stop = if lag_s >= 0.0 { "after it has stopped" } else { "before it has stopped" };
+    format!(" It acts, at the 2 % level, from {lead} s {start} until {lag} s {stop}.")
+}
+
+/// Angle of a joint, flexible and rigid; for the first joint relative to a fixed direction.
+pub(super) fn angle(view: &View, joint: usize) -> Figure {
+    let against = if joint == 0 { "x" } else { "the tip of the link before" };
+    let mut caption = view.pick(
+        "What an encoder at the hub sees.".to_owned(),
+        format!("Angle that an encoder sees: of the link's root against {against}."),
+    );
+    if view.is_solved() && !view.is_arm() {
+        caption = format!(
+            "What an encoder at the hub sees; the hub of a rigid link would turn as the tip does{}. What lies between the two \
+             curves is bending.",
+            cited(view, [Some(6), None])
+        );
+    }
+    let title = format!("{} {}", view.pick("Rotation of", "Angle of"), view.joint_words(joint));
+    let line = (joint, flexible(view, "hub"));
+    let curves = of_joint(view, line, |j| (&j.angle_rad, j.rigid_angle_rad.as_ref()));
+    let id = view.id("hub-angle", joint);
+    let figure = view.figure(id, &title, caption, ("angle", "rad"), curves);
+    let spans = view.pick(view.lead_and_lag(joint), vec![]);
+    let formula = view.pick(motion_formula(view, formula::HUB), formula::JOINT_ANGLE);
+    Figure { spans, ..figure }.by(formula)
+}
+
+/// Contribution of bending to the joint angles of an arm.
+pub(super) fn bent_angles(view: &View) -> Result<Figure, String> {
+    let why = "what bending adds to the joint angles, since the rigid arm's were not written";
+    let rigid = view.rigid().ok_or(why)?;
+    let curves = view.each(&view.numbered("joint"), |arm, joint| {
+        let straight = rigid.joints[joint].rigid_angle_rad.as_deref()?;
+        let straight = at_times(&arm.times_s, (&rigid.times_s, straight));
+        let pairs = arm.joints[joint].angle_rad.iter().zip(straight);
+        Some((&arm.times_s, pairs.map(|(own, rigid)| 1e3 * (own - rigid)).collect()))
+    });
+    let weight = if view.has_weight() { " and sag" } else { "" };
+    let caption = format!(
+        "By how much each joint turns beyond the rigid arm's, so that the tip is where it should be although \
+         the links bend{weight}."
+    );
+    let title = "What bending adds to the joint angles";
+    let figure = view.figure("bending-angles", title, caption, ("angle", "mrad"), curves);
+    Ok(figure.by(formula::BENDING_ANGLES))
+}
 
 /// A quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
@@ -82,7 +200,7 @@ fn power_w(torque_n_m: &[f64], rate_rad_s: &[f64]) -> Cow<'static, [f64]> {
 }
 
 /// Name of the flexible line on a page of one run: `played` for the simulation of a link.
-pub(super) fn flexible<'a>(view: &View, played: &'a str) -> &'a str {
+fn flexible<'a>(view: &View, played: &'a str) -> &'a str {
     view.pick(if view.is_solved() { "flexible link" } else { played }, "flexible arm")
 }
 
@@ -217,7 +335,6 @@ mod tests {
     use crate::page::Figures;
     use crate::page::tests::{run, solution};
     use crate::result::{StoredMotor, StoredResult, StoredRun};
-    use crate::text::significant;
 
     /// A peak between samples exceeds all samples.
     #[test]
