@@ -265,7 +265,7 @@ mod tests {
         for refused in ["0", "18", "-1", "ten", "", "3.0"] {
             let error = refused.parse::<Digits>().unwrap_err();
             let must = "but must be a whole number from 1 to 17, or full";
-            assert_eq!(error.to_string(), format!("digits = {refused}, {must}"));
+            assert_eq!(error, format!("digits = {refused}, {must}"));
         }
     }
 

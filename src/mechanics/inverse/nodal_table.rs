@@ -126,12 +126,11 @@ impl<'a> NodalTable<'a> {
         let tails = tails.map(|tails| tails.nodal_tails(model, nodes));
         let nodes = nodes.to_vec();
         // Displacements are counted along the hub's tangent line or, of a bent link, along the chord.
-        let turned_rad = match &spectra.shape {
-            None => Cow::Borrowed(&solution.joints[0].angle_rad[..]),
-            Some(_) => {
-                let length_m = solution.mesh().length_m();
-                solution.tip[0].displacement_m.iter().map(|m| m / length_m).collect()
-            }
+        let turned_rad = if spectra.shape.is_none() {
+            Cow::Borrowed(&solution.joints[0].angle_rad[..])
+        } else {
+            let length_m = solution.mesh().length_m();
+            solution.tip[0].displacement_m.iter().map(|m| m / length_m).collect()
         };
         let arms_m = None;
         let plan = RowPlan { solution, spectra, nodes, times, sampling, arms_m, turned_rad, tails };

@@ -41,12 +41,12 @@ fn share(u: f64) -> f64 {
 }
 
 fn straying(found: &Solution) -> Straying {
-    assert_eq!(found.second_order.unwrap().order, SecondOrder::First);
+    assert_eq!(found.second_order.expect("second-order terms").order, SecondOrder::First);
     let told = found.warnings.iter().find_map(|found| match found.warning {
         Warning::FellBack { straying } => Some(straying),
         _ => None,
     });
-    assert_eq!(found.second_order.unwrap().fallback, told);
+    assert_eq!(found.second_order.expect("second-order terms").fallback, told);
     told.expect("a warning")
 }
 

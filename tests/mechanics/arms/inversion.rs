@@ -210,7 +210,7 @@ pub(super) fn moved(found: &Solution) -> Result<Played, SimulationError> {
     let joints = found.joints.iter().map(|joint| MovedJoint {
         angle_rad: joint.angle_rad[0],
         rate_rad_s: joint.rate_rad_s[0],
-        accelerations_rad_s2: &joint.acceleration_rad_s2.as_ref().unwrap(),
+        accelerations_rad_s2: joint.acceleration_rad_s2.as_ref().expect("an acceleration"),
     });
     let joints: Vec<MovedJoint<'_>> = joints.collect();
     move_arm(&found.arm, &joints, &found.grid, (highest, 1e-7))

@@ -84,7 +84,7 @@ fn a_slow_torque_bends_the_link_statically() {
         );
         (deflections(&found), found)
     });
-    let statics = nodal_transfer(&slow.1.mesh(), Complex64::ZERO);
+    let statics = nodal_transfer(slow.1.mesh(), Complex64::ZERO);
     let flexibilities: Vec<f64> = statics
         .deflections_s2
         .iter()
@@ -231,7 +231,7 @@ fn modes_are_kept_to_four_times_the_band_or_forty_times_the_first_frequency() {
     let link = loaded(Damping::None);
     for (duration_s, few) in [(8.0, true), (0.01, false)] {
         let found = played(&link, &mesh_of(&link, 60), &Play::of(&pulse(duration_s, 400)));
-        let all = natural_frequencies(&found.mesh(), 120);
+        let all = natural_frequencies(found.mesh(), 120);
         let (kept, band_hz) = (
             found.modes().unwrap().selection.modes,
             found.modes().unwrap().selection.torque_band_hz,

@@ -110,7 +110,7 @@ fn rigid_torque(file: &str) -> (Solution, Played) {
 /// Largest distance of the tip from its goal in % of the travel, over one period of the first mode
 /// that begins at a time in s after the motion did.
 fn oscillating_percent(found: &Played, from_s: f64) -> f64 {
-    let period_s = TAU / natural_frequencies(&found.mesh(), 1)[0];
+    let period_s = TAU / natural_frequencies(found.mesh(), 1)[0];
     let samples = found.tip[0].displacement_m.iter().enumerate();
     let within = samples.filter(|(k, _)| {
         let t = found.grid.time_s(*k);

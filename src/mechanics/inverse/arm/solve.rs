@@ -202,7 +202,7 @@ impl Solver<'_> {
             tip_model_error: None,
             moving: (on_grid(first), on_grid(last)),
             first_zero_per_s,
-            band: Band { cutoff_hz, highest_hz, ..band },
+            band: Band { highest_hz, cutoff_hz, ..band },
             second_order: None,
             warnings: Vec::new(),
             spectra: None,
