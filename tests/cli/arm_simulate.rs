@@ -54,6 +54,8 @@ fn torques_of_an_arm_are_played_with_feedback_and_written() {
     let (worst, told) =
         (error.iter().copied().fold(0.0, f64::max), &summary["tip_error"]["worst_m"]);
     assert!((worst / told.as_f64().unwrap() - 1.0).abs() < 1e-6, "{worst:e}, not {told}");
+    let nodes = [&play[..], &feedback, &["-o", "all", "--nodes", "999"]].concat();
+    bench.refuses(2, &nodes, "--nodes = 999, but must name");
     bench.done(&["report", "simulated", "-q"]);
     let page = bench.read("simulated/report.html");
     assert!(page.contains("bending moments, since a simulation does not write them"));

@@ -168,8 +168,9 @@ fn expand(prefix: &[String], tree: &str, re_export: bool, imports: &mut Vec<Impo
     imports.push(Import { path, name, re_export });
 }
 
-/// Paths of two names and more in code.
+/// Paths of two names and more in code. A visibility is no use of its path.
 fn paths(code: &str) -> Vec<Vec<String>> {
+    let code = code.replace("pub(in crate::", "pub(in ");
     let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let words = code.split(|c| !is_path(c)).map(|word| word.trim_matches(':'));
     let paths = words.filter(|word| word.contains("::") && !word.contains(":::"));
