@@ -19,8 +19,7 @@
 //!                                                FitOutcome ─► page, store
 //! ```
 //!
-//! The sources have five floors. A floor imports from those above it in this table, a room from those above it in the
-//! list (`tests/layers` holds them to that).
+//! The sources have five floors. A room uses only rooms of rows above its own (`tests/layers` holds it to that).
 //!
 //! | floor | room | holds |
 //! |---|---|---|
@@ -50,7 +49,7 @@
 //! | | `options` | options that several commands share, and the inputs that they name |
 //! | | `cli` | the commands, each: load, compute, write, tell |
 //!
-//! The rooms of the first three floors stand at the root of the library.
+//! All rooms but those of `cli` stand at the root of the library.
 //!
 //! ```
 //! use flexlink::beam::MeshPlan;
@@ -139,7 +138,7 @@
 //! * R. Featherstone, *Robot Dynamics Algorithms*, 1987: articulated-body inertia.
 
 #[cfg(feature = "cli")]
-#[doc(hidden)] // the program, for `main.rs` and for Python
+#[doc(hidden)] // the program, for `main.rs` and for Python: its names may change at any time
 pub mod cli;
 mod files;
 mod mechanics;

@@ -64,7 +64,7 @@ enum Command {
 }
 
 /// Runs the command of a command line, the program's name first, and returns the exit code: the one place that prints an
-/// error and its hint.
+/// error and its hint. It sets the process's allocator, threads and signals up.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let mut program = Cli::command();
     let parsed = program.try_get_matches_from_mut(arguments).and_then(|matches| {

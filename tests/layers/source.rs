@@ -90,9 +90,7 @@ pub(crate) fn sources(folder: &str) -> Vec<(PathBuf, String)> {
             let path = entry.expect("an entry of the folder").path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs")
-                && !path.ends_with("main.rs")
-            {
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
                 let source = fs::read_to_string(&path).expect("a source in UTF-8");
                 found
                     .push((path.strip_prefix(&root).expect("a path below src").to_owned(), source));

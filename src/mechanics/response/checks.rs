@@ -46,9 +46,10 @@ impl Played {
     /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
     /// those of the elements in the shape and rate that the modes add up to, or of the elastica.
     pub fn energy(&self, count: usize) -> EnergyAccount {
-        let hub = self.hub();
-        let motor: Vec<f64> =
-            hub.torque_n_m.iter().zip(&hub.rate_rad_s).map(|(t, rate)| t * rate).collect();
+        let power_w = |sample: usize| {
+            self.joints.iter().map(|own| own.torque_n_m[sample] * own.rate_rad_s[sample]).sum()
+        };
+        let motor: Vec<f64> = (0..self.grid.len).map(power_w).collect();
         let lost: Vec<f64> = (0..self.grid.len).map(|sample| self.loss_w(sample)).collect();
         let (work, dissipated) = (self.integral(&motor, 1), self.integral(&lost, 1));
         let last = self.grid.len - 1;

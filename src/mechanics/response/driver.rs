@@ -149,12 +149,12 @@ impl Problem<'_> {
         self.linkage.balance(&motion.q, if is_arm { &rest } else { &motion.rates }, &mut balance);
         let holding_n_m = self.linkage.joints.iter().map(|joint| -balance.force[*joint]);
         let mut played = BentMotion::begun(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
-        self.accelerate(0, &mut motion, &mut balance);
+        self.accelerate(0, &mut motion, &mut balance)?;
         if let Some(Cycle { grid: cycle, is_free }) = self.cycle {
             settle(&mut motion, cycle, is_free, |motion, sample| {
                 (0..steps).try_for_each(|step| self.step(&mut radau, motion, (sample, step, steps)))
             })?;
-            self.accelerate_torques(0, &mut motion, &mut balance);
+            self.accelerate_torques(0, &mut motion, &mut balance)?;
         }
         self.observe(0, &motion, &mut balance, &mut played);
         for sample in 1..grid.len {
@@ -177,7 +177,7 @@ impl Problem<'_> {
                 played.play.work_j.push(work_j);
                 played.play.lost_j.push(lost_j);
             }
-            self.accelerate_torques(sample, &mut motion, &mut balance);
+            self.accelerate_torques(sample, &mut motion, &mut balance)?;
             self.observe(sample, &motion, &mut balance, &mut played);
             at(sample + 1);
         }
@@ -226,20 +226,35 @@ impl Problem<'_> {
         turning.map_or(0.0, |turning| turning.within(at))
     }
 
-    /// The accelerations at a sample, where the masses tell them.
-    fn accelerate(&self, sample: usize, motion: &mut Motion, balance: &mut Balance) {
+    /// Computes the accelerations at a sample. Where the masses are singular, those of the last step stay.
+    fn accelerate(
+        &self,
+        sample: usize,
+        motion: &mut Motion,
+        balance: &mut Balance,
+    ) -> Result<(), SimulationError> {
         self.linkage.balance(&motion.q, &motion.rates, balance);
         self.apply((sample, 0.0), (&motion.q, &motion.rates), balance);
         if let Some(now) = balance.accelerations() {
             motion.accelerations = now;
         }
+        if motion.q.iter().chain(&motion.rates).all(|own| own.is_finite()) {
+            return Ok(());
+        }
+        Err(SimulationError::NotFinite { time_s: self.grid.time_s(sample) })
     }
 
     /// The accelerations under torques, which may jump at a sample: the last step's end has those of the torque before.
-    fn accelerate_torques(&self, sample: usize, motion: &mut Motion, balance: &mut Balance) {
+    fn accelerate_torques(
+        &self,
+        sample: usize,
+        motion: &mut Motion,
+        balance: &mut Balance,
+    ) -> Result<(), SimulationError> {
         if self.drives.iter().any(|drive| matches!(drive, Drive::Torque(..))) {
-            self.accelerate(sample, motion, balance);
+            self.accelerate(sample, motion, balance)?;
         }
+        Ok(())
     }
 
     /// Torque of each joint in N m, a part s of a step after a sample: that of its motor, or the one that its motion needs.

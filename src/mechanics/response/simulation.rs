@@ -26,9 +26,9 @@ const MOST_OF_MOVED: usize = 4;
 /// The waves that the first orders of one link follow, in first natural frequencies.
 const WAVES: f64 = 3.0;
 
-/// Numbers that are kept of a sample of an arm beside those of each angle, and of one link.
+/// Numbers of a sample of an arm beside those of each angle, and of one link: of two motions, the finer beside the coarser.
 const NUMBERS_OF_ARM: usize = 128;
-const NUMBERS_OF_LINK: usize = 16;
+const NUMBERS_OF_LINK: usize = 32;
 
 /// Computes the motion of a link or an arm under torques, or with joints that move as prescribed: direct dynamics; `watch`
 /// gets the progress of bent links.
@@ -202,10 +202,7 @@ impl Bending<'_> {
         let highest_rad_s =
             if one.is_some() { WAVES * self.first_rad_s() } else { play.band_of_arm_rad_s() };
         let count = Linkage::coordinates(arm, highest_rad_s, more, play.state);
-        let numbers = match one {
-            Some(_) => 2 * count + NUMBERS_OF_LINK,
-            None => 4 * count + NUMBERS_OF_ARM,
-        };
+        let numbers = 4 * count + one.map_or(NUMBERS_OF_ARM, |_| NUMBERS_OF_LINK);
         let bytes = play_bytes(count, grid.len, numbers);
         refuse_memory((grid.len, count), bytes, play.memory_bytes)?;
         let linkage = Linkage::of(arm, highest_rad_s, more, play.state);

@@ -79,11 +79,14 @@ pub fn table_error(
             }
         }
     };
-    let [of_table, of_solved] = [played(table)?, played(&TorqueTable::of(solution))?];
-    let change_m = of_table.change()[0] + of_solved.change()[0];
+    // The tip alone is kept: the second play needs the memory of the first.
+    let tip = |table| played(table).map(|played| (played.change()[0], played.tip));
+    let [(of_table_m, of_table), (of_solved_m, of_solved)] =
+        [tip(table)?, tip(&TorqueTable::of(solution))?];
+    let change_m = of_table_m + of_solved_m;
     let tips = solved_and_wanted_m(solution);
     let off = |k: usize| {
-        let axes = of_table.tip.iter().zip(&of_solved.tip).zip(&tips);
+        let axes = of_table.iter().zip(&of_solved).zip(&tips);
         let axes = axes.map(|((table, solved), [tip, wanted])| {
             table.displacement_m[k] - solved.displacement_m[k] + tip[k] - wanted[k]
         });

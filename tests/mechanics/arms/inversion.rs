@@ -2,11 +2,13 @@
 
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::elastica::SecondOrder;
-use flexlink::inverse::{Analysis, Resources, Solution, SolutionWarning, Warning, invert_arm};
+use flexlink::inverse::{
+    Analysis, ArmError, Resources, Solution, SolutionWarning, Warning, invert_arm, invert_motion,
+};
 use flexlink::link::{
     Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, LumpedMass, Segment,
 };
-use flexlink::motion::{ArmPath, PathColumn, PathColumns, Recording};
+use flexlink::motion::{ArmPath, Motion, PathColumn, PathColumns, Profile, Recording};
 use flexlink::response::{MovedJoint, Played, SimulationError, move_arm};
 
 use super::prototype::{PROTOTYPE, bounds};
@@ -64,6 +66,22 @@ pub(super) fn solved(
 
 pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most: f64, value| if value.is_nan() { value } else { most.max(value.abs()) })
+}
+
+#[test]
+fn a_motion_along_an_arc_is_of_one_link_and_a_path_of_several() {
+    let two = arm(&two_links(), [0.0; 2]);
+    let one = Arm::from(two.links()[0].link.clone());
+    let arc = Motion::Tip(Profile::Septic.motion(0.3, 0.8, 200).expect("a motion"));
+    let along = Motion::Path(line(&two, 1.0));
+    let inverted = |arm: &Arm, motion: &Motion, count: usize| {
+        let plans = vec![plans(&one, ElementCount::Total(4))[0].clone(); count];
+        invert_motion(arm, &plans, motion, &Analysis::default(), &Resources::default()).err()
+    };
+    assert_eq!(inverted(&two, &arc, 2), Some(ArmError::OtherMotion { links: 2 }));
+    assert_eq!(inverted(&one, &along, 1), Some(ArmError::OtherMotion { links: 1 }));
+    assert_eq!(inverted(&one, &arc, 2), Some(ArmError::Plans { plans: 2, links: 1 }));
+    assert_eq!(inverted(&one, &arc, 1), None);
 }
 
 #[test]

@@ -120,8 +120,7 @@ fn gravity_line(solution: &Solution) -> String {
     format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
 }
 
-/// What was counted of the second order, and what it brought.
-/// The order of the terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
+/// The order of the second-order terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
 /// and the number of iterations with their contraction.
 pub(super) fn order_line(solution: &Solution) -> String {
     let Some(found) = &solution.second_order else { return String::new() };

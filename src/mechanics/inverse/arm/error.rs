@@ -27,6 +27,14 @@ pub enum ArmError {
         /// Links of the arm.
         links: usize,
     },
+    /// A motion along an arc for several links, or a path for one.
+    #[error(
+        "the motion of {links} links, but must be along an arc for one link, and a path for several"
+    )]
+    OtherMotion {
+        /// Links of the arm.
+        links: usize,
+    },
     /// A place of the tip that the first two links do not reach.
     #[error(
         "the end of the second link = {distance_m:.6} m from the first joint, but must be from {least_m:.6} to {most_m:.6} m \
@@ -112,7 +120,7 @@ impl ArmError {
             Self::Inversion(error) => return error.hint(),
             Self::Finer(error) => return error.hint(),
             Self::NoElbow => "\"left\" where the second link turns left of the first",
-            Self::Plans { .. } => return None,
+            Self::Plans { .. } | Self::OtherMotion { .. } => return None,
             Self::OutOfReach { distance_m, least_m, .. } if distance_m < least_m => {
                 "a path that stays away from the first joint, or links of lengths that differ less"
             }

@@ -47,9 +47,8 @@ pub fn invert_motion(
         (Motion::Tip(motion), [own], [plan]) => {
             Ok(invert_with(&own.link, plan, motion, analysis, resources)?)
         }
-        (Motion::Tip(_), links, plans) => {
-            Err(ArmError::Plans { plans: plans.len(), links: links.len() })
-        }
+        (Motion::Tip(_), [_], _) => Err(ArmError::Plans { plans: plans.len(), links: 1 }),
+        (Motion::Tip(_), links, _) => Err(ArmError::OtherMotion { links: links.len() }),
         (Motion::Path(path), ..) => invert_arm(arm, plans, path, analysis, resources),
     }
 }
@@ -67,6 +66,9 @@ pub fn invert_arm(
     resources: &Resources<'_>,
 ) -> Result<Solution, ArmError> {
     let links = arm.links().len();
+    if links == 1 {
+        return Err(ArmError::OtherMotion { links });
+    }
     if plans.len() != links {
         return Err(ArmError::Plans { plans: plans.len(), links });
     }
