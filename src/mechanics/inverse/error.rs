@@ -84,7 +84,7 @@ pub enum InversionError {
 /// Reason why a motion cannot have its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum RefusedEnds {
-    /// Weight or second-order terms: they act during constant velocity, too.
+    /// Weight or second-order terms, never at rest at a constant velocity.
     #[error(
         "the tip moves at the ends of its motion, but must be at rest there, or periodic, with gravity or \
          second order"
