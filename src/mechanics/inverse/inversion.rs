@@ -78,7 +78,7 @@ pub fn invert_with(
     let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
     let shortest = PeriodicAnswer::new(amplitudes.hub, amplitudes.motor.as_ref(), period);
     let (answer, left) = problem.decayed(&answering, shortest)?;
-    // Only the mesh of the answer counts: an earlier one may be far too coarse.
+    // Only the mesh of the answer counts: other meshes may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
     }

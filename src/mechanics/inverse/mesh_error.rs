@@ -73,7 +73,7 @@ impl MeshAnswer {
             let finer_answer = solved(&finer, &finer_probes);
             let may_refine = plan.is_automatic() && 4 * elements <= finer.most_elements();
             match measured(&answer, &finer_answer, period, model.mesh()) {
-                // A mesh far too coarse for its band may yield only NaN.
+                // A mesh far too coarse for its band may yield no finite numbers.
                 Err(InversionError::Model(ModelError::NotFinite { .. })) if may_refine => {}
                 Err(error) => return Err(error),
                 Ok((mesh_errors, peaks)) => {

@@ -134,7 +134,7 @@ impl Rest {
         values[self.start()..].iter().chain(&values[..self.until()]).copied().collect()
     }
 
-    /// Numbers of samples that measure rest before the motion and after it: as many as around a seam, at most half of
+    /// Numbers of samples that measure rest before the motion and after it: the reach around a seam, at most half of
     /// the rest.
     pub(super) fn reaches(&self, given: usize) -> [usize; 2] {
         let there = [self.len - self.start(), self.until().saturating_sub(given)];

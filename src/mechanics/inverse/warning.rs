@@ -211,7 +211,7 @@ pub enum Warning {
         /// Change by the last iteration over that by the one before.
         contraction: f64,
     },
-    /// Second-order terms that do not converge to the tolerance, as the iteration omits their high frequencies.
+    /// Second-order terms that do not converge to the tolerance. The iteration omits their high frequencies.
     #[error(
         "the iteration of the second-order terms leaves the {} off by {share:.1e} of its range, above the tolerance \
          {tolerance:e}",
