@@ -144,8 +144,8 @@ pub struct PlayError {
 }
 
 impl PlayError {
-    /// Measures the change by elements of half the length. Plays the torque of a linear link there with all modes that
-    /// the torque moves, or with twice the modes of a limited selection.
+    /// Plays the torque of a linear link again on elements of half the length and measures the change. Uses all modes
+    /// that the torque moves there; where a limit cut the first selection, up to twice that limit.
     ///
     /// Takes about as long as the simulation, and no memory. `None` where such elements do not allow the damping law.
     /// At large angles the errors are the changes by the last refinement.

@@ -1,4 +1,5 @@
-//! Complex modes of damped small motions: the solver follows each undamped mode while its damping grows from 0 to 1.
+//! Complex modes of damped small motions: the solver follows each undamped mode while its damping grows from 0 to its
+//! full value.
 
 use num_complex::Complex64;
 
@@ -17,8 +18,8 @@ const LEAST_STEP: f64 = 1e-5;
 /// Largest damping ratio of a vibration; beyond it a motion hardly turns back.
 const MOST_RATIO: f64 = 0.999_999;
 
-/// The equations `(s² M + s C + K) x = 0` of small motions, all symmetric. A loss that does not depend on the
-/// frequency, hysteretic damping, is the viscous one of the same work a cycle, `G/|s|`, in C.
+/// The equations `(s² M + s C + K) x = 0` of small motions, all symmetric. Hysteretic damping, a loss independent of
+/// the frequency, enters C as the viscous damping `G/|s|` with equal work per cycle.
 pub(super) trait SmallMotions {
     /// `M x`.
     fn inertia(&self, x: &[Complex64]) -> Vec<Complex64>;
@@ -68,7 +69,7 @@ pub(super) fn damping_ratio(
             return None;
         }
     }
-    // From 0, so that nothing that damps is 0 and not −0.
+    // Subtracts from 0, so that an undamped mode has 0 and not −0.
     let ratio = 0.0 - known.s_per_s.re / magnitude(known.s_per_s);
     (ratio < MOST_RATIO).then_some(ratio)
 }

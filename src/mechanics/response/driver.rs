@@ -11,7 +11,7 @@ use super::radau::{Motion, Radau};
 use super::state::settle;
 use crate::numeric::{TimeGrid, dot};
 
-/// Most steps of a refinement.
+/// Most steps of a refined motion.
 const LONGEST: usize = 1 << 20;
 
 /// Orders that each refinement adds to the polynomials.

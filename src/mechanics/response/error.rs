@@ -38,9 +38,9 @@ pub enum SimulationError {
     /// A state that does not fit the link, or beside a motion of the hub.
     #[error("the state = {found}, but must {must}")]
     State {
-        /// Property of the state.
+        /// Invalid content of the state, in words.
         found: String,
-        /// Requirement.
+        /// Requirement, in words.
         must: String,
     },
     /// A link too soft for its weight.

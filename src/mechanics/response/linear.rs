@@ -106,8 +106,8 @@ pub(super) fn play_modes(
     Ok(Played { grid, driven, joints: vec![hub], tip: vec![tip], links, by, warnings })
 }
 
-/// Motor torque in N m; angle, rate and acceleration of the hub in rad; displacement, velocity and acceleration of the
-/// tip in m; all times in s. The hub angle and the tip's displacement begin at `start`.
+/// Motor torque in N m. Angle, rate and acceleration of the hub in rad, rad/s and rad/s². Displacement, velocity and
+/// acceleration of the tip in m, m/s and m/s². The hub angle and the tip's displacement begin at `start`.
 fn observed(
     record: &Record,
     equations: &Equations,
