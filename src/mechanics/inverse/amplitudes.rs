@@ -1,4 +1,4 @@
-//! Amplitudes of all quantities over the band, and how large they are over time.
+//! Amplitudes of all quantities over the band, and their size over time.
 
 use num_complex::Complex64;
 
@@ -17,9 +17,9 @@ const MOST_NODES: usize = 8;
 pub(super) struct Probes {
     /// Nodes with measured displacements and moments.
     pub(super) nodes: Vec<usize>,
-    /// True if quantities of tables over time count: displacements of the nodes, the hub's acceleration.
+    /// True to measure quantities of tables over time: displacements of the nodes, the hub's acceleration.
     tables: bool,
-    /// True if bending moments along the link count.
+    /// True to measure bending moments along the link.
     moments: bool,
 }
 
@@ -139,7 +139,7 @@ impl Amplitudes {
         largest(&self.pair.samples(amplitudes))
     }
 
-    /// Largest distance of the hub angle from where it starts, in rad.
+    /// Largest distance of the hub angle from its start, in rad.
     fn hub_turn_rad(&self, period: &TipPeriod, length_m: f64) -> f64 {
         let tip = &period.histories;
         let excess_rad = self.pair.samples(&self.hub.excess_angle_rad);

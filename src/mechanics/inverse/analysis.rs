@@ -105,7 +105,7 @@ impl Analysis {
         Self { with_moments: true, ..self }
     }
 
-    /// Suits callers that write no tables over time: skips errors of the nodes' displacements and the hub's
+    /// Suits callers that write no tables over time: skips measuring the nodes' displacements and the hub's
     /// acceleration, except on an automatic mesh.
     #[must_use]
     pub fn without_tables(self) -> Self {
@@ -145,12 +145,12 @@ impl Analysis {
         self.tip_tolerance
     }
 
-    /// Whether bending moments along the link count.
+    /// Whether the inversion measures bending moments along the link.
     pub fn measures_moments(&self) -> bool {
         self.with_moments
     }
 
-    /// Whether errors of all quantities in tables over time are measured, on every mesh.
+    /// Whether the inversion measures all quantities in tables over time, on every mesh.
     pub fn measures_tables(&self) -> bool {
         !self.without_tables
     }

@@ -66,7 +66,7 @@ pub enum InversionError {
         gigabytes(*allowed)
     )]
     TooMuchMemory {
-        /// Bytes needed, about.
+        /// Approximate number of bytes needed.
         bytes: usize,
         /// Bytes allowed.
         allowed: usize,
@@ -126,7 +126,7 @@ fn counted(samples: usize) -> String {
 }
 
 impl InversionError {
-    /// True if a file or an option contradicts the motion, whatever the link.
+    /// True if a file or an option causes the error, whatever the link.
     pub fn is_of_input(&self) -> bool {
         matches!(self, Self::NoStartAngle | Self::Ends(RefusedEnds::Edges))
     }

@@ -1,4 +1,4 @@
-//! The inversion: period, mesh, window, histories, errors, warnings, and the solution made of them.
+//! The inversion: period, mesh, window, histories, errors and warnings, up to the solution.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ const WHOLE_TURNS: f64 = 1e-6;
 /// automatic plan, refines the mesh.
 ///
 /// # Errors
-/// [`InversionError`]: impossible damping, an infinite torque at hub or motor, an automatic mesh that does not
+/// [`InversionError`]: impossible damping, a torque at hub or motor that is not finite, an automatic mesh that does not
 /// converge, or a window too long to transform.
 pub fn invert(
     link: &Link,
@@ -343,7 +343,7 @@ pub(crate) mod tests {
     use crate::link::{Damping, LinkParts, uniform};
     use crate::motion::MotionColumns;
 
-    /// A smooth motion of this many steps: the band is narrow for many steps.
+    /// A smooth motion of this many steps; more steps narrow its band.
     pub(crate) fn solution(steps: u32) -> Solution {
         let damping = Damping::Hysteretic { ratio: 0.02 };
         let link = Link::new(LinkParts { damping, ..uniform() }).unwrap();

@@ -52,7 +52,7 @@ impl MeshAnswer {
     /// discretisation error is below the plan's tolerance.
     ///
     /// # Errors
-    /// [`InversionError::NotConverged`], or a torque that is infinite or too large to square.
+    /// [`InversionError::NotConverged`], or a torque that is not finite or too large to square.
     pub(super) fn of(
         coarsest: Arc<dyn Model>,
         plan: &MeshPlan,

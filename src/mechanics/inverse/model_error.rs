@@ -119,7 +119,7 @@ impl Problem<'_> {
     }
 
     /// Counts the terms: plays the missing torque on the linear link, and judges whether two iterations suffice. `None`
-    /// where the terms are refused.
+    /// if the terms are refused or exceed the memory limit.
     fn with_all_terms(
         &self,
         AnsweringModel { model, first_zero_per_s, peaks, .. }: &AnsweringModel,

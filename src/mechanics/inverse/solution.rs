@@ -49,9 +49,9 @@ impl Band {
     }
 }
 
-/// The motion of all joints that moves the tip as wanted, with the link or the arm, the motion and the analysis.
+/// Motion and torques of all joints that move the tip as wanted, with the arm, the wanted motion and the analysis.
 ///
-/// All histories are samples on [`Solution::grid`], the motion's samples with lead and lag added where its own rest is too
+/// All histories are samples on [`Solution::grid`], the motion's samples with lead and lag added where its rest is too
 /// short.
 #[derive(Clone)]
 pub struct Solution {

@@ -12,7 +12,7 @@ use crate::model::{Model, ModelError};
 use crate::motion::TipPeriod;
 use crate::system::end_if_stopped;
 
-/// Number of frequencies that a thread solves at a time at the hub alone; the results do not depend on it.
+/// Number of frequencies that a thread solves at a time at the hub alone; no bit of the results depends on it.
 const HUB_BLOCK: usize = 256;
 
 /// Number of frequencies with the nodes, which need many numbers for each frequency.

@@ -14,7 +14,7 @@ const MOST_THICK: f64 = 0.3;
 pub enum Straying {
     /// Measured by moving the joints as solved.
     Measured(f64),
-    /// Estimated from the shortening of the bent links' chords, for an arm whose equations in time fail.
+    /// Estimated from the shortening of the bent links' chords, for an arm without usable equations in time.
     Estimated(f64),
 }
 
@@ -184,7 +184,7 @@ pub enum Warning {
          wrong by 1 % and more"
     )]
     AboveMesh {
-        /// Root-mean-square torque above the mesh's frequency over that of all.
+        /// Root-mean-square torque above the mesh's frequency over that of all frequencies.
         share: f64,
         /// Highest frequency of bending waves on the mesh in Hz.
         resolved_hz: f64,

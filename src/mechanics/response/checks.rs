@@ -134,7 +134,7 @@ impl Played {
 /// Warning threshold of the errors of tip and hub angle.
 const COARSE: f64 = 1e-2;
 
-/// Errors of a simulation by its mesh and its modes; of bent links by their angles and steps.
+/// Errors of a simulation by its mesh and its modes; for bent links by their angles and steps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PlayError {
     /// Largest error of the tip's displacement, over its travel.
@@ -151,7 +151,7 @@ impl PlayError {
     /// At large angles the errors are the changes by the last refinement.
     ///
     /// # Errors
-    /// As [`simulate`](super::simulate) of this simulation.
+    /// As [`simulate`](super::simulate).
     pub fn of(
         played: &Played,
         arm: &Arm,

@@ -115,7 +115,7 @@ pub enum CycleError {
     /// A cycle with its first sample again as the last one.
     #[error("the last row of the cycle = the first one again, but must be the one before it")]
     Repeats,
-    /// A growing or infinite vibration of an undamped link.
+    /// A vibration of an undamped link that grows or is not finite.
     #[error("the cycle = in step with a vibration that is not damped, but must not be")]
     Resonance,
     /// A link at large angles with a free hub.

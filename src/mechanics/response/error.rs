@@ -35,7 +35,7 @@ pub enum SimulationError {
     /// A link with gravity but without a direction.
     #[error("start_angle is missing, but must be given: with gravity the direction matters")]
     NoStartAngle,
-    /// A state that does not fit the link, or beside a motion of the hub.
+    /// A state that does not suit the link, or that comes with a prescribed motion of the hub.
     #[error("the state = {found}, but must {must}")]
     State {
         /// Invalid content of the state, in words.

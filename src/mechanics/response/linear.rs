@@ -23,7 +23,7 @@ const BYTES_PER_SAMPLE: usize = 190;
 /// Memory in bytes for each sample of a reference's rate, its cubics, and the copy for the balance of energy.
 const BYTES_OF_TURNING: usize = 48;
 
-/// Vibration over the tip's travel that the rows need not show below it.
+/// Largest vibration over the tip's travel that the rows need not show.
 const VIBRATES: f64 = 1e-6;
 
 /// Computes the motion under an input, torque or hub angle, that drives the link up to `band_rad_s`.

@@ -9,8 +9,7 @@ use crate::link::Link;
 use crate::modal::{DampingLaw, ModalBasis, PoseHub, flexible_modes};
 use crate::numeric::{Size, magnitude};
 
-/// Modes of the free link in the first sum beyond the requested ones, and most modes of all sums unless the caller
-/// requests more.
+/// Modes of the free link in the first sum beyond twice the requested ones, and number of modes that ends the doubling.
 const MORE_MODES: usize = 12;
 const MOST_MODES: usize = 200;
 

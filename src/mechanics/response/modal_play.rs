@@ -123,7 +123,7 @@ impl ModalPlay {
     }
 
     /// Difference in m between the tip of this link with viscous modal damping and a tip motion with these
-    /// accelerations. The torque would cause that motion in the same link with hysteretic damping ξ.
+    /// accelerations. The torque is the one for that motion in the same link with hysteretic damping ξ.
     ///
     /// With X the tip's and Y the hub's acceleration per torque on the link, both sums over modes, and the
     /// hub's friction b:

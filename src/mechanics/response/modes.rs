@@ -104,12 +104,12 @@ impl Equations {
         self.coordinates.get(1).map(|mode| TAU / mode.square.sqrt())
     }
 
-    /// Hub angle of coordinates, or hub rate of their rates.
+    /// Hub angle from coordinates, or hub rate from their rates.
     pub(super) fn hub(&self, q: &[f64]) -> f64 {
         q.iter().zip(&self.coordinates).map(|(q, c)| q * c.hub_angle).sum()
     }
 
-    /// Displacement of the tip of coordinates, or velocity of their rates.
+    /// Displacement of the tip from coordinates, or its velocity from their rates.
     pub(super) fn tip(&self, q: &[f64]) -> f64 {
         q.iter().zip(&self.coordinates).map(|(q, c)| q * c.tip).sum()
     }
@@ -196,7 +196,7 @@ pub struct ModeSelection {
     pub of: usize,
     /// Frequency in Hz above which the torque moves a rigid link by less than a share of 1e-12.
     pub torque_band_hz: f64,
-    /// Frequency in Hz of the highest mode kept.
+    /// Frequency in Hz of the highest kept mode.
     pub highest_hz: f64,
 }
 

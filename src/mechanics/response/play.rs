@@ -34,8 +34,8 @@ pub enum Input<'a> {
     /// The hub angle, or the angle of each joint, followed exactly. The joints are at rest before the first sample, and
     /// turn on at their rates after the last one.
     ///
-    /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start; its rates
-    /// have no effect.
+    /// The angle between the samples is a quintic spline without rate and acceleration at the start; rates of the
+    /// reference have no effect.
     Angles(&'a [HubReference]),
 }
 

@@ -229,8 +229,8 @@ impl ArmPose {
         found
     }
 
-    /// Response to the torque of each joint at `frequency_hz` > 0, friction of the joints included. It is infinite at a
-    /// pole of an undamped arm.
+    /// Response to the torque of each joint at `frequency_hz` > 0, friction of the joints included. It is not finite at
+    /// a pole of an undamped arm.
     ///
     /// ```text
     /// q = (K + iG + iωD − ω²M)⁻¹ e_j

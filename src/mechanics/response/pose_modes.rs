@@ -76,7 +76,7 @@ pub struct ArmModes {
     pub free: SettledModes,
     /// Modes with the rotors of all joints held.
     pub held: SettledModes,
-    /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
+    /// Stiffness of each joint between rotor and hub in N m/rad, infinite for a rigid joint.
     pub joint_stiffnesses_n_m_rad: Vec<f64>,
     pose: ArmPose,
 }

@@ -19,13 +19,13 @@ const MOST_MODES: usize = 100;
 pub(crate) enum Driven {
     /// Samples of the torque at the hub in N m, zero before the first, and its shape between them.
     Torque(Vec<f64>, Interpolation),
-    /// Hub angles in rad along a spline, at rest at the first angle before.
+    /// Hub angles in rad, joined by a spline; before them the hub rests at the first angle.
     Angle(Vec<f64>),
 }
 
 /// Histories of sensors on a link, at the samples of its input.
 ///
-/// The caller has checked that there are four samples or more, all finite, and that the step is above 0.
+/// The caller has checked for at least four samples, all finite, and for a step above 0.
 ///
 /// Angle and deflection begin at 0. Modes below the Nyquist frequency are integrated as in [`simulate`]; the others act
 /// as one residual mode.
@@ -146,7 +146,7 @@ impl Equations {
         bent.map(|moment| moment / root_n_m2).collect()
     }
 
-    /// Curvatures of shapes that are sums of the free link's shapes, from the curvatures of these.
+    /// Curvatures of shapes that are sums of the free link's shapes, from the free link's `curvatures`.
     fn curvatures_of(&self, mesh: &Mesh, free: &Self, curvatures: &[f64]) -> Vec<f64> {
         let share = |own: &Shape, of: &Shape| own.mass_product(mesh, of);
         let sum = |own: &Shape| {

@@ -144,8 +144,8 @@ const MOST_GROWTH: f64 = 1e5;
 /// Largest mean torque of a free hub, over the largest torque; a larger mean turns it faster from cycle to cycle.
 const MEAN: f64 = 1e-6;
 
-/// Coordinates and rates at both ends of a repeating cycle of `samples` samples. `travel_m` sets the tip's displacement
-/// over the cycle without damping, `start_m` its displacement at the start without stiffness at the hub.
+/// Coordinates and rates at both ends of a repeating cycle of `samples` samples. Without stiffness at the hub `start_m`
+/// sets the tip's displacement at the start; without damping as well, `travel_m` sets its displacement over the cycle.
 ///
 /// With M the transition over a cycle and c the state after a cycle from rest, x = (1 − M)⁻¹ c. Without stiffness the
 /// angle of the rigid rotation is arbitrary; without damping as well, its rate follows from its travel.

@@ -138,7 +138,7 @@ impl ArmAnswer {
         (0..arm.links().len()).into_par_iter().map(of).collect()
     }
 
-    /// Largest distance in m of the rigid arm's tip from where it starts, over the samples of its path.
+    /// Largest distance in m of the rigid arm's tip from its start, over the samples of its path.
     pub(super) fn way_of_chords_m(&self, arm: &Arm, given: usize) -> f64 {
         let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
         for (chord, own) in self.path.rigid.iter().zip(arm.links()) {

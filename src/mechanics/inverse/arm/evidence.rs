@@ -24,7 +24,7 @@ const STRAYS: u64 = 4;
 /// that change.
 const BEYOND_STRAYS: f64 = 1.3;
 
-/// Largest change of a torque by further iterations, over its size, that is round-off.
+/// Largest change of a torque by further iterations, over its size, that counts as round-off.
 const ROUND_OFF: f64 = 1e-11;
 
 impl Solved {

@@ -10,7 +10,7 @@ use crate::response::{MovedJoint, Played, SimulationError, move_arm};
 /// Tolerance of a moved arm, over the tolerance of the analysis.
 const SETTLED: f64 = 0.1;
 
-/// Largest change by the last refinement of a moved arm, over its tip's error, for a valid measurement of that error.
+/// Largest change by the last refinement of a moved arm, over the tip's error, that still allows to measure this error.
 const SHARP: f64 = 0.3;
 
 impl Solution {
@@ -65,8 +65,7 @@ pub(super) fn straying(solution: &Solution, path: &ArmPath) -> Straying {
     measured.unwrap_or_else(|| Straying::Estimated(shortened_m(solution) / travel_m))
 }
 
-/// Largest distance of the tip from the ends of the bent links' chords in m; each chord is ½ ∫ w'² ds shorter than its
-/// link.
+/// Largest error of the tip in m by shorter chords: the chord of a bent link is ½ ∫ w'² ds shorter than its link.
 fn shortened_m(solution: &Solution) -> f64 {
     let at = |k: usize| {
         let links = solution.shapes().zip(solution.nodes_m());

@@ -23,7 +23,7 @@ const NEARLY_STRETCHED: f64 = 0.15;
 /// Memory in bytes for each node and sample of the period, as measured of one link.
 const BYTES: usize = 300;
 
-/// Largest difference in rad between prescribed directions and those from the tip's place.
+/// Largest difference in rad between prescribed directions and directions from the tip's place.
 const AGREEMENT: f64 = 1e-3;
 
 /// Share of the iteration's error. Where a warning reports that error, refinement of mesh and period stops once their
@@ -153,7 +153,7 @@ impl<'a> ArmProblem<'a> {
         self.straying(len, None)
     }
 
-    /// The path over a period; with `stray` off by possible errors of its samples, different for each number.
+    /// The path over a period; with `stray` it has possible errors of its samples, different for each number.
     pub(super) fn straying(
         &self,
         len: usize,
