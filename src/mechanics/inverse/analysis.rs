@@ -263,7 +263,7 @@ pub struct Resources<'a> {
     pub memory_bytes: Option<usize>,
     /// Receives the progress.
     pub watch: &'a dyn Watch,
-    /// Cut-off and periods that several inversions share; `None`: the inversion computes its own.
+    /// Cut-off and periods that several inversions share; `None`: the inversion computes them.
     pub periods: Option<&'a Periods>,
     /// True for one of many trials, which only estimate the error of the linear model and never count the terms.
     pub is_trial: bool,

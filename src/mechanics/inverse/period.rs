@@ -15,7 +15,7 @@ const BYTES_PER_FREQUENCY: usize = 360;
 /// Most samples of a lengthened period, unless four times its initial length are more.
 const LENGTHENED: usize = 1 << 20;
 
-/// Samples before and after the trajectory's own.
+/// Samples before and after those of the trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Padding {
     pub(super) before: usize,

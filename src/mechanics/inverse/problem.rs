@@ -150,7 +150,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// A window at this motion's own step.
+    /// A window at this motion's step.
     pub(super) fn grid_over(&self, window: &TimeGrid) -> TimeGrid {
         let grid = self.motion.grid();
         let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;

@@ -21,7 +21,7 @@ const MIN_SAMPLES: usize = 4;
 /// Reason why samples over time are no torque or hub reference.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum HistoryError {
-    /// Fewer than 4 samples, or other numbers of samples and times.
+    /// Fewer than 4 samples, or different numbers of samples and times.
     #[error(
         "{column} has {samples} samples and time {times}, but both must have equally many, at \
          least 4"
@@ -108,7 +108,7 @@ impl Torque {
     /// ```
     ///
     /// # Errors
-    /// [`HistoryError`]: fewer than 4 samples, other numbers of samples and times, a sample that is not finite, or
+    /// [`HistoryError`]: fewer than 4 samples, different numbers of samples and times, a sample that is not finite, or
     /// times off a uniform grid.
     pub fn new(time_s: &[f64], torque_n_m: Vec<f64>) -> Result<Self, HistoryError> {
         let grid = grid_of(time_s, &[("torque", &torque_n_m)])?;
@@ -138,7 +138,7 @@ impl HubReference {
     /// Checks angles in rad and optional rates in rad/s at times in s.
     ///
     /// # Errors
-    /// [`HistoryError`]: fewer than 4 samples, other numbers of samples and times, a sample that is not finite, or
+    /// [`HistoryError`]: fewer than 4 samples, different numbers of samples and times, a sample that is not finite, or
     /// times off a uniform grid.
     pub fn new(
         time_s: &[f64],

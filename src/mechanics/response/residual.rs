@@ -68,7 +68,7 @@ impl PlayedModelError {
         (omega_rad_s, played_s): (f64, f64),
     ) -> Self {
         let out_of_step_m = vibration.map_or(0.0, |vibration| {
-            // Time times a vibration that decays to 1 % in t is largest at t/ln 100, with 1/e of the amplitude left.
+            // Time times a vibration that decays to 1 % in t is largest at t/ln 100, with 1/e of its amplitude.
             let most_s = vibration.decay_s.map_or(played_s, |decay_s| played_s.min(decay_s / 12.5));
             // The relative change of ω is half that of ω².
             let phase_rad = 0.5 * of_vibration * omega_rad_s * most_s;

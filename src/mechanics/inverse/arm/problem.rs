@@ -127,7 +127,7 @@ impl<'a> ArmProblem<'a> {
             (0..len).map(|k| [0, 1, 2].map(|part: usize| [x[part][k], y[part][k]])).collect();
         let mut chords = reaching(&tip, &self.arm.lengths_m(), &in_time[2..], self.is_left)?;
         if let [first, second, third, ..] = &mut chords[..] {
-            // The whole turns of the given links count.
+            // The whole turns of the prescribed links count.
             let turns = ((third[0][0] - second[0][0]) / TAU).round();
             for angle in first[0].iter_mut().chain(&mut second[0]) {
                 *angle += TAU * turns;
