@@ -1,4 +1,4 @@
-//! How exact a solution is: for every quantity that is written, what each approximation costs.
+//! Errors of a solution: the cost of each approximation, for every written quantity.
 
 use serde::Serialize;
 
@@ -39,12 +39,12 @@ impl Quantity {
     }
 }
 
-/// What errors are shares of.
+/// Reference of relative errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShareOf {
     /// The largest absolute value.
     Peak,
-    /// The largest value less the smallest: of a link with weight.
+    /// The largest value less the smallest, for a link with weight.
     Range,
 }
 
@@ -58,7 +58,7 @@ impl ShareOf {
     }
 }
 
-/// One value for each quantity that a solution gives.
+/// One value for each quantity of a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct PerQuantity<T> {
     /// Torque at the hub.
@@ -67,21 +67,21 @@ pub struct PerQuantity<T> {
     pub hub_angle: T,
     /// Hub rate.
     pub hub_rate: T,
-    /// Hub acceleration, unless tables are left out.
+    /// Hub acceleration. `None` without tables.
     pub hub_acceleration: Option<T>,
-    /// Total displacement at the nodes, unless tables are left out.
+    /// Total displacement at the nodes. `None` without tables.
     pub displacement: Option<T>,
     /// Bending moment at the nodes, where it is measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bending_moment: Option<T>,
     /// Torque of the motor, where the link has a drive.
     pub motor_torque: Option<T>,
-    /// Rate of the motor, likewise.
+    /// Rate of the motor, where the link has a drive.
     pub motor_rate: Option<T>,
 }
 
 impl<T: Copy> PerQuantity<T> {
-    /// The values that are there, the torque first.
+    /// The present values, the torque first.
     pub fn iter(&self) -> impl Iterator<Item = (Quantity, T)> {
         [
             Some((Quantity::Torque, self.torque)),
@@ -97,7 +97,7 @@ impl<T: Copy> PerQuantity<T> {
         .flatten()
     }
 
-    /// Each value with that of another solution's same quantity; what either lacks is left out.
+    /// Combines each value with the same quantity of another solution. A quantity that either lacks becomes `None`.
     pub(crate) fn zip<U: Copy, V>(
         &self,
         other: &PerQuantity<U>,
@@ -123,7 +123,7 @@ impl PerQuantity<QuantityErrors> {
         self.zip(self, |errors, _| kind(errors))
     }
 
-    /// These errors with those of a further kind, where they were measured.
+    /// Pairs these errors with those of a further kind, where a run measured them.
     pub(super) fn with(
         &self,
         further: Option<PerQuantity<f64>>,
@@ -134,7 +134,7 @@ impl PerQuantity<QuantityErrors> {
 }
 
 impl PerQuantity<f64> {
-    /// These values, or others of the same quantities where these are larger.
+    /// The larger of each value and the same quantity of `other`.
     pub(super) fn at_least(&self, others: &Self) -> Self {
         let larger = |own: Option<f64>, other: Option<f64>| {
             own.map(|own| other.map_or(own, |other| own.max(other)))
@@ -146,8 +146,7 @@ impl PerQuantity<f64> {
         }
     }
 
-    /// The largest value and the quantity that it is of; the torque where several are as large. NaN
-    /// counts as the largest.
+    /// The largest value and its quantity; the torque where several are equal. NaN counts as the largest.
     pub fn worst(&self) -> (Quantity, f64) {
         self.iter().fold((Quantity::Torque, self.torque), |worst, found| {
             if found.1 > worst.1 || found.1.is_nan() { found } else { worst }
@@ -155,27 +154,27 @@ impl PerQuantity<f64> {
     }
 }
 
-/// Errors of one quantity, each a share of its own peak.
+/// Errors of one quantity, each over the quantity's peak.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct QuantityErrors {
     /// Discretisation of the link, measured on halved elements.
     pub mesh: f64,
     /// The finite period and the written window.
     pub window: f64,
-    /// Change when the step is halved; where every frequency of the samples is solved for.
+    /// Change by half the step, where the solver covers every frequency of the samples.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
-    /// What further iterations would change; where second-order terms are counted.
+    /// Change by further iterations, where second-order terms count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iteration: Option<f64>,
-    /// What a reduction to few modes changes; none where all are kept.
+    /// Change by a reduction to few modes. `None` where the model keeps all modes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<f64>,
-    /// What the uncertainty of the samples does; none where they are exact to the tip's tolerance.
+    /// Error from uncertain samples. `None` where the samples are exact to the tip's tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<f64>,
-    /// What the linear model leaves out: large deflections, centrifugal stiffening and, of torques and moments, the
-    /// thickness; none with weight or where second-order terms are counted.
+    /// Error of the linear model from large deflections, centrifugal stiffening and, for torques and moments, the
+    /// thickness. `None` with weight or where second-order terms count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Amplitudes of all quantities over the band, and how large they are over time.
+//! Amplitudes of all quantities over the band, and their size over time.
 
 use num_complex::Complex64;
 
@@ -10,28 +10,27 @@ use crate::model::ModelError;
 use crate::motion::TipPeriod;
 use crate::numeric::{FourierPair, largest};
 
-/// Most nodes at which displacements and moments are measured: waves between two of them are shorter
-/// than those that the mesh follows.
+/// Most nodes with measured displacements and moments. Waves between two of them are too short for the mesh.
 const MOST_NODES: usize = 8;
 
-/// What is measured besides torques and the hub's angle and rate.
+/// Measured quantities besides torques and the hub's angle and rate.
 pub(super) struct Probes {
-    /// Nodes at which displacements and moments are measured.
+    /// Nodes with measured displacements and moments.
     pub(super) nodes: Vec<usize>,
-    /// True for what tables over time hold: displacements of the nodes, the hub's acceleration.
+    /// True to measure quantities of tables over time: displacements of the nodes, the hub's acceleration.
     tables: bool,
-    /// True for bending moments along the link.
+    /// True to measure bending moments along the link.
     moments: bool,
 }
 
 impl Probes {
-    /// Evenly spread nodes of a mesh, the tip left out: it moves as wanted on every mesh.
+    /// Evenly spread nodes of a mesh without the tip, which moves as wanted on every mesh.
     pub(super) fn of(mesh: &Mesh, plan: &MeshPlan, analysis: &Analysis) -> Self {
-        // An automatic mesh is the same whatever is measured on it.
+        // An automatic mesh must not depend on the choice of measured quantities.
         let tables = analysis.measures_tables() || plan.is_automatic();
         let inner = mesh.nodes_m().len() - 1;
         let count = inner.min(MOST_NODES);
-        // The root as well: moments are largest there, and it moves where the hub has a radius.
+        // Includes the root: moments are largest there, and it moves where the hub has a radius.
         let nodes = (0..count).map(|k| k * inner / count).collect();
         Self { nodes, tables, moments: analysis.measures_moments() }
     }
@@ -43,7 +42,7 @@ impl Probes {
 }
 
 impl Probes {
-    /// What of some values is to be measured.
+    /// Keeps the measured quantities of some values.
     pub(super) fn measured(&self, of: PerQuantity<f64>) -> PerQuantity<f64> {
         PerQuantity {
             hub_acceleration: of.hub_acceleration.filter(|_| self.tables),
@@ -57,21 +56,19 @@ impl Probes {
 /// Amplitudes of all quantities over the band on one mesh.
 pub(super) struct Amplitudes {
     pub(super) hub: HubSpectra,
-    /// Hub rate in rad/s, and acceleration in rad/s² where tables are measured, less those of a rigid
-    /// link.
+    /// Hub rate in rad/s, and acceleration in rad/s² where tables count, less those of a rigid link.
     pub(super) hub_rate_rad_s: Vec<Complex64>,
     pub(super) hub_acceleration_rad_s2: Option<Vec<Complex64>>,
     pub(super) motor: Option<MotorSpectra>,
-    /// Displacement less that of a rigid link, `v − x v_tip/L`, at the probes in m, where tables are
-    /// measured.
+    /// Displacement less that of a rigid link, `v − x v_tip/L`, at the probes in m, where tables count.
     pub(super) displacement_m: Option<Vec<Vec<Complex64>>>,
-    /// Bending moment at the probes in N m, where it is measured.
+    /// Bending moment at the probes in N m, where moments count.
     pub(super) moment_n_m: Option<Vec<Vec<Complex64>>>,
     pair: FourierPair,
 }
 
 impl Amplitudes {
-    /// Solves for all of them.
+    /// Solves for the amplitudes of all quantities.
     ///
     /// # Errors
     /// As [`DrivenModel::hub_spectra`].
@@ -79,7 +76,7 @@ impl Amplitudes {
         let Probes { tables, moments, .. } = *probes;
         let nodal = usize::from(tables) + usize::from(moments);
         driven.begin(nodal.max(1), 0);
-        // Beside the nodes the hub takes next to no time.
+        // The hub takes hardly any time compared to the nodes.
         let watch: &dyn Watch = if nodal > 0 { &Unwatched } else { driven.watch };
         let hub = DrivenModel { watch, ..driven }.hub_spectra()?;
         let motor = driven.motor_spectra(&hub);
@@ -142,13 +139,13 @@ impl Amplitudes {
         largest(&self.pair.samples(amplitudes))
     }
 
-    /// Largest distance of the hub angle from where it starts, in rad.
+    /// Largest distance of the hub angle from its start, in rad.
     fn hub_turn_rad(&self, period: &TipPeriod, length_m: f64) -> f64 {
         let tip = &period.histories;
         let excess_rad = self.pair.samples(&self.hub.excess_angle_rad);
         let (start_m, all) = (tip.start_m(), tip.displacement_m.len());
         let turns = excess_rad.iter().enumerate().filter_map(|(k, excess)| {
-            // The sample at or before this time: within a step the tip does not go far.
+            // The sample at or before this time: within a step the tip hardly moves.
             let sample = k * all / excess_rad.len();
             let at_m = tip.displacement_m[sample];
             tip.counts(sample).then(|| ((at_m - start_m) / length_m + excess).abs())
@@ -156,7 +153,7 @@ impl Amplitudes {
         turns.fold(0.0, f64::max)
     }
 
-    /// Peak of each quantity; that of the displacements is the tip's travel.
+    /// Peak of each quantity; the tip's travel for displacements.
     pub(super) fn peaks(&self, period: &TipPeriod, length_m: f64) -> PerQuantity<f64> {
         let of_all = |rows: &Vec<Vec<Complex64>>| {
             rows.iter().map(|row| self.peak_of(row)).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! What a caller chooses: how exact an inversion is, its resources, and who watches its progress.
+//! Choices of a caller: accuracy and resources of an inversion, and the watcher of its progress.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,14 +7,13 @@ use crate::link::{Link, ParameterError};
 use crate::model::KeptModes;
 use crate::motion::Periods;
 
-/// Share of the tolerance, and least change, at which an iteration of second-order terms ends.
+/// Share of the tolerance, and least change, that end an iteration of second-order terms.
 const ITERATED: f64 = 0.01;
 const FINEST: f64 = 1e-11;
 
-/// How exact the answer must be, how much time around the motion it covers, and of which modes it
-/// is made.
+/// Required accuracy of the answer, its time around the motion, and its modes.
 ///
-/// Reading one checks it, and gives what is missing its default.
+/// Deserialization checks the values and fills in defaults.
 ///
 /// ```
 /// use flexlink::inverse::Analysis;
@@ -66,8 +65,8 @@ impl Analysis {
         Ok(Self { tolerance, lead_s, lag_s, ..Self::default() })
     }
 
-    /// The same analysis with the rigid mode and the lowest `modes` flexible ones only, the reduction
-    /// that Bayo (1987) names after eq 12.
+    /// Keeps only the rigid mode and the lowest `modes` flexible ones, the reduction that Bayo (1987) names after eq
+    /// 12.
     ///
     /// ```
     /// use flexlink::inverse::Analysis;
@@ -77,7 +76,7 @@ impl Analysis {
     /// ```
     ///
     /// # Errors
-    /// [`ParameterError`] where no flexible mode would be left.
+    /// [`ParameterError`] for 0 modes.
     pub fn keeping_modes(self, modes: usize) -> Result<Self, ParameterError> {
         if modes == 0 {
             return Err(ParameterError::new("analysis.modes", modes, "", "must be at least 1"));
@@ -85,9 +84,8 @@ impl Analysis {
         Ok(Self { modes: Some(modes), ..self })
     }
 
-    /// The same analysis with the tip within this share of its travel of the wanted motion: the motion is
-    /// solved up to the lowest frequency that this takes (see [`TipMotion::cutoff`]); at 0 up to the
-    /// Nyquist frequency.
+    /// Sets the largest distance of the tip from the wanted motion, over its travel. The solver stops at the lowest
+    /// sufficient frequency (see [`TipMotion::cutoff`]), for 0 at the Nyquist frequency.
     ///
     /// [`TipMotion::cutoff`]: crate::motion::TipMotion::cutoff
     ///
@@ -101,39 +99,38 @@ impl Analysis {
         Ok(Self { tip_tolerance, ..self })
     }
 
-    /// The same analysis, bending moments along the link measured as well.
+    /// Measures bending moments along the link, too.
     #[must_use]
     pub fn with_moments(self) -> Self {
         Self { with_moments: true, ..self }
     }
 
-    /// The same analysis for those who write no tables over time: on a mesh that is not automatic,
-    /// displacements of the nodes and the hub's acceleration are not measured.
+    /// Suits callers that write no tables over time: skips measuring the nodes' displacements and the hub's
+    /// acceleration, except on an automatic mesh.
     #[must_use]
     pub fn without_tables(self) -> Self {
         Self { without_tables: true, ..self }
     }
 
-    /// The same analysis with so much of the second order; without, [`Analysis::second_order_of`] the link decides.
+    /// Sets the second-order terms to count. By default [`Analysis::second_order_of`] the link decides.
     #[must_use]
     pub fn with_second_order(self, second_order: SecondOrder) -> Self {
         Self { second_order: Some(second_order), ..self }
     }
 
-    /// What is counted of a link's second order: what was chosen, else all of a link with weight and nothing of
-    /// one without.
+    /// Second-order terms to count for a link: the caller's choice, else all terms with weight and no terms without it.
     pub fn second_order_of(&self, link: &Link) -> SecondOrder {
         let default = if link.has_weight() { SecondOrder::Full } else { SecondOrder::None };
         self.second_order.unwrap_or(default)
     }
 
-    /// Where an iteration of second-order terms ends: at a share of the tolerance, as derivatives converge late, but above
-    /// round-off.
+    /// Change that ends an iteration of second-order terms: a share of the tolerance, as derivatives converge late, but
+    /// above round-off.
     pub(super) fn iterated_to(&self) -> f64 {
         (ITERATED * self.tolerance).max(FINEST)
     }
 
-    /// What was chosen to be counted of the second order.
+    /// The caller's choice of second-order terms.
     pub(super) fn second_order(&self) -> Option<SecondOrder> {
         self.second_order
     }
@@ -143,17 +140,17 @@ impl Analysis {
         self.tolerance
     }
 
-    /// Share of its travel that the tip may stray from the wanted motion; 0: all frequencies are solved.
+    /// Share of its travel that the tip may stray from the wanted motion; 0: the solver covers all frequencies.
     pub fn tip_tolerance(&self) -> f64 {
         self.tip_tolerance
     }
 
-    /// Whether bending moments along the link are measured.
+    /// Whether the inversion measures bending moments along the link.
     pub fn measures_moments(&self) -> bool {
         self.with_moments
     }
 
-    /// Whether all that tables over time hold is measured, whatever the mesh.
+    /// Whether the inversion measures all quantities in tables over time, on every mesh.
     pub fn measures_tables(&self) -> bool {
         !self.without_tables
     }
@@ -173,7 +170,7 @@ impl Analysis {
         self.modes
     }
 
-    /// Modes that the answer is made of.
+    /// Modes of the answer.
     pub fn kept_modes(&self) -> KeptModes {
         self.modes.map_or(KeptModes::All, KeptModes::First)
     }
@@ -194,7 +191,7 @@ impl Default for Analysis {
     }
 }
 
-/// An [`Analysis`] as it is read.
+/// An unchecked [`Analysis`] from a file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Unchecked {
@@ -233,18 +230,18 @@ pub enum Stage {
         /// Elements of the mesh.
         elements: usize,
     },
-    /// Transforming what was solved to samples over time; its parts are nodes.
+    /// Transforming amplitudes to samples over time; its parts are nodes.
     Transform,
     /// Writing a table; its parts are rows.
     Write,
 }
 
-/// Gets the progress of long work.
+/// Receives the progress of long work.
 pub trait Watch: Sync {
-    /// A stage of so many parts begins.
+    /// Begins a stage with this number of parts.
     fn begin(&self, stage: Stage, parts: usize);
 
-    /// So many parts of it are done, in any thread.
+    /// Reports further finished parts of the stage, from any thread.
     fn advance(&self, parts: usize);
 }
 
@@ -258,17 +255,17 @@ impl Watch for Unwatched {
     fn advance(&self, _: usize) {}
 }
 
-/// Memory of an inversion, the watcher of its progress, and what it shares with others. By default there
-/// is no limit, no watcher, and nothing shared.
+/// Memory limit of an inversion, the watcher of its progress, and periods shared with other inversions. The default has
+/// no limit, no watcher and no shared periods.
 #[derive(Clone, Copy)]
 pub struct Resources<'a> {
-    /// Memory in bytes; an inversion that would take more is refused. `None`: no limit.
+    /// Memory limit in bytes: a larger inversion is refused. `None`: no limit.
     pub memory_bytes: Option<usize>,
-    /// Gets the progress.
+    /// Receives the progress.
     pub watch: &'a dyn Watch,
-    /// Cut-off and periods that several inversions share; `None`: the inversion computes its own.
+    /// Cut-off and periods that several inversions share; `None`: the inversion computes them.
     pub periods: Option<&'a Periods>,
-    /// True for one of many trials: what the linear model leaves out is estimated, and never counted.
+    /// True for one of many trials, which only estimate the error of the linear model and never count the terms.
     pub is_trial: bool,
 }
 

@@ -1,7 +1,7 @@
-//! A link under gravity, or with second-order terms: the answer over a period in which the chord returns.
+//! The answer of a link under gravity or with second-order terms, over a period with a return of its chord.
 //!
-//! The torque at rest is the weight's static moment, other before the motion than after it. Between both the chord
-//! returns, slowly and as if at rest, so that only gravity's direction follows it.
+//! The torque at rest is the weight's static moment, with different values before and after the motion. Between both
+//! rests the chord returns slowly, as if at rest, so that only gravity's direction follows it.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -33,11 +33,11 @@ pub(super) const BYTES: usize = 200;
 /// The link at rest before the motion and after it.
 type Rests = [ElasticaMotion; 2];
 
-/// A problem whose link has weight, or is solved with second-order terms.
+/// A problem of a link with weight or second-order terms.
 pub(super) struct BentProblem<'a> {
     pub(super) problem: &'a Problem<'a>,
     gravity_m_s2: [f64; 2],
-    /// Direction in rad of the chord where the tip's displacement is 0.
+    /// Direction in rad of the chord at zero displacement of the tip.
     start_angle_rad: f64,
     pub(super) second_order: SecondOrder,
     returns: Return,
@@ -70,7 +70,7 @@ impl<'a> BentProblem<'a> {
         self.returns.shortest_len(self.problem.padding, self.problem.motion.grid().len)
     }
 
-    /// The motion on a mesh, over a period of so many samples.
+    /// The motion on a mesh, over a period of `len` samples.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -106,8 +106,8 @@ impl<'a> BentProblem<'a> {
         Ok((chord, Rest::of(spectrum, spectrum.seam_reach(), returning)))
     }
 
-    /// The chord over a period. It returns around the seam, before which the displacement is that after the motion; whole
-    /// turns it need not turn back.
+    /// The chord over a period. It returns around the seam, from the displacement after the motion to the one before
+    /// it; whole turns need no return.
     fn chord(
         &self,
         period: &TipPeriod,
@@ -128,7 +128,7 @@ impl<'a> BentProblem<'a> {
         Ok(ChordPeriod::new(spectrum.step_s, columns, self.gravity_m_s2)?)
     }
 
-    /// The link at rest with its tip at a displacement.
+    /// The link at rest with its tip at this displacement.
     pub(super) fn at_rest(
         &self,
         model: &dyn Model,
@@ -140,10 +140,10 @@ impl<'a> BentProblem<'a> {
         Ok(follow(model, &chord, self.second_order, tolerance)?.motion)
     }
 
-    /// The motion on the mesh that is fine enough for the plan.
+    /// The motion on a mesh fine enough for the plan.
     ///
     /// # Errors
-    /// [`InversionError::NotConverged`], or a motion that cannot be.
+    /// [`InversionError::NotConverged`], or an impossible motion.
     pub(super) fn on_mesh_of(
         &self,
         plan: &MeshPlan,
@@ -176,7 +176,7 @@ impl<'a> BentProblem<'a> {
         }
     }
 
-    /// What halved elements change of each quantity, over its size.
+    /// Change of each quantity by halved elements, over its size.
     fn mesh_errors(
         &self,
         (model, probes, answer): (&dyn Model, &Probes, &BentAnswer),
@@ -188,7 +188,7 @@ impl<'a> BentProblem<'a> {
         curves.apart(on_finer).zip(sizes, |off, size| per_change * off / size)
     }
 
-    /// The same for an answer over a longer period, where what an undamped mesh rings with adds up.
+    /// Mesh errors of an answer over a longer period, where the ringing of an undamped mesh adds up.
     ///
     /// # Errors
     /// As [`Self::answer`].
@@ -203,8 +203,8 @@ impl<'a> BentProblem<'a> {
         Ok(self.mesh_errors((model, probes, answer), &on_finer, sizes))
     }
 
-    /// What half the step changes of each quantity, over its size, where second-order terms reach beyond what the
-    /// samples resolve; none where they do not, or where the motion cannot be sampled twice as often.
+    /// Change of each quantity by half the step, over its size, where second-order terms exceed the samples'
+    /// resolution. `None` elsewhere, or where the motion cannot be sampled twice as often.
     ///
     /// # Errors
     /// As [`Self::answer`].
@@ -230,7 +230,7 @@ impl<'a> BentProblem<'a> {
         Ok(Some(apart.zip(sizes, |off, size| off / size)))
     }
 
-    /// What further iterations, and loads of more frequencies, would change of each quantity, over its size.
+    /// Change of each quantity by further iterations and by loads of more frequencies, over its size.
     pub(super) fn iteration_errors(
         &self,
         (model, probes, answer): (&dyn Model, &Probes, &BentAnswer),
@@ -247,8 +247,8 @@ impl<'a> BentProblem<'a> {
         errors
     }
 
-    /// Lengthens the period until every quantity has come to rest where the chord begins and ends its return;
-    /// returns what is left there, over the size of each. A periodic motion has no rest.
+    /// Lengthens the period until every quantity is at rest where the chord begins and ends its return; returns each
+    /// remainder there, over the quantity's size. A periodic motion has no rest.
     pub(super) fn decayed(
         &self,
         model: &dyn Model,
@@ -289,7 +289,7 @@ impl<'a> BentProblem<'a> {
         left.worst().1 <= self.problem.analysis.tolerance()
     }
 
-    /// What is left of each quantity where the chord begins and ends its return, over its size, beyond the link at rest.
+    /// Remainder of each quantity beyond the link at rest where the chord begins and ends its return, over its size.
     fn left(
         &self,
         model: &dyn Model,
@@ -308,8 +308,8 @@ impl<'a> BentProblem<'a> {
         Ok((rests, left.zip(sizes, |left, size| left / size)))
     }
 
-    /// The samples to write: until the torque, and that of the motor, stay within the tolerance of what they are at
-    /// rest; and the largest torques outside, over their sizes.
+    /// The samples to write: until the torques of hub and motor stay within the tolerance of their values at rest; and
+    /// the largest torques outside, over their sizes.
     pub(super) fn window(
         &self,
         (link, answer): (&Link, &BentAnswer),
@@ -346,7 +346,7 @@ impl<'a> BentProblem<'a> {
         (window, cut)
     }
 
-    /// What the answer is beside its histories.
+    /// Results of the answer beside its histories.
     pub(super) fn findings(&self, model: &dyn Model, answer: &BentAnswer) -> Bent {
         let Followed { motion, iteration, .. } = &answer.found;
         let left_out = match self.second_order {
@@ -363,8 +363,8 @@ impl<'a> BentProblem<'a> {
         Bent { findings, largest_slope: motion.largest_slope, shape }
     }
 
-    /// The same motion with all terms, where fewer were asked for: what it changes of the torque, over its range; none
-    /// where it is refused.
+    /// Change of the torque by all terms, over its range, for an answer with fewer terms. `None` where the motion with
+    /// all terms is refused.
     fn left_out(&self, model: &dyn Model, answer: &BentAnswer) -> Option<f64> {
         let all = Self { second_order: SecondOrder::Full, ..*self };
         let len = answer.period.spectrum.pair.len();
@@ -375,12 +375,12 @@ impl<'a> BentProblem<'a> {
     }
 }
 
-/// The answer on the mesh that is fine enough, and its errors.
+/// The answer on a fine enough mesh, and its errors.
 pub(super) struct BentOnMesh {
     pub(super) model: Arc<dyn Model>,
     pub(super) probes: Probes,
     pub(super) answer: BentAnswer,
-    /// What errors of each quantity are a share of.
+    /// Size of each quantity, the reference of its errors.
     pub(super) sizes: PerQuantity<f64>,
     /// Discretisation error of each quantity.
     pub(super) errors: PerQuantity<f64>,

@@ -12,7 +12,7 @@ use crate::elastica::{ChordPeriod, ElasticaMotion, Followed, SecondOrder};
 use crate::model::Model;
 use crate::motion::TipPeriod;
 
-/// What a solution holds of a bent link beside its histories.
+/// Results of a bent link beside its histories.
 pub(super) struct Bent {
     pub(super) findings: SecondOrderFindings,
     /// Largest slope |w'| of the link from its chord.
@@ -21,7 +21,7 @@ pub(super) struct Bent {
     pub(super) shape: Shape,
 }
 
-/// Puts samples of the period in the order of time, or some of them.
+/// Puts some or all samples of the period in the order of time.
 type Chronological<'a> = &'a dyn Fn(&[f64]) -> Vec<f64>;
 
 /// The answer over one period.
@@ -33,7 +33,7 @@ pub(super) struct BentAnswer {
 }
 
 impl BentAnswer {
-    /// The same as amplitudes at hub and motor.
+    /// The answer as amplitudes at hub and motor.
     pub(super) fn periodic(&self, model: &dyn Model) -> PeriodicAnswer {
         self.periodic_of(&self.found.motion, model)
     }
@@ -64,7 +64,7 @@ impl BentAnswer {
         self.curves_of(&self.found.motion, model, second_order, nodes)
     }
 
-    /// The same of another approximation of the motion.
+    /// [`Self::curves`] of another approximation of the motion.
     pub(super) fn curves_of(
         &self,
         motion: &ElasticaMotion,

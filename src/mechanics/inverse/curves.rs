@@ -1,11 +1,11 @@
-//! Histories of all quantities of a bent link, what they differ by, and the places of its nodes.
+//! Histories of all quantities of a bent link, their differences, and the places of its nodes.
 
 use super::accuracy::PerQuantity;
 use crate::elastica::{ElasticaMotion, SecondOrder};
 use crate::link::Link;
 use crate::numeric::{Size, extremes, largest, largest_difference};
 
-/// Where the nodes of a link are over time: one history for each.
+/// Places of a link's nodes over time: one history for each node.
 #[expect(clippy::struct_field_names, reason = "their units end alike")]
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Shape {
@@ -45,7 +45,7 @@ impl Shape {
     }
 }
 
-/// What `of` makes of a node's distance from the axis, its shortening, its deflection and the hub's slope.
+/// Maps a node's distance from the axis, its shortening, its deflection and the hub's slope by `of`.
 fn history_of(
     motion: &ElasticaMotion,
     nodes_m: &[f64],
@@ -108,7 +108,7 @@ impl Curves {
         }
     }
 
-    /// Largest of what `of` makes of two histories of the same quantity.
+    /// Largest value of `of` over pairs of histories of the same quantity.
     fn compared(&self, other: &Self, of: impl Fn(&[f64], &[f64]) -> f64) -> PerQuantity<f64> {
         self.each().zip(&other.each(), |own, others| {
             own.iter().zip(others).map(|(a, b)| of(a, b)).fold(0.0, Size::larger)
@@ -120,7 +120,7 @@ impl Curves {
         self.compared(other, largest_difference)
     }
 
-    /// The same of histories of which the others have twice as many samples.
+    /// Largest difference of each quantity from histories with twice as many samples.
     pub(super) fn apart_from_finer(&self, finer: &Self) -> PerQuantity<f64> {
         self.compared(finer, |own, finer| {
             let pairs = own.iter().zip(finer.iter().step_by(2));
@@ -128,8 +128,8 @@ impl Curves {
         })
     }
 
-    /// How far each quantity is from those at rest, at most, over so many samples where it starts and ends: what rings
-    /// is at rest twice a cycle.
+    /// Largest distance of each quantity from rest, over `reaches` samples at its start and its end. One sample cannot
+    /// show it, as ringing passes the rest twice a cycle.
     pub(super) fn left_of(&self, rests: &[Self; 2], reaches: [usize; 2]) -> PerQuantity<f64> {
         let farthest = |samples: &[f64], rest: f64| {
             samples.iter().map(|own| (own - rest).abs()).fold(0.0, Size::larger)
@@ -140,8 +140,8 @@ impl Curves {
         first.zip(&last, Size::larger)
     }
 
-    /// What errors of each quantity are a share of: its range where it has weight, else its peak, that of the hub
-    /// angle being its largest turn; of displacements the tip's travel.
+    /// Size of each quantity, the reference of its errors: its range with weight, else its peak; for the hub angle the
+    /// largest turn, for displacements the tip's travel.
     pub(super) fn sizes(&self, has_weight: bool, travel_m: f64) -> PerQuantity<f64> {
         let sizes = self.compared(self, |own, _| size(own, has_weight));
         let start = self.hub_angle_rad[0];
@@ -152,7 +152,7 @@ impl Curves {
     }
 }
 
-/// What errors of a quantity are a share of: its peak or, of a link with weight, its largest value less its smallest.
+/// Reference of a quantity's errors: its peak or, for a link with weight, its largest value less its smallest.
 pub(crate) fn size(history: &[f64], has_weight: bool) -> f64 {
     if !has_weight {
         return largest(history);

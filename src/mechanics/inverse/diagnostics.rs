@@ -1,4 +1,4 @@
-//! What a run measured of itself, and the warnings that follow from it.
+//! Measurements of a run, and the warnings that follow from them.
 
 use std::f64::consts::TAU;
 
@@ -20,62 +20,62 @@ use crate::model::Model;
 use crate::motion::{TipMotion, TipSpectrum};
 use crate::numeric::{FourierPair, fast_length, largest, magnitude};
 
-/// Amplitude near the Nyquist frequency, over the largest, from which on the user is warned.
+/// Warning threshold of the amplitude near the Nyquist frequency, over the largest.
 const NYQUIST_SHARE: f64 = 1e-3;
 
-/// Share of the torque above the mesh's frequency from which on the user is warned.
+/// Warning threshold of the torque's share above the mesh's frequency.
 const ABOVE_MESH_SHARE: f64 = 1e-2;
 
-/// Error of mesh or modes, and change by half the step, from which on the user is warned.
+/// Warning threshold of errors of mesh or modes, and of the change by half the step.
 pub(super) const COARSE: f64 = 1e-2;
 
-/// A lengthened window of more rows, and of more times the motion's own samples, is warned of.
+/// Warning thresholds of a lengthened window: its rows, and its rows over the motion's samples.
 const LONG_ROWS: usize = 50_000;
 const LONG_TIMES: f64 = 10.0;
 
-/// Error by the uncertainty of the samples from which on the user is warned.
+/// Warning threshold of the error from uncertain samples.
 pub(super) const UNCERTAIN: f64 = 0.1;
 
-/// What the linear model leaves out, over the tip's travel and over the torque's peak, from which on the user is warned.
+/// Warning thresholds of the linear model's errors, over the tip's travel and over the torque's peak.
 const INEXACT_TIP: f64 = 1e-2;
 const INEXACT_TORQUE: f64 = 5e-2;
 
-/// Change of the torque by second-order terms that were left out from which on the user is warned.
+/// Warning threshold of the torque's change by omitted second-order terms.
 pub(super) const LEFT_OUT: f64 = 1e-4;
 
-/// Change by an iteration, over that by the one before, from which on the user is warned.
+/// Warning threshold of the change by an iteration, over the change by the one before.
 pub(super) const SLOW: f64 = 0.7;
 
-/// Change of a peak by twice the tip's tolerance from which on the user is warned.
+/// Warning threshold of a peak's change by twice the tip's tolerance.
 pub(super) const UNSETTLED: f64 = 0.03;
 
-/// Torque that the window cuts off, and that is left where one period meets the next, over the torque's peak or range.
+/// Torque outside the window, and torque where one period meets the next, over the torque's peak or range.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
     pub(super) cut: f64,
     pub(super) seam: f64,
 }
 
-/// What a run was given and measured of itself.
+/// Input and measurements of a run.
 pub(super) struct Diagnostics<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
     pub(super) answer: &'a PeriodicAnswer,
     pub(super) edge: Edge,
-    /// What was counted of the second order.
+    /// Second-order terms of the answer.
     pub(super) second_order: Option<SecondOrderFindings>,
     pub(super) histories: &'a Histories,
-    /// Distances of the tip over its travel: of the solved one from the wanted one, and of one with all terms.
+    /// Distances from the wanted tip over its travel: of the solved tip, and of a tip with all terms.
     pub(super) tip_error: f64,
     pub(super) tip_model_error: Option<f64>,
     pub(super) errors: &'a PerQuantity<QuantityErrors>,
-    /// What shear and rotary inertia change of the torque; none of a slender link.
+    /// Relative change of the torque by shear and rotary inertia. `None` for a slender link.
     pub(super) thick: Option<f64>,
 }
 
 impl Diagnostics<'_> {
-    /// All warnings that there is reason for.
+    /// All justified warnings.
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let Self { model, motion, answer, errors, .. } = *self;
         let (mesh, tolerance) = (model.mesh(), self.analysis.tolerance());
@@ -126,7 +126,7 @@ impl Diagnostics<'_> {
             .collect()
     }
 
-    /// Share of its travel that the tip is followed to: that of the analysis, or what the samples are worth.
+    /// Error of the tip over its travel: the tolerance of the analysis, or the accuracy of the samples.
     fn followed(&self) -> f64 {
         let travel_m = self.answer.period.histories.largest_travel_m();
         let of_input = self.answer.period.spectrum.cutoff.input;
@@ -134,18 +134,18 @@ impl Diagnostics<'_> {
         of_input.max(self.analysis.tip_tolerance())
     }
 
-    /// The torque that the samples do not determine.
+    /// Warns of a torque that the samples do not determine.
     fn uncertain_input(&self) -> Option<Warning> {
         let torque = self.errors.torque.input.filter(|share| *share > UNCERTAIN)?;
         Some(Warning::UncertainInput { of: self.shares(), share: torque })
     }
 
-    /// What errors are shares of.
+    /// Reference of relative errors.
     fn shares(&self) -> ShareOf {
         if self.model.link().has_weight() { ShareOf::Range } else { ShareOf::Peak }
     }
 
-    /// An iteration that hardly converges, and second-order terms that were not counted.
+    /// Warns of an iteration that hardly converges, and of omitted second-order terms.
     fn of_second_order(&self) -> impl Iterator<Item = Warning> {
         let slow = self.second_order.and_then(|found| found.iteration.contraction);
         let slow = slow.filter(|factor| *factor > SLOW);
@@ -169,11 +169,11 @@ impl Diagnostics<'_> {
         DrivenModel { model: self.model, period: &self.answer.period, watch: &Unwatched }
     }
 
-    /// The worst of the quantities beside the torque, which has warnings of its own.
+    /// Warns of the worst quantity beside the torque, which has separate warnings.
     fn inexact_window(&self) -> Option<Warning> {
         let tolerance = self.analysis.tolerance();
         let mut shares = self.errors.of_kind(|errors| errors.window);
-        // A torque that is cut off is cut off at the motor and along the link as well.
+        // A window that cuts the torque off also cuts it off at the motor and along the link.
         if shares.torque > tolerance {
             (shares.motor_torque, shares.bending_moment) = (None, None);
         }
@@ -187,16 +187,16 @@ impl Diagnostics<'_> {
         })
     }
 
-    /// The torque whose peak changes most where the tip's tolerance is larger. Rounding, kinks and step
-    /// determine what is below the tolerance; a torque that depends on it is not determined by the tip.
+    /// Warns of the torque whose peak changes most with a larger tolerance of the tip. Rounding, kinks and step
+    /// determine motion below the tolerance; the tip does not determine a torque that depends on it.
     fn unsettled_torque(&self) -> Option<Warning> {
         let cutoff = &self.answer.period.spectrum.cutoff;
-        // What the digits leave open is measured as the error of the input.
+        // The error of the input already measures the digits' uncertainty.
         if cutoff.is_set_by_input() || cutoff.looser_rad_s >= cutoff.omega_rad_s {
             return None;
         }
         let driven = self.driven();
-        // What of the motion is taken away; of a bent link its weight stays, and what its second order adds.
+        // Only the linear part of the motion loses frequencies; the weight and second-order terms of a bent link stay.
         let linear = match self.second_order {
             None => None,
             Some(_) => Some(driven.hub_spectra().ok()?),
@@ -221,7 +221,7 @@ impl Diagnostics<'_> {
                 size(&samples, has_weight),
             )
         };
-        // No peak changes by more than the sum of what is taken away: mostly that sum is small enough.
+        // The sum of the removed amplitudes bounds the change of a peak: mostly that sum is small enough.
         let torque = &self.answer.hub.torque_n_m;
         let bins = torque.iter().zip(driven.omegas_rad_s());
         let taken = bins.map(|(a, omega)| match cutoff.weight_of_looser(*omega) {
@@ -248,18 +248,18 @@ impl Diagnostics<'_> {
         Some(Warning::UnsettledTorque { quantity, peak_n_m, looser_n_m })
     }
 
-    /// The linear model where it does not hold.
+    /// Warns of a linear model that does not hold.
     fn inexact_model(&self) -> Option<Warning> {
         let (tip, errors) = (self.tip_model_error?, self.errors.torque);
-        // The thickness has a warning of its own.
+        // The thickness has a separate warning.
         let torque = errors.model? - self.thick.unwrap_or(0.0);
         let counts = tip > INEXACT_TIP || torque > INEXACT_TORQUE;
         counts.then_some(Warning::InexactModel { torque, tip })
     }
 }
 
-/// The share by which shear and rotary inertia, which the theory leaves out, change a torque of these amplitudes, one for
-/// each frequency at least; none of a slender link.
+/// Relative change by shear and rotary inertia, absent from the theory, of a torque with these amplitudes, at least one
+/// for each frequency. `None` for a slender link.
 pub(super) fn thick_share(
     model: &dyn Model,
     omegas_rad_s: &[f64],
@@ -274,7 +274,7 @@ pub(super) fn thick_share(
     Some(thickness.torque_change(mesh, model.law(), &modes, torque))
 }
 
-/// A warning of a thickness that is noticeable.
+/// Warns of a noticeable thickness.
 pub(super) fn thick_link(share: f64) -> Option<Warning> {
     (share > NOTICEABLE).then_some(Warning::ThickLink { share })
 }
@@ -286,7 +286,7 @@ pub(super) fn blocked_tip(mesh: &Mesh, spectrum: &TipSpectrum, tolerance: f64) -
     let spacing = spectrum.omegas_rad_s[1];
     let zeros = real_frequency_zeros(mesh, spectrum.omegas_rad_s[bins]);
     let blocked = zeros.into_iter().filter_map(|omega| {
-        // Damping shifts the zero off the axis, not along it; the nearest bins hold the content there.
+        // Damping shifts the zero off the axis, not along it: the nearest bins hold the content there.
         let below = ((omega / spacing) as usize).min(magnitudes.len() - 2);
         let share = largest(&magnitudes[below..below + 2]) / peak;
         let frequency_hz = omega / TAU;

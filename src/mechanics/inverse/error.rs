@@ -5,16 +5,16 @@ use crate::link::ParameterError;
 use crate::model::ModelError;
 use crate::text::{gigabytes, significant};
 
-/// Why a valid link and a valid motion have no torque here.
+/// Reason why a valid link and a valid motion have no torque here.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InversionError {
-    /// A plan of the mesh that was made for another link.
+    /// A mesh plan of another link.
     #[error(transparent)]
     Plan(#[from] ParameterError),
     /// No model of the link on its mesh, or no finite torque at a frequency.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A frequency at which any torque moves the tip by no more than rounding.
+    /// A frequency where every torque moves the tip by rounding alone.
     #[error(
         "the tip at {} Hz = held still whatever the torque, but must move there",
         significant(*frequency_hz, 6)
@@ -23,7 +23,7 @@ pub enum InversionError {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
-    /// A torque whose square leaves double precision.
+    /// A torque whose square exceeds double precision.
     #[error("the peak torque = {peak_n_m:e} N m, but must lie from 1e-100 to 1e100 N m")]
     OutOfRange {
         /// Peak torque in N m.
@@ -48,30 +48,30 @@ pub enum InversionError {
         /// The tolerance of the mesh.
         tolerance: f64,
     },
-    /// A link with gravity whose direction is not known.
+    /// A link with gravity but without a direction.
     #[error(
         "start_angle = nothing, but must be given: with gravity the direction of the link matters"
     )]
     NoStartAngle,
-    /// Ends of the motion that this link, or the analysis, cannot have.
+    /// Ends of the motion that do not suit this link or the analysis.
     #[error("{0}")]
     Ends(RefusedEnds),
-    /// No motion of the bent link.
+    /// A bent link without a solution.
     #[error(transparent)]
     Elastica(#[from] ElasticaError),
-    /// A period that takes more memory than is allowed.
+    /// A period that exceeds the memory limit.
     #[error(
         "the inversion would need {} of memory, but must fit in the {} available",
         gigabytes(*bytes),
         gigabytes(*allowed)
     )]
     TooMuchMemory {
-        /// Bytes needed, about.
+        /// Approximate number of bytes needed.
         bytes: usize,
         /// Bytes allowed.
         allowed: usize,
     },
-    /// A window longer than this program transforms.
+    /// A window too long for this program's transforms.
     #[error("the period = {} samples, but must be at most {limit}", counted(*samples))]
     TooLong {
         /// Samples needed.
@@ -81,24 +81,24 @@ pub enum InversionError {
     },
 }
 
-/// Why a motion cannot have its ends.
+/// Reason why a motion cannot have its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum RefusedEnds {
-    /// Weight or second-order terms, which no constant velocity leaves at rest.
+    /// Weight or second-order terms, never at rest at a constant velocity.
     #[error(
         "the tip moves at the ends of its motion, but must be at rest there, or periodic, with gravity or \
          second order"
     )]
     Bent,
-    /// Drag on every mass, against which a constant velocity takes a torque.
+    /// Drag on every mass: even a constant velocity needs a torque.
     #[error(
         "the tip moves at the ends of its motion, but must be at rest there with damping.alpha above 0"
     )]
     Drag,
-    /// A lead or a lag of a motion that has no beginning and no end.
+    /// A lead or a lag of a motion without beginning and end.
     #[error("analysis.lead or analysis.lag = given, but a periodic motion has neither")]
     Edges,
-    /// A cycle that ends in another direction under gravity.
+    /// A cycle under gravity that ends in another direction.
     #[error("the cycle = not whole turns, but must end in its first direction, with gravity")]
     Turned,
 }
@@ -116,7 +116,7 @@ impl RefusedEnds {
     }
 }
 
-/// A number of samples; beyond what can be counted, by its power of ten.
+/// Writes a number of samples; a huge one by its power of ten.
 fn counted(samples: usize) -> String {
     if samples < 1_000_000_000_000 {
         samples.to_string()
@@ -126,12 +126,12 @@ fn counted(samples: usize) -> String {
 }
 
 impl InversionError {
-    /// True if a file or an option asks for what the motion cannot have, whatever the link.
+    /// True if a file or an option causes the error, whatever the link.
     pub fn is_of_input(&self) -> bool {
         matches!(self, Self::NoStartAngle | Self::Ends(RefusedEnds::Edges))
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::Plan(_) => "make the plan of the mesh from the link that it is for",

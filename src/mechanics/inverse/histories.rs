@@ -1,4 +1,4 @@
-//! Histories over the window that is written, cut out of the answer over one period.
+//! Histories over the written window, cut out of the answer over one period.
 
 use std::f64::consts::PI;
 
@@ -13,10 +13,10 @@ use crate::model::Model;
 use crate::motion::{TAIL_TERMS, TailTerms, TipMotionHistories, TipPeriod, tail_sum};
 use crate::numeric::TimeGrid;
 
-/// Spacing of the frequencies through which the series of a transfer is found, over the first zero.
+/// Spacing of the frequencies that determine the series of a transfer, over the first zero.
 const SPACING: f64 = 0.1;
 
-/// What the motor does, on its own side of the gear and on the solution's grid.
+/// Histories of the motor on its side of the gear, on the solution's grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotorHistories {
     /// Torque of the motor in N m.
@@ -29,7 +29,7 @@ pub struct MotorHistories {
     pub power_w: Vec<f64>,
 }
 
-/// All histories of a solution but those of the nodes.
+/// All histories of a solution except those of the nodes.
 pub(super) struct Histories {
     pub(super) grid: TimeGrid,
     pub(super) torque_n_m: Vec<f64>,
@@ -43,8 +43,8 @@ pub(super) struct Histories {
 }
 
 impl Histories {
-    /// Those of an answer on `grid`, a part of its period; `tail` is the hub angle's slow tail, and the start angle
-    /// the direction of the chord where the tip's displacement is 0.
+    /// Histories of an answer on `grid`, a part of its period. `tail` is the hub angle's slow tail; the start angle is
+    /// the direction of the chord at zero displacement of the tip.
     ///
     /// # Errors
     /// [`InversionError::MotorNotFinite`].
@@ -102,7 +102,7 @@ impl Histories {
         Ok(Self { motor, ..histories })
     }
 
-    /// What the motor must do so that the hub receives the torque T.
+    /// Motion and torque of the motor for the torque T at the hub.
     ///
     /// The joint's spring twists by T/k; rotor inertia and gear ratio n follow:
     ///
@@ -153,14 +153,14 @@ impl Histories {
     }
 }
 
-/// Torque in N m that moves the tip of the same link, were it rigid.
+/// Torque in N m that the same link would need if it were rigid.
 ///
 /// ```text
 /// T_rigid = I_rigid (a + αv)/L + b v/L + g(θ) ∫ x dm
 /// ```
 ///
-/// g(θ) is gravity across the link. α is the mass part of Rayleigh damping and zero otherwise: the torque of the flexible link tends
-/// to this one as EI grows.
+/// g(θ) is gravity across the link. α is the mass part of Rayleigh damping and zero otherwise. The torque of the
+/// flexible link tends to this one as EI grows.
 fn rigid_torque_n_m(
     link: &Link,
     law: &DampingLaw,
@@ -185,7 +185,7 @@ pub(super) fn tip_deflection_m(rigid_rad: &[f64], flexible_rad: &[f64], length_m
     pairs.map(|(rigid, flexible)| length_m * (rigid - flexible)).collect()
 }
 
-/// The samples of a period that `grid` covers.
+/// The samples of a period within `grid`.
 pub(super) fn cut(period: &[f64], grid: &TimeGrid) -> Vec<f64> {
     let mut samples = Vec::with_capacity(grid.len);
     for part in parts(period, grid) {
@@ -200,7 +200,7 @@ fn add(more: &[f64], samples: &mut [f64]) {
     }
 }
 
-/// What `grid` covers of a period, one after the other.
+/// Parts of a period within `grid`, one after the other.
 fn parts<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T]> {
     let (mut first, mut left) = (grid.in_period(0, period.len()), grid.len);
     std::iter::from_fn(move || {
@@ -211,7 +211,7 @@ fn parts<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T
     })
 }
 
-/// The hub's motion over a period: the tip's over the length, and what bending adds.
+/// The hub's motion over a period: the tip's over the length, and the part from bending.
 pub(super) struct HubMotion<'a> {
     pub(super) period: &'a TipPeriod,
     /// The hub angle's slow tail, where damping leaves one.
@@ -221,8 +221,8 @@ pub(super) struct HubMotion<'a> {
 }
 
 impl HubMotion<'_> {
-    /// The `order`-th derivative of the hub angle on a grid, from that of its excess over the whole
-    /// period and that of the tip on the grid.
+    /// The `order`-th derivative of the hub angle on a grid, from the derivatives of its excess over the whole period
+    /// and of the tip on the grid.
     pub(super) fn on(
         &self,
         grid: &TimeGrid,
@@ -238,8 +238,8 @@ impl HubMotion<'_> {
         motion
     }
 
-    /// Torque in N m that the hub's friction takes at the tip's velocity over the length, and its first two derivatives,
-    /// on a grid; none where the spectrum holds it.
+    /// Torque in N m against the hub's friction at the tip's velocity over the length, and its first two derivatives,
+    /// on a grid. `None` where the spectrum contains it.
     fn friction(&self, friction_n_m_s_rad: f64, grid: &TimeGrid) -> Option<[Vec<f64>; 3]> {
         let (tip, spectrum) = (&self.period.histories, &self.period.spectrum);
         spectrum.mean_m_s2?;
@@ -249,7 +249,7 @@ impl HubMotion<'_> {
         Some(taken.map(|of_tip| cut(of_tip, grid).iter().map(|value| factor * value).collect()))
     }
 
-    /// Takes what other periods add to the `order`-th derivative, times a factor, off samples of a grid.
+    /// Subtracts the other periods' part of the `order`-th derivative, times a factor, from samples of a grid.
     fn take_images_off(&self, grid: &TimeGrid, order: usize, factor: f64, samples: &mut [f64]) {
         let Some(tail) = self.tail.filter(|_| factor != 0.0) else { return };
         let tail = tail.map(|s| factor * s);
@@ -260,20 +260,18 @@ impl HubMotion<'_> {
     }
 }
 
-/// Frequencies at which transfers are power series in ω², from which the slow tail of hysteretic damping
-/// follows.
+/// Low frequencies where transfers are power series in ω². The series yield the slow tail of hysteretic damping.
 ///
-/// The factor κ = 1 + 2iξ sgn ω has a jump at ω = 0, so that deflections and the hub angle decay no
-/// faster than t⁻² away from the motion, where the torque decays as t⁻⁴. That part is known in closed
-/// form: where the transfer from tip acceleration is
+/// The factor κ = 1 + 2iξ sgn ω has a jump at ω = 0, so that deflections and the hub angle decay no faster than t⁻²
+/// away from the motion, where the torque decays as t⁻⁴. This tail has a closed form. For the transfer from tip
+/// acceleration
 ///
 /// ```text
 /// H(ω) = (g₀ + g₁ ω² + g₂ ω⁴ + …)/κ,   ω > 0,
 /// h(s) → Σ_m S_m/s^{2m+1},   S_m = −(−1)^m (2m)!/π · Im(g_m/κ),   |s| → ∞,
 /// ```
 ///
-/// and what the motion in all other periods adds through it, [`Images`](crate::motion::Images), is taken
-/// off.
+/// [`Images`](crate::motion::Images) hold the tails of the motion in all other periods; the histories subtract them.
 pub(super) struct SlowTails {
     /// Zero and the frequencies above it, in rad/s.
     omegas_rad_s: [f64; TAIL_TERMS + 1],
@@ -281,7 +279,7 @@ pub(super) struct SlowTails {
 }
 
 impl SlowTails {
-    /// None for a law without a slow tail.
+    /// `None` for a law without a slow tail.
     pub(super) fn of(model: &dyn Model, first_zero_per_s: Option<f64>) -> Option<Self> {
         let law = model.law();
         let is_hysteretic = matches!(law, DampingLaw::Hysteretic { ratio } if *ratio > 0.0);
@@ -297,7 +295,7 @@ impl SlowTails {
         self.tail(&lags).map(|s| s / model.mesh().length_m())
     }
 
-    /// `S_m` of the deflection at each of some nodes.
+    /// `S_m` of the deflection at these nodes.
     pub(super) fn nodal_tails(&self, model: &dyn Model, nodes: &[usize]) -> Vec<TailTerms> {
         let mut rows = vec![[Complex64::ZERO; TAIL_TERMS + 1]; nodes.len()];
         let mut columns: Vec<_> = rows.iter_mut().map(<[_; _]>::as_mut_slice).collect();

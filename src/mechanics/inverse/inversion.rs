@@ -1,4 +1,4 @@
-//! The inversion: period, mesh, window, histories, errors, warnings, and the solution made of them.
+//! The inversion: period, mesh, window, histories, errors and warnings, up to the solution.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -24,18 +24,18 @@ use crate::model::{Model, check_size, model_of};
 use crate::motion::{Ends, Motion, TipMotion};
 use crate::numeric::{TimeGrid, fast_length};
 
-/// Distance from whole turns, in turns, up to which a cycle under gravity ends in the direction in which it begins.
+/// Largest distance from whole turns, in turns, of a cycle under gravity that ends in its first direction.
 const WHOLE_TURNS: f64 = 1e-6;
 
 /// Finds the hub torque that makes the tip of `link` follow `motion` (Bayo 1987, eqs 13-21).
 ///
-/// Each frequency that the tip needs is divided by the link's transfer from torque to tip, on a period
-/// long enough for the torque to decay before and after the motion; the mesh is measured against
-/// one of half the element length, and refined where the plan says so.
+/// Divides each frequency of the tip by the link's transfer from torque to tip. The period is long enough for the
+/// torque to decay before and after the motion. A mesh of half the element length measures the mesh error and, for an
+/// automatic plan, refines the mesh.
 ///
 /// # Errors
-/// [`InversionError`]: damping that cannot be, a torque that is not finite, at the hub or at the
-/// motor, an automatic mesh that does not converge, or a window too long to transform.
+/// [`InversionError`]: impossible damping, a torque at hub or motor that is not finite, an automatic mesh that does not
+/// converge, or a window too long to transform.
 pub fn invert(
     link: &Link,
     plan: &MeshPlan,
@@ -45,7 +45,7 @@ pub fn invert(
     invert_with(link, plan, motion, analysis, &Resources::default())
 }
 
-/// [`invert`] within so much memory, its progress watched.
+/// [`invert`] within a memory limit, with a watcher of its progress.
 ///
 /// # Errors
 /// As [`invert`], and [`InversionError::TooMuchMemory`].
@@ -72,13 +72,13 @@ pub fn invert_with(
     if model.mesh().elements().len() > elements {
         first_zero_per_s = first_zero(model.mesh());
     }
-    // The images of a cycle are the cycles beside it.
+    // The images of a cycle are its neighbours.
     let tails = SlowTails::of(&*model, first_zero_per_s).filter(|_| motion.cycles().is_none());
     let hub_tail = tails.map(|tails| tails.hub_tail(&*model));
     let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
     let shortest = PeriodicAnswer::new(amplitudes.hub, amplitudes.motor.as_ref(), period);
     let (answer, left) = problem.decayed(&answering, shortest)?;
-    // Only of the mesh that answers: one that is refined, or measured against, may be far too coarse.
+    // Only the mesh of the answer counts: other meshes may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
     }
@@ -102,7 +102,7 @@ pub fn invert_with(
     problem.solution(answering, answer, (&window, edge), &errors, None)
 }
 
-/// Refuses ends of a motion that this link, or the analysis, cannot have.
+/// Refuses ends of a motion that do not suit this link or the analysis.
 fn refuse_ends(
     model: &dyn Model,
     motion: &TipMotion,
@@ -183,8 +183,8 @@ pub struct WindowTorques {
 }
 
 impl Solution {
-    /// The torques of one link for another sampling of its motion, on the same mesh and over the same window; the first sample
-    /// is at the window's start. None of an arm.
+    /// The torques of one link for another sampling of its motion, on the same mesh and over the same window; the first
+    /// sample is at the window's start. `None` for an arm.
     ///
     /// # Errors
     /// As [`invert_with`](super::invert_with).
@@ -220,7 +220,7 @@ fn first_zero(mesh: &Mesh) -> Option<f64> {
 }
 
 impl Problem<'_> {
-    /// The solution over a window of the answer; `errors` are those of mesh, modes and window.
+    /// The solution over a window of the answer; `errors` are the errors of mesh, modes and window.
     fn solution(
         &self,
         answering: AnsweringModel,
@@ -233,7 +233,7 @@ impl Problem<'_> {
         let start_angle_rad = self.start_angle_rad(answering.model.link())?;
         let place = (start_angle_rad, grid);
         let histories = Histories::of(&answer, &*answering.model, answering.hub_tail, place)?;
-        // Those of a bent link are measured where its loads reach beyond what the samples resolve.
+        // A bent link has step errors where its loads exceed the samples' resolution.
         let keeps_all = self.cutoff.keeps_all() && bent.is_none();
         let step_errors =
             if keeps_all { self.step_errors(&answering, &answer, &histories)? } else { None };
@@ -310,8 +310,7 @@ impl Problem<'_> {
     }
 }
 
-/// What the finite period and the window that is cut out of it cost each quantity, over its peak;
-/// `left` is the period's part.
+/// Error of each quantity from the finite period and the written window, over its peak; `left` is the period's part.
 fn window_errors(
     motion: &TipMotion,
     answer: &PeriodicAnswer,
@@ -344,7 +343,7 @@ pub(crate) mod tests {
     use crate::link::{Damping, LinkParts, uniform};
     use crate::motion::MotionColumns;
 
-    /// A motion of this many steps, smooth, so that its band is narrow where they are many.
+    /// A smooth motion of this many steps; more steps narrow its band.
     pub(crate) fn solution(steps: u32) -> Solution {
         let damping = Damping::Hysteretic { ratio: 0.02 };
         let link = Link::new(LinkParts { damping, ..uniform() }).unwrap();

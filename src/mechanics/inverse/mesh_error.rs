@@ -1,17 +1,15 @@
-//! The answer on a mesh, and its errors: what elements of half the length change of it, and what the uncertainty
-//! of a recorded motion does.
+//! The answer on a mesh, and its errors from the mesh and from the uncertainty of a recorded motion.
 //!
-//! Within the band the samples' errors pass through the link's transfers. Errors that are independent from
-//! sample to sample with standard deviation σ have the amplitude `σ/√N` at each of the N frequencies of a
-//! period, so that a quantity X with the transfer H from the tip's displacement has
+//! Within the band the samples' errors pass through the link's transfers. Independent errors of the samples with
+//! standard deviation σ have the amplitude `σ/√N` at each of the N frequencies of a period. A quantity X with the
+//! transfer H from the tip's displacement has
 //!
 //! ```text
 //! σ_X² = (2/N) Σ_k |H(ω_k)|² w(ω_k)² σ²
 //! ```
 //!
-//! Beyond the band the motion is not known. The tip's error at the cut-off falls on with its power f, as it
-//! does up to there, until it is what exact samples would be solved to. If all parts of it passed at the same
-//! time, X would be off by
+//! Beyond the band the motion is unknown. The tip's error falls with the power f up to the cut-off and beyond it, down
+//! to the tolerance for exact samples. If all its parts added up at one time, the error of X would be
 //!
 //! ```text
 //! ∫ |H| (−dε),   ε = ε(ω_c) (ω/ω_c)^{−f},   ω_c < ω < ω_c (ε(ω_c)/ε_wanted)^{1/f}
@@ -32,29 +30,29 @@ use crate::beam::{Mesh, MeshPlan};
 use crate::model::{KeptModes, Model, ModelError};
 use crate::motion::{InputBand, TipPeriod, TipSpectrum};
 
-/// Peak torques in N m whose squares, and products with rates and times, are finite.
+/// Peak torques in N m with finite squares, and finite products with rates and times.
 pub(super) const TORQUES_N_M: RangeInclusive<f64> = 1e-100..=1e100;
 
-/// The answer on the mesh that is fine enough, and its errors.
+/// The answer on a fine enough mesh, and its errors.
 pub(super) struct MeshAnswer {
     pub(super) model: Arc<dyn Model>,
     pub(super) amplitudes: Amplitudes,
     /// Peak of each quantity.
     pub(super) peaks: PerQuantity<f64>,
-    /// Discretisation error of each quantity over its own peak.
+    /// Discretisation error of each quantity over its peak.
     pub(super) mesh_errors: PerQuantity<f64>,
-    /// What a reduction to few modes changes of each quantity, over its own peak.
+    /// Change of each quantity by a reduction to few modes, over its peak.
     pub(super) mode_errors: Option<PerQuantity<f64>>,
-    /// What the uncertainty of the samples does to each quantity, over its own peak.
+    /// Error of each quantity from uncertain samples, over its peak.
     pub(super) input_errors: Option<PerQuantity<f64>>,
 }
 
 impl MeshAnswer {
-    /// Solves on the coarsest mesh and on halved elements, and goes on with these where the plan is
-    /// automatic, until the worst discretisation error is below the plan's tolerance.
+    /// Solves on the coarsest mesh and on halved elements. For an automatic plan halves them until the worst
+    /// discretisation error is below the plan's tolerance.
     ///
     /// # Errors
-    /// [`InversionError::NotConverged`], or a torque that is not finite or beyond what can be squared.
+    /// [`InversionError::NotConverged`], or a torque that is not finite or too large to square.
     pub(super) fn of(
         coarsest: Arc<dyn Model>,
         plan: &MeshPlan,
@@ -75,7 +73,7 @@ impl MeshAnswer {
             let finer_answer = solved(&finer, &finer_probes);
             let may_refine = plan.is_automatic() && 4 * elements <= finer.most_elements();
             match measured(&answer, &finer_answer, period, model.mesh()) {
-                // A mesh far too coarse for its band may give no numbers at all.
+                // A mesh far too coarse for its band may yield no finite numbers.
                 Err(InversionError::Model(ModelError::NotFinite { .. })) if may_refine => {}
                 Err(error) => return Err(error),
                 Ok((mesh_errors, peaks)) => {
@@ -113,8 +111,8 @@ impl MeshAnswer {
     }
 }
 
-/// What uncertain samples do to each quantity, over its peak; all of it where the mesh has no answer at the
-/// frequencies beyond the band.
+/// Error of each quantity from uncertain samples, over its peak; 1 where the mesh has no answer at the frequencies
+/// beyond the band.
 pub(super) fn uncertain(
     (model, probes): (&dyn Model, &Probes),
     period: &TipPeriod,
@@ -131,7 +129,7 @@ pub(super) fn uncertain(
     Ok(input_errors(within, beyond, peaks, model.mesh().length_m()))
 }
 
-/// Discretisation error of an answer, measured against that on halved elements, and the peaks there.
+/// Discretisation error of an answer, measured on halved elements, and the peaks there.
 fn measured(
     answer: &Result<Amplitudes, ModelError>,
     finer: &Result<Amplitudes, ModelError>,
@@ -152,15 +150,15 @@ fn measured(
 /// Largest error of a signal over its standard deviation.
 const PEAK: f64 = 4.0;
 
-/// Factor on what lies beyond the band: the tip's error falls in lobes, up to twice their mean. Without it,
-/// one in ten of random motions and decimals had a larger error than the estimate.
+/// Factor on the error beyond the band: the tip's error falls in lobes, up to twice their mean. Without it, one in ten
+/// of random motions and decimals had a larger error than the estimate.
 const LOBES: f64 = 2.0;
 
-/// What a set of amplitudes amounts to over time.
+/// Size of a set of amplitudes over time.
 type Measure<'a> = &'a dyn Fn(&[Complex64]) -> f64;
 
-/// The error of each quantity, over its peak: `within` are the amplitudes for a tip with the samples' errors
-/// alone, `beyond` those for the parts of its motion beyond the band, each with its spectrum.
+/// The error of each quantity, over its peak. `within` are amplitudes for a tip with the samples' errors alone,
+/// `beyond` for the parts of its motion beyond the band, each with its spectrum.
 pub(super) fn input_errors(
     within: (&Amplitudes, &TipSpectrum),
     beyond: (&Amplitudes, &TipSpectrum),
@@ -179,12 +177,12 @@ pub(super) fn input_errors(
 }
 
 impl Amplitudes {
-    /// Each quantity, the tip's own motion in it, as it amounts to over time.
+    /// Size of each quantity over time, the tip's motion included.
     fn measured(&self, tip: &TipSpectrum, length_m: f64, measure: Measure<'_>) -> PerQuantity<f64> {
         let bins = self.hub.torque_n_m.len();
         let tip_m: Vec<Complex64> = (0..bins)
             .map(|k| match k {
-                // Where the tip ends is no wave: of the sum of squares that waves have, it has half.
+                // The tip's end is no wave: its square counts half as much in the sum as a wave's.
                 0 => (FRAC_1_SQRT_2 * tip.travel_m()).into(),
                 _ => -tip.acceleration_m_s2[k] / tip.omegas_rad_s[k].powi(2),
             })

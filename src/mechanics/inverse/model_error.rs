@@ -1,4 +1,4 @@
-//! What the linear model leaves out of an answer: large deflections, centrifugal stiffening and the thickness.
+//! Errors of a linear answer: large deflections, centrifugal stiffening and the thickness.
 
 use std::sync::Arc;
 
@@ -18,33 +18,33 @@ use crate::motion::TipPeriod;
 use crate::numeric::{largest, largest_difference};
 use crate::response::{Play, Torque, simulate_on};
 
-/// Largest estimates of the tip, over its travel, and of the torque, over its peak, with which the terms are not counted: the
-/// true errors may be twice as large.
+/// Largest estimates of the errors of the tip, over its travel, and of the torque, over its peak, that suffice without
+/// counting the terms. The true errors may be twice as large.
 const ESTIMATED_TIP: f64 = 5e-3;
 const ESTIMATED_TORQUE: f64 = 2e-2;
 
-/// Most memory in bytes that counting them may take.
+/// Most memory in bytes for counting the terms.
 const MOST_BYTES: usize = 1 << 30;
 
-/// What the torque of a tip changes by, over the square of the deflection over the length, since a bent link is shorter from
-/// hub to tip: with a load at its tip by a tenth of that square, and the torque falls with the square of the distance.
+/// Relative change of the torque, over the square of deflection over length. A bent link with a load at its tip is
+/// shorter from hub to tip by a tenth of that square, and the torque falls with the square of the distance.
 const SHORTENED: f64 = 0.2;
 
-/// What inner nodes move by, over what the tip's deflection changes by: hub and tip stay on their arcs, and the nodes between
-/// them move by less.
+/// Movement of inner nodes, over the change of the tip's deflection. Hub and tip stay on their arcs; the nodes between
+/// them move less.
 const INNER: f64 = 0.25;
 
-/// What the linear model leaves out, as shares.
+/// Errors of the linear model, as shares.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ModelError {
-    /// How far the tip of a link with all terms strays under the torque, over its travel.
+    /// Error of the tip of a link with all terms under the torque, over its travel.
     pub(super) tip: f64,
-    /// What all terms change of each quantity, over its size.
+    /// Change of each quantity by all terms, over its size.
     pub(super) errors: PerQuantity<f64>,
 }
 
 impl ModelError {
-    /// From deflection and rate alone.
+    /// Estimate from deflection and rate alone.
     fn estimated(
         AnsweringModel { model, peaks, .. }: &AnsweringModel,
         answer: &PeriodicAnswer,
@@ -54,7 +54,7 @@ impl ModelError {
         let length_m = model.mesh().length_m();
         let deflection_m = largest(&tip_deflection_m(rigid_hub_angle_rad, hub_angle_rad, length_m));
         let turned = largest(&histories.tip.velocity_m_s) / length_m;
-        // In one that vibrates the hub swings faster than the link turns.
+        // The hub of a vibrating link swings faster than the link turns.
         let rate_rad_s = turned.min(largest(&histories.hub_rate_rad_s));
         let share_of = second_order_share(model.mesh(), model.link(), rate_rad_s);
         let share = share_of(deflection_m, OF_TORQUE);
@@ -82,7 +82,7 @@ impl ModelError {
         }
     }
 
-    /// The errors with what shear and rotary inertia change of torques and moments.
+    /// The errors, with the change of torques and moments by shear and rotary inertia.
     pub(super) fn with_thickness(&self, thick: Option<f64>) -> PerQuantity<f64> {
         let thick = thick.unwrap_or(0.0);
         let with = |share: Option<f64>| share.map(|share| share + thick);
@@ -96,10 +96,10 @@ impl ModelError {
 }
 
 impl Problem<'_> {
-    /// What all terms of second order change of a linear answer.
+    /// Change of a linear answer by all terms of second order.
     ///
-    /// They change what a quantity has beyond that of the rigid link by about a [share](second_order_share), and shorten the
-    /// link. Where that estimate is large the terms are counted.
+    /// The terms change the difference to the rigid link by about a [share](second_order_share), and shorten the link.
+    /// If this estimate is large, the solver counts the terms.
     pub(super) fn model_error(
         &self,
         answering: &AnsweringModel,
@@ -118,8 +118,8 @@ impl Problem<'_> {
         })
     }
 
-    /// The terms counted, with what is then missing of the torque played on the linear link, and whether two iterations tell
-    /// them; none where they are refused.
+    /// Counts the terms: plays the missing torque on the linear link, and judges whether two iterations suffice. `None`
+    /// if the terms are refused or exceed the memory limit.
     fn with_all_terms(
         &self,
         AnsweringModel { model, first_zero_per_s, peaks, .. }: &AnsweringModel,
@@ -134,7 +134,7 @@ impl Problem<'_> {
         if bytes > allowed {
             return None;
         }
-        // A coarse mesh tells it, with all modes.
+        // A coarse mesh with all modes suffices.
         let coarse = model_of(link, mesh.clone(), KeptModes::All).ok()?;
         let bent = BentProblem::of(self, link, *first_zero_per_s).ok()?;
         let ([own, other], share) =
@@ -143,7 +143,7 @@ impl Problem<'_> {
         let errors = own.apart(&other).zip(peaks, |off, size| share * off / size);
         let missing = own.torque_n_m.iter().zip(&other.torque_n_m);
         let missing: Vec<f64> = missing.map(|(own, other)| share * (own - other)).collect();
-        // A cycle is not played from rest.
+        // A cycle does not start from rest.
         if self.motion.cycles().is_some() {
             return Some((ModelError { tip: 0.0, errors }, converges));
         }
@@ -161,8 +161,8 @@ impl Problem<'_> {
 }
 
 impl BentProblem<'_> {
-    /// Histories of the linear link over a period of a motion, other ones, and how many times what lies between them all
-    /// second-order terms change; at some nodes.
+    /// Histories of the linear link over a period of a motion at some nodes, further histories, and the change by all
+    /// second-order terms over the difference of both.
     ///
     /// # Errors
     /// [`InversionError`].

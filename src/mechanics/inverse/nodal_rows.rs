@@ -15,10 +15,10 @@ use crate::motion::{TAIL_TERMS, TailTerms};
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, largest};
 use crate::system::end_if_stopped;
 
-/// Bytes of a cache line of the processor, and of the widest vectors.
+/// Bytes of the processor's cache line, and of its widest vectors.
 const LINE: usize = 64;
 
-/// Rows of a part, which has one bound.
+/// Rows of a part; each part has one bound.
 const PART_ROWS: usize = 512;
 
 /// Rows of a part that one thread computes at a time.
@@ -27,9 +27,9 @@ const ROWS_AT_ONCE: usize = 64;
 /// Factor of all bounds, far above the rounding of a sum.
 const ROUNDING: f64 = 1.0 + 1e-12;
 
-/// The samples that rows are computed from, panel by panel of [`PANEL`] nodes.
+/// The samples behind the rows, panel by panel of [`PANEL`] nodes.
 pub(super) struct PanelSamples {
-    /// Those of all panels, after up to seven numbers that are not used.
+    /// Samples of all panels, after up to seven unused numbers.
     numbers: Vec<f64>,
     /// Index of the first sample, which begins a cache line.
     first: usize,
@@ -38,7 +38,7 @@ pub(super) struct PanelSamples {
 }
 
 impl PanelSamples {
-    /// Zeros for so many panels.
+    /// Zeros for `panels` panels.
     pub(super) fn zeros(panels: usize, len: usize) -> Self {
         // Aligned, because a vector that crosses two lines takes 1.5 times as long to read.
         let most = LINE / size_of::<f64>() - 1;
@@ -57,7 +57,7 @@ impl PanelSamples {
     }
 }
 
-/// How the rows of a nodal table are computed from samples.
+/// Computation of a nodal table's rows from samples.
 pub(super) struct RowPlan<'a> {
     pub(super) solution: &'a Solution,
     pub(super) spectra: &'a LinkSpectra,
@@ -66,7 +66,7 @@ pub(super) struct RowPlan<'a> {
     /// Times of the rows.
     pub(super) times: ThinnedGrid,
     pub(super) sampling: Sampling,
-    /// Distances x in m from the axis where the rigid rotation xθ is added.
+    /// Distances x in m from the axis, for a table with the rigid rotation xθ.
     pub(super) arms_m: Option<Vec<f64>>,
     /// θ in rad.
     pub(super) turned_rad: Cow<'a, [f64]>,
@@ -87,7 +87,7 @@ impl RowPlan<'_> {
         self.nodes.len().div_ceil(PANEL)
     }
 
-    /// Upper bound of what the images of the motion in other periods subtract from a value.
+    /// Upper bound of the subtracted images of the motion in other periods.
     fn largest_images(&self) -> f64 {
         let Some(tails) = &self.tails else { return 0.0 };
         let history = self.spectra.period.images().history(0);
@@ -112,7 +112,7 @@ impl NodalBlock<'_> {
     /// Writes some of the rows into `values`, one after the other.
     ///
     /// # Panics
-    /// If the block does not hold the rows, or `values` has not their size.
+    /// If the block lacks the rows, or `values` has another size.
     pub(crate) fn write_rows(&self, rows: Range<usize>, values: &mut [f64]) {
         end_if_stopped();
         let width = self.plan.nodes.len();
@@ -156,7 +156,7 @@ impl NodalBlock<'_> {
         parts.collect()
     }
 
-    /// The largest of all nodes' samples that these rows are computed from.
+    /// The largest of all nodes' samples behind these rows.
     fn largest_sample(&self, rows: &Range<usize>) -> f64 {
         let taken = self.plan.sampling.taken(&self.rows, rows);
         let panels = self.samples.samples().chunks(self.samples.len.max(1));

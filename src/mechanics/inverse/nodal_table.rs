@@ -18,22 +18,22 @@ use crate::motion::Ends;
 use crate::numeric::{PANEL, Sampling, ThinnedGrid, Transforms};
 use crate::system::end_if_stopped;
 
-/// Amplitudes in memory at a time, unless that would be more than [`MOST_NODE_BLOCKS`].
+/// Bytes of amplitudes in memory at a time, unless [`MOST_NODE_BLOCKS`] requires more.
 const SPECTRA_BYTES: usize = 1 << 27;
 
-/// Most groups of nodes that are solved one after the other: the checkpoints between more of them would
-/// take more memory than the amplitudes.
+/// Most groups of nodes, solved one after the other: the checkpoints between more groups would take more memory than
+/// the amplitudes.
 const MOST_NODE_BLOCKS: usize = 32;
 
-/// Samples in memory at a time, unless [`MOST_ROW_BLOCKS`] asks for more.
+/// Bytes of samples in memory at a time, unless [`MOST_ROW_BLOCKS`] requires more.
 const SAMPLE_BYTES: usize = 1 << 30;
 
-/// Blocks of rows that are computed one after the other; each solves and transforms all nodes again.
+/// Most blocks of rows, computed one after the other; each solves and transforms all nodes again.
 const MOST_ROW_BLOCKS: usize = 8;
 
 /// A quantity at some nodes over time: one row a sample, one value a node.
 ///
-/// Rows are computed in blocks, on request, in memory of [`NodalTable::bytes`].
+/// Computes rows in blocks, on request, within [`NodalTable::bytes`] of memory.
 pub struct NodalTable<'a> {
     pub(super) plan: RowPlan<'a>,
     quantity: NodalQuantity,
@@ -47,7 +47,7 @@ impl Solution {
     /// Deflection w in m from the hub's tangent line at `nodes`, every `every`-th sample.
     ///
     /// # Errors
-    /// [`ParameterError`] if a node is not one of the mesh, or of an arm, whose links have [shapes](Self::shapes).
+    /// [`ParameterError`] if the mesh lacks a node, and for an arm, whose links have [shapes](Self::shapes).
     pub fn deflections(
         &self,
         nodes: &[usize],
@@ -68,7 +68,7 @@ impl Solution {
     /// Total displacement `v = xθ + w` in m (Bayo 1987, eq 1) at `nodes`, every `every`-th sample.
     ///
     /// # Errors
-    /// [`ParameterError`] if a node is not one of the mesh.
+    /// [`ParameterError`] if the mesh lacks a node.
     pub fn displacements(
         &self,
         nodes: &[usize],
@@ -77,12 +77,11 @@ impl Solution {
         Ok(self.deflections(nodes, every)?.with_rotation())
     }
 
-    /// Bending moment in N m at `nodes`, every `every`-th sample: what the part of the link towards
-    /// the hub exerts on the part towards the tip, positive as the torque is, so that
-    /// `EI w'' = −m`. A lumped inertia at a node counts as outer.
+    /// Bending moment in N m at `nodes`, every `every`-th sample. The part of the link towards the hub exerts it on the
+    /// part towards the tip, positive like the torque: `EI w'' = −m`. A lumped inertia at a node counts as outer.
     ///
     /// # Errors
-    /// [`ParameterError`] if a node is not one of the mesh.
+    /// [`ParameterError`] if the mesh lacks a node.
     pub fn moments(
         &self,
         nodes: &[usize],
@@ -125,7 +124,7 @@ impl<'a> NodalTable<'a> {
         };
         let tails = tails.map(|tails| tails.nodal_tails(model, nodes));
         let nodes = nodes.to_vec();
-        // Displacements are counted along the hub's tangent line or, of a bent link, along the chord.
+        // Displacements count along the hub's tangent line or, for a bent link, along the chord.
         let turned_rad = if spectra.shape.is_none() {
             Cow::Borrowed(&solution.joints[0].angle_rad[..])
         } else {
@@ -143,12 +142,12 @@ impl<'a> NodalTable<'a> {
         table
     }
 
-    /// The total displacements where these are deflections: adds the rigid rotation.
+    /// Turns deflections into total displacements: adds the rigid rotation.
     #[must_use]
     pub(crate) fn with_rotation(self) -> Self {
         let nodes_m = self.plan.solution.mesh().nodes_m();
         let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
-        // A bent link is turned along its chord: other samples are wanted.
+        // A bent link turns along its chord and needs other samples.
         let whole = if self.plan.spectra.shape.is_some() { OnceLock::new() } else { self.whole };
         Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, whole, ..self }
     }
@@ -159,7 +158,7 @@ impl<'a> NodalTable<'a> {
         Self::of((solution, spectra), nodes, *times, NodalQuantity::Moment)
     }
 
-    /// The same table in blocks of so many rows.
+    /// Sets the number of rows of a block.
     #[cfg(test)]
     pub(crate) fn in_blocks_of(self, rows: usize) -> Self {
         Self { block: rows, ..self }
@@ -185,8 +184,7 @@ impl<'a> NodalTable<'a> {
         samples * self.plan.panels() * size_of::<[f64; PANEL]>()
     }
 
-    /// Memory in bytes that the rows take, about: amplitudes and samples of a block, and the transforms
-    /// of each thread.
+    /// Approximate memory in bytes of the rows: amplitudes and samples of a block, and the transforms of each thread.
     pub fn bytes(&self) -> usize {
         let nodes = self.nodes().len().min(self.nodes_at_once());
         let threads = rayon::current_num_threads().min(self.plan.panels());
@@ -201,7 +199,7 @@ impl<'a> NodalTable<'a> {
         self.len().div_ceil(self.block)
     }
 
-    /// Solves and transforms a block of rows, numbered from 0; an only block is kept for further calls.
+    /// Solves and transforms a block of rows, numbered from 0; keeps an only block for further calls.
     ///
     /// # Panics
     /// If there is no such block.
@@ -215,10 +213,10 @@ impl<'a> NodalTable<'a> {
         NodalBlock { plan: &self.plan, rows, samples }
     }
 
-    /// Largest absolute value of all rows, NaN left out, or a smaller value of them that is enough.
+    /// Largest absolute value of all rows without NaN, or a smaller sufficient one.
     ///
-    /// `is_enough` gets the largest value found and a bound of the rows not computed, infinite or NaN
-    /// if there is none; if it returns true, these rows of the block are left out.
+    /// `is_enough` receives the largest value so far and a bound of the block's other rows, infinite or NaN where the
+    /// bound is unknown. If it returns true, the search skips these rows.
     pub fn peak(&self, watch: &dyn Watch, is_enough: impl Fn(f64, f64) -> bool) -> f64 {
         (0..self.blocks()).fold(0.0, |mut found, number| {
             let block = self.block(number, watch);
@@ -238,14 +236,14 @@ impl<'a> NodalTable<'a> {
         size_of::<Complex64>() * self.plan.solution.band.frequencies
     }
 
-    /// Nodes that are solved for at a time: whole panels, at least one.
+    /// Number of nodes solved at a time: whole panels, at least one.
     fn nodes_at_once(&self) -> usize {
         let fitting = SPECTRA_BYTES / self.spectrum_bytes() / PANEL;
         let fewest = self.plan.panels().div_ceil(MOST_NODE_BLOCKS);
         fitting.max(fewest).max(1) * PANEL
     }
 
-    /// The samples that `rows` are computed from, solved for so many nodes at a time.
+    /// The samples behind `rows`, solved in groups of nodes.
     fn samples(
         &self,
         rows: &Range<usize>,

@@ -1,4 +1,4 @@
-//! How long the period must be, and which part of it is worth writing.
+//! Length of the period, and its part worth writing.
 
 use super::analysis::Analysis;
 use super::error::InversionError;
@@ -8,26 +8,25 @@ use crate::numeric::{TimeGrid, fast_length, largest};
 /// Most samples of a period.
 const LONGEST: usize = 1 << 24;
 
-/// Memory in bytes that solving takes for each sample of the period, and for each frequency that is
-/// solved for, as measured.
+/// Memory in bytes of the solver for each sample of the period, and for each solved frequency, as measured.
 const BYTES_PER_SAMPLE: usize = 210;
 const BYTES_PER_FREQUENCY: usize = 360;
 
-/// A period is lengthened to at most this many samples, or to four times what it began with.
+/// Most samples of a lengthened period, unless four times its initial length are more.
 const LENGTHENED: usize = 1 << 20;
 
-/// Samples before and after the trajectory's own.
+/// Samples before and after those of the trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Padding {
     pub(super) before: usize,
     pub(super) after: usize,
-    /// Samples of the shortest period of a periodic motion, which has no padding.
+    /// Samples of the shortest period of a periodic motion, without padding.
     pub(super) cycles: Option<usize>,
 }
 
 impl Padding {
-    /// Padding after which the torque has decayed to a tenth of the tolerance, if it decays as
-    /// e^{z₁t} before and e^{−z₁t} after the motion; rest that the trajectory has already counts.
+    /// Padding that lets the torque decay to a tenth of the tolerance, as e^{z₁t} before and e^{−z₁t} after the motion.
+    /// Rest within the trajectory counts.
     pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
         if let Some(cycles) = motion.cycles() {
             return Self { before: 0, after: 0, cycles: Some(cycles) };
@@ -36,7 +35,7 @@ impl Padding {
         Self::around((first, last), motion.grid(), analysis, first_zero)
     }
 
-    /// The same of a motion that moves from sample `first` to sample `last` of its grid.
+    /// Padding of a motion from sample `first` to sample `last` of its grid.
     pub(super) fn around(
         (first, last): (usize, usize),
         TimeGrid { step_s, len, .. }: TimeGrid,
@@ -65,8 +64,8 @@ impl Padding {
         Ok(self.cycles.unwrap_or_else(|| fast_length(samples)))
     }
 
-    /// The first sample of a period of `len` samples that is at a time before a motion of `given`
-    /// samples; what the period has to spare is shared between both sides.
+    /// First sample of a period of `len` samples that lies before a motion of `given` samples in time; both sides share
+    /// the spare samples.
     pub(super) fn seam(self, given: usize, len: usize) -> usize {
         if self.cycles.is_some() {
             return len;
@@ -74,14 +73,14 @@ impl Padding {
         given + self.after + (len - given - self.before - self.after) / 2
     }
 
-    /// The next longer period to try, or none where the limit is reached.
+    /// The next longer period to try. `None` at the limit.
     pub(super) fn lengthened(current: usize, initial: usize) -> Option<usize> {
         let limit = LENGTHENED.max(4 * initial).min(LONGEST);
         (2 * current <= limit).then(|| fast_length(2 * current))
     }
 }
 
-/// Refuses a period that takes more memory to solve than is allowed.
+/// Refuses a period that exceeds the memory limit.
 ///
 /// # Errors
 /// [`InversionError::TooMuchMemory`].
@@ -99,7 +98,7 @@ pub(super) fn check_memory(
 
 /// Whole steps that cover a time.
 fn steps(time_s: f64, step_s: f64) -> usize {
-    // A lead of 0.5 s at 1 ms is 500 steps, whatever the last bit of the quotient.
+    // A lead of 0.5 s at 1 ms must be 500 steps, whatever the last bit of the quotient.
     (time_s / step_s * (1.0 - 1e-12)).ceil() as usize
 }
 
@@ -117,19 +116,19 @@ impl Window {
     }
 }
 
-/// The torque over a period that begins in the middle of the rest: samples from `before` on are one
-/// period earlier, as in the motion's own histories.
+/// The torque over a period that begins in the middle of the rest: samples from `before` on are one period earlier, as
+/// in the motion's histories.
 pub(super) struct PeriodicTorque<'a> {
     pub(super) samples: &'a [f64],
     /// The first sample whose time is one period earlier.
     pub(super) before: usize,
-    /// Samples on either side of that one in which what is left where periods meet is measured.
+    /// Samples on either side of `before` that measure the remainder where periods meet.
     pub(super) reach: usize,
 }
 
 impl PeriodicTorque<'_> {
-    /// Torque from sample `from` of the trajectory's own numbering, negative before it, to before
-    /// sample `to`, at most a period later: in two parts, where the samples go over their end.
+    /// Torque from sample `from` of the trajectory's numbering, negative before it, to before sample `to`, at most a
+    /// period later. Two parts cover samples on both sides of the period's end.
     fn part(&self, from: i64, to: i64) -> [&[f64]; 2] {
         let len = self.samples.len();
         let first = from.rem_euclid(len as i64) as usize;
@@ -159,8 +158,8 @@ impl PeriodicTorque<'_> {
         self.largest(seam - reach, seam + reach)
     }
 
-    /// The part of the period to write: the trajectory's samples, and before and after them as
-    /// many as the analysis says, or until the torque stays below the tolerance of `peak`.
+    /// The part of the period to write: the trajectory's samples with the analysis's lead and lag or, without these,
+    /// until the torque stays below the tolerance of `peak`.
     pub(super) fn window(&self, len: usize, step_s: f64, analysis: &Analysis, peak: f64) -> Window {
         let (begin, end) = self.ends();
         let last = len as i64 - 1;
@@ -211,8 +210,7 @@ mod tests {
         assert_eq!(padding.period_len(LONGEST - 122), Err(error));
     }
 
-    /// A period of 20 samples, five of them before the first of the trajectory, with a torque from
-    /// one to another.
+    /// A period of 20 samples, five of them before the trajectory, with a torque between two samples.
     fn acting(from: i64, to: i64) -> Vec<f64> {
         (0..20)
             .map(

@@ -1,4 +1,4 @@
-//! The answer over one period, and what the period's finite length costs it.
+//! The answer over one period, and its errors from the period's finite length.
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -21,13 +21,13 @@ pub(super) struct PeriodicAnswer {
     pub(super) torque_n_m: Vec<f64>,
     /// Torque of the motor in N m, where there is a drive.
     pub(super) motor_n_m: Option<Vec<f64>>,
-    /// Hub angle less that of the rigid link in rad and its derivatives, the images of its slow tail still
-    /// in it; each computed on first use.
+    /// Hub angle less that of the rigid link in rad and its derivatives, including the images of its slow tail; each
+    /// computed on first use.
     excess: [OnceLock<Vec<f64>>; 3],
 }
 
 impl PeriodicAnswer {
-    /// Solves for it.
+    /// Solves for the answer.
     ///
     /// # Errors
     /// As [`DrivenModel::hub_spectra`].
@@ -38,7 +38,7 @@ impl PeriodicAnswer {
         Ok(Self::new(hub, motor.as_ref(), period))
     }
 
-    /// From amplitudes of hub and motor.
+    /// The answer from amplitudes of hub and motor.
     pub(super) fn new(
         hub: HubSpectra,
         motor: Option<&MotorSpectra>,
@@ -50,7 +50,7 @@ impl PeriodicAnswer {
         Self { period, hub, torque_n_m, motor_n_m, excess: [(); 3].map(|()| OnceLock::new()) }
     }
 
-    /// Amplitudes of the torque, without the mean of what holds a weight.
+    /// Amplitudes of the torque, without the mean that holds a weight.
     pub(super) fn moving_torque_n_m(&self, link: &Link) -> Cow<'_, [Complex64]> {
         let mut amplitudes = Cow::Borrowed(&self.hub.torque_n_m[..]);
         if link.has_weight() {
@@ -67,20 +67,20 @@ impl PeriodicAnswer {
         self.excess[order].get_or_init(|| self.derivative(&self.hub.excess_angle_rad, order))
     }
 
-    /// Samples of the period as seen from the middle of the rest.
+    /// Samples of the period, as a period that begins in the middle of the rest.
     pub(super) fn periodic<'a>(&self, samples: &'a [f64]) -> PeriodicTorque<'a> {
         let spectrum = &self.period.spectrum;
         PeriodicTorque { samples, before: spectrum.seam, reach: spectrum.seam_reach() }
     }
 
-    /// What is left of samples of the period where it meets the next, over their peak.
+    /// Remainder of samples where the period meets the next, over their peak.
     pub(super) fn left_of(&self, samples: &[f64]) -> f64 {
         let periodic = self.periodic(samples);
         periodic.at_seam().max(self.ringing(samples)) / periodic.peak()
     }
 
-    /// What is left of each quantity where one period meets the next, over its peak: what the finite
-    /// period costs it. `tail` is the slow tail of the hub angle, where damping leaves one.
+    /// Remainder of each quantity where one period meets the next, over its peak: its error from the finite period.
+    /// `tail` is the slow tail of the hub angle, where damping causes one.
     pub(super) fn left_at_seam(
         &self,
         link: &Link,
@@ -103,8 +103,8 @@ impl PeriodicAnswer {
             hub_angle: hub_rad / peaks.hub_angle,
             hub_rate: hub_rad_s / peaks.hub_rate,
             hub_acceleration: peaks.hub_acceleration.map(|peak| over(hub(2), peak)),
-            // The tip stays where it is wanted, and the hub on its axis: between them no node is off by
-            // more than the hub's turn moves a rigid link.
+            // The tip stays at its wanted place, and the hub on its axis: the error of a node between them is at most
+            // that of a rigid link turned like the hub.
             displacement: peaks.displacement.map(|peak| over(hub_rad * length_m, peak)),
             bending_moment: peaks.bending_moment.map(|_| moment()),
             motor_torque: self.motor_n_m.as_deref().map(|samples| self.left_of(samples)),
@@ -112,8 +112,8 @@ impl PeriodicAnswer {
         }
     }
 
-    /// What is left of the n-th derivative of the hub angle at the seam beyond the slow tail, in rad/sⁿ,
-    /// as a function of n from 0 to 2.
+    /// Remainder of the n-th derivative of the hub angle at the seam beyond the slow tail, in rad/sⁿ, as a function of
+    /// n from 0 to 2.
     fn hub_left(&self, tail: Option<&TailTerms>, length_m: f64) -> impl Fn(usize) -> f64 {
         let (places, spacing_s) = self.period.spectrum.around_seam();
         let excess_rad: Vec<f64> = places.iter().map(|(k, _)| self.excess(0)[*k]).collect();
@@ -146,8 +146,8 @@ impl PeriodicAnswer {
         spectrum.pair.samples(spectrum.derivative(amplitudes, order))
     }
 
-    /// Largest distance of samples around the seam from a smooth tail, given at the places there but the
-    /// first and the last; without one, from zero.
+    /// Largest distance of samples around the seam from a smooth tail at the places there except the first and the
+    /// last; without a tail, from zero.
     fn farthest_at_seam(&self, samples: &[f64], tail: &[f64]) -> f64 {
         let (places, _) = self.period.spectrum.around_seam();
         let len = samples.len();
@@ -164,7 +164,7 @@ impl PeriodicAnswer {
         around.fold(0.0, f64::max)
     }
 
-    /// Amplitudes of the hub angle in rad, that at zero frequency left out.
+    /// Amplitudes of the hub angle in rad, 0 at zero frequency.
     fn hub_angle_amplitudes_rad(&self, length_m: f64) -> Vec<Complex64> {
         let spectrum = &self.period.spectrum;
         let tip = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
@@ -173,16 +173,16 @@ impl PeriodicAnswer {
         std::iter::once(Complex64::ZERO).chain(angles).collect()
     }
 
-    /// True where all frequencies are kept: a spectrum that ends at the Nyquist frequency with a jump or a
-    /// kink rings there.
+    /// True if the solver keeps all frequencies: a spectrum that ends at the Nyquist frequency with a jump or a kink
+    /// rings there.
     fn rings(&self) -> bool {
         self.period.spectrum.cutoff.keeps_all()
     }
 
-    /// About what the images of a quantity that rings, alternating from sample to sample, add to it; 0 where
-    /// nothing rings. Differences over many samples do not see it.
+    /// Approximate sum of the images of a ringing quantity, which alternates from sample to sample; 0 without ringing.
+    /// Differences over many samples miss it.
     ///
-    /// At the seam the images of a kink, c/t², add up. Those of a jump cancel there:
+    /// At the seam the images of a kink, c/t², add up. The images of a jump cancel there:
     ///
     /// ```text
     /// Σ_m c/(t + mP) = c π/P cot(πt/P)

@@ -1,4 +1,4 @@
-//! A motion to be solved for: its periods on any mesh, and the same motion sampled otherwise.
+//! A motion to invert: its periods on any mesh, and the same motion at other samples.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipPeriod};
 use crate::numeric::{TimeGrid, fast_length, largest};
 
-/// A motion, and how exactly it is followed; the first zero of the link determines the padding.
+/// A motion and the required accuracy; the first zero of the link determines the padding.
 pub(super) struct Problem<'a> {
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
@@ -24,11 +24,11 @@ pub(super) struct Problem<'a> {
     pub(super) resources: Resources<'a>,
 }
 
-/// The model that answers, and what is known of it besides.
+/// The model of the answer, and its further properties.
 pub(super) struct AnsweringModel {
     pub(super) model: Arc<dyn Model>,
     pub(super) first_zero_per_s: Option<f64>,
-    /// The hub angle's slow tail, where damping leaves one.
+    /// The hub angle's slow tail, where damping causes one.
     pub(super) hub_tail: Option<TailTerms>,
     /// Peak of each quantity.
     pub(super) peaks: PerQuantity<f64>,
@@ -74,11 +74,11 @@ impl<'a> Problem<'a> {
         Ok(PeriodicAnswer::of(driven, Arc::clone(&period))?)
     }
 
-    /// Lengthens the period until every quantity has decayed where one period meets the next; returns
-    /// what is left there, over the peak of each.
+    /// Lengthens the period until every quantity has decayed where one period meets the next; returns each remainder
+    /// there, over the quantity's peak.
     ///
-    /// The zeros give the exponential decay; hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the
-    /// torque), and a blocked tip rings on, so the decay is measured, too.
+    /// The zeros determine the exponential decay. Hysteretic damping adds an algebraic tail (∝ t⁻⁴ of the torque), and
+    /// a blocked tip rings on, so the decay is measured, too.
     pub(super) fn decayed(
         &self,
         answering: &AnsweringModel,
@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
                 let left = left();
                 return Ok((answer, left));
             };
-            // Where the torque has not decayed, nothing else need be looked at.
+            // Until the torque has decayed, the other quantities do not matter.
             if answer.left_of(&answer.torque_n_m) <= tolerance {
                 let left = left();
                 if left.worst().1 <= tolerance {
@@ -125,7 +125,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The motion on a mesh, on a period no shorter than one given, so that it holds what that one does.
+    /// The motion on a mesh, on a period at least as long as another one, to cover its samples.
     pub(super) fn answer_over(
         &self,
         model: &dyn Model,
@@ -139,7 +139,7 @@ impl<'a> Problem<'a> {
         self.answer(model, own.max(fast_length(given)))
     }
 
-    /// Direction of the chord where the tip's displacement is 0; of a link without gravity none is another than 0.
+    /// Direction of the chord in rad at zero displacement of the tip; 0 for a link without gravity.
     pub(super) fn start_angle_rad(&self, link: &Link) -> Result<f64, InversionError> {
         let Some(gravity) = link.gravity() else { return Ok(0.0) };
         let given = self.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
@@ -150,7 +150,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// A window at this motion's own step.
+    /// A window at this motion's step.
     pub(super) fn grid_over(&self, window: &TimeGrid) -> TimeGrid {
         let grid = self.motion.grid();
         let first = ((window.time_s(0) - grid.time_s(0)) / grid.step_s).round() as i64;
@@ -159,8 +159,8 @@ impl<'a> Problem<'a> {
         TimeGrid { first, len, ..grid }
     }
 
-    /// What half the step changes of every quantity, over its peak; none where the motion cannot be
-    /// sampled twice as often.
+    /// Change of every quantity by half the step, over its peak. `None` where the motion cannot be sampled twice as
+    /// often.
     pub(super) fn step_errors(
         &self,
         answering: &AnsweringModel,

@@ -1,4 +1,4 @@
-//! Where in a period the chords return, and the rest on either side of it.
+//! Place of the chords' return within a period, and the rest on either side of it.
 
 use std::ops::Range;
 
@@ -8,43 +8,44 @@ use crate::elastica::returning;
 use crate::motion::TipSpectrum;
 use crate::numeric::TimeGrid;
 
-/// Time in which a link's chord returns, over the time in which the torque falls by e. At its ends the torque differs from
-/// that at rest by about 5e-11 of its range: `e^(−30 + s²/2)`, where the bell's standard deviation is s = 3.5 of those times.
+/// Duration of a chord's return, over the time constant of the torque's decay. At its ends the torque differs from that
+/// at rest by about 5e-11 of its range: `e^(−30 + s²/2)`, where the bell's standard deviation is s = 3.5 of those
+/// times.
 const RETURN: f64 = 60.0;
 
-/// Fewest samples of a return: at the frequencies of a faster one the samples do not resolve products.
+/// Fewest samples of a return: they cannot resolve products at the frequencies of a faster one.
 const FEWEST: usize = 256;
 
 /// Samples of rest before the return and after it, at least.
 const AT_REST: usize = 2;
 
-/// Share of the time that a period has to spare for the return; the torque decays in the rest.
+/// Share of a period's spare time for the return; the torque decays in the rest.
 const SPARE_FOR_RETURN: f64 = 0.2;
 
-/// A period is lengthened to at most this many samples, or to four times what it began with.
+/// Most samples of a lengthened period, unless four times its initial length are more.
 const LENGTHENED: usize = 1 << 15;
 
-/// How chords return within a period; without weight they need not.
+/// Return of the chords within a period; without weight they need none.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Return {
-    /// Fewest samples in which the chord returns.
+    /// Fewest samples of the chord's return.
     fewest: usize,
 }
 
 impl Return {
-    /// A period in which nothing returns.
+    /// A period without a return.
     pub(super) const NONE: Self = Self { fewest: 0 };
 
-    /// The return of the chords of so many links for torques that decay as e^(−z₁t), `z₁` the smallest of their zeros. Of
-    /// more links it is slower: what the outer ones do reaches the first joint through links that amplify fast parts of
-    /// it, each by its own gain.
+    /// The return of the chords of `links` links for torques that decay as e^(−z₁t), `z₁` the smallest of their zeros.
+    /// More links return more slowly: each inner link amplifies the fast motion of the outer ones on its way to the
+    /// first joint.
     pub(super) fn of(links: usize, first_zero_per_s: Option<f64>, grid: &TimeGrid) -> Self {
         let falls_s = first_zero_per_s.map_or(grid.duration_s() / RETURN, f64::recip);
         let steps = (links as f64 * RETURN * falls_s / grid.step_s).ceil() as usize;
         Self { fewest: steps.max(FEWEST) }
     }
 
-    /// Samples of the shortest period for a motion of `given` ones.
+    /// Samples of the shortest period for a motion of `given` samples.
     pub(super) fn shortest_len(
         self,
         padding: Padding,
@@ -54,7 +55,7 @@ impl Return {
         padding.period_len(given.saturating_add(returning))
     }
 
-    /// The samples of a period in which the chord returns.
+    /// The samples of the chord's return in a period.
     pub(super) fn samples(self, padding: Padding, given: usize, len: usize) -> Range<usize> {
         let spare = len - given - padding.before - padding.after;
         let further = spare.saturating_sub(self.fewest + 2 * AT_REST);
@@ -67,8 +68,8 @@ impl Return {
     }
 }
 
-/// The next longer period to try: one at which linear torques have decayed, as `decays` tells, since those with second-order
-/// terms have not where they have not, most times; or the longest. None where `len` is that.
+/// The next longer period to try, or the longest. `None` if `len` is the longest. Skips periods too short for linear
+/// torques to decay (see `decays`): torques with second-order terms rarely decay in them.
 pub(super) fn lengthened<E>(
     len: usize,
     initial: usize,
@@ -88,8 +89,8 @@ pub(super) fn lengthened<E>(
     Ok(Some(next))
 }
 
-/// What a chord that travels so far has still to return, at each sample of its return: before the seam it goes on from
-/// its end, behind it it goes on to its start.
+/// Remaining travel of a returning chord at each sample of its return. Before the seam it counts from the motion's end,
+/// behind the seam to the motion's start.
 pub(super) fn left_to_return(
     travel: f64,
     samples: &Range<usize>,
@@ -102,10 +103,10 @@ pub(super) fn left_to_return(
     })
 }
 
-/// The parts of a period before the motion, and after it, in which all is at rest.
+/// The parts of a period at rest, before the motion and after it.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
-    /// Samples in which the chord returns; without weight it is empty.
+    /// Samples of the chord's return; empty without weight.
     returning: Range<usize>,
     len: usize,
     seam: usize,
@@ -113,12 +114,12 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// The rest of a period whose chords return in these samples.
+    /// The rest of a period with this return of the chords.
     pub(super) fn of(spectrum: &TipSpectrum, seam_reach: usize, returning: Range<usize>) -> Self {
         Self { returning, len: spectrum.pair.len(), seam: spectrum.seam, seam_reach }
     }
 
-    /// Samples of the period less what they are at rest before the motion and after it; while the chord returns, 0.
+    /// Samples of the period less their values at rest before the motion and after it; 0 while the chord returns.
     pub(super) fn beyond(&self, samples: &[f64], rests: [f64; 2]) -> Vec<f64> {
         let beyond = samples.iter().enumerate().map(|(k, value)| match k {
             _ if self.returning.contains(&k) => 0.0,
@@ -133,19 +134,19 @@ impl Rest {
         values[self.start()..].iter().chain(&values[..self.until()]).copied().collect()
     }
 
-    /// Over how many samples rest is measured before the motion and after it: as many as around a seam, within half
-    /// of what is there.
+    /// Numbers of samples that measure rest before the motion and after it: the reach around a seam, at most half of
+    /// the rest.
     pub(super) fn reaches(&self, given: usize) -> [usize; 2] {
         let there = [self.len - self.start(), self.until().saturating_sub(given)];
         there.map(|samples| self.seam_reach.min(samples / 2).max(1))
     }
 
-    /// First sample of a time before the motion, where no chord returns.
+    /// First sample of the rest before the motion.
     fn start(&self) -> usize {
         if self.returning.is_empty() { self.seam } else { self.returning.end }
     }
 
-    /// First sample that is not of a time after the motion.
+    /// First sample behind the rest after the motion.
     fn until(&self) -> usize {
         if self.returning.is_empty() { self.seam } else { self.returning.start }
     }

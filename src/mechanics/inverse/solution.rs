@@ -25,11 +25,11 @@ pub struct Band {
     pub fft_length: usize,
     /// Frequencies solved for, zero included.
     pub frequencies: usize,
-    /// The highest of them in Hz; of an arm the highest that its histories hold, which its turning links bring above the
+    /// The highest solved frequency in Hz. For an arm the highest in its histories: turning links raise it above the
     /// path's cut-off.
     pub highest_hz: f64,
-    /// Frequency in Hz up to which the motion is followed as it is, and from which it rolls off; none
-    /// where every frequency of the samples is solved for.
+    /// Frequency in Hz that starts the roll-off of the motion; the tip follows lower frequencies unchanged. `None`
+    /// where the solver covers every frequency of the samples.
     pub cutoff_hz: Option<f64>,
     /// Nyquist frequency in Hz.
     pub nyquist_hz: f64,
@@ -49,9 +49,9 @@ impl Band {
     }
 }
 
-/// The motion of all joints that moves the tip as wanted, with the link or the arm, the motion and the analysis.
+/// Motion and torques of all joints that move the tip as wanted, with the arm, the wanted motion and the analysis.
 ///
-/// All histories are samples on [`Solution::grid`], the motion's samples with lead and lag added where its own rest is too
+/// All histories are samples on [`Solution::grid`], the motion's samples with lead and lag added where its rest is too
 /// short.
 #[derive(Clone)]
 pub struct Solution {
@@ -59,33 +59,33 @@ pub struct Solution {
     pub arm: Arm,
     /// The wanted motion.
     pub motion: Motion,
-    /// How exact the answer was to be.
+    /// Required accuracy of the answer.
     pub analysis: Analysis,
     /// Times of all histories.
     pub grid: TimeGrid,
-    /// The joints, the inner one first; of one link its hub.
+    /// The joints, the inner one first; for one link its hub.
     pub joints: Vec<JointMotion>,
-    /// The links on the meshes that the answer was computed on, the inner one first.
+    /// The links on the meshes of the answer, the inner one first.
     pub links: Vec<LinkMotion>,
-    /// Each coordinate of the tip: of one link the displacement along its arc, of several x and y.
+    /// Each coordinate of the tip: for one link the displacement along its arc, for several x and y.
     pub tip: Vec<TipMotionHistories>,
     /// Largest distance of the solved tip from the wanted one, over its travel.
     pub tip_error: f64,
-    /// Largest distance that all second-order terms lead the tip astray under the torque, over its travel. `None` with weight,
-    /// where second-order terms are counted, and for an arm.
+    /// Largest displacement of the tip by all second-order terms under the torque, over its travel. `None` with weight,
+    /// with counted second-order terms, and for an arm.
     pub tip_model_error: Option<f64>,
     /// Numbers of the grid's samples between which the tip moves: the last at rest before the
     /// motion and the first at rest after it.
     pub moving: (usize, usize),
-    /// First zero of torque → tip in 1/s, of an arm the smallest of its links'. `None` where no mesh has one.
+    /// First zero of torque → tip in 1/s, for an arm the smallest of its links' zeros. `None` where no mesh has a zero.
     pub first_zero_per_s: Option<f64>,
     /// Frequencies that were solved for.
     pub band: Band,
-    /// The second-order terms, where gravity acts, they were asked for, or links are several.
+    /// The second-order terms: with gravity, on request, or for several links.
     pub second_order: Option<SecondOrderFindings>,
     /// Warnings, for the user to judge the answer by.
     pub warnings: Vec<SolutionWarning>,
-    /// The spectra of one link, from which motions of its nodes are computed on request.
+    /// The spectra of one link, the source of its nodes' motions on request.
     pub(super) spectra: Option<LinkSpectra>,
 }
 
@@ -94,10 +94,10 @@ pub struct Solution {
 pub struct JointMotion {
     /// Torque T in N m that turns its link, and the link before the other way.
     pub torque_n_m: Vec<f64>,
-    /// Torque in N m that the same links would need, were they rigid.
+    /// Torque in N m that the same links would need if they were rigid.
     pub rigid_torque_n_m: Vec<f64>,
-    /// Angle θ in rad: of the first joint against x, of the others that of their link's root against the tip of the link
-    /// before.
+    /// Angle θ in rad: for the first joint against x, for the others from the tip of the link before to their link's
+    /// root.
     pub angle_rad: Vec<f64>,
     /// Rate in rad/s.
     pub rate_rad_s: Vec<f64>,
@@ -109,7 +109,7 @@ pub struct JointMotion {
     pub force_n: Option<[Vec<f64>; 2]>,
     /// Its motor, where it has a drive.
     pub motor: Option<MotorHistories>,
-    /// How exact each of its quantities is.
+    /// Errors of each of its quantities.
     pub errors: PerQuantity<QuantityErrors>,
 }
 
@@ -120,7 +120,7 @@ pub struct LinkMotion {
     pub model: Arc<dyn Model>,
     /// Moment in N m that its joint exerts on its root.
     pub root_moment_n_m: Vec<f64>,
-    /// Largest slope |w'| from its chord. `None` for a link that is solved on its hub's tangent line.
+    /// Largest slope |w'| from its chord. `None` for a link solved on its hub's tangent line.
     pub largest_slope: Option<f64>,
     /// Histories of its nodes. `None` for one link, where [`Solution::deflections`] and the like compute them.
     pub shape: Option<LinkShape>,
@@ -146,15 +146,15 @@ pub struct LinkShape {
 /// The second-order terms of a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SecondOrderFindings {
-    /// The terms that were counted.
+    /// The counted terms.
     pub order: SecondOrder,
     /// Their iteration.
     pub iteration: Iteration,
-    /// Largest change of a torque by the terms that were not counted, over its range. `None` where all were counted, and
-    /// `Some(None)` where the motion is refused with all of them.
+    /// Largest change of a torque by omitted terms, over its range. `None` where all terms count, and `Some(None)`
+    /// where the motion with all terms is refused.
     pub left_out: Option<Option<f64>>,
-    /// How far the tip strays where the iteration of all terms does not converge and fewer are counted instead; terms left
-    /// out are then not looked for otherwise.
+    /// Error of the tip where the iteration of all terms does not converge and fewer count instead. No other estimate
+    /// of omitted terms exists then.
     pub fallback: Option<Straying>,
 }
 
@@ -164,9 +164,9 @@ pub(super) struct LinkSpectra {
     /// Amplitudes at the hub over the band.
     pub(super) hub: HubSpectra,
     pub(super) period: Arc<TipPeriod>,
-    /// The hub angle's slow tail, where damping leaves one.
+    /// The hub angle's slow tail, where damping causes one.
     pub(super) hub_tail: Option<TailTerms>,
-    /// Places of the nodes over the period, of a link under gravity or with second-order terms.
+    /// Places of the nodes over the period, for a link under gravity or with second-order terms.
     pub(super) shape: Option<Arc<Shape>>,
 }
 
@@ -182,7 +182,7 @@ impl LinkMotion {
         self.model.link()
     }
 
-    /// The mesh that the answer was computed on.
+    /// The mesh of the answer.
     pub fn mesh(&self) -> &Mesh {
         self.model.mesh()
     }
@@ -209,7 +209,7 @@ impl Solution {
         self.links[0].model.law()
     }
 
-    /// The first `count` natural frequencies of the first link in rad/s, the rigid rotation left out.
+    /// The first `count` natural frequencies of the first link in rad/s, without the rigid rotation.
     pub fn natural_frequencies_rad_s(&self, count: usize) -> Vec<f64> {
         natural_frequencies(self.mesh(), count)
     }
@@ -224,7 +224,7 @@ impl Solution {
         self.links.iter().map(|link| link.mesh().nodes_m()).collect()
     }
 
-    /// The shapes of an arm's links; of one link nothing.
+    /// The shapes of an arm's links; empty for one link.
     pub fn shapes(&self) -> impl Iterator<Item = &LinkShape> {
         self.links.iter().filter_map(|link| link.shape.as_ref())
     }
@@ -234,7 +234,7 @@ impl Solution {
         (self.joints.len() > 1).then_some(joint)
     }
 
-    /// Angle of a joint in rad; of a tip that moves before its motion and after it, while it follows its motion.
+    /// Angle of a joint in rad; for a tip that moves before its motion and after it, only during the motion.
     pub(crate) fn followed_rad(&self, joint: usize) -> &[f64] {
         let (first, last) = self.moving;
         match self.motion.ends() {
@@ -243,7 +243,7 @@ impl Solution {
         }
     }
 
-    /// Acceleration of a joint in rad/s². That of one link is computed by each call: most solutions are read without it.
+    /// Acceleration of a joint in rad/s². For one link each call computes it, as few readers need it.
     pub fn acceleration_rad_s2(&self, joint: usize) -> Cow<'_, [f64]> {
         match (&self.joints[joint].acceleration_rad_s2, &self.spectra) {
             (None, Some(LinkSpectra { hub, period, hub_tail, .. })) => {
@@ -257,7 +257,8 @@ impl Solution {
         }
     }
 
-    /// How far the tip moves from where it starts, in m: of one that moves before its motion and after it, within that.
+    /// Largest distance of the tip from its start in m; for a tip that moves before its motion and after it, during the
+    /// motion.
     pub fn tip_travel_m(&self) -> f64 {
         match (&self.tip[..], &self.spectra) {
             ([x, y], _) => farthest_m([&x.displacement_m, &y.displacement_m]),
@@ -268,8 +269,8 @@ impl Solution {
         }
     }
 
-    /// Largest distance of the tip from the wanted one to be expected, over its travel: that of the solved tip, or that
-    /// caused by fewer second-order terms where all of them do not converge.
+    /// Largest expected distance of the tip from the wanted one, over its travel: the larger of the solved tip's error
+    /// and the error by fewer second-order terms after a failed iteration.
     pub fn expected_tip_error(&self) -> f64 {
         let fallback = self.second_order.and_then(|found| found.fallback);
         Size::larger(self.tip_error, fallback.map_or(0.0, Straying::share))
@@ -281,12 +282,12 @@ impl Solution {
         errors.map(|(_, errors)| kind(&errors)).fold(0.0, Size::larger)
     }
 
-    /// What errors of a history are a share of: its peak or, with gravity, its largest value less its smallest.
+    /// Reference of a history's errors: its peak or, with gravity, its largest value less its smallest.
     pub fn size_of(&self, history: &[f64]) -> f64 {
         size(history, self.arm.has_weight())
     }
 
-    /// Deflection of a link's tip from the tangent line of its joint in m; of one link `v_tip − Lθ`.
+    /// Deflection of a link's tip from the tangent line of its joint in m; for one link `v_tip − Lθ`.
     pub fn tip_deflection_m(&self, link: usize) -> Vec<f64> {
         let LinkMotion { model, shape, .. } = &self.links[link];
         if let Some(LinkShape { chord, chord_length_m, root_rad, .. }) = shape {
@@ -304,7 +305,7 @@ impl Solution {
     }
 }
 
-/// Largest distance in m of a tip at these x and y from where it starts.
+/// Largest distance in m of a tip at these x and y from its start.
 pub(super) fn farthest_m([x_m, y_m]: [&[f64]; 2]) -> f64 {
     let far = |(x, y): (&f64, &f64)| {
         let [dx, dy] = [x - x_m[0], y - y_m[0]];

@@ -12,13 +12,13 @@ use crate::model::{Model, ModelError};
 use crate::motion::TipPeriod;
 use crate::system::end_if_stopped;
 
-/// Frequencies that a thread solves for at a time at the hub alone; no bit depends on it.
+/// Number of frequencies that a thread solves at a time at the hub alone; no bit of the results depends on it.
 const HUB_BLOCK: usize = 256;
 
-/// The same with the nodes, which are many numbers for each frequency.
+/// Number of frequencies with the nodes, which need many numbers for each frequency.
 const NODAL_BLOCK: usize = 64;
 
-/// A model whose tip makes a motion over a period.
+/// A model, and the motion of its tip over a period.
 #[derive(Clone, Copy)]
 pub(super) struct DrivenModel<'a> {
     pub(super) model: &'a dyn Model,
@@ -35,12 +35,11 @@ pub(super) struct HubSpectra {
     pub(super) excess_angle_rad: Vec<Complex64>,
     /// Moment of the hub on the link's root in N m.
     pub(super) root_moment_n_m: Vec<Complex64>,
-    /// The lowest frequency in Hz at which no torque moves the tip by more than rounding; the amplitudes
-    /// there are meaningless.
+    /// The lowest frequency in Hz where torques move the tip by rounding alone; the amplitudes there are meaningless.
     pub(super) blocked_hz: Option<f64>,
 }
 
-/// Amplitudes at the motor, on its own side of the gear.
+/// Amplitudes at the motor, on its side of the gear.
 pub(super) struct MotorSpectra {
     /// Torque in N m.
     pub(super) torque_n_m: Vec<Complex64>,
@@ -54,7 +53,7 @@ impl DrivenModel<'_> {
         &self.period.spectrum.omegas_rad_s[..self.period.spectrum.band_len()]
     }
 
-    /// Reports that so many sweeps over the band begin, and how many of them are done.
+    /// Reports the start of `sweeps` sweeps over the band, `done` of them finished.
     pub(super) fn begin(&self, sweeps: usize, done: usize) {
         let elements = self.model.mesh().elements().len();
         let band = self.period.spectrum.band_len();
@@ -69,7 +68,7 @@ impl DrivenModel<'_> {
     /// θ̃̂ = θ̂ − v̂_tip/L = (â + αv̂)/κ · e_tip/(λ L (L + e_tip))          (eq 21)
     /// ```
     ///
-    /// Of a tip that moves at its ends the torque is without `b v/L`.
+    /// For a tip that moves at its ends, the torque lacks `b v/L`.
     ///
     /// # Errors
     /// [`ModelError::NotFinite`] names the lowest frequency that fails.
@@ -84,7 +83,7 @@ impl DrivenModel<'_> {
         let length_m = mesh.length_m();
         let friction = self.model.link().joint().friction_n_m_s_rad;
         let spectrum = &self.period.spectrum;
-        // A velocity that is no periodic history has no spectrum: its friction is added over time.
+        // Only a periodic velocity has a spectrum. Friction of any other velocity joins the torque over time.
         let moves = spectrum.mean_m_s2.is_some();
         let (per_length, rigid_friction) =
             (1.0 / length_m, if moves { 0.0 } else { friction / length_m });
@@ -168,8 +167,8 @@ impl DrivenModel<'_> {
         vec![checkpoints; self.omegas_rad_s().len().div_ceil(NODAL_BLOCK)]
     }
 
-    /// [`DrivenModel::nodal_spectra`] of one of several groups of nodes; `advance` gets how many bins are
-    /// done since its last call.
+    /// [`DrivenModel::nodal_spectra`] for one of several groups of nodes; `advance` receives the number of bins since
+    /// its last call.
     pub(super) fn nodal_spectra_from(
         &self,
         checkpoints: &mut [Checkpoints],
@@ -201,8 +200,8 @@ impl DrivenModel<'_> {
         spectra
     }
 
-    /// Factor from the transfer to the nodes to their amplitudes at bin `k`, whose frequency is ω:
-    /// `â + αv̂`, for deflections over −κ.
+    /// Factor from the transfer to the nodes to their amplitudes at bin `k` of frequency ω: `â + αv̂`, over −κ for
+    /// deflections.
     fn nodal_factor(&self, k: usize, omega: f64, quantity: NodalQuantity) -> Complex64 {
         let (spectrum, law) = (&self.period.spectrum, self.model.law());
         let damped =

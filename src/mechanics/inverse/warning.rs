@@ -5,16 +5,16 @@ use super::accuracy::{Quantity, ShareOf};
 use crate::motion::Shortfall;
 use crate::text::{about_percent, significant};
 
-/// Largest change of the torque that the first order in the thickness is valid for.
+/// Largest change of the torque within the validity of first order in the thickness.
 const MOST_THICK: f64 = 0.3;
 
-/// How far the tip of a solution with fewer terms strays at most from where it should be, over its travel.
+/// Largest error of the tip of a solution with fewer terms, over its travel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Straying {
-    /// As the joints, moved as solved, lead it.
+    /// Measured by moving the joints as solved.
     Measured(f64),
-    /// By how much shorter the chords of bent links are; of an arm that no equation in time moves.
+    /// Estimated from the shortening of the bent links' chords, for an arm without usable equations in time.
     Estimated(f64),
 }
 
@@ -27,18 +27,18 @@ impl Straying {
     }
 }
 
-/// Something that the user must know to believe the answer. Returned, never printed here.
+/// A fact that the user must know to judge the answer. Functions return it and never print it.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Warning {
-    /// The acceleration left the tip moving by what few digits explain; it was taken out.
+    /// Few digits of the acceleration caused an end velocity of the tip, which the inversion removed.
     #[error(
         "the acceleration integrates to {velocity_m_s:.3e} m/s, {share:.1e} of the peak velocity: \
          taken out by a constant over the motion's own samples"
     )]
     EndVelocityCorrected {
-        /// ∫a dt of the samples as given, in m/s.
+        /// ∫a dt of the original samples in m/s.
         velocity_m_s: f64,
-        /// The same over the peak velocity.
+        /// This velocity over the peak velocity.
         share: f64,
     },
     /// The samples do not bring the tip within its tolerance.
@@ -52,10 +52,10 @@ pub enum Warning {
         share: f64,
         /// The tolerance of the tip.
         tolerance: f64,
-        /// What the samples lack.
+        /// Deficiency of the samples.
         shortfall: Shortfall,
     },
-    /// A quantity that the finite period or the window leaves less exact than the tolerance.
+    /// A quantity with an error from the finite period or the window above the tolerance.
     #[error(
         "the finite period and the window leave the {} off by {share:.1e} of its {}, above the \
          tolerance {tolerance:e}",
@@ -63,11 +63,11 @@ pub enum Warning {
         of.name()
     )]
     InexactWindow {
-        /// What the share is of.
+        /// Reference of the share.
         of: ShareOf,
         /// The quantity.
         quantity: Quantity,
-        /// Its error over its own peak.
+        /// Its error over its peak.
         share: f64,
         /// The analysis tolerance.
         tolerance: f64,
@@ -80,11 +80,11 @@ pub enum Warning {
         of.name()
     )]
     CoarseStep {
-        /// What the share is of.
+        /// Reference of the share.
         of: ShareOf,
-        /// What changes most.
+        /// The quantity that changes most.
         quantity: Quantity,
-        /// Its error over its own peak.
+        /// Its error over its peak.
         share: f64,
     },
     /// A torque that the tip's motion does not determine.
@@ -109,7 +109,7 @@ pub enum Warning {
         of.name()
     )]
     UncertainInput {
-        /// What the share is of.
+        /// Reference of the share.
         of: ShareOf,
         /// Error over the peak.
         share: f64,
@@ -121,7 +121,7 @@ pub enum Warning {
         of.name()
     )]
     TorqueCut {
-        /// What the share is of.
+        /// Reference of the share.
         of: ShareOf,
         /// Largest torque outside the window over the peak.
         share: f64,
@@ -135,7 +135,7 @@ pub enum Warning {
         of.name()
     )]
     WrapAround {
-        /// What the share is of.
+        /// Reference of the share.
         of: ShareOf,
         /// Torque at the seam of two periods over the peak.
         share: f64,
@@ -152,7 +152,7 @@ pub enum Warning {
     LongWindow {
         /// Rows of the window.
         rows: usize,
-        /// The same over the samples of the motion.
+        /// Rows over the samples of the motion.
         times: f64,
     },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
@@ -178,18 +178,18 @@ pub enum Warning {
         /// Nyquist frequency in Hz.
         nyquist_hz: f64,
     },
-    /// Torque at frequencies that the mesh does not follow.
+    /// Torque at frequencies too high for the mesh.
     #[error(
         "{share:.1e} of the torque (rms) lies above {resolved_hz:.4} Hz, beyond which the mesh is \
          wrong by 1 % and more"
     )]
     AboveMesh {
-        /// Root-mean-square torque above the mesh's frequency over that of all.
+        /// Root-mean-square torque above the mesh's frequency over that of all frequencies.
         share: f64,
-        /// Frequency up to which the mesh follows bending waves, in Hz.
+        /// Highest frequency of bending waves on the mesh in Hz.
         resolved_hz: f64,
     },
-    /// Terms of second order, which the linear model leaves out, that count.
+    /// Noticeable terms of second order outside the linear model.
     #[error(
         "large deflections and centrifugal stiffening, which the linear model leaves out, change the torque by {} of its \
          peak; played without them it lets the tip stray by {} of its travel",
@@ -197,9 +197,9 @@ pub enum Warning {
         about_percent(*tip)
     )]
     InexactModel {
-        /// What they change of the torque over its peak.
+        /// Change of the torque by these terms, over its peak.
         torque: f64,
-        /// How far the tip strays over its travel.
+        /// Error of the tip over its travel.
         tip: f64,
     },
     /// Second-order terms that hardly converge.
@@ -211,7 +211,7 @@ pub enum Warning {
         /// Change by the last iteration over that by the one before.
         contraction: f64,
     },
-    /// Second-order terms that do not converge as far as the tolerance: those of high frequencies are left out.
+    /// Second-order terms that do not converge to the tolerance. The iteration omits their high frequencies.
     #[error(
         "the iteration of the second-order terms leaves the {} off by {share:.1e} of its range, above the tolerance \
          {tolerance:e}",
@@ -225,16 +225,16 @@ pub enum Warning {
         /// The analysis tolerance.
         tolerance: f64,
     },
-    /// Second-order terms that count, but were not counted.
+    /// Noticeable second-order terms that the solution omits.
     #[error(
         "the second-order terms that analysis.second_order leaves out change the torque by {}",
         left_out(*share)
     )]
     SecondOrderLeftOut {
-        /// Largest change over the torque's range; none where the motion is refused with all terms.
+        /// Largest change over the torque's range. `None` where the motion with all terms is refused.
         share: Option<f64>,
     },
-    /// Shear and rotary inertia that the model leaves out.
+    /// Shear and rotary inertia outside the model.
     #[error(
         "shear and rotary inertia, which the theory leaves out, change the torque by {} (rms)",
         thick(*share)
@@ -246,11 +246,11 @@ pub enum Warning {
     /// A mesh that is too coarse for the motion.
     #[error("the mesh changes the {} by {error:.1e} of its {} (elements halved)", quantity.name(), of.name())]
     CoarseMesh {
-        /// What the share is of.
+        /// Reference of the share.
         of: ShareOf,
-        /// What it changes most.
+        /// The quantity with the largest error.
         quantity: Quantity,
-        /// Discretisation error of that over its peak.
+        /// Discretisation error of the quantity over its peak.
         error: f64,
     },
     /// Too few modes for the motion.
@@ -259,28 +259,28 @@ pub enum Warning {
         quantity.name()
     )]
     FewModes {
-        /// What they change most.
+        /// The quantity that the omitted modes change most.
         quantity: Quantity,
         /// Error over its peak.
         error: f64,
     },
-    /// An elbow that hardly tells how the links follow the tip.
+    /// An elbow too straight or too folded to determine well how the links follow the tip.
     #[error(
         "the sine of the elbow's angle falls to {sine:.3} at {time_s:.3} s: the arm is nearly stretched or folded there"
     )]
     NearlyStretched {
         /// The sine.
         sine: f64,
-        /// When, in s.
+        /// Time in s.
         time_s: f64,
     },
-    /// Second-order terms that do not converge, so that those of first order alone are counted.
+    /// Second-order terms that do not converge, so that only first-order terms count.
     #[error(
         "the second-order terms do not converge, only those of first order are counted: the tip strays by {}",
         strays(*straying)
     )]
     FellBack {
-        /// How far.
+        /// Error of the tip.
         straying: Straying,
     },
 }
@@ -313,7 +313,7 @@ impl Warning {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
@@ -367,7 +367,7 @@ impl Warning {
     }
 }
 
-/// A warning of a solution, and the joint of an arm that it is of.
+/// A warning of a solution, and the arm's joint that it concerns.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("{}{warning}", joint.map_or_else(String::new, |joint| format!("joint {}: ", joint + 1)))]
 pub struct SolutionWarning {
@@ -389,7 +389,7 @@ impl SolutionWarning {
         self.warning.kind()
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         self.warning.hint()
     }
@@ -416,7 +416,7 @@ fn cause(shortfall: &Shortfall) -> String {
     }
 }
 
-/// What terms that are left out change of the torque, in words.
+/// Change of the torque by omitted terms, in words.
 fn left_out(share: Option<f64>) -> String {
     match share {
         Some(share) if share < 1.0 => {
@@ -427,7 +427,7 @@ fn left_out(share: Option<f64>) -> String {
     }
 }
 
-/// What shear and rotary inertia change of the torque, in words.
+/// Change of the torque by shear and rotary inertia, in words.
 fn thick(share: f64) -> String {
     if share <= MOST_THICK {
         format!("about {:.0} %", 100.0 * share)

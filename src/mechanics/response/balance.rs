@@ -1,10 +1,10 @@
-//! Lagrange's equations at one instant, gathered mass by mass.
+//! Lagrange's equations at one instant, assembled mass by mass.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::numeric::dot;
 
-/// A place on the link, how it moves, and what each coordinate changes of it, along x and y.
+/// A place on the link, its motion, and its change by each coordinate, along x and y.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Place {
     pub(super) at_m: [f64; 2],
@@ -15,7 +15,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// A place that none of `count` coordinates moves.
+    /// A place fixed against all `count` coordinates.
     pub(super) fn fixed(count: usize) -> Self {
         Self { by: [vec![0.0; count], vec![0.0; count]], ..Self::default() }
     }
@@ -25,7 +25,7 @@ impl Place {
         [0, 1].map(|axis| self.centripetal_m_s2[axis] + dot(&self.by[axis], accelerations))
     }
 
-    /// The place this far along a direction that coordinates `turned` turn, at a rate.
+    /// The place at this distance along a direction that the coordinates `turned` turn at a rate.
     pub(super) fn beyond(&self, arm_m: f64, (angle, rate): (f64, f64), turned: &[usize]) -> Self {
         let mut place = self.clone();
         let (x, y) = (arm_m * libm::cos(angle), arm_m * libm::sin(angle));
@@ -42,7 +42,7 @@ impl Place {
     }
 }
 
-/// Masses on the link as it is walked from the axis outward.
+/// Masses along the link, from the axis outward.
 pub(super) enum Met<'a> {
     /// A mass in kg.
     Mass(f64),
@@ -60,7 +60,7 @@ pub(super) struct Energies {
 }
 
 impl Energies {
-    /// Those of a link, or an arm, with this energy of strain, before its masses are met.
+    /// Energies of a link or an arm with this strain energy, before its masses.
     pub(super) fn of_strain(strain_j: f64) -> Self {
         Self { kinetic_j: 0.0, potential_j: strain_j }
     }
@@ -94,7 +94,7 @@ pub(super) struct Balance {
 }
 
 impl Balance {
-    /// Begins with what stiffness and damping, row by row, do at coordinates and rates.
+    /// Begins with the forces of stiffness and damping, row by row, at coordinates and rates.
     pub(super) fn begin(
         &mut self,
         stiffness: &[f64],
@@ -147,7 +147,7 @@ impl Balance {
         }
     }
 
-    /// The accelerations that balance; none where the masses leave some open.
+    /// Accelerations that balance the forces. `None` where the masses do not determine all of them.
     pub(super) fn accelerations(&self) -> Option<Vec<f64>> {
         let count = self.force.len();
         let mass = DMatrix::from_row_slice(count, count, &self.mass);

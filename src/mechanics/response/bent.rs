@@ -1,4 +1,4 @@
-//! Links with weight or at large angles, and arms of them, in motion: elasticas one after the other.
+//! Motion of links with weight or at large angles, and of arms of them: elasticas one after the other.
 
 use std::num::NonZeroUsize;
 
@@ -14,8 +14,8 @@ use crate::numeric::{Size, TimeGrid};
 /// Share of an arm's energy that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Histories of a joint, as an encoder on it sees them: of its link's root against the tip of the link before, of the first
-/// joint against x.
+/// Histories of a joint as its encoder measures them: its link's root against the tip of the link before, the first
+/// root against x.
 #[derive(Debug, Clone)]
 pub struct JointMotion {
     /// Torque of the motor in N m, feedback included; friction takes part of it.
@@ -26,14 +26,14 @@ pub struct JointMotion {
     pub rate_rad_s: Vec<f64>,
     /// Acceleration in rad/s².
     pub acceleration_rad_s2: Vec<f64>,
-    /// Torque in N m that holds bent links where they start.
+    /// Torque in N m that holds bent links at their start.
     pub holding_n_m: Option<f64>,
 }
 
-/// Links that bend as elasticas, as they were played.
+/// Motion of links that bend as elasticas.
 #[derive(Debug, Clone)]
 pub struct BentPlay {
-    /// Number of angles that describe the links, those of the joints among them.
+    /// Number of angles that describe the links, the joints included.
     pub angles: usize,
     /// Steps of the integration from one sample to the next.
     pub steps: usize,
@@ -43,22 +43,22 @@ pub struct BentPlay {
     pub kinetic_j: Vec<f64>,
     /// Energy of strain and weight in J.
     pub potential_j: Vec<f64>,
-    /// Work in J of an arm's torques; empty of one link.
+    /// Work in J of an arm's torques; empty for one link.
     pub work_j: Vec<f64>,
-    /// Energy in J that damping and friction of an arm dissipate; empty of one link.
+    /// Energy in J that damping and friction of an arm dissipate; empty for one link.
     pub lost_j: Vec<f64>,
     /// Largest change of the tip in m, and of any joint in rad, by the last refinement: two angles more on each piece, half
     /// the step.
     pub change: [f64; 2],
-    /// Whether refinement still changes tip or joints by more than a share of 1e-4 of what they move by.
+    /// Whether refinement still changes tip or joints by more than 1e-4 of their movement.
     pub is_unsettled: bool,
     linkage: Linkage,
     record: Record,
-    /// Direction in rad from which displacements of one link count.
+    /// Direction in rad of zero displacement for one link.
     from_rad: f64,
     /// Direction of each link's chord less that of its root at the last sample in rad.
     bent_rad: Vec<f64>,
-    /// Rate of the reference, with which the damping of a loop turns, at each sample in rad/s.
+    /// Rate of the reference at each sample in rad/s; the damping of a loop turns with it.
     turning_rad_s: Vec<f64>,
 }
 
@@ -67,13 +67,13 @@ pub struct BentPlay {
 pub(super) struct BentMotion {
     pub(super) play: BentPlay,
     pub(super) joints: Vec<JointMotion>,
-    /// Along the arc of one link, or along x and y.
+    /// Motion of the tip along the arc of one link, or along x and y.
     pub(super) tip: Vec<TipMotionHistories>,
 }
 
 impl BentMotion {
-    /// The motion before its first sample, with the torques that hold the links there; displacements of one link count from
-    /// a direction in rad.
+    /// The motion before its first sample, with the holding torques; displacements of one link count from a direction
+    /// in rad.
     pub(super) fn begun(
         linkage: &Linkage,
         from_rad: f64,
@@ -114,7 +114,7 @@ impl BentMotion {
         Self { play, joints: holding_n_m.map(joint).collect(), tip: axes }
     }
 
-    /// Adds a motion at a sample, with the torque of each joint in N m and the rate in rad/s with which the damping turns.
+    /// Adds a motion at a sample, with the torque of each joint in N m and the rate of the damping's rotation in rad/s.
     pub(super) fn observe(&mut self, motion: &Motion, torques_n_m: Vec<f64>, turning_rad_s: f64) {
         let Motion { q, rates, accelerations } = motion;
         let Self { play, joints, tip: axes } = self;
@@ -126,7 +126,7 @@ impl BentMotion {
             own.acceleration_rad_s2.push(accelerations[*joint]);
         }
         let (ends, energies) = linkage.ends_and_energies(q, rates);
-        // A chord is where its root is, bent by as much as before: a sample may be more than half a turn away.
+        // Follows each chord by its root and its last bend: the last sample may be more than half a turn away.
         let chords = linkage.chords_rad(q, &ends, &mut play.bent_rad);
         let fixed = Place::fixed(q.len());
         let tip = ends.last().unwrap_or(&fixed);
@@ -171,8 +171,7 @@ impl BentMotion {
     }
 }
 
-/// Rate in rad/s and acceleration in rad/s² with which the direction of a place turns, from its place, rate and acceleration
-/// along both axes.
+/// Rate in rad/s and acceleration in rad/s² of a place's direction, from place, rate and acceleration along both axes.
 fn turning([x, vx, ax]: [f64; 3], [y, vy, ay]: [f64; 3]) -> [f64; 2] {
     let square = x * x + y * y;
     let rate = (x * vy - y * vx) / square;
@@ -200,7 +199,7 @@ pub(super) fn largest_travel_m(tip: &[TipMotionHistories]) -> f64 {
 }
 
 impl BentPlay {
-    /// Where the links are at a sample, and how they move.
+    /// Place and motion of the links at a sample.
     pub(super) fn state(&self, grid: &TimeGrid, sample: usize) -> State {
         let (q, rates) = self.record.at(sample);
         self.linkage.state(grid.time_s(sample), q, rates)
@@ -211,16 +210,16 @@ impl BentPlay {
         self.linkage.length_m()
     }
 
-    /// Moment in N m of a straight link's weight where it is largest.
+    /// Largest moment in N m of a straight link's weight.
     pub(super) fn weight_moment_n_m(&self) -> f64 {
         self.linkage.links[0].weight_moment_n_m()
     }
 
-    /// Largest imbalance of energy over the largest work, kinetic energy or change of all energy; 0 of an arm at rest.
+    /// Largest imbalance of energy over the largest work, kinetic energy or change of all energy; 0 for an arm at rest.
     pub fn imbalance(&self) -> f64 {
         let energies_j: Vec<f64> =
             self.kinetic_j.iter().zip(&self.potential_j).map(|(a, b)| a + b).collect();
-        // A change so small beside all energy is round-off.
+        // A change below this share of all energy is round-off.
         let held_j = energies_j.iter().map(|own| own.abs()).fold(0.0, f64::max);
         let (mut missing, mut size) = (0.0, ROUND_OFF * held_j);
         for (sample, (work_j, lost_j)) in self.work_j.iter().zip(&self.lost_j).enumerate() {
@@ -232,8 +231,8 @@ impl BentPlay {
         if size == 0.0 { 0.0 } else { missing / size }
     }
 
-    /// x and y in m of places on the links, every `every`-th sample: of each link, of each of its places. `along_m` has
-    /// their distances in m from the joint of each link.
+    /// x and y in m of places on each link, every `every`-th sample. `along_m` has their distances in m from the joint
+    /// of each link.
     pub(super) fn positions_m(
         &self,
         along_m: &[Vec<f64>],

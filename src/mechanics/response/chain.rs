@@ -1,4 +1,4 @@
-//! A link as an inextensible elastica whose coordinates are angles: Lagrange's equations at any deflection.
+//! A link as an inextensible elastica with angles as coordinates: Lagrange's equations at any deflection.
 //!
 //! The hub's angle φ comes first, then the slopes ψ of the link from the hub's tangent line: polynomials on each
 //! piece between two masses or segment ends. Places and their derivatives are integrals of cosines and sines along
@@ -15,8 +15,8 @@ use crate::numeric::{GaussRule, piece_shapes};
 /// Gauss points of a piece beyond the order of its polynomials.
 const MORE_POINTS: usize = 3;
 
-/// Matrices that a play holds at the same time, about: stiffness, damping and mass of links and chain, and what Radau's and
-/// Newton's methods factor.
+/// Approximate number of matrices in memory at the same time: stiffness, damping and mass of links and chain, and the
+/// factors of Radau's and Newton's methods.
 const MATRICES: usize = 12;
 
 /// A body fixed to the end of a piece.
@@ -24,7 +24,7 @@ const MATRICES: usize = 12;
 struct Body {
     mass_kg: f64,
     inertia_kg_m2: f64,
-    /// How far beyond that end its centre lies in m.
+    /// Distance of its centre beyond that end in m.
     arm_m: f64,
 }
 
@@ -32,10 +32,10 @@ struct Body {
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub(super) length_m: f64,
-    /// Number of the first of its own coordinates: polynomials that vanish at both ends, then the slope at the outer
-    /// end. The slope at its inner end is the coordinate before them; that of the first piece is none.
+    /// Number of its first coordinate: polynomials that vanish at both ends, then the slope at the outer end. The slope
+    /// at its inner end is the coordinate before them; the first piece has no such slope.
     pub(super) first: usize,
-    /// Of each Gauss point: what the slope at the inner end and each coordinate add to its slope.
+    /// For each Gauss point, the factors of the inner end's slope and of each coordinate in its slope.
     pub(super) shapes: Vec<Vec<f64>>,
     masses_kg: Vec<f64>,
     /// Integrals from the inner end to each point, and to the outer end, over the length, per value at each point.
@@ -53,12 +53,12 @@ pub(super) struct Chain {
     gravity_m_s2: [f64; 2],
     /// Number of coordinates.
     pub(super) count: usize,
-    /// Row by row; none acts on the hub's angle.
+    /// Stiffness row by row; 0 for the hub's angle.
     pub(super) stiffness: Vec<f64>,
     pub(super) damping: Vec<f64>,
 }
 
-/// A piece before its polynomials are made.
+/// A piece without polynomials.
 struct PlannedPiece {
     ends_m: [f64; 2],
     order: usize,
@@ -66,8 +66,8 @@ struct PlannedPiece {
     mass: Taper,
 }
 
-/// The pieces of a link. `order` is given the ends of a piece in m, its mean stiffness in N m² and its mean mass in kg/m,
-/// and returns the order of the polynomials there, which is 2 or higher.
+/// The pieces of a link. `order` receives the ends of a piece in m, its mean stiffness in N m² and its mean mass in
+/// kg/m. It returns the order of the polynomials there, at least 2.
 fn planned(
     link: &Link,
     order: impl Fn([f64; 2], [f64; 2]) -> usize,
@@ -93,12 +93,13 @@ fn planned(
     })
 }
 
-/// Number of coordinates of [`Chain::of`], before its matrices are made.
+/// Number of coordinates of [`Chain::of`], computed without its matrices.
 pub(super) fn coordinates(link: &Link, order: impl Fn([f64; 2], [f64; 2]) -> usize) -> usize {
     1 + planned(link, order).map(|piece| piece.order).sum::<usize>()
 }
 
-/// Memory in bytes that playing a chain of so many coordinates takes, about: its matrices, and `numbers` of each sample.
+/// Approximate memory in bytes of a simulated chain with `count` coordinates: its matrices, and `numbers` for each
+/// sample.
 pub(super) fn play_bytes(count: usize, samples: usize, numbers: usize) -> usize {
     let matrices = MATRICES.saturating_mul(count.saturating_mul(count));
     samples.saturating_mul(numbers).saturating_add(matrices).saturating_mul(size_of::<f64>())
@@ -137,7 +138,7 @@ impl Chain {
         chain.stiffness = chain.damping.clone();
         for (piece, (rule, order, stiffness)) in chain.pieces.iter().zip(bends) {
             for (weight, t) in rule.weights.iter().zip(&rule.places) {
-                // ds = l/2 dt, and each derivative has 2/l; the weights are those of (0, 1).
+                // ds = l/2 dt, and each derivative has 2/l; the weights belong to (0, 1).
                 let factor = 4.0 * weight * stiffness.at(0.5 * (1.0 + t)) / piece.length_m;
                 let slopes = piece_shapes(order, *t).1;
                 for (i, own) in piece.coordinates() {
@@ -150,7 +151,7 @@ impl Chain {
         chain
     }
 
-    /// Moment in N m of the straight link's weight where it is largest.
+    /// Largest moment in N m of the straight link's weight.
     pub(super) fn weight_moment_n_m(&self) -> f64 {
         let rest = vec![0.0; self.count];
         let mut moment = 0.0;
@@ -168,7 +169,7 @@ impl Chain {
         self.root_m + self.pieces.iter().map(|piece| piece.length_m).sum::<f64>()
     }
 
-    /// The same link with a share of its weight.
+    /// A copy of the link with a share of its weight.
     pub(super) fn weighing(&self, share: f64) -> Self {
         Self { gravity_m_s2: self.gravity_m_s2.map(|part| share * part), ..self.clone() }
     }
@@ -178,8 +179,8 @@ impl Chain {
         self.walk_on(&Place::fixed(self.count), (&[], 0), (q, rates), &mut meet);
     }
 
-    /// The same of a link whose axis lies on another one, where the coordinates `before` turn it; its own ones begin with
-    /// number `own`.
+    /// Walks a link with its axis on another link, turned by the coordinates `before`; the link's coordinates begin
+    /// with number `own`.
     pub(super) fn walk_on(
         &self,
         axis: &Place,
@@ -263,7 +264,7 @@ impl Chain {
         into.end();
     }
 
-    /// The tip and how it moves.
+    /// The tip and its motion.
     pub(super) fn tip(&self, q: &[f64], rates: &[f64]) -> Place {
         let mut tip = Place::default();
         self.walk(q, rates, |place, met| {
@@ -283,7 +284,7 @@ fn bodies_at(link: &Link, at_m: f64) -> Vec<Body> {
         .collect()
 }
 
-/// Where pieces of a segment end: at masses within it, and at its outer end.
+/// Ends of a segment's pieces: masses within it, and its outer end.
 fn piece_ends_m(link: &Link, [root_m, tip_m]: [f64; 2], same_m: f64) -> Vec<f64> {
     let inside = |at_m: &f64| *at_m > root_m + same_m && *at_m < tip_m - same_m;
     let mut ends: Vec<f64> = link.masses().iter().map(|mass| mass.at_m).filter(inside).collect();
@@ -293,7 +294,7 @@ fn piece_ends_m(link: &Link, [root_m, tip_m]: [f64; 2], same_m: f64) -> Vec<f64>
 }
 
 impl Piece {
-    /// With polynomials of an order, at the points of a rule; `first` is the number of its first coordinate.
+    /// A piece with polynomials of an order, at the points of a rule; `first` is the number of its first coordinate.
     fn new(
         length_m: f64,
         first: usize,
@@ -313,7 +314,7 @@ impl Piece {
         }
     }
 
-    /// Coordinates that bend it, and their numbers among its shapes.
+    /// Coordinates that bend the piece, and their numbers among its shapes.
     pub(super) fn coordinates(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
         let (first, count) = (self.first, self.shapes[0].len() - 1);
         // The hub's angle before the first piece is no slope from its tangent line.

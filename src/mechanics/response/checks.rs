@@ -1,4 +1,4 @@
-//! Numbers by which a simulation is verified: its balance of energy, and its errors.
+//! Verification of a simulation: its balance of energy, and its errors.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct EnergyBalance {
     pub work_j: f64,
     /// Kinetic energy.
     pub kinetic_j: f64,
-    /// Strain energy, and with weight or at large angles that of both since the start.
+    /// Strain energy; with weight or at large angles energy of strain and weight since the start.
     pub strain_j: f64,
     /// Energy dissipated by damping and friction.
     pub dissipated_j: f64,
@@ -32,19 +32,19 @@ pub struct EnergyBalance {
 pub struct EnergyAccount {
     /// The balances.
     pub balances: Vec<EnergyBalance>,
-    /// Energy that the link holds at the start in J: 0 at rest.
+    /// Energy of the link at the start in J: 0 at rest.
     pub start_j: f64,
-    /// Estimated error of the integrals of work and loss in J: a quarter of their change when every second
-    /// sample is left out. A smooth power has an error of a sixteenth, one with kinks a larger one.
+    /// Estimated error of the integrals of work and loss in J: a quarter of their change without every second sample. A
+    /// smooth power has an error of a sixteenth, a power with kinks a larger one.
     pub quadrature_error_j: f64,
 }
 
 impl Played {
-    /// The balance at `count` samples, the last one among them. The integral of the motor's absolute power
-    /// between two of them is the same, so that few fall into a long rest.
+    /// The balance at `count` samples, the last one among them. Equal integrals of the motor's absolute power separate
+    /// them, so that few fall into a long rest.
     ///
-    /// Work and dissipation are integrated over all samples by a cubic spline; the energies are
-    /// those of the elements in the shape and rate that the modes add up to, or of the elastica.
+    /// A cubic spline integrates work and dissipation over all samples. The energies are those of the elastica, or of
+    /// the elements in the shape and rate of the summed modes.
     pub fn energy(&self, count: usize) -> EnergyAccount {
         let power_w = |sample: usize| {
             self.joints.iter().map(|own| own.torque_n_m[sample] * own.rate_rad_s[sample]).sum()
@@ -75,7 +75,7 @@ impl Played {
         };
         let missing = |power: &[f64], integral: &[f64]| {
             if power.len() < 2 * CubicSpline::MIN_POINTS {
-                // Too few samples to leave every second one out.
+                // Too few samples for integrals without every second one.
                 return 0.0;
             }
             let every_second: Vec<f64> = integral.iter().copied().step_by(2).collect();
@@ -115,7 +115,7 @@ impl Played {
             + modes.equations.reaction.friction_n_m_s_rad * self.hub().rate_rad_s[sample].powi(2)
     }
 
-    /// ∫ dt from the first to each `every`-th of the samples, by these alone.
+    /// ∫ dt from the first to each `every`-th sample, from these samples alone.
     fn integral(&self, samples: &[f64], every: usize) -> Vec<f64> {
         let samples: Vec<f64> = samples.iter().copied().step_by(every).collect();
         let step_s = every as f64 * self.grid.step_s;
@@ -132,27 +132,27 @@ impl Played {
     }
 }
 
-/// Error of a tip or a hub angle above which a warning is given.
+/// Warning threshold of the errors of tip and hub angle.
 const COARSE: f64 = 1e-2;
 
-/// Errors of a simulation by its mesh and its modes; of bent links by their angles and steps.
+/// Errors of a simulation by its mesh and its modes; for bent links by their angles and steps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PlayError {
     /// Largest error of the tip's displacement, over its travel.
     pub tip: f64,
-    /// Largest error of the hub angle, over its peak; of an arm that of any joint over the largest turn of any.
+    /// Largest error of the hub angle, over its peak; for an arm the error of any joint over the largest turn of any.
     pub hub_angle: f64,
 }
 
 impl PlayError {
-    /// Of a linear link: plays the same torque on elements of half the length, with all modes that the torque moves
-    /// there, and measures the change; where modes were cut, with twice as many.
+    /// Plays the torque of a linear link again on elements of half the length and measures the change. Uses all modes
+    /// that the torque moves there; where a limit cut the first selection, up to twice that limit.
     ///
-    /// It takes about as long as the simulation, and no memory. `None` where such elements do not
-    /// allow the damping law. At large angles the errors are what the last refinement changed.
+    /// Takes about as long as the simulation, and no memory. `None` where such elements do not allow the damping law.
+    /// At large angles the errors are the changes by the last refinement.
     ///
     /// # Errors
-    /// As [`simulate`](super::simulate) of this simulation.
+    /// As [`simulate`](super::simulate).
     pub fn of(
         played: &Played,
         arm: &Arm,

@@ -1,24 +1,25 @@
-//! Complex modes of damped small motions: each undamped mode is followed while its damping grows from none to all.
+//! Complex modes of damped small motions: the solver follows each undamped mode while its damping grows from 0 to its
+//! full value.
 
 use num_complex::Complex64;
 
 use crate::numeric::magnitude;
 
-/// Most iterations at one share of the damping, and the relative change of s at which they end.
+/// Most iterations at one share of the damping, and the relative change of s that ends them.
 const MOST_ITERATIONS: usize = 20;
 const SETTLED: f64 = 1e-12;
 
-/// Largest difference of a step of s from the tangent, over the step; larger ones are halved.
+/// Largest difference of a step of s from the tangent, over the step; the solver halves a larger step.
 const OFF_TANGENT: f64 = 0.25;
 
-/// Least step of the share of the damping. Where it does not do, the mode is about to stop vibrating.
+/// Least step of the share of the damping. A mode that needs a smaller step is about to stop vibrating.
 const LEAST_STEP: f64 = 1e-5;
 
-/// Share of the damping ratio beyond which a motion that hardly turns back is none that vibrates.
+/// Largest damping ratio of a vibration; beyond it a motion hardly turns back.
 const MOST_RATIO: f64 = 0.999_999;
 
-/// The equations `(s² M + s C + K) x = 0` of small motions, all symmetric. A loss that does not depend on the
-/// frequency, hysteretic damping, is the viscous one of the same work a cycle, `G/|s|`, in C.
+/// The equations `(s² M + s C + K) x = 0` of small motions, all symmetric. Hysteretic damping, a loss independent of
+/// the frequency, enters C as the viscous damping `G/|s|` with equal work per cycle.
 pub(super) trait SmallMotions {
     /// `M x`.
     fn inertia(&self, x: &[Complex64]) -> Vec<Complex64>;
@@ -26,7 +27,7 @@ pub(super) trait SmallMotions {
     /// `C x` at s.
     fn damping(&self, s_per_s: Complex64, x: &[Complex64]) -> Vec<Complex64>;
 
-    /// `(s² M + s t C + K)⁻¹ y` for a share t of the damping; none where it is singular.
+    /// `(s² M + s t C + K)⁻¹ y` for a share t of the damping. `None` for a singular matrix.
     fn solved(&self, s_per_s: Complex64, share: f64, y: &[Complex64]) -> Option<Vec<Complex64>>;
 }
 
@@ -37,8 +38,8 @@ struct Followed {
     x: Vec<Complex64>,
 }
 
-/// The damping ratio `−Re s/|s|` of the mode whose undamped frequency and shape are given, all damping counted; none where
-/// it does not vibrate.
+/// The damping ratio `−Re s/|s|` of the mode with this undamped frequency and shape, under all damping. `None` where it
+/// does not vibrate.
 pub(super) fn damping_ratio(
     motions: &impl SmallMotions,
     omega_rad_s: f64,
@@ -68,7 +69,7 @@ pub(super) fn damping_ratio(
             return None;
         }
     }
-    // From 0, so that nothing that damps is 0 and not −0.
+    // Subtracts from 0, so that an undamped mode has 0 and not −0.
     let ratio = 0.0 - known.s_per_s.re / magnitude(known.s_per_s);
     (ratio < MOST_RATIO).then_some(ratio)
 }
@@ -87,7 +88,7 @@ impl Followed {
         -self.s_per_s * damped / product(&self.x, &self.slope(motions, share))
     }
 
-    /// The mode itself, by inverse iteration with the quotient of Rayleigh that symmetric matrices have:
+    /// The mode at this share, by inverse iteration with Rayleigh's quotient of symmetric matrices:
     ///
     /// ```text
     /// (s² M + s t C + K) u = p,    p = d/ds (s² M + s t C + K) x,    s ← s − pᵀx/pᵀu,    x ← u
@@ -95,7 +96,7 @@ impl Followed {
     fn settled(mut self, motions: &impl SmallMotions, share: f64) -> Option<Self> {
         for _ in 0..MOST_ITERATIONS {
             let slope = self.slope(motions, share);
-            // Exactly at the mode there is no inverse.
+            // No inverse exists exactly at the mode.
             let Some(next) = motions.solved(self.s_per_s, share, &slope) else { return Some(self) };
             let change = product(&slope, &self.x) / product(&slope, &next);
             if !change.is_finite() {
@@ -111,7 +112,7 @@ impl Followed {
     }
 }
 
-/// `xᵀ y`, nothing conjugated.
+/// `xᵀ y` without conjugation.
 pub(super) fn product(x: &[Complex64], y: &[Complex64]) -> Complex64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }

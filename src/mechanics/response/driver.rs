@@ -1,4 +1,4 @@
-//! Bent links played step by step, finer and finer: each joint under a torque, or moved as prescribed.
+//! Steps bent links in time, finer and finer: each joint under a torque, or moved as prescribed.
 
 use super::balance::Balance;
 use super::bent::BentMotion;
@@ -11,16 +11,16 @@ use super::radau::{Motion, Radau};
 use super::state::settle;
 use crate::numeric::{TimeGrid, dot};
 
-/// Steps beyond which no refinement is made.
+/// Most steps of a refined motion.
 const LONGEST: usize = 1 << 20;
 
-/// Orders by which each refinement raises the polynomials.
+/// Orders that each refinement adds to the polynomials.
 const MORE_ORDERS: usize = 2;
 
-/// Share of the motion that the last refinement of a settled one changes less.
+/// Largest change of a settled motion by the last refinement, over the motion.
 const UNSETTLED: f64 = 1e-4;
 
-/// Changes of an angle in rad that are round-off.
+/// Largest change of an angle in rad that is round-off.
 const STILL_RAD: f64 = 1e-12;
 
 /// Input of one joint: a torque, with a reaction around an angle, or an acceleration.
@@ -35,7 +35,7 @@ pub(super) enum Drive {
 pub(super) struct Begun {
     pub(super) q: Vec<f64>,
     pub(super) rates: Vec<f64>,
-    /// Direction in rad from which displacements of one link count.
+    /// Direction in rad of zero displacement for one link.
     pub(super) from_rad: f64,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Begun {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cycle {
     pub(super) grid: TimeGrid,
-    /// Whether nothing holds the hub anywhere: it may turn on from cycle to cycle, at one rate.
+    /// Whether the hub is free: it may turn on from cycle to cycle, at one rate.
     pub(super) is_free: bool,
 }
 
@@ -51,15 +51,15 @@ pub(super) struct Cycle {
 pub(super) struct Problem<'a> {
     pub(super) linkage: Linkage,
     pub(super) drives: &'a [Drive],
-    /// Angle of each joint in rad at which feedback does nothing.
+    /// Angle of each joint in rad without a feedback torque.
     pub(super) aims_rad: Vec<f64>,
     pub(super) grid: &'a TimeGrid,
     pub(super) start: Begun,
     pub(super) cycle: Option<Cycle>,
 }
 
-/// Plays finer and finer until that changes tip and joints by less than `tolerance` of their motion, or the finest
-/// is reached; `problem` gets the additional orders of the polynomials and the coarser motion, `watch` each sample.
+/// Refines the motion until tip and joints change by less than `tolerance` of their motion, or to the finest level.
+/// `problem` receives the additional orders of the polynomials and the coarser motion, `watch` each sample.
 ///
 /// # Errors
 /// [`SimulationError`].
@@ -77,7 +77,7 @@ pub(super) fn settled<'a>(
         let is_last = finer == most_refinements || (samples << finer) > LONGEST;
         let before = match coarse {
             Ok(before) => before,
-            // Steps too long to converge are no reason against shorter ones.
+            // Shorter steps may converge where long ones do not.
             Err(SimulationError::NotConverged { .. }) if !is_last => {
                 coarse = played(finer, None);
                 continue;
@@ -129,7 +129,7 @@ impl Drive {
 }
 
 impl Problem<'_> {
-    /// Plays with `steps` from one sample to the next; `at` gets the number of samples done.
+    /// Plays with `steps` steps from one sample to the next; `at` receives the number of finished samples.
     fn played(self, steps: usize, at: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
         let (grid, count) = (*self.grid, self.linkage.count);
         let (mut stiffness, mut damping) =
@@ -211,7 +211,7 @@ impl Problem<'_> {
         if is_done { Ok(()) } else { Err(SimulationError::NotConverged { time_s }) }
     }
 
-    /// Puts in the inputs of all joints a part s of a step after a sample.
+    /// Applies the inputs of all joints a part s of a step after a sample.
     fn apply(&self, at: (usize, f64), motion: (&[f64], &[f64]), balance: &mut Balance) {
         self.linkage.turn(self.turning_rad_s(at), balance);
         let joints = self.linkage.joints.iter().zip(self.drives).zip(&self.aims_rad);
@@ -220,7 +220,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Rate of the first joint's reference in rad/s, with which the damping of a loop turns, a part s of a step after a sample.
+    /// Rate of the first joint's reference in rad/s, a part s of a step after a sample; the damping of a loop turns
+    /// with it.
     fn turning_rad_s(&self, at: (usize, f64)) -> f64 {
         let turning = self.drives[0].driving().turning.as_ref();
         turning.map_or(0.0, |turning| turning.within(at))
@@ -257,7 +258,8 @@ impl Problem<'_> {
         Ok(())
     }
 
-    /// Torque of each joint in N m, a part s of a step after a sample: that of its motor, or the one that its motion needs.
+    /// Torque of each joint in N m, a part s of a step after a sample: the torque of its motor, or the torque for its
+    /// prescribed motion.
     fn torques_n_m(&self, at: (usize, f64), motion: &Motion, balance: &mut Balance) -> Vec<f64> {
         let Motion { q, rates, accelerations } = motion;
         if self.drives.iter().any(|drive| matches!(drive, Drive::Acceleration(_))) {
@@ -290,7 +292,7 @@ impl Problem<'_> {
     }
 }
 
-/// Part of the step between two samples at which a stage of one of its steps lies.
+/// Place of a stage of one step, as a part of the interval between two samples.
 fn place(stage: usize, step: usize, steps: usize) -> f64 {
     (step as f64 + Radau::places()[stage]) / steps as f64
 }

@@ -1,4 +1,4 @@
-//! What drives the equations of motion, at its samples and between them.
+//! Input of the equations of motion, at its samples and between them.
 
 use serde::Serialize;
 use thiserror::Error;
@@ -13,15 +13,15 @@ use crate::text::significant;
 pub(super) struct Driving {
     pub(super) samples: Vec<f64>,
     pub(super) pieces: Vec<Cubic>,
-    /// After the last sample of the input.
+    /// Input after its last sample.
     pub(super) hold: f64,
     /// Whether the first sample follows the last.
     pub(super) repeats: bool,
-    /// Rate in rad/s of the reference, with which the damping of a loop turns; none: at rest.
+    /// Rate in rad/s of the reference; the damping of a loop turns with it. `None`: at rest.
     pub(super) turning: Option<Box<Self>>,
 }
 
-/// What drives one step.
+/// Input of one step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     pub(super) input: Cubic,
@@ -36,7 +36,7 @@ impl From<Cubic> for Step {
 }
 
 impl Driving {
-    /// A cycle of samples: from the last one the first one of the next cycle follows.
+    /// A cycle of samples: the last sample precedes the first one of the next cycle.
     pub(super) fn repeated(samples: Vec<f64>, interpolation: Interpolation) -> Self {
         let around = samples.len();
         let mut pieces = pieces(&wrapped(&samples, 0.0, around), interpolation);
@@ -45,13 +45,13 @@ impl Driving {
         Self { samples, pieces, hold: 0.0, repeats: true, turning: None }
     }
 
-    /// At a sample, also after the input's last.
+    /// The input at a sample, also after the last one.
     pub(super) fn at(&self, sample: usize) -> f64 {
         let sample = if self.repeats { sample % self.samples.len() } else { sample };
         self.samples.get(sample).copied().unwrap_or(self.hold)
     }
 
-    /// A part s of a step after a sample.
+    /// The input a part s of a step after a sample.
     pub(super) fn within(&self, (sample, s): (usize, f64)) -> f64 {
         if s == 0.0 {
             return self.at(sample);
@@ -64,12 +64,12 @@ impl Driving {
         self.turning.as_ref().map_or(0.0, |turning| turning.at(sample))
     }
 
-    /// Rates of the reference at so many samples in rad/s.
+    /// Rates of the reference at `samples` samples in rad/s.
     pub(super) fn turning_rad_s(&self, samples: usize) -> Vec<f64> {
         (0..samples).map(|sample| self.turning_at(sample)).collect()
     }
 
-    /// Over each step between so many samples.
+    /// Inputs of each step between `samples` samples.
     pub(super) fn steps(&self, samples: usize) -> impl Iterator<Item = Step> {
         let turning = self.turning.as_deref();
         (0..samples.saturating_sub(1)).map(move |k| Step {
@@ -78,19 +78,19 @@ impl Driving {
         })
     }
 
-    /// Over the step after a sample.
+    /// The input over the step after a sample.
     fn piece(&self, sample: usize) -> Cubic {
         let sample = if self.repeats { sample % self.pieces.len() } else { sample };
         self.pieces.get(sample).copied().unwrap_or(self.held())
     }
 
-    /// Over any step after the last sample.
+    /// The input over any step after the last sample.
     pub(super) fn held(&self) -> Cubic {
         [self.hold, 0.0, 0.0, 0.0]
     }
 }
 
-/// Why a torque has no cycle in which a link repeats its motion.
+/// Reason why a torque has no repeating cycle of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CycleError {
     /// A mean torque that turns a free hub faster and faster.
@@ -103,7 +103,7 @@ pub enum CycleError {
         /// The mean torque in N m.
         mean_n_m: f64,
     },
-    /// A hub angle that ends elsewhere than it starts.
+    /// A hub angle that does not return to its start.
     #[error(
         "the hub angle = {jump_rad:e} rad away from its start, a step after its last sample, but must be back there: \
          it repeats"
@@ -112,13 +112,13 @@ pub enum CycleError {
         /// The angle in rad from the last sample to the first.
         jump_rad: f64,
     },
-    /// A cycle whose last sample is its first one again.
+    /// A cycle with its first sample again as the last one.
     #[error("the last row of the cycle = the first one again, but must be the one before it")]
     Repeats,
-    /// A vibration of an undamped link that grows, or no finite one.
+    /// A vibration of an undamped link that grows or is not finite.
     #[error("the cycle = in step with a vibration that is not damped, but must not be")]
     Resonance,
-    /// A link at large angles whose hub nothing holds.
+    /// A link at large angles with a free hub.
     #[error(
         "hub.viscous_friction = 0, but must be above 0, or feedback given: the hub is free at large angles"
     )]
@@ -129,9 +129,9 @@ pub enum CycleError {
          or a swing that hardly decays, does not"
     )]
     Unsettled {
-        /// Cycles that were played.
+        /// Number of simulated cycles.
         cycles: usize,
-        /// Change from one to the next over the turn of the hub.
+        /// Change from one cycle to the next over the turn of the hub.
         share: f64,
     },
 }
@@ -163,14 +163,14 @@ pub enum Interpolation {
     Cubic,
     /// Straight lines.
     Linear,
-    /// Each sample until the next one, as a converter plays a table.
+    /// Each sample until the next one, like a converter with a table.
     Zero,
 }
 
 /// Coefficients of a cubic over one step: `u(s) = Σ c_j (s/Δt)ʲ`.
 pub(super) type Cubic = [f64; 4];
 
-/// The pieces between samples, one fewer than there are samples.
+/// The pieces between samples, one fewer than the samples.
 pub(super) fn pieces(samples: &[f64], interpolation: Interpolation) -> Vec<Cubic> {
     match interpolation {
         Interpolation::Linear => {

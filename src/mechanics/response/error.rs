@@ -1,4 +1,4 @@
-//! Why a torque is not played, and what the user must know of one that is.
+//! Errors and warnings of a simulation.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -9,10 +9,10 @@ use crate::modal::DampingError;
 use crate::numeric::{TimeGrid, dot, largest, rounded};
 use crate::text::{about_percent, gigabytes, plain};
 
-/// Why a torque is not played.
+/// Reason why a simulation is refused or fails.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
-    /// A plan of the mesh that was made for another link.
+    /// A mesh plan of another link.
     #[error(transparent)]
     Plan(#[from] ParameterError),
     /// A torque of zero.
@@ -24,23 +24,23 @@ pub enum SimulationError {
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
     #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
     MasslessHub,
-    /// A link that is not played with weight or at large angles.
+    /// A link without equations for weight or large angles.
     #[error("{what}, but weight and second-order terms are played on links {known}")]
     NotDerived {
-        /// What the link has.
+        /// Unsupported property of the link.
         what: &'static str,
-        /// What it may have.
+        /// Supported alternatives.
         known: &'static str,
     },
-    /// A link with gravity whose direction is not known.
+    /// A link with gravity but without a direction.
     #[error("start_angle is missing, but must be given: with gravity the direction matters")]
     NoStartAngle,
-    /// A state that does not fit the link, or beside a motion of the hub.
+    /// A state that does not suit the link, or that comes with a prescribed motion of the hub.
     #[error("the state = {found}, but must {must}")]
     State {
-        /// What was found.
+        /// Invalid content of the state, in words.
         found: String,
-        /// What must be.
+        /// Requirement, in words.
         must: String,
     },
     /// A link too soft for its weight.
@@ -51,7 +51,7 @@ pub enum SimulationError {
     /// No cycle that repeats.
     #[error(transparent)]
     Cycle(#[from] CycleError),
-    /// Damping that the mesh does not allow.
+    /// Damping that does not suit the mesh.
     #[error(transparent)]
     Damping(#[from] DampingError),
     /// A reference of the feedback at other times than the torque.
@@ -77,25 +77,25 @@ pub enum SimulationError {
         rounded(*end_s, 12)
     )]
     EndsEarly {
-        /// The end asked for in s.
+        /// Requested end in s.
         until_s: f64,
         /// The torque's last time in s.
         end_s: f64,
     },
-    /// More samples than this program holds.
+    /// More samples than this program supports.
     #[error(
         "until = {} s, {samples:.3e} samples, but must be at most {limit} samples",
         plain(*until_s)
     )]
     TooLong {
-        /// The end asked for in s.
+        /// Requested end in s.
         until_s: f64,
-        /// Samples that it needs.
+        /// Samples up to that end.
         samples: f64,
         /// Samples possible.
         limit: usize,
     },
-    /// More memory than is allowed.
+    /// More memory than the limit.
     #[error(
         "{samples} samples of {modes} modes would need {} of memory, but must fit in the {} \
          available",
@@ -107,12 +107,12 @@ pub enum SimulationError {
         samples: usize,
         /// Modes kept, rigid rotation and residual mode included.
         modes: usize,
-        /// Bytes needed, about.
+        /// Approximate number of bytes needed.
         bytes: usize,
         /// Bytes allowed.
         allowed: usize,
     },
-    /// Steps that are too long for the motion.
+    /// Steps too long for the motion.
     #[error("the motion up to {} s does not converge, but must", rounded(*time_s, 12))]
     NotConverged {
         /// The time in s.
@@ -127,7 +127,7 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::Plan(_) => "make the plan of the mesh from the link that it is for",
@@ -154,20 +154,19 @@ impl SimulationError {
     }
 }
 
-/// Torque at its first or last sample over its peak, above which a warning is given.
+/// Warning threshold of a torque's first or last sample over its peak.
 pub(super) const STEP_SHARE: f64 = 1e-3;
 
-/// Rate of the hub at its first sample over its peak, above which a warning is given.
+/// Warning threshold of the hub's first rate over its peak.
 const MOVES: f64 = 1e-2;
 
-/// Roughness of a torque over that of noise, above which a warning is given. A sine of six samples a period
-/// has 0.4.
+/// Warning threshold of a torque's roughness over that of noise. A sine of six samples a period has 0.4.
 const ROUGH: f64 = 0.4;
 
-/// Steps in a period of the first mode below which a warning is given.
+/// Warning threshold of steps in a period of the first mode.
 const STEPS_IN_A_PERIOD: f64 = 8.0;
 
-/// What the user must know to judge a simulation.
+/// A fact that the user must know to judge a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum SimulationWarning {
@@ -196,10 +195,10 @@ pub enum SimulationWarning {
         joint: Option<usize>,
         /// Last sample in N m.
         torque_n_m: f64,
-        /// The same over the peak, or over the largest range of an arm's torques.
+        /// Last sample over the peak, or over the largest range of an arm's torques.
         share: f64,
     },
-    /// A hub that moves from its first sample on.
+    /// A hub that already moves at its first sample.
     #[error(
         "the hub angle begins with {:?} rad/s, {:.1} % of its peak rate: the hub is at rest before its first \
          sample, and is taken to start between the first two",
@@ -212,7 +211,7 @@ pub enum SimulationWarning {
         /// The same over the peak.
         share: f64,
     },
-    /// A torque that the steps or the noise of a recorded hub angle make.
+    /// A torque from the steps or the noise of a recorded hub angle.
     #[error(
         "the torque jumps from sample to sample, {:.0} % as noise alone would: the torque contains the second \
          derivative of the encoder's noise; the tip's motion hardly does",
@@ -238,7 +237,7 @@ pub enum SimulationWarning {
         /// Period over step.
         steps: f64,
     },
-    /// Terms of second order, which the linear model leaves out, that count.
+    /// Noticeable terms of second order outside the linear model.
     #[error(
         "large deflections and centrifugal stiffening, which the linear model leaves out, change deflections by {} of \
          their peak at most, and move the tip by {} of its travel",
@@ -246,12 +245,12 @@ pub enum SimulationWarning {
         about_percent(*tip)
     )]
     InexactModel {
-        /// What they move the tip by, over its travel.
+        /// Change of the tip by these terms, over its travel.
         tip: f64,
-        /// What they change of deflections, over the largest.
+        /// Change of deflections by these terms, over the largest.
         deflection: f64,
     },
-    /// A torque that does not begin with the one that holds the links.
+    /// A torque that does not begin with the holding torque.
     #[error(
         "{} begins with {:?} N m, but {:?} N m hold the {body} where it starts: the difference acts on the \
          resting {body} as a jump, {:.1} % of {}",
@@ -269,10 +268,10 @@ pub enum SimulationWarning {
         torque_n_m: f64,
         /// Torque in N m that holds the links.
         holding_n_m: f64,
-        /// Their difference over the range, of an arm over the largest of any torque.
+        /// Their difference over the range, for an arm over the largest range of any torque.
         share: f64,
     },
-    /// A reference that does not begin where the hub stands.
+    /// A reference that does not begin at the hub's angle.
     #[error(
         "the reference{} begins at {:?} rad, but the {} stands at {:?} rad: the feedback turns it there",
         joint.map_or(String::new(), |joint| format!(" of joint {joint}")),
@@ -288,12 +287,12 @@ pub enum SimulationWarning {
         /// Angle of the hub, or of the joint, at the start in rad.
         hub_rad: f64,
     },
-    /// A state with waves that no mode shows.
+    /// A state with waves too short for the modes.
     #[error(
         "the modes leave out {share:.1e} of the state, as a root of its energy: its shortest waves"
     )]
     StateCut {
-        /// What is left out, over the whole.
+        /// Omitted part of the state, over the whole.
         share: f64,
     },
     /// A large motion that refinement still changes.
@@ -308,10 +307,10 @@ pub enum SimulationWarning {
         tip: f64,
         /// Change of the hub angle over its peak, or of a joint over the largest turn of any.
         hub_angle: f64,
-        /// Whether it is that of an arm.
+        /// Whether the motion is that of an arm.
         is_arm: bool,
     },
-    /// Work that is neither held nor lost.
+    /// Work that energy and losses do not account for.
     #[error("work and energy differ by {share:.1e} of the largest of them")]
     Imbalance {
         /// The difference over the largest work or energy.
@@ -330,7 +329,7 @@ pub enum SimulationWarning {
     },
 }
 
-/// A torque as messages call it.
+/// Name of a torque in messages.
 fn torque(joint: Option<usize>) -> String {
     joint.map_or("the torque".to_owned(), |joint| format!("torque{joint}"))
 }
@@ -354,7 +353,7 @@ impl SimulationWarning {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::EndsWithJump { joint: Some(_), .. } => {
@@ -410,7 +409,7 @@ impl SimulationWarning {
         [is_jump(first).then_some(begins), is_jump(last).then_some(ends)]
     }
 
-    /// A warning of a hub that does not rest at its first sample.
+    /// A warning of a hub that already moves at its first sample.
     pub(super) fn hub_begins(rate_rad_s: &[f64]) -> Option<Self> {
         let first = rate_rad_s[0];
         let share = first.abs() / largest(rate_rad_s);
@@ -419,7 +418,7 @@ impl SimulationWarning {
 
     /// A warning of a torque as rough as noise.
     ///
-    /// Second differences of independent samples are √6 times as large as these.
+    /// Second differences of independent samples are √6 times as large as the samples.
     pub(super) fn rough(torque_n_m: &[f64]) -> Option<Self> {
         let bends: Vec<f64> = torque_n_m.windows(3).map(|t| t[0] - 2.0 * t[1] + t[2]).collect();
         let share = (dot(&bends, &bends) / (6.0 * dot(torque_n_m, torque_n_m))).sqrt();

@@ -8,19 +8,20 @@ use crate::link::{ParameterError, not_negative};
 use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
 
-/// Angle in rad between a reference and the hub at the start above which a warning is given.
+/// Warning threshold of the angle between a reference and the hub at the start in rad.
 pub(super) const APART_RAD: f64 = 1e-4;
 
-/// Step of an angle from its last sample to its first, over the largest between samples, from which on it does not return.
+/// Step of an angle from its last sample to its first, over the largest between samples, that is too large for a
+/// repeating motion.
 const JUMP: f64 = 3.0;
 
 /// Fewest samples of a torque or a reference.
 const MIN_SAMPLES: usize = 4;
 
-/// Why samples over time are no torque or hub reference.
+/// Reason why samples over time are no torque or hub reference.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum HistoryError {
-    /// Fewer than 4 samples, or not as many as there are times.
+    /// Fewer than 4 samples, or different numbers of samples and times.
     #[error(
         "{column} has {samples} samples and time {times}, but both must have equally many, at \
          least 4"
@@ -40,7 +41,7 @@ pub enum HistoryError {
         sample: usize,
         /// Name of the column.
         column: &'static str,
-        /// What was found.
+        /// Value of the sample.
         found: f64,
     },
     /// A time off the uniform grid.
@@ -49,7 +50,7 @@ pub enum HistoryError {
 }
 
 impl HistoryError {
-    /// Number of the offending sample, from 0, if there is one.
+    /// Number of the sample that causes the error, from 0, if one does.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::NotFinite { sample, .. } | Self::NotUniform(NotUniform { sample, .. }) => {
@@ -59,7 +60,7 @@ impl HistoryError {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::NotUniform(error) => Some(error.hint()),
@@ -68,7 +69,7 @@ impl HistoryError {
     }
 }
 
-/// The uniform grid through times in s, at each of which every named column must have a sample.
+/// The uniform grid through times in s. Every named column must have a sample for each time.
 pub(super) fn grid_of(
     time_s: &[f64],
     columns: &[(&'static str, &[f64])],
@@ -107,14 +108,14 @@ impl Torque {
     /// ```
     ///
     /// # Errors
-    /// [`HistoryError`]: fewer than 4 samples, not as many as there are times, one that is not
-    /// finite, or times off a uniform grid.
+    /// [`HistoryError`]: fewer than 4 samples, different numbers of samples and times, a sample that is not finite, or
+    /// times off a uniform grid.
     pub fn new(time_s: &[f64], torque_n_m: Vec<f64>) -> Result<Self, HistoryError> {
         let grid = grid_of(time_s, &[("torque", &torque_n_m)])?;
         Ok(Self { grid, torque_n_m })
     }
 
-    /// Grid of the samples; its origin is the first of them.
+    /// Grid of the samples; its origin is the first sample.
     pub fn grid(&self) -> TimeGrid {
         self.grid
     }
@@ -125,7 +126,7 @@ impl Torque {
     }
 }
 
-/// A motion of the hub, which feedback follows or which is played, on a uniform time grid.
+/// A motion of the hub on a uniform time grid, as a reference of feedback or as a prescribed motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HubReference {
     grid: TimeGrid,
@@ -134,11 +135,11 @@ pub struct HubReference {
 }
 
 impl HubReference {
-    /// Checks angles in rad and, where given, rates in rad/s at times in s.
+    /// Checks angles in rad and optional rates in rad/s at times in s.
     ///
     /// # Errors
-    /// [`HistoryError`]: fewer than 4 samples, not as many as there are times, one that is not
-    /// finite, or times off a uniform grid.
+    /// [`HistoryError`]: fewer than 4 samples, different numbers of samples and times, a sample that is not finite, or
+    /// times off a uniform grid.
     pub fn new(
         time_s: &[f64],
         angle_rad: Vec<f64>,
@@ -150,7 +151,7 @@ impl HubReference {
         Ok(Self { grid, angle_rad, rate_rad_s })
     }
 
-    /// Grid of the samples; its origin is the first of them.
+    /// Grid of the samples; its origin is the first sample.
     pub fn grid(&self) -> TimeGrid {
         self.grid
     }
@@ -160,14 +161,14 @@ impl HubReference {
         &self.angle_rad
     }
 
-    /// Hub rate in rad/s at each time of the grid, if it was given.
+    /// Hub rate in rad/s at each time of the grid, for a reference with rates.
     pub fn rate_rad_s(&self) -> Option<&[f64]> {
         self.rate_rad_s.as_deref()
     }
 }
 
 impl HubReference {
-    /// A warning where the first angle is not where the hub of a link with weight stands.
+    /// Warns of a first angle apart from the hub's angle, for a link with weight.
     pub(super) fn apart(&self, hub_rad: f64) -> Option<SimulationWarning> {
         let reference_rad = self.angle_rad[0];
         let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
@@ -175,7 +176,7 @@ impl HubReference {
         is_apart.then_some(warning)
     }
 
-    /// Turn from the first sample, or from another angle, to the last in rad.
+    /// Turn in rad from the first sample, or from another angle, to the last sample.
     pub(super) fn turn_rad(&self, zero_rad: Option<f64>) -> f64 {
         let angle = self.angle_rad();
         angle[angle.len() - 1] - zero_rad.unwrap_or(angle[0])
@@ -190,7 +191,8 @@ impl HubReference {
         slopes.iter().map(|slope| slope / self.grid().step_s).collect()
     }
 
-    /// Angle in rad from the last sample to the first, a cycle's turn on, where it is no step of a motion that repeats.
+    /// Angle in rad from the last sample to the first one a cycle's turn later. `None` for a plausible step of a
+    /// repeating motion.
     pub(super) fn jump_rad(&self, turn_rad: f64) -> Option<f64> {
         let own = self.angle_rad();
         let steps = own.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -198,8 +200,8 @@ impl HubReference {
         (jump_rad.abs() > JUMP * steps.fold(0.0, f64::max)).then_some(jump_rad)
     }
 
-    /// Accelerations in rad/s² at the samples and between them, and the rate in rad/s at the first one: 0 where it comes
-    /// from rest, that of a cycle with this turn where it repeats.
+    /// Accelerations in rad/s² at the samples and between them, and the first rate in rad/s: 0 after rest, else the
+    /// rate of a repeating cycle with this turn.
     pub(super) fn accelerations(
         &self,
         cycle_turn_rad: Option<f64>,
@@ -240,7 +242,7 @@ pub struct Feedback {
 }
 
 impl Feedback {
-    /// Gains `k_p` in N m/rad and `k_d` in N m s/rad around a reference.
+    /// Checks gains `k_p` in N m/rad and `k_d` in N m s/rad around a reference.
     ///
     /// # Errors
     /// [`ParameterError`] names the first gain that is negative or not finite.
@@ -264,7 +266,7 @@ impl Feedback {
         self.damping_n_m_s_rad
     }
 
-    /// True unless the reference gives the rates that the damping alone needs.
+    /// True unless damping alone acts and the reference has rates.
     fn needs_angles(&self) -> bool {
         self.stiffness_n_m_rad > 0.0 || self.reference.rate_rad_s().is_none()
     }
@@ -274,8 +276,8 @@ impl Feedback {
         &self.reference
     }
 
-    /// What the reference adds to the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`;
-    /// the link starts at the reference's first angle, or from a state whose angles count from `zero_rad`.
+    /// The reference's part of the torque at each sample, `k_p (θ_ref − θ_ref(0)) + k_d θ̇_ref`. The link starts at the
+    /// reference's first angle, or from a state with angles from `zero_rad`.
     ///
     /// # Errors
     /// [`SimulationError::OtherTimes`].
@@ -302,7 +304,7 @@ impl Feedback {
         Ok(wanted.collect())
     }
 
-    /// Rate of the reference: as given, or that of a spline through its angles.
+    /// Rate of the reference, or of a spline through its angles.
     pub(super) fn rate_rad_s(&self, repeats: bool) -> Vec<f64> {
         let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
         given.unwrap_or_else(|| self.reference.slopes_rad_s(repeats))

@@ -1,4 +1,4 @@
-//! The equations of a link whose hub moves as prescribed, or is held by the spring and the damper of a loop.
+//! The equations of a link with a prescribed hub, or with the spring and the damper of a loop at its hub.
 
 use super::modes::{Coordinate, Equations, HubReaction, PrescribedHub};
 use crate::modal::{DampingLaw, Shape};
@@ -7,14 +7,14 @@ use crate::numeric::SymmetricEigen;
 /// The equations of the free link with the hub's motion in place of the motor's torque: the coordinates are
 /// the hub angle and the modes of the link held at its hub.
 ///
-/// A held mode x is a sum of free modes whose hub angle vanishes. The flexible ones are independent; the
-/// rigid rotation follows from them, `x₀ = −Σ p_k x_k/p₀`. So the held frequencies ω are those of
+/// A held mode x is a sum of free modes with a hub angle of 0. The flexible ones are independent; the rigid rotation
+/// follows from them, `x₀ = −Σ p_k x_k/p₀`. So the held frequencies ω satisfy
 ///
 /// ```text
 /// (1 + p pᵀ/p₀²) x = diag(ω_k²) x/ω²
 /// ```
 ///
-/// solved in `y = ω_k x_k` for 1/ω², as exact for low modes as the free ones are. With X the held modes,
+/// solved in `y = ω_k x_k` for 1/ω², with the accuracy of the free modes for low frequencies. With X the held modes,
 /// mass-normalised, and h = x₀/p₀ their product with the rotation by a unit angle,
 ///
 /// ```text
@@ -22,13 +22,13 @@ use crate::numeric::SymmetricEigen;
 /// T = (θ̈ + α θ̇)/p₀² + hᵀ(η̈ + α η̇) + b θ̇
 /// ```
 ///
-/// T is the rate of the whole link's angular momentum, and what friction and drag take. Where the ratio of
-/// hysteretic damping ξ stands for a viscous one, it is that of the modes that vibrate: D = 2ξω.
+/// T is the rate of the whole link's angular momentum, plus friction and drag. Where the ratio of hysteretic damping ξ
+/// stands for a viscous one, it applies to the vibrating modes: D = 2ξω.
 ///
-/// The link is rigidly fixed to the hub: the motor side of a link file's `[drive]` is no part of it, and
-/// `hub.inertia` must include the rotor reflected through the gear, N² J.
+/// The link is rigidly fixed to the hub, without the motor side of a link file's `[drive]`. So `hub.inertia` must
+/// include the rotor reflected through the gear, N² J.
 ///
-/// None where the numbers are not finite.
+/// `None` where the numbers are not finite.
 pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
     let rigid = free.coordinates.first()?;
     let found = hub_modes(free, f64::INFINITY)?;
@@ -77,16 +77,16 @@ pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
 /// A mode of the link with a spring at its hub.
 struct HubMode {
     omega_rad_s: f64,
-    /// As a sum of free modes.
+    /// The mode as a sum of free modes.
     mode: Vec<f64>,
     /// Share of the link in the energy of link and spring.
     link_share: f64,
 }
 
-/// The modes of the link with a spring k at its hub, or held there where it is infinite; the lowest first.
+/// The modes of the link with a spring k at its hub, or with a held hub for an infinite spring; the lowest first.
 ///
-/// As of [`held`], solved for 1/ω² in `y = ω_k x_k`, and in `y₀ = √k pᵀx` of the spring. The square of y is the energy.
-/// None where the numbers are not finite.
+/// Solved as in [`held`] for 1/ω² in `y = ω_k x_k`, and in `y₀ = √k pᵀx` of the spring. The square of y is the energy.
+/// `None` where the numbers are not finite.
 fn hub_modes(free: &Equations, spring_n_m_rad: f64) -> Option<Vec<HubMode>> {
     let [rigid, flexible @ ..] = &free.coordinates[..] else { return None };
     let of_spring = spring_n_m_rad.is_finite().then(|| -spring_n_m_rad.sqrt().recip());
@@ -121,27 +121,27 @@ fn hub_modes(free: &Equations, spring_n_m_rad: f64) -> Option<Vec<HubMode>> {
     Some((0..count).rev().map(mode).collect())
 }
 
-/// A spring at the hub that is softer, over `I ω₁²`, changes no damping ratio by as much.
+/// Softest relevant spring at the hub, over `I ω₁²`: a softer spring changes every damping ratio by less than this.
 const SOFT: f64 = 1e-4;
 
 /// Weight of `(d/(I ω₁))²` in w, see [`HubLoop`].
 const DAMPER: f64 = 20.0;
 
-/// What the gains make of the damping of a hysteretic link. The ratio ξ belongs to the strain of the link, so each mode that
+/// Damping of a hysteretic link under feedback. The ratio ξ belongs to the strain of the link, so each mode that
 /// vibrates with the spring k of the loop has ξ times the link's share of its energy. A damper d holds the hub, too:
 ///
 /// ```text
 /// D = (1 − w) D_loop + w D_held,    w = 20 d²/(20 d² + (I ω₁)²)
 /// ```
 ///
-/// with the inertia I about the axis and the first frequency ω₁ of the free hub. The ratios of the first three modes are
-/// those of the complex stiffness, to first order in ξ, for d = 0 and d → ∞, and elsewhere within 9 %: the factor 20 is the
-/// one that makes the worst of many links and gains least. `D_held` does not damp a rotation of the unbent link. `D_loop`
-/// does, and is applied to the motion from the loop's reference.
+/// with the inertia I about the axis and the first frequency ω₁ of the free hub. The ratios of the first three modes
+/// equal those of the complex stiffness, to first order in ξ, for d = 0 and d → ∞, and elsewhere within 9 %. The factor
+/// 20 minimises the worst error of many links and gains. `D_held` does not damp a rotation of the unbent link. `D_loop`
+/// does, and acts on the motion from the loop's reference.
 pub(super) struct HubLoop {
     /// w.
     pub(super) held_share: f64,
-    /// k; none where it is soft.
+    /// k. `None` for a soft spring.
     pub(super) spring_n_m_rad: Option<f64>,
 }
 
@@ -159,7 +159,7 @@ impl HubLoop {
     }
 }
 
-/// Damps the modes of the loop where feedback holds the hub of a hysteretic link; leaves other equations as they are.
+/// Damps the modes of the loop where feedback holds the hub of a hysteretic link; keeps other equations unchanged.
 pub(super) fn in_loop(mut free: Equations, law: &DampingLaw) -> Equations {
     let DampingLaw::Hysteretic { ratio } = *law else { return free };
     let [rigid, first, ..] = &free.coordinates[..] else { return free };
@@ -193,7 +193,7 @@ pub(super) fn in_loop(mut free: Equations, law: &DampingLaw) -> Equations {
                 pairs.for_each(|(x, free)| *x -= follows * free.hub_angle);
                 mode[0] = 0.0;
             }
-            // Round-off leaves modes that are far above a soft loop without a frequency.
+            // Round-off removes the frequency of modes far above a soft loop.
             if omega_rad_s.is_finite() {
                 damp(part * 2.0 * ratio * link_share * omega_rad_s, &mode);
             }

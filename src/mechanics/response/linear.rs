@@ -1,4 +1,4 @@
-//! A linear link played by its modes.
+//! Simulation of a linear link by its modes.
 
 use std::f64::consts::TAU;
 
@@ -17,14 +17,13 @@ use crate::modal::{DampingLaw, OF_DEFLECTION, hub_moves_mass, second_order_share
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
 
-/// Memory in bytes that playing takes for each sample, as measured, besides the coordinate and the
-/// rate of each mode.
+/// Memory in bytes for each sample, as measured, besides the coordinate and the rate of each mode.
 const BYTES_PER_SAMPLE: usize = 190;
 
-/// The rate of a reference, its cubics, and the copy that the balance of energy reads.
+/// Memory in bytes for each sample of a reference's rate, its cubics, and the copy for the balance of energy.
 const BYTES_OF_TURNING: usize = 48;
 
-/// Vibration over the tip's travel below which the rows need not show it.
+/// Largest vibration over the tip's travel that the rows need not show.
 const VIBRATES: f64 = 1e-6;
 
 /// Computes the motion under an input, torque or hub angle, that drives the link up to `band_rad_s`.
@@ -66,7 +65,7 @@ pub(super) fn play_modes(
     let has_turning = driving.turning.is_some();
     let turning_rad_s = driving.turning_rad_s(if has_turning { grid.len } else { 0 });
     let deflection_m = deflection_m(&mesh, from_rad, &tip.displacement_m, &angle_rad);
-    // In one that vibrates the hub swings faster than the link turns.
+    // The hub of a vibrating link swings faster than the link turns.
     let turned = largest(&tip.velocity_m_s) / mesh.length_m();
     let share_of = second_order_share(&mesh, link, turned.min(largest(&rate_rad_s)));
     let bends_m = largest(&deflection_m);
@@ -107,9 +106,8 @@ pub(super) fn play_modes(
     Ok(Played { grid, driven, joints: vec![hub], tip: vec![tip], links, by, warnings })
 }
 
-/// Torque of the motor in N m; angle, rate and acceleration of the hub in rad, rad/s and rad/s²;
-/// displacement, velocity and acceleration of the tip in m, m/s and m/s². The hub angle and the tip's
-/// displacement begin at `start`.
+/// Motor torque in N m. Angle, rate and acceleration of the hub in rad, rad/s and rad/s². Displacement, velocity and
+/// acceleration of the tip in m, m/s and m/s². The hub angle and the tip's displacement begin at `start`.
 fn observed(
     record: &Record,
     equations: &Equations,

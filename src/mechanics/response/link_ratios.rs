@@ -1,4 +1,4 @@
-//! Damping ratios of the modes of one link as it stands: its hub free, with friction, on a spring or clamped.
+//! Damping ratios of one link's modes, with its hub free, with friction, on a spring or clamped.
 
 use num_complex::Complex64;
 
@@ -9,22 +9,22 @@ use crate::link::Link;
 use crate::modal::{DampingLaw, ModalBasis, PoseHub, flexible_modes};
 use crate::numeric::{Size, magnitude};
 
-/// Modes of the free link beyond those asked for that the first sum has, and most of all of them, unless more are asked for.
+/// Modes of the free link in the first sum beyond twice the requested ones, and number of modes that ends the doubling.
 const MORE_MODES: usize = 12;
 const MOST_MODES: usize = 200;
 
 /// Relative change of a ratio by twice as many modes that ends the summing.
 const TOLERANCE: f64 = 1e-7;
 
-/// The viscous damping ratios of the modes whose undamped frequencies in rad/s are given, the first ones of the link with
-/// this hub: those of the complex modes of
+/// The viscous damping ratios of the link's first modes with this hub, at their undamped frequencies in rad/s. They
+/// belong to the complex modes of
 ///
 /// ```text
 /// (s² + c_k s + ω_k²) q_k + p_k (κ + b s) pᵀq = 0
 /// ```
 ///
-/// q being the modes of the free link, p their hub angles, κ the spring and b the hub's friction. Hysteretic damping has
-/// `c_k = 2ξω_k²/|s|`. NaN of a mode that does not vibrate.
+/// q being the modes of the free link, p their hub angles, κ the spring and b the hub's friction. Hysteretic damping
+/// has `c_k = 2ξω_k²/|s|`. NaN for a mode that does not vibrate.
 pub fn damping_ratios(
     (link, mesh, law): (&Link, &Mesh, &DampingLaw),
     hub: PoseHub,
@@ -32,10 +32,10 @@ pub fn damping_ratios(
 ) -> Vec<f64> {
     let friction_n_m_s_rad = link.joint().friction_n_m_s_rad;
     let at_hub = match hub {
-        // The modes of the free link are those that the law damps.
+        // The law already damps the modes of the free link.
         PoseHub::Free if friction_n_m_s_rad == 0.0 => return law.modal_ratios(omega_rad_s),
         PoseHub::Free => (0.0, friction_n_m_s_rad),
-        // A clamped hub rubs nothing.
+        // A clamped hub has no friction.
         PoseHub::Spring(f64::INFINITY) => (f64::INFINITY, 0.0),
         PoseHub::Spring(stiffness) => (stiffness, friction_n_m_s_rad),
     };
@@ -62,14 +62,14 @@ pub fn damping_ratios(
     known
 }
 
-/// The modes of the free link, and what acts on their hub.
+/// The modes of the free link, and the spring and friction at its hub.
 struct OnHub {
     /// ω², viscous rates in 1/s, losses 2ξω² in 1/s² and hub angles of the coordinates, the rigid rotation first.
     squares: Vec<f64>,
     rates_per_s: Vec<f64>,
     losses: Vec<f64>,
     hub_angles: Vec<f64>,
-    /// Infinite where the hub is clamped.
+    /// Stiffness in N m/rad; infinite for a clamped hub.
     spring_n_m_rad: f64,
     friction_n_m_s_rad: f64,
 }
@@ -93,7 +93,7 @@ impl OnHub {
         Self { squares, rates_per_s, losses, hub_angles, spring_n_m_rad, friction_n_m_s_rad }
     }
 
-    /// Damping ratio of the mode of this number from 0 and this undamped frequency.
+    /// Damping ratio of the mode with this number, from 0, and this undamped frequency.
     fn ratio(&self, number: usize, omega_rad_s: f64) -> Option<f64> {
         let alone = |own: usize| {
             let unit = (0..self.squares.len()).map(|k| if k == own { 1.0 } else { 0.0 });
@@ -131,7 +131,7 @@ impl SmallMotions for OnHub {
         (0..x.len()).map(of).collect()
     }
 
-    /// By the formula of Sherman and Morrison, as only the hub's spring and friction couple the coordinates.
+    /// Applies the formula of Sherman and Morrison, as only the hub's spring and friction couple the coordinates.
     fn solved(&self, s_per_s: Complex64, share: f64, y: &[Complex64]) -> Option<Vec<Complex64>> {
         let size = magnitude(s_per_s);
         let own = |k: usize| {

@@ -1,5 +1,5 @@
-//! An arm as one chain of elasticas, each turned by its joint against the tip of the one before: Lagrange's equations
-//! at any pose and deflection.
+//! An arm as one chain of elasticas: Lagrange's equations at any pose and deflection. Each joint turns its link against
+//! the tip of the link before.
 
 use super::balance::{Balance, Energies, Met, Place};
 use super::chain::{Chain, coordinates};
@@ -9,10 +9,10 @@ use super::state::State;
 use crate::link::{Arm, ArmLink};
 use crate::numeric::dot;
 
-/// Order of the polynomials of a piece at first, beside one for each radian of a bending wave along it.
+/// Initial order of a piece's polynomials, beside one for each radian of a bending wave along it.
 const FIRST_ORDER: usize = 3;
 
-/// Highest order of the polynomials of a piece at first.
+/// Highest initial order of a piece's polynomials.
 const HIGHEST_ORDER: usize = 24;
 
 /// Links one after the other.
@@ -28,8 +28,8 @@ pub(super) struct Linkage {
     pub(super) damping: Vec<f64>,
 }
 
-/// The order of the polynomials on a piece of the link of a number, of its ends in m and its mean stiffness in N m² and mass
-/// in kg/m.
+/// Order of the polynomials on a piece of a numbered link, from its ends in m, its mean stiffness in N m² and its mean
+/// mass in kg/m.
 fn orders(
     highest_rad_s: f64,
     more: usize,
@@ -45,7 +45,7 @@ fn orders(
 }
 
 impl Linkage {
-    /// An undamped arm whose polynomials follow bending waves up to a frequency, `more` orders beyond that, and hold a
+    /// An undamped arm with polynomials for bending waves up to a frequency, `more` orders beyond these, and for a
     /// state.
     pub(super) fn of(arm: &Arm, highest_rad_s: f64, more: usize, state: Option<&State>) -> Self {
         let order = orders(highest_rad_s, more, state);
@@ -72,7 +72,7 @@ impl Linkage {
         found
     }
 
-    /// Number of coordinates of [`of`](Self::of), before its matrices are made.
+    /// Number of coordinates of [`of`](Self::of), computed without its matrices.
     pub(super) fn coordinates(
         arm: &Arm,
         highest_rad_s: f64,
@@ -94,12 +94,12 @@ impl Linkage {
         self.gathered(scaled.iter().map(Vec::as_slice))
     }
 
-    /// The same with a damping matrix of each link.
+    /// Adds a damping matrix for each link.
     pub(super) fn damped(self, of_links: &[Vec<f64>]) -> Self {
         Self { damping: self.gathered(of_links.iter().map(Vec::as_slice)), ..self }
     }
 
-    /// One matrix of those of the links.
+    /// Combines matrices of the links into one matrix.
     fn gathered<'a>(&self, of_links: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
         let mut whole = vec![0.0; self.count * self.count];
         for ((own, link), first) in of_links.zip(&self.links).zip(&self.joints) {
@@ -110,7 +110,7 @@ impl Linkage {
         whole
     }
 
-    /// The same arm with a share of its weight.
+    /// A copy of the arm with a share of its weight.
     pub(super) fn weighing(&self, share: f64) -> Self {
         Self { gravity_m_s2: self.gravity_m_s2.map(|part| share * part), ..self.clone() }
     }
@@ -174,8 +174,8 @@ impl Linkage {
         damped + joints.map(|(joint, b)| b * rates[*joint] * rates[*joint]).sum::<f64>()
     }
 
-    /// Direction of each link's chord in rad, within half a turn of its root's bent by `bent_rad`, which becomes what this
-    /// chord is bent by; from the ends of the links.
+    /// Direction of each link's chord in rad, from the ends of the links. It is within half a turn of the root's
+    /// direction plus `bent_rad`; `bent_rad` becomes the chord's new bend.
     pub(super) fn chords_rad(&self, q: &[f64], ends: &[Place], bent_rad: &mut [f64]) -> Vec<f64> {
         let mut from_m = [0.0; 2];
         let chord = |((end, own), bent_rad): ((&Place, Vec<f64>), &mut f64)| {
@@ -205,7 +205,7 @@ impl Linkage {
         self.links.iter().zip(&self.joints).map(of_link).collect()
     }
 
-    /// x and y in m of places on the links, of which `stations` has those of each link.
+    /// x and y in m of places on the links; `stations` has the places of each link.
     pub(super) fn places_m(&self, stations: &[Vec<Station>], q: &[f64]) -> Vec<Vec<[f64; 2]>> {
         let ends = self.walk(q, &vec![0.0; self.count], |_, _| {});
         let joints_m = std::iter::once([0.0; 2]).chain(ends.iter().map(|end| end.at_m));
@@ -219,7 +219,7 @@ impl Linkage {
         links.map(of_link).collect()
     }
 
-    /// How places at distances in m from the joint of each link follow from the coordinates.
+    /// Stations at distances in m from the joint of each link, for places from coordinates.
     pub(super) fn stations(&self, along_m: &[Vec<f64>]) -> Vec<Vec<Station>> {
         self.links.iter().zip(along_m).map(|(link, own)| link.stations(own)).collect()
     }
@@ -235,7 +235,7 @@ impl Linkage {
         q
     }
 
-    /// Where the arm is and how it moves.
+    /// Place and motion of the arm.
     pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> State {
         let own = self.of_links(q).into_iter().zip(self.of_links(rates));
         let links = self.links.iter().zip(own);

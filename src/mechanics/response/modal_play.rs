@@ -1,4 +1,4 @@
-//! A linear link as played by its modes: how its tip moves under other torques or another law of damping.
+//! Motion of a linear link by its modes, and of its tip under other torques or another damping law.
 
 use std::num::NonZeroUsize;
 
@@ -14,30 +14,30 @@ use crate::modal::Shape;
 use crate::numeric::{FourierPair, TimeGrid, angular_frequency, fast_length};
 use crate::system::end_if_stopped;
 
-/// A linear link, played by its modes.
+/// Motion of a linear link by its modes.
 #[derive(Debug, Clone)]
 pub struct ModalPlay {
-    /// Modes that were kept.
+    /// Kept modes.
     pub selection: ModeSelection,
     /// Vibration after the input, unless it repeats.
     pub residual: Option<ResidualVibration>,
     /// Effect of the terms that the linear model omits.
     pub model_error: PlayedModelError,
-    /// Frequency in rad/s up to which the link is driven.
+    /// Highest frequency in rad/s of the input.
     pub(super) band_rad_s: f64,
     pub(super) grid: TimeGrid,
-    /// Hub angle in rad where the tip's displacement is 0.
+    /// Hub angle in rad at zero displacement of the tip.
     pub(super) from_rad: f64,
     pub(super) initial_tip_m: f64,
-    /// Whether it is one cycle of a motion that repeats.
+    /// Whether the motion is one repeating cycle.
     pub(super) repeats: bool,
     pub(super) equations: Equations,
     pub(super) record: Record,
-    /// Rate of the reference in rad/s at each sample where the damping of a loop turns with it, else empty.
+    /// Rate of the reference in rad/s at each sample, if the damping of a loop turns with it; else empty.
     pub(super) turning_rad_s: Vec<f64>,
 }
 
-/// Deflection of the tip in m; the hub's angle counts from `from_rad`, the direction where the tip's displacement is 0.
+/// Deflection of the tip in m; the hub's angle counts from `from_rad`, the direction of zero displacement of the tip.
 pub(super) fn deflection_m(
     mesh: &Mesh,
     from_rad: f64,
@@ -49,12 +49,12 @@ pub(super) fn deflection_m(
 }
 
 impl ModalPlay {
-    /// Deflection of the tip from the hub's tangent line in m, of its displacement and the hub's angle.
+    /// Deflection of the tip from the hub's tangent line in m, from its displacement and the hub's angle.
     pub(super) fn tip_deflection_m(&self, mesh: &Mesh, tip_m: &[f64], hub_rad: &[f64]) -> Vec<f64> {
         deflection_m(mesh, self.from_rad, tip_m, hub_rad)
     }
 
-    /// Where the link is at the last sample, and how it moves.
+    /// Place and motion of the link at the last sample.
     pub(super) fn state(&self, mesh: &Mesh, time_s: f64) -> LinkState {
         let (q, rates) = self.record.at(self.grid.len - 1);
         let all = [q, rates].map(|own| Shape::sum(own, &self.equations.shapes));
@@ -86,8 +86,8 @@ impl ModalPlay {
         rows.map(|q| rest + q.iter().zip(&shapes).map(|(q, v)| q * v).sum::<f64>()).collect()
     }
 
-    /// Tip displacement in m under a torque that follows straight lines between its samples, which begin
-    /// with those of this simulation; friction and feedback act as in it.
+    /// Tip displacement in m under a torque with straight lines between its samples, from this simulation's first
+    /// sample on. Friction and feedback act as in this simulation.
     pub fn straight_tip_m(&self, torque_n_m: &[f64]) -> Vec<f64> {
         let mut tip_m = Vec::with_capacity(torque_n_m.len());
         let lines = pieces(torque_n_m, Interpolation::Linear);
@@ -99,11 +99,11 @@ impl ModalPlay {
         tip_m
     }
 
-    /// Tip displacement in m of the same link with hysteretic damping ξ under a torque on the link, friction
-    /// already taken off, at the samples of this simulation.
+    /// Tip displacement in m of the same link with hysteretic damping ξ under a torque on the link, without friction,
+    /// at the samples of this simulation.
     ///
-    /// Hysteretic damping has no equation in time. Each mode's response is computed over frequency, on a
-    /// period of twice the simulation's length; the rigid rotation is integrated in time:
+    /// Hysteretic damping has no equation in time. Each mode responds over frequency, on a period of twice the
+    /// simulation's length; the rigid rotation is integrated in time:
     ///
     /// ```text
     /// q̂_k = p_k T̂/(ω_k²(1 + 2iξ) − ω²)                        (Bayo 1987, eqs 15 and 16, mode by mode)
@@ -122,8 +122,8 @@ impl ModalPlay {
         moved.map(|v| self.initial_tip_m + v).collect()
     }
 
-    /// Difference in m between the tip of this link, damped viscously mode by mode, and a tip motion with
-    /// these accelerations, under the torque that gives the same link with hysteretic damping ξ this motion.
+    /// Difference in m between the tip of this link with viscous modal damping and a tip motion with these
+    /// accelerations. The torque is the one for that motion in the same link with hysteretic damping ξ.
     ///
     /// With X the tip's and Y the hub's acceleration per torque on the link, both sums over modes, and the
     /// hub's friction b:
@@ -158,10 +158,9 @@ impl ModalPlay {
         })
     }
 
-    /// The samples of what answers to other samples at each ω in rad/s, on a period of twice the simulation's
-    /// length.
+    /// Filters samples by an answer at each ω in rad/s, on a period of twice the simulation's length.
     fn filtered(&self, samples: &[f64], answer: impl Fn(f64, Complex64) -> Complex64) -> Vec<f64> {
-        // Two cycles of what repeats: a transform has an even length.
+        // Two cycles of a repeating motion: a transform has an even length.
         let len = if self.repeats { 2 * self.grid.len } else { fast_length(2 * self.grid.len) };
         let pair = FourierPair::new(len);
         let mut padded = samples.to_vec();

@@ -1,4 +1,4 @@
-//! The modes that a torque moves, or a hub, and their equations of motion, also on a hub that moves as prescribed.
+//! The modes that a torque or a hub moves, and their equations of motion, also on a prescribed hub.
 
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ pub(super) struct Coordinate {
     pub(super) square: f64,
     /// c = 2ζω in 1/s.
     pub(super) rate_per_s: f64,
-    /// p, that of the input.
+    /// p of the input.
     pub(super) drive: f64,
     /// The shape's hub angle: p of a torque.
     pub(super) hub_angle: f64,
@@ -23,7 +23,7 @@ pub(super) struct Coordinate {
     pub(super) tip: f64,
 }
 
-/// Friction and feedback, which act at the hub in proportion to its motion.
+/// Friction and feedback at the hub, in proportion to its motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[expect(clippy::struct_field_names, reason = "units")]
 pub(super) struct HubReaction {
@@ -47,25 +47,25 @@ pub(super) struct Equations {
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) shapes: Vec<Shape>,
     pub(super) reaction: HubReaction,
-    /// Damping between the coordinates in 1/s, row by row; none: each has its own rate.
+    /// Damping between the coordinates in 1/s, row by row. `None`: each coordinate has a separate rate.
     pub(super) damping: Option<Vec<f64>>,
-    /// `C x₀` in a loop, whose damping turns with the reference.
+    /// `C x₀` in a loop: the damping turns with the reference.
     pub(super) drags: Option<Vec<f64>>,
-    /// Set where the hub moves as prescribed, and u is its acceleration.
+    /// Set for a prescribed hub, with its acceleration as u.
     pub(super) prescribed: Option<PrescribedHub>,
 }
 
-/// What the torque of a hub that moves as prescribed needs.
+/// Properties of the link for the torque of a prescribed hub.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PrescribedHub {
     /// Rigid inertia about the axis in kg m².
     pub(super) inertia_kg_m2: f64,
-    /// Rate α at which the damping law drags every mass in 1/s.
+    /// Drag α of the damping law on every mass in 1/s.
     pub(super) drag_per_s: f64,
 }
 
 impl HubReaction {
-    /// The friction alone, which is no part of a prescribed motion.
+    /// The friction alone: a prescribed motion does not include it.
     pub(super) fn of_friction(self) -> Self {
         Self { friction_n_m_s_rad: self.friction_n_m_s_rad, ..Self::default() }
     }
@@ -77,7 +77,7 @@ impl HubReaction {
 }
 
 impl Equations {
-    /// The rigid rotation, the modes of a basis, and the residual mode of those left out.
+    /// The rigid rotation, the modes of a basis, and the residual mode for all others.
     pub(super) fn new(
         mesh: &Mesh,
         law: &DampingLaw,
@@ -104,12 +104,12 @@ impl Equations {
         self.coordinates.get(1).map(|mode| TAU / mode.square.sqrt())
     }
 
-    /// Hub angle of coordinates, or hub rate of their rates.
+    /// Hub angle from coordinates, or hub rate from their rates.
     pub(super) fn hub(&self, q: &[f64]) -> f64 {
         q.iter().zip(&self.coordinates).map(|(q, c)| q * c.hub_angle).sum()
     }
 
-    /// Displacement of the tip of coordinates, or velocity of their rates.
+    /// Displacement of the tip from coordinates, or its velocity from their rates.
     pub(super) fn tip(&self, q: &[f64]) -> f64 {
         q.iter().zip(&self.coordinates).map(|(q, c)| q * c.tip).sum()
     }
@@ -129,7 +129,7 @@ impl Equations {
         (0..q.len()).map(own).collect()
     }
 
-    /// Damping of a coordinate: Σ c q̇, less what turns with the reference.
+    /// Damping of a coordinate: Σ c q̇, less the part that turns with the reference.
     fn damped(&self, k: usize, rate: &[f64], turning_rad_s: f64) -> f64 {
         let own = match &self.damping {
             None => self.coordinates[k].rate_per_s * rate[k],
@@ -153,7 +153,7 @@ impl Equations {
         damped + drag_per_s * momentum * rate[0]
     }
 
-    /// Product of flexible coordinates with the rotation by a unit angle, where the hub moves as prescribed.
+    /// Product of flexible coordinates with the rotation by a unit angle, for a prescribed hub.
     fn bending(&self, coordinates: &[f64]) -> f64 {
         let flexible = coordinates.iter().zip(&self.coordinates).skip(1);
         flexible.map(|(x, mode)| -mode.drive * x).sum()
@@ -176,15 +176,15 @@ impl Equations {
 /// Share of the motion above the torque's band.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// Modes are kept up to this multiple of the band. Higher ones follow the torque statically to within
-/// (1/factor)² of their small share, and so does the residual mode that stands for them.
+/// Highest frequency of kept modes, over the band. Higher modes follow the torque statically to within (1/factor)² of
+/// their small share, as does the residual mode in their place.
 pub(super) const REACH: f64 = 4.0;
 
-/// Least band in first natural frequencies: a torque with a jump, or with corners between its samples, has
-/// higher frequencies than its samples show.
+/// Least band in first natural frequencies: jumps, and corners between the samples, have higher frequencies than the
+/// samples show.
 const LEAST_BAND: f64 = 10.0;
 
-/// Most modes that are kept.
+/// Most kept modes.
 pub(super) const MOST_MODES: usize = 500;
 
 /// The modes that a torque excites.
@@ -196,14 +196,14 @@ pub struct ModeSelection {
     pub of: usize,
     /// Frequency in Hz above which the torque moves a rigid link by less than a share of 1e-12.
     pub torque_band_hz: f64,
-    /// Frequency in Hz of the highest mode kept.
+    /// Frequency in Hz of the highest kept mode.
     pub highest_hz: f64,
 }
 
 /// Frequency in rad/s above which a torque of these samples hardly moves a link.
 ///
-/// An amplitude T̂ moves a rigid link by T̂/(Iω²): these are summed from the Nyquist frequency down until the
-/// sum exceeds [`NEGLIGIBLE`] times the whole motion. `None` for a torque of zero.
+/// An amplitude T̂ moves a rigid link by T̂/(Iω²). Sums these from the Nyquist frequency down until the sum exceeds
+/// [`NEGLIGIBLE`] times the whole motion. `None` for a torque of zero.
 pub(super) fn torque_band_rad_s(grid: &TimeGrid, samples: &[f64]) -> Option<f64> {
     let whole = largest_excursion(samples) * grid.step_s.powi(2);
     if whole == 0.0 {
@@ -261,7 +261,7 @@ pub(super) fn kept_modes(
 mod tests {
     use super::*;
 
-    /// A pulse sin⁸ of so many steps and a peak of `torque_n_m`, with as much rest on both sides.
+    /// A pulse sin⁸ of `steps` steps and a peak of `torque_n_m`, with rest of equal length on both sides.
     fn pulse(steps: u32, step_s: f64, torque_n_m: f64) -> (TimeGrid, Vec<f64>) {
         let steps_s: Vec<f64> = (0..=3 * steps).map(|k| step_s * f64::from(k)).collect();
         let at = |k: u32| {
@@ -290,8 +290,8 @@ mod tests {
         assert_eq!(torque_band_rad_s(&pulse(9, 0.1, 0.0).0, &[0.0; 28]), None);
     }
 
-    /// sin⁸ over T has eight continuous derivatives less one, its spectrum falls as ω⁻⁹ from a few
-    /// times 2π/T on, and the motion as ω⁻¹¹: 1e-12 of it is left at some tens of times that.
+    /// sin⁸ over T has seven continuous derivatives. From a few times 2π/T on its spectrum falls as ω⁻⁹, and the motion
+    /// as ω⁻¹¹, down to 1e-12 at some tens of times 2π/T.
     #[test]
     fn samples_beyond_what_a_smooth_torque_needs_do_not_change_its_band() {
         let bands = [400, 800, 1600].map(|steps| band_rad_s(steps, 2.0 / f64::from(steps), 1.0));

@@ -1,4 +1,4 @@
-//! What a simulation plays: a torque, and feedback around a reference, or a motion of the hub.
+//! Input of a simulation: a torque, and feedback around a reference, or a motion of the hub.
 
 use std::f64::consts::TAU;
 use std::slice::from_ref;
@@ -18,34 +18,34 @@ use crate::modal::{DampingLaw, ModalBasis};
 use crate::motion::is_repeated;
 use crate::numeric::TimeGrid;
 
-/// What modes may leave out of a state, over the whole.
+/// Largest part of a state that modes may omit, over the whole.
 pub(super) const LEFT_OUT: f64 = 1e-7;
 
-/// Most samples that are simulated.
+/// Most samples of a simulation.
 const LONGEST: usize = 1 << 24;
 
-/// What moves a link.
+/// Input that moves the joints.
 #[derive(Debug, Clone, Copy)]
 pub enum Input<'a> {
-    /// The torque at the hub, or of each joint of an arm, the inner one first, at the same times; zero before the first and
-    /// after the last sample. Links with weight are held before the first sample, and the last one stays. The torque of a
-    /// joint turns its link counterclockwise and the link before the other way.
+    /// The torque at the hub, or of each joint of an arm, the inner one first, at the same times; zero before the first
+    /// and after the last sample. A holding torque supports links with weight before the first sample, and their last
+    /// torque stays. The torque of a joint turns its link counterclockwise and the link before the other way.
     Torques(&'a [Torque]),
-    /// The hub angle, or that of each joint, which the joints follow exactly. They are at rest before the first sample, and
+    /// The hub angle, or the angle of each joint, followed exactly. The joints are at rest before the first sample, and
     /// turn on at their rates after the last one.
     ///
-    /// The angle between the samples is a quintic spline with neither rate nor acceleration at the start;
-    /// rates that come with it are not used.
+    /// The angle between the samples is a quintic spline without rate and acceleration at the start; rates of the
+    /// reference have no effect.
     Angles(&'a [HubReference]),
 }
 
 impl Input<'_> {
-    /// True of torques.
+    /// True for torques.
     pub fn is_torque(&self) -> bool {
         matches!(self, Self::Torques(_))
     }
 
-    /// Number of joints that it moves.
+    /// Number of moved joints.
     pub fn joints(&self) -> usize {
         match self {
             Self::Torques(torques) => torques.len(),
@@ -61,7 +61,7 @@ impl Input<'_> {
         }
     }
 
-    /// Warnings of its first and its last sample, or of the torque that a hub angle takes.
+    /// Warnings of the first and the last sample, or of the torque for a hub angle.
     pub(super) fn warnings(&self, torque_n_m: &[f64]) -> [Option<SimulationWarning>; 2] {
         match self {
             Self::Torques(torques) => SimulationWarning::jumps(torques[0].torque_n_m()),
@@ -73,7 +73,7 @@ impl Input<'_> {
     }
 }
 
-/// A grid continued to a given end.
+/// A grid continued to the requested end.
 ///
 /// # Errors
 /// [`SimulationError::EndsEarly`], [`SimulationError::TooLong`].
@@ -81,7 +81,7 @@ pub(super) fn continued(grid: TimeGrid, until_s: Option<f64>) -> Result<TimeGrid
     let Some(until_s) = until_s else { return Ok(grid) };
     let end_s = grid.end_s();
     let steps = (until_s - end_s) / grid.step_s;
-    // A millionth of a step beside the last sample is that sample.
+    // Times within a millionth of a step from the last sample count as that sample.
     if steps.is_nan() || steps < -1e-6 {
         return Err(SimulationError::EndsEarly { until_s, end_s });
     }
@@ -93,7 +93,7 @@ pub(super) fn continued(grid: TimeGrid, until_s: Option<f64>) -> Result<TimeGrid
     Ok(TimeGrid { len: samples as usize, ..grid })
 }
 
-/// Refuses a play of so many samples and modes that takes more bytes than are allowed.
+/// Refuses a simulation that exceeds the memory limit with these samples and modes.
 ///
 /// # Errors
 /// [`SimulationError::TooMuchMemory`].
@@ -108,48 +108,49 @@ pub(super) fn refuse_memory(
     }
 }
 
-/// What to play on a link or an arm, and how.
+/// Input and options of a simulation of a link or an arm.
 #[derive(Debug, Clone, Copy)]
 pub struct Play<'a> {
-    /// What moves the joints.
+    /// Input of the joints.
     pub input: Input<'a>,
-    /// A torque between its samples.
+    /// Shape of a torque between its samples.
     pub interpolation: Interpolation,
-    /// Time in s at which to end; `None`: at the last sample of the input.
+    /// End time in s; `None`: the last sample of the input.
     pub until_s: Option<f64>,
-    /// Feedback at the hub, or at each joint around its angle as an encoder sees it, added to torques; empty without.
+    /// Feedback at the hub, or at each joint around its encoder's angle, added to torques; empty without feedback.
     pub feedback: &'a [Feedback],
     /// Displacement of one link's tip at the start in m, under a torque; a prescribed hub points to it.
     pub initial_tip_m: f64,
-    /// Where an arm starts at rest, under torques; prescribed joints tell it.
+    /// Start of an arm at rest, under torques; prescribed joints determine it.
     pub start: Option<Start<'a>>,
-    /// Share of the motion within which the tip and the joints of bent links must settle; `None`: that of the meshes.
+    /// Tolerance of the tip and the joints of bent links, over their motion; `None`: the tolerance of the meshes.
     pub tolerance: Option<f64>,
-    /// Most memory in bytes that playing may take; `None`: no bound.
+    /// Memory limit in bytes; `None`: no limit.
     pub memory_bytes: Option<usize>,
-    /// Whether all terms of large angles are counted. With weight they always are.
+    /// Whether all terms of large angles count. With weight they always do.
     pub is_large: bool,
-    /// Direction of the chord in rad where the tip's displacement is 0; `None`: that of the link, or 0 without weight.
+    /// Direction of the chord in rad at zero displacement of the tip; `None`: the link's start angle, or 0 without
+    /// weight.
     pub start_angle_rad: Option<f64>,
-    /// The state in which the links start instead of at rest, under torques.
+    /// Initial state of the links under torques. `None`: at rest.
     pub state: Option<&'a State>,
-    /// Set where the input is one cycle that repeats, and the link moves as after many of them: a hub that is moved, or that
-    /// of a linear link that neither friction nor feedback holds, turns by so many rad in a cycle.
+    /// Periodic steady state under one repeating cycle of the input. Holds the rotation per cycle in rad of a
+    /// prescribed hub, or of a linear link's hub without friction and feedback.
     pub cycle_turn_rad: Option<f64>,
 }
 
 impl<'a> Play<'a> {
-    /// A torque played to its end, by cubics, without feedback, the tip at 0 at the start.
+    /// A torque to its end, by cubics, without feedback, with the tip at 0 at the start.
     pub fn of(torque: &'a Torque) -> Self {
         Self::with(Input::Torques(from_ref(torque)))
     }
 
-    /// The hub moved as prescribed to the end of that motion.
+    /// A prescribed motion of the hub to its end.
     pub fn turning(hub: &'a HubReference) -> Self {
         Self::with(Input::Angles(from_ref(hub)))
     }
 
-    /// An input played to its end, without feedback.
+    /// An input to its end, without feedback.
     pub fn with(input: Input<'a>) -> Self {
         Self {
             input,
@@ -167,12 +168,12 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The input's grid, continued to the given end.
+    /// The input's grid, continued to the requested end.
     pub(super) fn grid(&self) -> Result<TimeGrid, SimulationError> {
         continued(self.input.grid(), self.until_s)
     }
 
-    /// Frequency in rad/s above which the link is not driven; none where nothing drives it.
+    /// Highest frequency in rad/s of the input. `None` for an input of zero.
     pub(super) fn band_rad_s(&self) -> Option<f64> {
         let grid = self.input.grid();
         let torque = match self.input {
@@ -189,8 +190,8 @@ impl<'a> Play<'a> {
         torque.into_iter().chain(wanted).reduce(f64::max)
     }
 
-    /// Frequency in rad/s up to which inputs and references drive an arm. What holds it at the ends has no part in that: the
-    /// samples count from the first one, and there and back.
+    /// Highest frequency in rad/s of an arm's inputs and references. The samples count from the first one, and there
+    /// and back, so that holding torques at the ends do not matter.
     pub(super) fn band_of_arm_rad_s(&self) -> f64 {
         let grid = self.input.grid();
         let twice = TimeGrid { len: 2 * grid.len, ..grid };
@@ -219,22 +220,22 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Direction of the chord in rad where the tip's displacement is 0, if there is gravity to give it.
+    /// Direction of the chord in rad at zero displacement of the tip, from the play or from the link's gravity.
     pub(super) fn origin_rad(&self, link: &Link) -> Option<f64> {
         self.start_angle_rad.or(link.gravity().and_then(|gravity| gravity.start_angle_rad))
     }
 
-    /// Whether the links are played with all terms of large angles: always in an arm.
+    /// Whether all terms of large angles count: always in an arm.
     pub(super) fn is_bent(&self, arm: &Arm) -> bool {
         self.is_large || arm.has_weight() || arm.links().len() > 1
     }
 
-    /// True if the start is given, or worked out as one that repeats: not that of a link at rest.
+    /// True if the play starts from a state or in a repeating cycle, instead of at rest.
     fn is_started(&self) -> bool {
         self.state.is_some() || self.cycle_turn_rad.is_some()
     }
 
-    /// The hub angle in rad from which the angles of a state count; none without a state.
+    /// Hub angle in rad at the zero of a state's angles. `None` without a state.
     pub(super) fn zero_of_state_rad(&self, link: &Link) -> Option<f64> {
         self.is_started().then(|| self.origin_rad(link).unwrap_or(0.0))
     }
@@ -242,7 +243,7 @@ impl<'a> Play<'a> {
     /// Displacement of the tip at the start in m; a prescribed hub points to it.
     pub(super) fn start_m(&self, link: &Link) -> f64 {
         match self.input {
-            // The coordinates of a state hold all of it.
+            // The coordinates of a state contain the displacement.
             Input::Torques(_) if self.is_started() => 0.0,
             Input::Torques(_) => self.initial_tip_m,
             Input::Angles(hubs) => {
@@ -251,7 +252,7 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Turn in rad from the start to where feedback holds the hub in the end, if it does.
+    /// Turn in rad from the start to the final angle of a hub held by feedback.
     pub(super) fn goal_rad(&self, link: &Link) -> Option<f64> {
         match self.input {
             Input::Torques(_) => {
@@ -294,7 +295,7 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The input of a joint at all samples and between them, angles of a reference counted from `zero_rad`; after the last
+    /// The input of a joint at all samples and between them, with a reference's angles from `zero_rad`. After the last
     /// sample the motor of links with weight keeps its torque.
     ///
     /// # Errors
@@ -360,7 +361,8 @@ impl<'a> Play<'a> {
 }
 
 impl Play<'_> {
-    /// Coordinates and rates of a linear link at the start, and what its modes leave out of a state, over the whole.
+    /// Coordinates and rates of a linear link at the start, and the part of a state that its modes omit, over the
+    /// whole.
     pub(super) fn start(
         &self,
         link: &Link,
@@ -381,18 +383,18 @@ impl Play<'_> {
     }
 }
 
-/// A linear link before it is played.
+/// A linear link before its simulation.
 pub(super) struct Started {
     pub(super) equations: Equations,
     pub(super) selection: ModeSelection,
     /// Coordinates and rates.
     pub(super) start: [Vec<f64>; 2],
-    /// What the modes leave out of the state, over the whole.
+    /// Part of the state that the modes omit, over the whole.
     pub(super) left_out: f64,
 }
 
 impl Started {
-    /// With the modes that an input drives up to `band_rad_s`, or that a state holds.
+    /// A link with the modes that an input drives up to `band_rad_s`, or that a state contains.
     pub(super) fn of(
         link: &Link,
         (mesh, law): (&Mesh, &DampingLaw),
@@ -412,12 +414,12 @@ impl Started {
     }
 }
 
-/// How far the play of bent links is.
+/// Progress of a simulation of bent links.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlayProgress {
-    /// How often it has been refined: more angles, half the step.
+    /// Number of refinements so far: more angles, half the step.
     pub refinement: usize,
-    /// Samples that are played so finely.
+    /// Finished samples at this refinement.
     pub done: usize,
     /// All samples.
     pub samples: usize,

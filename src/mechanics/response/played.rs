@@ -1,4 +1,4 @@
-//! The motion of a link or an arm, as it was played.
+//! The motion of a link or an arm from a simulation.
 
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
@@ -15,8 +15,8 @@ use crate::modal::DampingLaw;
 use crate::motion::TipMotionHistories;
 use crate::numeric::TimeGrid;
 
-/// The motion of a link, or of an arm, under torques, or with joints that move as prescribed. The times of all histories
-/// are [`Played::grid`].
+/// The motion of a link or an arm under torques or with prescribed joints. The times of all histories are
+/// [`Played::grid`].
 #[derive(Debug, Clone)]
 pub struct Played {
     /// Times of all histories: those of the input, continued to the requested end.
@@ -25,28 +25,28 @@ pub struct Played {
     pub driven: usize,
     /// The joints, the inner one first. One link has one, its hub.
     pub joints: Vec<JointMotion>,
-    /// Motion of the tip: of one link along its arc, of an arm along x and y.
+    /// Motion of the tip: for one link along its arc, for an arm along x and y.
     pub tip: Vec<TipMotionHistories>,
     /// The links, the inner one first; empty where [`move_arm`](super::move_arm) moved the joints.
     pub links: Vec<PlayedLink>,
-    /// How it was played.
+    /// Method and its results.
     pub by: PlayedBy,
     /// Warnings for the user.
     pub warnings: Vec<SimulationWarning>,
 }
 
-/// A link before it moves.
+/// A link and its properties.
 #[derive(Debug, Clone)]
 pub struct PlayedLink {
     /// Its mesh.
     pub mesh: Mesh,
-    /// Its damping law; the ratio of a hysteretic link is taken as its viscous ratio.
+    /// Its damping law; the ratio of a hysteretic link serves as its viscous ratio.
     pub law: DampingLaw,
     /// Its lowest natural frequencies in rad/s without weight, the rigid rotation excluded.
     pub natural_frequencies_rad_s: Vec<f64>,
 }
 
-/// How links were played.
+/// Method of a simulation, with its results.
 #[derive(Debug, Clone)]
 pub enum PlayedBy {
     /// A linear link, by its modes.
@@ -76,14 +76,13 @@ impl Played {
         largest_travel_m(&self.tip)
     }
 
-    /// Largest change of the tip in m, and of any joint in rad, by the last refinement; 0 of modes, which are integrated
+    /// Largest change of the tip in m, and of any joint in rad, by the last refinement; 0 for modes, integrated
     /// exactly.
     pub fn change(&self) -> [f64; 2] {
         self.bent().map_or([0.0; 2], |bent| bent.change)
     }
 
-    /// Period of the first flexible mode of one link in s, of the held link where the hub of a linear link moves as
-    /// prescribed.
+    /// Period of the first flexible mode of one link in s; for a linear link with a prescribed hub, of the held link.
     pub fn first_period_s(&self) -> Option<f64> {
         match &self.by {
             PlayedBy::Modes(modes) => modes.equations.first_period_s(),
@@ -93,7 +92,7 @@ impl Played {
         }
     }
 
-    /// The play of a linear link.
+    /// Results of a linear link.
     pub fn modes(&self) -> Option<&ModalPlay> {
         match &self.by {
             PlayedBy::Modes(modes) => Some(modes),
@@ -101,7 +100,7 @@ impl Played {
         }
     }
 
-    /// The play of bent links.
+    /// Results of bent links.
     pub fn bent(&self) -> Option<&BentPlay> {
         match &self.by {
             PlayedBy::Modes(_) => None,
@@ -123,7 +122,7 @@ impl Played {
     /// Total displacement `v = xθ + w` in m of one link at `nodes`, every `every`-th sample.
     ///
     /// # Errors
-    /// [`ParameterError`] if a node is not one of the mesh.
+    /// [`ParameterError`] if the mesh lacks a node.
     pub fn displacements_m(
         &self,
         nodes: &[usize],
@@ -144,10 +143,11 @@ impl Played {
         Ok(NodalHistories { nodes: nodes.to_vec(), grid: self.grid.thinned(every), samples })
     }
 
-    /// Histories in m of the `nodes` of each link, every `every`-th sample: displacement of one link's, x and y of an arm's.
+    /// Histories in m of the `nodes` of each link, every `every`-th sample: displacements for one link, x and y for an
+    /// arm.
     ///
     /// # Errors
-    /// [`ParameterError`] if a node is not one of the mesh.
+    /// [`ParameterError`] if the mesh lacks a node.
     pub fn places_m(
         &self,
         nodes: &[Vec<usize>],
@@ -165,13 +165,13 @@ impl Played {
         Ok(self.bent().map_or_else(Vec::new, |bent| bent.positions_m(&along_m, every)))
     }
 
-    /// Largest imbalance of energy of an arm over the largest work, kinetic energy or change of all energy; 0 of an arm at
-    /// rest.
+    /// Largest imbalance of energy of an arm over the largest work, kinetic energy or change of all energy; 0 for an
+    /// arm at rest.
     pub fn imbalance(&self) -> f64 {
         self.bent().map_or(0.0, BentPlay::imbalance)
     }
 
-    /// Where the links are at the last sample, and how they move.
+    /// Place and motion of the links at the last sample.
     pub fn state(&self) -> State {
         match &self.by {
             PlayedBy::Modes(modes) => {

@@ -4,8 +4,8 @@
 //! M q̈ + D q̇ + (K + iG) q = Σ T_j e_j,    K = S − ∂²(Σ m g·r)/∂q²,    r_tip = R q
 //! ```
 //!
-//! q are the angles of the joints and what bends the links, S resists bending, and G is hysteretic damping, 2ξS of each
-//! link. A torque acts on the angle of its joint alone.
+//! q are the angles of the joints and the slopes of the links, S resists bending, and G is hysteretic damping, 2ξS of
+//! each link. A torque acts on the angle of its joint alone.
 
 use nalgebra::DMatrix;
 use num_complex::Complex64;
@@ -18,24 +18,24 @@ use crate::link::{Arm, Damping};
 use crate::numeric::dot;
 use crate::system::end_if_stopped;
 
-/// Most coordinates: matrices of so many are solved at many frequencies.
+/// Most coordinates: each of many frequencies solves a matrix of this size.
 const MOST_COORDINATES: usize = 400;
 
-/// Part of a coordinate by which weights are differentiated, in rad, and the shares of their values at one, two and three
-/// parts: exact to the sixth order, 1e-14 of them.
+/// Step in rad of the numerical derivatives of weights, and the factors of their values at one, two and three steps.
+/// Exact to the sixth order, to 1e-14 of the weights.
 const PART_RAD: f64 = 1e-2;
 const SHARES: [f64; 3] = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
 
 /// Share of a size below which sums over the links are round-off.
 const NOISE: f64 = 1e-13;
 
-/// Why an arm has no small motions about a pose here.
+/// Reason why an arm has no small motions about a pose here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum PoseError {
-    /// Not a direction for each link.
+    /// Another number of directions than links.
     #[error("{given} directions, but must be {links}, one for each link")]
     Directions {
-        /// Directions that are given.
+        /// Number of directions.
         given: usize,
         /// Links of the arm.
         links: usize,
@@ -46,7 +46,7 @@ pub enum PoseError {
         /// Number of the link, from 0.
         link: usize,
     },
-    /// A damping law that drags masses or is given mode by mode.
+    /// A damping law with drag on masses, or with separate ratios of modes.
     #[error(
         "the damping of link {} = {law}, but must be none, hysteretic or rayleigh with alpha = 0",
         link + 1
@@ -57,24 +57,24 @@ pub enum PoseError {
         /// Name of the law.
         law: &'static str,
     },
-    /// A weight that bends the links further and further.
+    /// A weight that bends the links without limit.
     #[error("the arm has no shape at rest in this pose: its weight bends it too far")]
     NoShape,
-    /// Numbers that dense algebra does not tell apart.
+    /// Numbers too far apart for dense algebra.
     #[error("the stiffnesses and the masses of the arm differ by too much to find its modes")]
     Spread,
-    /// More coordinates than are solved at once.
+    /// More coordinates than the limit.
     #[error("the bending of all links takes {count} coordinates, but must take at most {most}")]
     TooMany {
-        /// Coordinates that it takes.
+        /// Number of coordinates needed.
         count: usize,
-        /// Most of them.
+        /// Largest number of coordinates.
         most: usize,
     },
 }
 
 impl PoseError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Directions { .. } => Some("as in --at '30 deg,75 deg', the inner link first"),
@@ -94,9 +94,9 @@ pub struct ArmPose {
     /// The coordinates at rest.
     rest: Vec<f64>,
     pub(super) count: usize,
-    /// Coordinates that are the angles of joints.
+    /// Numbers of the coordinates that are joint angles.
     pub(super) joints: Vec<usize>,
-    /// M, K, G and that of D which is the links' own, row by row.
+    /// M, K, G and the links' part of D, row by row.
     pub(super) mass: Vec<f64>,
     pub(super) stiffness: Vec<f64>,
     pub(super) loss: Vec<f64>,
@@ -109,7 +109,7 @@ pub struct ArmPose {
     pub(super) has_weight: bool,
 }
 
-/// What a torque at one joint moves, per N m.
+/// Response to a torque at one joint, per N m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueResponse {
     /// Displacement of the tip along x and y in m.
@@ -123,13 +123,13 @@ pub struct TorqueResponse {
 pub struct ArmResponse {
     /// Frequency in Hz.
     pub frequency_hz: f64,
-    /// To the torque of each joint, the inner one first.
+    /// Responses to the torque of each joint, the inner one first.
     pub torques: Vec<TorqueResponse>,
 }
 
 impl ArmPose {
-    /// The arm at rest with the chord of each link in a direction in rad, counterclockwise from x; its links bend by
-    /// polynomials for waves up to `highest_rad_s`, and of `more_orders`.
+    /// The arm at rest with the chord of each link in a direction in rad, counterclockwise from x. Its links bend by
+    /// polynomials for waves up to `highest_rad_s`, with `more_orders` added.
     ///
     /// # Errors
     /// [`PoseError`].
@@ -203,16 +203,15 @@ impl ArmPose {
         &self.holding_n_m
     }
 
-    /// x and y in m of places on the links at rest: of each link, of each of its places. `along_m` has their distances in m
-    /// from the joint of each link.
+    /// x and y in m of places on each link at rest. `along_m` has their distances in m from the joint of each link.
     pub(super) fn places_m(&self, along_m: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
         self.chain.places_m(&self.chain.stations(along_m), &self.rest)
     }
 
-    /// How coordinates, to first order, move these places along x and y.
+    /// Movement of these places along x and y by the coordinates, to first order.
     pub(super) fn moved(&self, along_m: &[Vec<f64>], shape: &[f64]) -> Vec<Vec<[f64; 2]>> {
         let stations = self.chain.stations(along_m);
-        // Coordinates may be of any size: no one changes by more than these parts.
+        // Coordinates may have any size: the largest one changes by these steps.
         let part = PART_RAD / shape.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let mut found: Vec<_> = along_m.iter().map(|own| vec![[0.0; 2]; own.len()]).collect();
         for (parts, share) in (1_u8..).zip(SHARES) {
@@ -230,8 +229,8 @@ impl ArmPose {
         found
     }
 
-    /// What the torque of each joint moves at `frequency_hz` > 0, friction of the joints included. At a pole of an undamped
-    /// arm it is not finite.
+    /// Response to the torque of each joint at `frequency_hz` > 0, friction of the joints included. It is not finite at
+    /// a pole of an undamped arm.
     ///
     /// ```text
     /// q = (K + iG + iωD − ω²M)⁻¹ e_j
@@ -266,7 +265,7 @@ impl ArmPose {
 }
 
 impl Linkage {
-    /// What weights do along each coordinate, `Σ m g·∂r/∂q`.
+    /// Forces of weights along each coordinate, `Σ m g·∂r/∂q`.
     fn weights(&self, q: &[f64]) -> Vec<f64> {
         let (rest, mut found) = (vec![0.0; self.count], vec![0.0; self.count]);
         self.walk(q, &rest, |place, met| {
@@ -279,7 +278,7 @@ impl Linkage {
         found
     }
 
-    /// How much they resist a change of the coordinates, row by row and symmetric.
+    /// Resistance of weights to a change of the coordinates, row by row and symmetric.
     fn weight_stiffness(&self, q: &[f64]) -> Vec<f64> {
         let count = self.count;
         let (mut q, mut slopes) = (q.to_vec(), vec![0.0; count * count]);
@@ -301,7 +300,7 @@ impl Linkage {
     }
 }
 
-/// A part of something of a size, 0 where it is round-off.
+/// A part of a sum of this size, 0 where it is round-off.
 pub(super) fn without_noise(part: f64, size: f64) -> f64 {
     if part.abs() <= NOISE * size { 0.0 } else { part }
 }

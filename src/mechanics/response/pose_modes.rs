@@ -1,5 +1,4 @@
-//! How an arm vibrates about a pose, and how it responds there: with polynomials of higher and higher order, until that
-//! changes nothing more.
+//! Modes and responses of an arm about a pose: the order of its polynomials grows until the results settle.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -10,38 +9,39 @@ use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
 use crate::numeric::{Size, SymmetricEigen, dot, magnitude, relative_change};
 
-/// What each refinement adds to every order, and most of them.
+/// Orders that each refinement adds, and most refinements.
 pub(crate) const MORE_ORDERS: usize = 4;
 pub(crate) const MOST_REFINEMENTS: u32 = 8;
 
-/// Eigenvalues are those of `(K + σM)⁻¹ M`, σ being at first this share of the softest coordinate's K/M; and how often it
-/// may grow tenfold, until `K + σM` is positive: gravity may turn an arm over.
+/// Initial shift σ of the eigenvalues of `(K + σM)⁻¹ M`, over the softest coordinate's K/M, and most tenfold increases
+/// of σ until `K + σM` is positive: gravity may turn an arm over.
 const SHIFT: f64 = 1e-3;
 const MOST_SHIFTS: usize = 40;
 
-/// Angles of joints below this share of a mode's largest coordinate are none.
+/// Smallest angle of a joint, over a mode's largest coordinate; smaller angles count as 0.
 const NO_TURN: f64 = 1e-9;
 
-/// One way in which a link or an arm moves by itself.
+/// A natural mode of a link or an arm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PoseMode {
     /// ω² in 1/s²; below 0 where the arm leaves the pose as e^{√(−ω²) t}.
     pub square_per_s2: f64,
-    /// Viscous damping ratio of the complex mode, by the links' own damping and the friction of the joints; none where
-    /// nothing vibrates.
+    /// Viscous damping ratio of the complex mode, from the damping of the links and the friction of the joints. `None`
+    /// without a vibration.
     pub damping_ratio: Option<f64>,
-    /// How far each joint turns, the largest 1; all 0 where none does.
+    /// Turn of each joint, scaled to a largest turn of 1; all 0 for a mode that turns no joint.
     pub joints: Vec<f64>,
-    /// Mass-normalised: the coordinates of the pose, or of one straight link the displacements of its nodes in 1/√kg.
+    /// Mass-normalised shape: the coordinates of the pose, or for one straight link the displacements of its nodes in
+    /// 1/√kg.
     pub shape: Vec<f64>,
 }
 
-/// Modes, those with the lowest ω² first.
+/// Modes with the lowest ω² first, and their errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettledModes {
     /// The modes.
     pub modes: Vec<PoseMode>,
-    /// Relative change of each ω by the last refinement; NaN where it is not known.
+    /// Relative change of each ω by the last refinement; NaN where unknown.
     pub errors: Vec<f64>,
 }
 
@@ -52,7 +52,7 @@ impl SettledModes {
     }
 }
 
-/// Nodes of an arm at rest, and how modes move them: of each link, of each of its nodes.
+/// Nodes of each link of an arm at rest, and their movement by modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmShapes {
     /// Distances of the nodes in m from the joint of their link.
@@ -72,18 +72,19 @@ pub struct ArmModes {
     pub tip_m: [f64; 2],
     /// Torque in N m that holds each joint at rest.
     pub holding_torques_n_m: Vec<f64>,
-    /// With all joints free; the first ones, as many as joints, are swings.
+    /// Modes with all joints free, the swings first; each joint has one swing.
     pub free: SettledModes,
-    /// With the rotors of all joints held.
+    /// Modes with the rotors of all joints held.
     pub held: SettledModes,
-    /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff.
+    /// Stiffness of each joint between rotor and hub in N m/rad, infinite for a rigid joint.
     pub joint_stiffnesses_n_m_rad: Vec<f64>,
     pose: ArmPose,
 }
 
 impl ArmModes {
-    /// Shapes of the modes at nodes whose distances in m from the joint of their link are given, link by link. The joint that
-    /// turns most turns counterclockwise; where none turns, the tip moves along x or y, along which it moves more.
+    /// Shapes of the modes at nodes with these distances in m from the joint of their link, link by link. The joint
+    /// with the largest turn turns counterclockwise. If no joint turns, the tip moves along x or y, the axis of its
+    /// larger movement.
     pub fn shapes(&self, nodes_m: Vec<Vec<f64>>) -> ArmShapes {
         let modes = self.free.modes.par_iter();
         ArmShapes {
@@ -99,14 +100,14 @@ impl ArmModes {
 pub struct ArmResponses {
     /// The response at each frequency.
     pub rows: Vec<ArmResponse>,
-    /// Of each row, the largest change by the last refinement: of the tip's displacement and of the joints' angles, over
+    /// Largest change of each row by the last refinement: of the tip's displacement and of the joints' angles, over
     /// their size.
     pub errors: Vec<f64>,
 }
 
 impl ArmPose {
-    /// The first `count` modes with all joints free or, by `springs_n_m_rad`, held on springs of these stiffnesses, of which
-    /// infinite ones clamp. Fewer where fewer move mass.
+    /// The first `count` modes with all joints free or, by `springs_n_m_rad`, on springs; infinite springs clamp. Fewer
+    /// where fewer modes move mass.
     ///
     /// # Errors
     /// [`PoseError::Spread`].
@@ -132,7 +133,7 @@ impl ArmPose {
             .collect();
         found.sort_by(|a, b| a.square_per_s2.total_cmp(&b.square_per_s2));
         if springs_n_m_rad.is_none() && !self.has_weight {
-            // Nothing brings a free arm back; dense algebra leaves round-off.
+            // A free arm without restoring forces has zero eigenvalues; dense algebra leaves round-off.
             for swing in found.iter_mut().take(self.joints.len()) {
                 swing.square_per_s2 = 0.0;
             }
@@ -170,7 +171,7 @@ impl ArmPose {
 struct Matrices {
     mass: DMatrix<f64>,
     stiffness: DMatrix<f64>,
-    /// Of links and joints, viscous, and the loss of hysteretic links.
+    /// Viscous damping of links and joints, and the loss of hysteretic links.
     damping: DMatrix<f64>,
     loss: DMatrix<f64>,
 }
@@ -226,7 +227,8 @@ impl SmallMotions for Matrices {
     }
 }
 
-/// Shapes of the `count` lowest eigenvalues of `K x = ω² M x`, in all coordinates, of which those in `moves` are not 0.
+/// Shapes of the `count` lowest eigenvalues of `K x = ω² M x`, in all coordinates; only the coordinates in `moves`
+/// differ from 0.
 ///
 /// With `K + σM = L Lᵀ` they are `L⁻ᵀ z` of the largest `1/(ω² + σ)` of `L⁻¹ M L⁻ᵀ`: M may be singular, and K negative.
 fn lowest(
@@ -269,7 +271,7 @@ fn lowest(
     .collect()
 }
 
-/// Refines until `is_settled`, or as far as the polynomials go; `on` is given what is added to their orders.
+/// Refines until `is_settled`, or to the highest polynomials; `on` receives the orders to add.
 fn refined<T>(
     mut on: impl FnMut(usize, Option<&T>) -> Result<T, PoseError>,
     is_settled: impl Fn(&T) -> bool,
@@ -278,7 +280,7 @@ fn refined<T>(
     for refinement in 1..=MOST_REFINEMENTS {
         match on(refinement as usize * MORE_ORDERS, Some(&known)) {
             Ok(found) => known = found,
-            // What was never refined has no known error.
+            // The error is unknown without a refinement.
             Err(PoseError::TooMany { .. }) if refinement > 1 => break,
             Err(error) => return Err(error),
         }
@@ -289,8 +291,8 @@ fn refined<T>(
     Ok(known)
 }
 
-/// The modes of an arm about a pose: the swings and `count` more with all joints free, and `count` with all rotors held. They
-/// settle to `tolerance`, or [`SettledModes::errors`] tell that they do not.
+/// The modes of an arm about a pose: the swings and `count` more with all joints free, and `count` with all rotors
+/// held. They settle to `tolerance`, or [`SettledModes::errors`] exceed it.
 ///
 /// # Errors
 /// [`PoseError`].
@@ -323,7 +325,7 @@ pub fn arm_modes(
     })
 }
 
-/// Relative changes of ω from those before; NaN where there were none.
+/// Relative changes of ω from the modes before; NaN without modes before.
 fn changes(modes: &[PoseMode], before: Option<&SettledModes>) -> Vec<f64> {
     let rate = |mode: &PoseMode| {
         let square = mode.square_per_s2;
@@ -338,8 +340,8 @@ fn changes(modes: &[PoseMode], before: Option<&SettledModes>) -> Vec<f64> {
     modes.iter().enumerate().map(change).collect()
 }
 
-/// The responses of an arm about a pose at frequencies above 0. They settle to `tolerance`, or [`ArmResponses::errors`] tell
-/// that they do not.
+/// The responses of an arm about a pose at frequencies above 0. They settle to `tolerance`, or [`ArmResponses::errors`]
+/// exceed it.
 ///
 /// # Errors
 /// [`PoseError`].
@@ -365,8 +367,8 @@ pub fn arm_responses(
     })
 }
 
-/// The larger change of the tip's displacement and of the joints' angles, each over its size, to the torque that it is
-/// largest of.
+/// The larger change of the tip's displacement and of the joints' angles, each over its size, for the torque with the
+/// largest change.
 fn change(before: &ArmResponse, found: &ArmResponse) -> f64 {
     type Part = fn(&TorqueResponse) -> &[Complex64];
     let parts: [Part; 2] = [|own| &own.tip_m, |own| &own.joints_rad];

@@ -7,10 +7,10 @@ use super::balance::Balance;
 use crate::numeric::{Size, dot};
 use crate::system::end_if_stopped;
 
-/// Stages.
+/// Number of stages.
 const STAGES: usize = 3;
 
-/// Coordinates in rad settle when an iteration changes them by less.
+/// Change of the coordinates by an iteration, in rad, that ends the iterations.
 const SETTLED_RAD: f64 = 1e-14;
 
 /// Largest change in rad that counts as round-off. Without hub inertia the shortest waves have almost no mass at the joint,
@@ -23,7 +23,7 @@ const STALLED: usize = 3;
 /// Most iterations of a step.
 const MOST_ITERATIONS: usize = 30;
 
-/// Iterations of a step after which the factors are made anew.
+/// Iterations of a step before new factors.
 const SLOW: usize = 6;
 
 /// Coordinates, rates and accelerations.
@@ -34,7 +34,7 @@ pub(super) struct Motion {
     pub(super) accelerations: Vec<f64>,
 }
 
-/// Steps `M(q) q̈ = f(t, q, q̇)`, f having the linear part −Kq − Dq̇.
+/// Steps `M(q) q̈ = f(t, q, q̇)` with a linear part −Kq − Dq̇ of f.
 pub(super) struct Radau<'a> {
     count: usize,
     step_s: f64,
@@ -50,13 +50,13 @@ pub(super) struct Radau<'a> {
 }
 
 impl<'a> Radau<'a> {
-    /// Shares of a step at which the stages lie; the last one is its end.
+    /// Places of the stages within a step, over the step; the last one is its end.
     pub(super) fn places() -> [f64; STAGES] {
         let root = 6.0_f64.sqrt();
         [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0]
     }
 
-    /// Steps of so many seconds with linear parts row by row.
+    /// An integrator with steps of `step_s` seconds and linear parts row by row.
     pub(super) fn new(step_s: f64, stiffness: &'a [f64], damping: &'a [f64]) -> Self {
         let root = 6.0_f64.sqrt();
         let once = [
@@ -89,7 +89,7 @@ impl<'a> Radau<'a> {
         }
     }
 
-    /// Makes one step; `balance` is given the stage, coordinates and rates. False where it does not converge.
+    /// Makes one step; `balance` receives the stage, coordinates and rates. False where it does not converge.
     pub(super) fn advance(
         &mut self,
         motion: &mut Motion,
@@ -97,7 +97,7 @@ impl<'a> Radau<'a> {
     ) -> bool {
         end_if_stopped();
         let (count, h) = (self.count, self.step_s);
-        // As if the accelerations stayed what they are.
+        // Starts from constant accelerations.
         let mut stages = vec![motion.accelerations.clone(); STAGES];
         let mut residual = DVector::zeros(STAGES * count);
         let mut at = (vec![0.0; count], vec![0.0; count]);
@@ -176,7 +176,7 @@ impl<'a> Radau<'a> {
         self.step_s * weights.iter().zip(at_stages).map(|(weight, own)| weight * own).sum::<f64>()
     }
 
-    /// Coordinates and rates at a stage with these accelerations.
+    /// Computes coordinates and rates at a stage with these accelerations.
     fn reach(
         &self,
         motion: &Motion,
@@ -194,7 +194,7 @@ impl<'a> Radau<'a> {
         }
     }
 
-    /// Factors of the matrix that changes of the stages' accelerations meet, with the masses of the last balance.
+    /// Factors of the matrix for changes of the stages' accelerations, with the masses of the last balance.
     fn factorised(&self) -> LU<f64, Dyn, Dyn> {
         let (count, h) = (self.count, self.step_s);
         let matrix = DMatrix::from_fn(STAGES * count, STAGES * count, |row, column| {

@@ -16,11 +16,10 @@ const ROUND_OFF: f64 = 1e-12;
 const PERIODS: usize = 4;
 const WATCHES: usize = 100;
 
-/// Steps in a period of the first mode, enough for the higher modes that vibrate too; the torque's own
-/// step does not matter.
+/// Steps in a period of the first mode, enough for vibrating higher modes; the torque's step does not matter.
 const STEPS: usize = 256;
 
-/// Error of the linear model over the tip's travel, and of deflections over their peak, from which on the user is warned.
+/// Warning thresholds of the linear model's errors: of the tip over its travel, and of deflections over their peak.
 const INEXACT_TIP: f64 = 1e-2;
 const INEXACT_DEFLECTION: f64 = 0.2;
 
@@ -33,34 +32,35 @@ const ZEROS: usize = 3;
 pub struct ResidualVibration {
     /// Largest excursion in m.
     pub amplitude_m: f64,
-    /// The same over the tip's travel, its largest displacement from its start.
+    /// Amplitude over the tip's travel, its largest displacement from its start.
     pub share: f64,
-    /// Frequency of its strongest part in Hz; `None` where nothing vibrates.
+    /// Frequency of its strongest part in Hz; `None` without a vibration.
     pub frequency_hz: Option<f64>,
-    /// Time in s from that sample until it stays below 1 % of its amplitude; `None`
-    /// where it does not within 400 periods of the first mode.
+    /// Time in s from the input's last sample until the vibration stays below 1 % of its amplitude; `None` if it takes
+    /// more than 400 periods of the first mode.
     pub decay_s: Option<f64>,
 }
 
-/// What the linear model leaves out of a simulation, estimated from deflection, rate and vibration.
+/// Errors of a simulation by the linear model, estimated from deflection, rate and vibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlayedModelError {
-    /// What it moves the tip by, over its travel.
+    /// Error of the tip over its travel.
     pub tip: f64,
-    /// What it changes of deflections, over the largest.
+    /// Error of deflections over the largest.
     pub deflection: f64,
 }
 
 impl PlayedModelError {
-    /// A warning where it counts.
+    /// A warning of noticeable errors.
     pub(super) fn warning(self) -> Option<SimulationWarning> {
         let Self { tip, deflection } = self;
         let counts = tip > INEXACT_TIP || deflection > INEXACT_DEFLECTION;
         counts.then_some(SimulationWarning::InexactModel { tip, deflection })
     }
 
-    /// From the shares by which the largest deflection changes and the vibration that remains, the deflection and the travel in
-    /// m, and that vibration with its angular frequency in rad/s and the time in s that is played.
+    /// Estimates the errors from the relative changes of the largest deflection and of the vibration's ω². Further
+    /// needs deflection and travel in m, the vibration with its angular frequency in rad/s, and the simulated time in
+    /// s.
     pub(super) fn of(
         [deflection, of_vibration]: [f64; 2],
         (deflection_m, travel_m): (f64, f64),
@@ -68,9 +68,9 @@ impl PlayedModelError {
         (omega_rad_s, played_s): (f64, f64),
     ) -> Self {
         let out_of_step_m = vibration.map_or(0.0, |vibration| {
-            // What decays to 1 % in t is largest, multiplied by time, at t/ln 100: it is then 1/e of what it was.
+            // Time times a vibration that decays to 1 % in t is largest at t/ln 100, with 1/e of its amplitude.
             let most_s = vibration.decay_s.map_or(played_s, |decay_s| played_s.min(decay_s / 12.5));
-            // ω changes by half the share by which ω² does.
+            // The relative change of ω is half that of ω².
             let phase_rad = 0.5 * of_vibration * omega_rad_s * most_s;
             phase_rad.min(2.0) * vibration.amplitude_m
         });
@@ -129,7 +129,7 @@ impl ResidualVibration {
     }
 }
 
-/// What of the tip's displacement is no vibration.
+/// Part of the tip's displacement that is no vibration.
 pub(super) enum Reading {
     /// A reference holds the hub: the tip's final displacement in m.
     Held(f64),
@@ -139,7 +139,7 @@ pub(super) enum Reading {
 }
 
 impl Reading {
-    /// Of a link whose hub is held so that the tip comes to rest at a goal, or not.
+    /// The reading of a link with its tip held at a goal, or with a free hub.
     pub(super) fn new(equations: &Equations, goal_m: Option<f64>) -> Self {
         if let Some(goal_m) = goal_m {
             return Self::Held(goal_m);
@@ -204,7 +204,7 @@ fn strongest_hz(vibration: &[f64], step_s: f64) -> Option<f64> {
         let sine = libm::sin(std::f64::consts::PI * (k as f64 + 0.5) / len as f64);
         sine * sine
     };
-    // The mean under the window, so that no rest of it exceeds a decaying vibration.
+    // Removes the mean under the window: a remainder could exceed a decaying vibration.
     let weights: f64 = (0..len).map(window).sum();
     let mean = vibration.iter().enumerate().map(|(k, x)| window(k) * x).sum::<f64>() / weights;
     let mut samples: Vec<f64> =
@@ -255,7 +255,7 @@ mod tests {
                 {
                     assert_eq!(peak_between(&long).to_bits(), found.to_bits(), "wherever it is");
                 }
-                // Next to an end there is no quartic, but the largest sample.
+                // Next to an end the largest sample replaces the quartic.
                 for cut in [&samples[1..], &samples[..4]] {
                     assert_eq!(peak_between(cut).to_bits(), quartic(0).to_bits());
                 }

@@ -8,10 +8,10 @@ use super::shape::{direction, in_parts, settled};
 use crate::elastica::reaching;
 use crate::link::{Arm, Elbow};
 
-/// Where an arm starts at rest.
+/// Start of an arm at rest.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
-    /// Its joints at these angles in rad: of each link's root against the tip of the link before.
+    /// Its joints at these angles in rad, from the tip of the link before to each link's root.
     Joints(&'a [f64]),
     /// The chords of its links in these directions in rad against x.
     Chords(&'a [f64]),
@@ -19,7 +19,7 @@ pub enum Start<'a> {
     Tip([f64; 2]),
 }
 
-/// Coordinates of an arm at rest, from one whose links do not bend; none where it finds no shape at rest.
+/// Coordinates of an arm at rest, iterated from unbent links. `None` without a shape at rest.
 pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Vec<f64>> {
     let angles_rad = match start {
         Start::Joints(joints_rad) => joints_rad.to_vec(),
@@ -47,7 +47,8 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
     })
 }
 
-/// How far chords are from their directions in rad, or the tip from its place over the arm's length; none where joints are held.
+/// Distance of chords from their directions in rad, or of the tip from its place over the arm's length. `None` for held
+/// joints.
 fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
     match start {
         Start::Joints(_) => None,
@@ -74,7 +75,7 @@ fn against_each_other(chords_rad: &[f64]) -> Vec<f64> {
     chords_rad.iter().zip(before).map(|(own, before)| own - before).collect()
 }
 
-/// Directions of two links that do not bend and reach a place.
+/// Directions of two unbent links that reach a place.
 fn reached(arm: &Arm, at_m: [f64; 2]) -> Option<Vec<f64>> {
     let lengths_m = arm.lengths_m();
     if lengths_m.len() != 2 {

@@ -11,33 +11,33 @@ use crate::modal::{DampingLaw, ModalBasis, Shape, hub_moves_mass, modes_below};
 use crate::model::Sensor;
 use crate::numeric::QuinticSpline;
 
-/// Most modes that sensors show; one residual mode stands for the others.
+/// Most modes in sensor histories; one residual mode stands for the others.
 const MOST_MODES: usize = 100;
 
-/// What drives a link from rest, at uniform times.
+/// Input of a link from rest, at uniform times.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Driven {
-    /// Samples of the torque at the hub in N m, zero before the first, and how it goes on between them.
+    /// Samples of the torque at the hub in N m, zero before the first, and its shape between them.
     Torque(Vec<f64>, Interpolation),
-    /// Hub angles in rad, at rest at the first of them before; a spline leads through them.
+    /// Hub angles in rad, joined by a spline; before them the hub rests at the first angle.
     Angle(Vec<f64>),
 }
 
-/// Histories of sensors on a link, at the samples of what drives it.
+/// Histories of sensors on a link, at the samples of its input.
 ///
-/// The caller has checked that there are four samples or more, all finite, and that the step is above 0.
+/// The caller has checked for at least four samples, all finite, and for a step above 0.
 ///
-/// Angle and deflection begin at 0. The modes below the Nyquist frequency are integrated as by [`simulate`],
-/// the others act as one residual mode.
+/// Angle and deflection begin at 0. Modes below the Nyquist frequency are integrated as in [`simulate`]; the others act
+/// as one residual mode.
 ///
 /// [`simulate`]: super::simulate
 ///
 /// # Errors
-/// [`SimulationError`]: a damping law that the mesh does not allow, a hub that moves no mass, numbers beyond
-/// double precision.
+/// [`SimulationError`]: a damping law that does not suit the mesh, a hub that moves no mass, numbers beyond double
+/// precision.
 ///
 /// # Panics
-/// With fewer than four samples that a spline goes through.
+/// With fewer than four samples of a spline.
 pub(crate) fn sensed(
     link: &Link,
     mesh: &Mesh,
@@ -85,7 +85,7 @@ pub(crate) fn sensed(
     }
 }
 
-/// A sensor's value of coordinates, of their rates, and of the input.
+/// Factors of coordinates, of their rates and of the input in a sensor's value.
 #[expect(clippy::struct_field_names, reason = "factors on each")]
 struct Row {
     on_coordinates: Vec<f64>,
@@ -118,7 +118,7 @@ impl Row {
 }
 
 impl Equations {
-    /// What damping takes from the tip's acceleration per rate of each coordinate.
+    /// Reduction of the tip's acceleration by damping, per rate of each coordinate.
     fn damped_tip(&self) -> Vec<f64> {
         let tips = || self.coordinates.iter().map(|c| c.tip);
         match &self.damping {
@@ -132,10 +132,10 @@ impl Equations {
         }
     }
 
-    /// Curvature of each coordinate's shape at the root, in 1/m, of the free link with so many modes.
+    /// Curvature of each coordinate's shape at the root in 1/m, for the free link with `modes` modes.
     ///
-    /// A mode bends the link as its inertia forces, ω² times its shape, would. The residual mode bends it as
-    /// a constant torque does, less what the modes kept do.
+    /// A mode bends the link like its inertia forces, ω² times its shape. The residual mode bends it like a constant
+    /// torque, less the part of the kept modes.
     fn root_curvatures(&self, mesh: &Mesh, modes: usize, root_n_m2: f64) -> Vec<f64> {
         let moments: Vec<f64> = self.shapes.iter().map(|shape| shape.moments(mesh)[0]).collect();
         let kept = self.coordinates.iter().zip(&moments).take(modes + 1);
@@ -146,7 +146,7 @@ impl Equations {
         bent.map(|moment| moment / root_n_m2).collect()
     }
 
-    /// The same where these shapes are sums of the free link's, whose curvatures are known.
+    /// Curvatures of shapes that are sums of the free link's shapes, from the free link's `curvatures`.
     fn curvatures_of(&self, mesh: &Mesh, free: &Self, curvatures: &[f64]) -> Vec<f64> {
         let share = |own: &Shape, of: &Shape| own.mass_product(mesh, of);
         let sum = |own: &Shape| {
@@ -206,7 +206,7 @@ mod tests {
         .unwrap()
     }
 
-    /// A torque sin³ of 0.6 s, then nothing for as long.
+    /// A torque sin³ of 0.6 s, then zero for another 0.6 s.
     fn torque() -> Vec<f64> {
         let at = |k: i32| {
             let phase = std::f64::consts::TAU * f64::from(k) / 120.0;
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// The hub moved as the torque moves it: modes of the clamped link instead of those of the free one.
+    /// Prescribes the torque's motion of the hub: modes of the clamped link replace those of the free link.
     #[test]
     fn a_hub_moved_as_recorded_bends_the_link_as_the_torque_does() {
         let link = link(0.2);
@@ -266,8 +266,8 @@ mod tests {
         }
     }
 
-    /// A torque that grows slowly to a constant leaves the link bent as its constant acceleration bends it:
-    /// `EI w'' = −∫ m̄ x (x − r) dx θ̈`, here of the masses, too.
+    /// A torque that grows slowly to a constant bends the link like its constant acceleration: `EI w'' = −∫ m̄ x (x −
+    /// r) dx θ̈`, here with the masses, too.
     #[test]
     fn the_strain_at_the_root_is_that_of_the_moment_there() {
         let link = link(0.0);

@@ -14,26 +14,26 @@ use crate::link::Link;
 use crate::modal::DampingLaw;
 use crate::numeric::{GaussRule, SymmetricEigen, piece_shapes};
 
-/// In how many parts the weight comes, where all of it at once leads to no shape at rest.
+/// Numbers of parts of the weight, tried until one leads to a shape at rest.
 const WEIGHT_PARTS: [u32; 4] = [1, 4, 16, 64];
 
-/// A shape is at rest where an iteration changes it by less, in rad.
+/// Change in rad by an iteration that counts as rest.
 const SETTLED_RAD: f64 = 1e-12;
 
 /// Largest change by one iteration towards the shape at rest, in rad, and the most iterations.
 const LARGEST_CHANGE_RAD: f64 = 0.3;
 const MOST_ITERATIONS: usize = 60;
 
-/// Part of a coordinate by which forces are differentiated, in rad.
+/// Step in rad of the numerical derivatives of forces.
 const PART_RAD: f64 = 1e-6;
 
-/// Most places of a state on a piece: polynomials through more of them lose digits.
+/// Most places of a state on a piece: polynomials through more places lose digits.
 const MOST_PLACES: usize = 41;
 
-/// The end of a piece, whose ends are −1 and 1, within this.
+/// Largest distance from the end of a piece, with ends −1 and 1, that counts as the end.
 const SAME_PLACE: f64 = 1e-6;
 
-/// What holds a link at rest.
+/// Constraint that holds a link at rest.
 #[derive(Clone, Copy)]
 pub(super) enum Held {
     /// The hub's angle.
@@ -42,12 +42,12 @@ pub(super) enum Held {
     Chord(f64),
 }
 
-/// The shape at rest, from a straight one: the weight comes at once or, where that leads nowhere, in parts.
+/// The shape at rest, iterated from a straight one with the whole weight or, if that fails, with parts of it.
 pub(super) fn resting(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec<f64>> {
     in_parts(straight, |share, q| held_at(&chain.weighing(share), q, held))
 }
 
-/// Brings the weight at once or, where that leads nowhere, in parts; `settled` is given its share and the shape so far.
+/// Applies the weight at once or, if that fails, in parts; `settled` receives its share and the shape so far.
 pub(super) fn in_parts(
     straight: &[f64],
     settled: impl Fn(f64, Vec<f64>) -> Option<Vec<f64>>,
@@ -77,7 +77,7 @@ fn held_at(chain: &Chain, q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
     })
 }
 
-/// Newton's iteration to where nothing is left.
+/// Newton's iteration for zero remaining forces.
 pub(super) fn settled(
     mut q: Vec<f64>,
     mut left: impl FnMut(&[f64]) -> DVector<f64>,
@@ -98,8 +98,8 @@ pub(super) fn settled(
     None
 }
 
-/// What coordinates are off by where so much of forces is left, to first order: forces are differentiated by parts of each
-/// coordinate. None where they do not depend on all of them.
+/// Error of the coordinates for these remaining forces, to first order, from numerical derivatives of the forces.
+/// `None` where the forces do not depend on all coordinates.
 fn newton_change(
     q: &mut [f64],
     now: &DVector<f64>,
@@ -115,8 +115,9 @@ fn newton_change(
     slopes.lu().solve(now)
 }
 
-/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link with its hub held, free
-/// or, of frequencies below the first one given, in a loop. With s the link's share of the mode's energy,
+/// The damping matrix. Hysteretic damping of ratio ξ is viscous in every mode ψ of the straight link, with its hub
+/// held. In a loop (`loop_at`: reaction, and first frequency of the free hub in rad/s) the hub is free or on a spring,
+/// see [`HubLoop`]. With s the link's share of the mode's energy,
 ///
 /// ```text
 /// D = 2ξ Σ s ω M ψ ψᵀ M = 2ξ Σ s ω⁻¹ (L z)(L z)ᵀ,    L⁻¹ M L⁻ᵀ z = ω⁻² z,   K = L Lᵀ
@@ -154,7 +155,7 @@ pub(super) fn viscous(
         let size = count - first;
         let bent = DMatrix::from_fn(size, size, |i, j| {
             let own = mass[(i + first) * count + j + first];
-            // A hub that is free follows so that no momentum is left.
+            // A free hub follows, so that the momentum stays 0.
             let follows = is_free && spring_n_m_rad.is_none();
             own - if follows { mass[(i + 1) * count] * mass[j + 1] / mass[0] } else { 0.0 }
         });
@@ -182,7 +183,7 @@ pub(super) fn viscous(
 }
 
 impl Chain {
-    /// The slopes, and their rates, at as many places of each piece as tell its polynomials.
+    /// The slopes, and their rates, at enough places of each piece to determine its polynomials.
     pub(super) fn state(&self, time_s: f64, q: &[f64], rates: &[f64]) -> LinkState {
         let mut state = LinkState {
             time_s,
@@ -195,7 +196,7 @@ impl Chain {
         for piece in &self.pieces {
             let order = piece.shapes[0].len() - 1;
             for k in 1..=order {
-                // Chebyshev's places, both ends among them.
+                // Chebyshev's places, both ends included.
                 let t = -libm::cos(std::f64::consts::PI * k as f64 / order as f64);
                 let shape = piece_shapes(order, t).0;
                 let at = |own: &[f64]| {
@@ -250,7 +251,7 @@ impl Chain {
         Ok((q, rates))
     }
 
-    /// How places at distances along the link, from the axis, follow from the coordinates.
+    /// Stations at distances along the link from the axis, for places from coordinates.
     pub(super) fn stations(&self, along_m: &[f64]) -> Vec<Station> {
         let station = |s_m: &f64| {
             let mut from_m = self.root_m;
@@ -303,7 +304,7 @@ impl Chain {
     }
 }
 
-/// A place from another one on, along slopes whose cosine and sine at each point are given.
+/// The place that follows another one along slopes with this cosine and sine at each point.
 fn reached(from_m: [f64; 2], length_m: f64, within: &[f64], slopes: &[[f64; 2]]) -> [f64; 2] {
     let parts = within.iter().zip(slopes);
     parts.fold(from_m, |[x, y], (share, [cosine, sine])| {
@@ -320,7 +321,7 @@ pub(super) struct Station {
     inside_m: f64,
 }
 
-/// Refuses links whose large motion is not derived.
+/// Refuses links without equations for large motion.
 pub(super) fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), SimulationError> {
     let refused = |what, known| Err(SimulationError::NotDerived { what, known });
     if link.segments().iter().any(|segment| segment.timoshenko.is_some()) {

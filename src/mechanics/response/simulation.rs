@@ -19,35 +19,36 @@ use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, natural_frequencies};
 use crate::numeric::TimeGrid;
 
-/// Most refinements under torques, and where joints are moved.
+/// Most refinements under torques, and with prescribed joints.
 const MOST_REFINEMENTS: usize = 6;
 const MOST_OF_MOVED: usize = 4;
 
-/// The waves that the first orders of one link follow, in first natural frequencies.
+/// Highest frequency of waves that the initial orders of one link follow, over the first natural frequency.
 const WAVES: f64 = 3.0;
 
-/// Numbers of a sample of an arm beside those of each angle, and of one link: of two motions, the finer beside the coarser.
+/// Stored numbers of a sample beside those of each angle, for an arm and for one link: of two motions, the finer beside the
+/// coarser.
 const NUMBERS_OF_ARM: usize = 128;
 const NUMBERS_OF_LINK: usize = 32;
 
-/// Computes the motion of a link or an arm under torques, or with joints that move as prescribed: direct dynamics; `watch`
-/// gets the progress of bent links.
+/// Computes the motion of a link or an arm under torques or with prescribed joints (direct dynamics). `watch` receives
+/// the progress of bent links.
 ///
-/// A link without weight is played in modal coordinates, each mode integrated exactly for the interpolated input (Bayo
-/// 1987, eqs 11 and 12). With weight, where [`Play::is_large`] asks for it, and in an arm links are inextensible elasticas
-/// with angles as coordinates, integrated by Radau's method with more angles and shorter steps until tip and joints settle
-/// within the plan's tolerance. They start from their shape at rest.
+/// A link without weight has modal coordinates, each mode integrated exactly for the interpolated input (Bayo 1987, eqs
+/// 11 and 12). With weight, with [`Play::is_large`], and in an arm, links are inextensible elasticas with angles as
+/// coordinates. Radau's method integrates them with more angles and shorter steps until tip and joints settle within
+/// the plan's tolerance. They start from their shape at rest.
 ///
-/// The modes are those within the band of the input; the others act as one residual mode with their static
-/// response. Hysteretic damping has no equation in time. Its ratio becomes the viscous ratio of every mode: of the held
-/// modes where the hub moves as prescribed and in an arm, of the modes of the loop under feedback. An automatic mesh is
-/// refined until it follows the input's band to the plan's tolerance.
+/// Modes within the band of the input count; the others act as one residual mode with their static response. Hysteretic
+/// damping has no equation in time. Its ratio becomes the viscous ratio of every mode: of the held modes for a
+/// prescribed hub and in an arm, of the modes of the loop under feedback. An automatic mesh becomes finer until it
+/// follows the input's band to the plan's tolerance.
 ///
 /// # Errors
 /// [`SimulationError`].
 ///
 /// # Panics
-/// If there is not one input for each joint, or feedback for some joints alone.
+/// If a joint lacks an input, or if only some joints have feedback.
 pub fn simulate(
     arm: &Arm,
     plans: &[MeshPlan],
@@ -77,7 +78,7 @@ pub fn simulate(
     play_modes(link, mesh, play, band_rad_s)
 }
 
-/// Computes the motion of one link as [`simulate`] does, on a given mesh.
+/// Computes the motion of one link like [`simulate`], on this mesh.
 ///
 /// # Errors
 /// [`SimulationError`].
@@ -93,13 +94,13 @@ pub(crate) fn simulate_on(
     play_modes(link, mesh, play, driven_rad_s(play)?)
 }
 
-/// Frequency in rad/s up to which an input drives a link; that of a state is 0.
+/// Highest frequency in rad/s of a link's input; 0 for a state.
 fn driven_rad_s(play: &Play<'_>) -> Result<f64, SimulationError> {
     play.band_rad_s().or(play.state.map(|_| 0.0)).ok_or(play.nothing())
 }
 
 impl PlayedLink {
-    /// With its natural frequencies.
+    /// A link with its natural frequencies.
     pub(super) fn of(mesh: Mesh, law: DampingLaw) -> Self {
         let natural_frequencies_rad_s = natural_frequencies(&mesh, REPORTED_MODES);
         Self { mesh, law, natural_frequencies_rad_s }
@@ -145,7 +146,7 @@ fn play_bent(
     Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
 }
 
-/// The result of a motion of bent links.
+/// The results from a motion of bent links.
 fn of_motion(
     BentMotion { play, joints, tip }: BentMotion,
     (grid, driven): (TimeGrid, usize),
@@ -162,7 +163,7 @@ fn drives(arm: &Arm, play: &Play<'_>) -> Result<Vec<Drive>, SimulationError> {
         let link = &own.link;
         let zero_rad = if is_link { play.zero_of_state_rad(link) } else { Some(0.0) };
         let driving = play.driving((number, link), zero_rad, arm.has_weight())?;
-        // In an arm the damping of a link does not act on its joint: it turns with none.
+        // In an arm the damping of a link does not act on its joint, and turns with no reference.
         let turning = driving.turning.filter(|_| is_link);
         let driving = Driving { turning, ..driving };
         Ok(match play.input {
@@ -183,12 +184,12 @@ struct Bending<'a> {
 }
 
 impl Bending<'_> {
-    /// First natural frequency of one link in rad/s, 0 where it does not bend.
+    /// First natural frequency of one link in rad/s, 0 for a rigid link.
     fn first_rad_s(&self) -> f64 {
         self.links[0].natural_frequencies_rad_s.first().copied().unwrap_or(0.0)
     }
 
-    /// The problem with polynomials of `more` orders; one that repeats begins as the motion `before` did, nearly.
+    /// The problem with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.
     fn problem(
         &self,
         more: usize,
@@ -272,7 +273,7 @@ impl Bending<'_> {
             Input::Angles(_) => Held::Hub,
         };
         let q = resting(chain, &straight, held).ok_or(SimulationError::NoRest)?;
-        // A prescribed hub leaves the chord where the weight bends it to.
+        // With a prescribed hub the weight determines the chord.
         let first_rad = direction(chain.tip(&q, &rates).at_m, start_rad);
         Ok(Begun { q, rates, from_rad: given_rad.unwrap_or(first_rad) })
     }
@@ -301,10 +302,10 @@ impl Bending<'_> {
     }
 }
 
-/// Motion of a joint: angle and rate in rad and rad/s at first, and accelerations in rad/s² at each sample.
+/// Motion of a joint: initial angle in rad and rate in rad/s, and accelerations in rad/s² at each sample.
 #[derive(Debug, Clone, Copy)]
 pub struct MovedJoint<'a> {
-    /// Angle against the tip of the link before, of the first joint against x.
+    /// Angle against the tip of the link before, for the first joint against x.
     pub angle_rad: f64,
     /// Its rate.
     pub rate_rad_s: f64,
@@ -312,13 +313,13 @@ pub struct MovedJoint<'a> {
     pub accelerations_rad_s2: &'a [f64],
 }
 
-/// Moves the joints of an arm over a grid, finer and finer until that changes tip and joints by less than `tolerance` of
-/// their motion or the finest is reached ([`BentPlay::change`](super::BentPlay::change) tells);
-/// `highest_rad_s` is the highest frequency of the motion. Nothing of the inversion is used. Joints that are moved let no
-/// pose fall.
+/// Moves the joints of an arm over a grid, independent of the inversion. Refines the motion until tip and joints change
+/// by less than `tolerance` of their motion, or to the finest level (see
+/// [`BentPlay::change`](super::BentPlay::change)). `highest_rad_s` is the highest frequency of the motion. Prescribed
+/// joints let no pose fall.
 ///
 /// # Errors
-/// [`SimulationError`]; among them damping that no equation in time has.
+/// [`SimulationError`], for example for damping without an equation in time.
 pub fn move_arm(
     arm: &Arm,
     joints: &[MovedJoint<'_>],

@@ -1,4 +1,4 @@
-//! Where a link or an arm is and how it moves at one instant, from which another play goes on.
+//! Place and motion of a link or an arm at one instant, the start of another simulation.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 use serde::{Deserialize, Serialize};
@@ -15,12 +15,12 @@ use crate::numeric::{TimeGrid, largest, largest_difference};
 
 /// The motion of a link at one instant.
 ///
-/// A linear link is known by displacements and slopes, cubic between the places. An elastica is known by its slopes,
-/// polynomials between two masses or segment ends.
+/// A linear link has displacements and slopes, cubic between the places. An elastica has slopes, polynomials between
+/// two masses or segment ends.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinkState {
-    /// Time in s at which it was so.
+    /// Time of the instant in s.
     pub time_s: f64,
     /// Distances of the places from the axis in m, along the link, from its root to its tip.
     pub x_m: Vec<f64>,
@@ -37,7 +37,7 @@ pub struct LinkState {
 }
 
 impl LinkState {
-    /// Refuses a state that is not one of such a link.
+    /// Refuses a state that does not suit the link.
     ///
     /// # Errors
     /// [`SimulationError::State`].
@@ -94,7 +94,7 @@ impl LinkState {
         })
     }
 
-    /// Coordinates and rates of the modes of a linear link, and what they leave out, over the whole, as square roots of
+    /// Coordinates and rates of the modes of a linear link, and their omitted part over the whole, as square roots of
     /// energies of motion.
     pub(super) fn coordinates(
         &self,
@@ -131,23 +131,24 @@ impl LinkState {
     }
 }
 
-/// Most cycles that are played until one ends as it begins, and the change from one to the next, over the turn of the hub,
-/// at which it does: what is left of changes that fall by a hundredth from cycle to cycle is a hundred times as much.
+/// Most cycles until the state repeats, and the change between cycles, over the turn of the hub, that counts as
+/// repeating. If changes fall by a hundredth from cycle to cycle, the remaining error is a hundred times the last
+/// change.
 const MOST_CYCLES: usize = 400;
 const SETTLED: f64 = 1e-9;
 
-/// What a vibration that repeats may be over what a cycle adds to it: more is that of a link without damping, in step with
-/// the cycle.
+/// Largest repeating vibration, over the vibration that a cycle adds; a larger one belongs to an undamped link in step
+/// with the cycle.
 const MOST_GROWTH: f64 = 1e5;
 
-/// Mean torque, over the largest, from which on a free hub turns faster from cycle to cycle.
+/// Largest mean torque of a free hub, over the largest torque; a larger mean turns it faster from cycle to cycle.
 const MEAN: f64 = 1e-6;
 
-/// Coordinates and rates with which a cycle of so many samples begins and ends; `travel_m` is the tip's displacement over
-/// it where nothing decides that, and `start_m` the tip's at its start where nothing holds the hub.
+/// Coordinates and rates at both ends of a repeating cycle of `samples` samples. Without stiffness at the hub `start_m`
+/// sets the tip's displacement at the start; without damping as well, `travel_m` sets its displacement over the cycle.
 ///
-/// With M the transition over a cycle and c what its torque makes of rest, x = (1 − M)⁻¹ c. Without stiffness no angle of
-/// the rigid rotation is better than another; without damping, too, its rate follows from its travel.
+/// With M the transition over a cycle and c the state after a cycle from rest, x = (1 − M)⁻¹ c. Without stiffness the
+/// angle of the rigid rotation is arbitrary; without damping as well, its rate follows from its travel.
 ///
 /// # Errors
 /// [`CycleError`].
@@ -187,7 +188,7 @@ pub(super) fn of_cycle(
         right[angle] = 0.0;
     }
     let driven = largest(right.as_slice());
-    // Whatever a cycle adds has grown so much that no damping that can be named holds it.
+    // A larger ratio means that no noticeable damping limits the vibration.
     let repeats = |state: &DVector<f64>| state.iter().all(|x| x.abs() <= MOST_GROWTH * driven);
     let state = matrix.lu().solve(&right).filter(repeats).ok_or(CycleError::Resonance)?;
     let [mut coordinates, rates] = stepper.of_state(state.as_slice());
@@ -199,10 +200,10 @@ pub(super) fn of_cycle(
     Ok([coordinates, rates])
 }
 
-/// Plays cycle after cycle until one ends as it begins; of a hub that is free its rate alone.
+/// Integrates cycles until the state repeats. For a free hub only the rate must repeat.
 ///
 /// # Errors
-/// [`CycleError`], and those of `advance`.
+/// [`CycleError`], and errors of `advance`.
 pub(super) fn settle(
     motion: &mut Motion,
     grid: TimeGrid,
@@ -254,7 +255,7 @@ pub struct State {
 }
 
 impl State {
-    /// A linear link that turns undeformed, its tip at a displacement in m and a velocity in m/s.
+    /// A linear link that turns undeformed, with displacement in m and velocity in m/s of its tip.
     pub(crate) fn turning(link: &Link, time_s: f64, [tip_m, tip_m_s]: [f64; 2]) -> Self {
         let length_m = link.length_m();
         let x_m = vec![link.hub().radius_m, length_m];
@@ -270,7 +271,7 @@ impl State {
         Self { links: vec![state] }
     }
 
-    /// Refuses a state that does not fit the links.
+    /// Refuses a state that does not suit the links.
     ///
     /// # Errors
     /// [`SimulationError::State`].

@@ -5,43 +5,43 @@ use super::modes::{Equations, HubReaction};
 use crate::numeric::TimeGrid;
 use crate::system::end_if_stopped;
 
-/// Terms of the cubic that drives a step.
+/// Terms of a step's input, a cubic.
 const TERMS: usize = 4;
 
-/// Steps the modal equations by one time step, exactly for a torque that is a cubic over it.
+/// Steps the modal equations by one time step, exactly for a torque that is cubic over the step.
 ///
 /// ```text
 /// d/dτ (x, w) = [[A Δt, B Δt e₀ᵀ], [0, D]] (x, w),   w_j the cubic's derivatives u⁽ʲ⁾Δtʲ/j!
 /// ```
 ///
-/// so that the exponential of this matrix holds the transition of the state and its answer to each
-/// term of the cubic (Van Loan 1978).
+/// The exponential of this matrix contains the transition of the state and its answer to each term of the cubic (Van
+/// Loan 1978).
 #[derive(Debug, Clone)]
 pub(super) struct Stepper {
     count: usize,
     transition: Transition,
     /// Answers of the state to the terms of the input's cubic.
     answers: [Vec<f64>; TERMS],
-    /// Answers to those of the reference's rate, with which the damping of a loop turns.
+    /// Answers to the terms of the reference's rate; the damping of a loop turns with it.
     of_turning: Option<[Vec<f64>; TERMS]>,
-    /// Coordinates and rates are kept in one unit: s q and q̇, s = max(ω, 1/Δt).
+    /// Scales s = max(ω, 1/Δt) that give coordinates the unit of rates: s q and q̇.
     scales: Vec<f64>,
     /// Scaled coordinates, then rates.
     state: Vec<f64>,
     next: Vec<f64>,
 }
 
-/// What a step makes of the state without a torque, column by column so that the rows are vectors.
+/// Transition of the state over a step without a torque, column by column so that the rows are vectors.
 #[derive(Debug, Clone)]
 enum Transition {
-    /// Each coordinate by itself: the factors on it and on its rate.
+    /// Uncoupled coordinates: the factors on each and on its rate.
     Alone { on_coordinates: Vec<f64>, on_rates: Vec<f64> },
-    /// All coordinates, which a reaction at the hub couples: the columns one after the other.
+    /// Coordinates coupled by a reaction at the hub: the columns one after the other.
     Coupled(Vec<f64>),
 }
 
 impl Stepper {
-    /// At rest.
+    /// A stepper at rest.
     pub(super) fn new(equations: &Equations, step_s: f64) -> Self {
         let count = equations.coordinates.len();
         let scale = |square: f64| square.sqrt().max(step_s.recip());
@@ -130,7 +130,7 @@ impl Stepper {
         }
     }
 
-    /// What so many steps make of the state without a torque.
+    /// Transition of the state over `steps` steps without a torque.
     pub(super) fn transition_over(&self, steps: usize) -> DMatrix<f64> {
         let (count, states) = (self.count, 2 * self.count);
         let mut step = DMatrix::zeros(states, states);
@@ -146,7 +146,7 @@ impl Stepper {
             }
         }
         let mut all = DMatrix::identity(states, states);
-        // Of its binary digits each doubles the steps of the one before.
+        // Each binary digit doubles the steps so far.
         for digit in (0..usize::BITS - steps.leading_zeros()).rev() {
             all = &all * &all;
             if steps >> digit & 1 == 1 {
@@ -168,7 +168,7 @@ impl Stepper {
         [coordinates, rates.to_vec()]
     }
 
-    /// What these factors on coordinates and rates make of the state, as [`Stepper::weighted`] takes them.
+    /// Factors on the state for [`Stepper::weighted`], from factors on coordinates and rates.
     pub(super) fn factors(&self, on_coordinates: &[f64], on_rates: &[f64]) -> Vec<f64> {
         let scaled = on_coordinates.iter().zip(&self.scales).map(|(factor, scale)| factor / scale);
         scaled.chain(on_rates.iter().copied()).collect()
@@ -208,7 +208,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Without samples.
+    /// A record without samples.
     pub(super) fn with_capacity(modes: usize, samples: usize) -> Self {
         let room = || Vec::with_capacity(modes * samples);
         Self { coordinates: room(), rates: room(), modes }
@@ -242,8 +242,8 @@ impl Record {
     }
 }
 
-/// The matrix of which a step is the exponential, for some of the coordinates: scaled coordinates, rates, and
-/// the derivatives of the cubic.
+/// The matrix with a step as its exponential, for some of the coordinates: scaled coordinates, rates, and the
+/// derivatives of the cubic.
 fn generator(
     equations: &Equations,
     scales: &[f64],
@@ -286,19 +286,19 @@ fn generator(
     generator
 }
 
-/// Largest norm of a matrix that the series takes.
+/// Largest norm of a matrix for the series.
 const LARGEST_NORM: f64 = 1.0;
 
 /// e to the power of a square matrix, by its series for a 2ˢ-th part of it and s squarings.
 ///
-/// nalgebra's own calls the system's logarithm and rounds products differently on each processor, so that
-/// the same inputs would give other bytes.
+/// nalgebra's function calls the system's logarithm and rounds products differently on each processor: equal inputs
+/// would give different bytes.
 fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let norm = |matrix: &DMatrix<f64>| {
         matrix.row_iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
     };
     let (mut part, mut squarings) = (matrix.clone(), 0);
-    // The norm of a matrix with NaN never falls: the number of squarings is bounded.
+    // Bounds the number of squarings, as the norm of a matrix with NaN never falls.
     while norm(&part) > LARGEST_NORM && squarings < 1100 {
         part *= 0.5;
         squarings += 1;
@@ -351,7 +351,7 @@ mod tests {
             let found = exponential(&DMatrix::from_row_slice(2, 2, &[0.0, angle, -angle, 0.0]));
             let (sine, cosine) = angle.sin_cos();
             let exact = DMatrix::from_row_slice(2, 2, &[cosine, sine, -sine, cosine]);
-            // Each squaring doubles the error: an angle is known to its own round-off only.
+            // Each squaring doubles the error: an angle is exact only to its round-off.
             let error = largest_difference(&found, &exact);
             assert!(error < 2e-15 * angle.max(1.0), "{angle}: {error:e}");
         }
@@ -364,7 +364,7 @@ mod tests {
         assert!(largest_difference(&exponential(&shift), &exact) < 1e-14);
     }
 
-    /// What reaches a coordinate over many others is tiny, and as exact as all else.
+    /// The effect on a coordinate through many others is tiny, and equally exact.
     #[test]
     fn a_chain_of_integrators_gives_every_power_of_time_to_its_last_digits() {
         let time = 0.001_f64;

@@ -1,4 +1,4 @@
-//! Warnings of bent links that were played.
+//! Warnings of simulated bent links.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use super::played::PlayedLink;
 use crate::link::Arm;
 use crate::numeric::extremes;
 
-/// Imbalance of energy above which a warning is given.
+/// Warning threshold of the imbalance of energy.
 const IMBALANCE: f64 = 1e-3;
 
 /// Warnings of a link with weight or at large angles, or of an arm.
@@ -47,17 +47,17 @@ fn of_link(
     };
     let first_rad_s = link.natural_frequencies_rad_s.first().copied().unwrap_or(0.0);
     let period_s = (first_rad_s > 0.0).then(|| TAU / first_rad_s);
-    // A link that is played to its end always moves.
+    // Bent links move until the end, so that the step always matters.
     let step_s = play.input.grid().step_s;
     let coarse = SimulationWarning::coarse_step(step_s, period_s);
     own.into_iter().chain([coarse]).flatten().collect()
 }
 
-/// A warning of a torque that does not begin with the one that holds the link.
+/// A warning of a torque that does not begin with the holding torque.
 fn unheld(motion: &BentMotion, torque_n_m: &[f64]) -> Option<SimulationWarning> {
     let (holding_n_m, [low, high]) = (motion.joints[0].holding_n_m?, extremes(torque_n_m));
     let (first, range) = (torque_n_m[0], high - low);
-    // A link that hangs straight is held by round-off.
+    // Round-off holds a link that hangs straight.
     let least = STEP_SHARE * STEP_SHARE * motion.play.weight_moment_n_m();
     let size = if range > 0.0 { range } else { holding_n_m.abs() }.max(least);
     let share = (first - holding_n_m).abs() / size;

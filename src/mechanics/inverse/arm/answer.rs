@@ -1,4 +1,4 @@
-//! The motion of an arm over one period: histories of its joints, and what errors are measured by.
+//! The motion of an arm over one period: histories of its joints, and of the quantities with errors.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::inverse::solution::farthest_m;
 use crate::link::{Arm, Drive};
 use crate::motion::{ArmPath, Prescribed, TipPeriod};
 
-/// The path over one period, and the chords that follow it.
+/// The path over one period, and the chords along it.
 pub(super) struct PathPeriod {
     pub(super) arm: ArmPeriod,
     pub(super) rest: Rest,
@@ -23,7 +23,7 @@ pub(super) struct PathPeriod {
     pub(super) rigid: Vec<AngleHistories>,
     /// The period of the coordinate with the highest cut-off.
     pub(super) tip: Arc<TipPeriod>,
-    /// How far each coordinate of the path is off at most, in m.
+    /// Largest error of each coordinate of the path, in m.
     pub(super) errors_m: Vec<f64>,
 }
 
@@ -33,14 +33,14 @@ pub(super) struct ArmAnswer {
     pub(super) path: Arc<PathPeriod>,
 }
 
-/// What a joint does over the period.
+/// Motion and torque of a joint over the period.
 pub(super) struct JointHistories {
     /// Angle in rad of its link's root against the tip of the link before, or against x; its rate and acceleration.
     pub(super) angle: AngleHistories,
     pub(super) motor: Option<MotorHistories>,
 }
 
-/// Angle in rad by which a link's root and the tip of the link before turn the joint beyond its chords.
+/// Angle in rad that the slopes of a link's root and of the tip before it add to the joint's chord angle.
 fn bent_rad(motion: &ArmMotion, joint: usize) -> Vec<f64> {
     let own = motion.links[joint].bent.hub_slope_rad.iter();
     match joint.checked_sub(1).map(|before| &motion.links[before].tip_slope_rad) {
@@ -49,7 +49,7 @@ fn bent_rad(motion: &ArmMotion, joint: usize) -> Vec<f64> {
     }
 }
 
-/// What a joint's chords turn by against each other: angle, rate or acceleration.
+/// Turn of a joint's chords against each other: angle, rate or acceleration.
 fn turned(motion: &ArmMotion, joint: usize, part: usize) -> Vec<f64> {
     let own = motion.links[joint].chord[part].iter();
     match joint.checked_sub(1).map(|before| &motion.links[before].chord[part]) {
@@ -79,7 +79,7 @@ impl ArmAnswer {
         spectrum.pair.samples(spectrum.derivative(&spectrum.pair.amplitudes(history), order))
     }
 
-    /// What a joint does, and its motor where it has a drive.
+    /// Histories of a joint, and of its motor where it has a drive.
     pub(super) fn joint(&self, arm: &Arm, joint: usize) -> JointHistories {
         let bent = bent_rad(&self.motion, joint);
         let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
@@ -99,7 +99,7 @@ impl ArmAnswer {
         self.curves_by(arm, probes, |values| self.path.rest.outside_return(values))
     }
 
-    /// The same over the samples of the path itself.
+    /// Histories of all quantities over the samples of the path itself.
     pub(super) fn curves_of_motion(
         &self,
         arm: &Arm,
@@ -138,7 +138,7 @@ impl ArmAnswer {
         (0..arm.links().len()).into_par_iter().map(of).collect()
     }
 
-    /// Largest distance in m of the rigid arm's tip from where it starts, over the samples of its path.
+    /// Largest distance in m of the rigid arm's tip from its start, over the samples of its path.
     pub(super) fn way_of_chords_m(&self, arm: &Arm, given: usize) -> f64 {
         let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
         for (chord, own) in self.path.rigid.iter().zip(arm.links()) {
@@ -151,7 +151,7 @@ impl ArmAnswer {
         farthest_m([&x_m, &y_m])
     }
 
-    /// How far the solved tip is at most from the wanted one, in m.
+    /// Largest distance of the solved tip from the wanted one, in m.
     pub(super) fn tip_error_m(&self, path: &ArmPath) -> f64 {
         match (path.prescribed(), &self.path.errors_m[..]) {
             (Prescribed::Tip, [x, y, ..]) => (x * x + y * y).sqrt(),
@@ -166,7 +166,7 @@ impl ArmAnswer {
     }
 }
 
-/// What the motor of a joint does; `turned` is the angle behind the joint's spring, which its torque twists.
+/// Histories of a joint's motor. `turned` is the angle behind the joint's spring; the torque twists the spring.
 ///
 /// ```text
 /// φ = n (θ + T/k),   T_m = T/n + J_r φ̈

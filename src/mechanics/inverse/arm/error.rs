@@ -1,4 +1,4 @@
-//! Why an arm and a path have no torques.
+//! Errors of the inversion of an arm.
 
 use thiserror::Error;
 
@@ -7,22 +7,22 @@ use crate::inverse::InversionError;
 use crate::motion::MotionError;
 use crate::text::significant;
 
-/// Why a valid arm and a valid path have no torques here.
+/// Reason why a valid arm and a valid path have no torques here.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ArmError {
-    /// As of one link.
+    /// An error that one link can have, too.
     #[error(transparent)]
     Inversion(#[from] InversionError),
     /// The path at half its step.
     #[error("the path at half the step: {0}")]
     Finer(#[from] MotionError),
-    /// A path of the tip, which two elbows lead along.
+    /// A path of the tip, which two positions of the elbow can follow.
     #[error("elbow = nothing, but must be \"left\" or \"right\": both lead to the same place")]
     NoElbow,
     /// A plan of the mesh for each link.
     #[error("{plans} plans of meshes, but must be {links}, one for each link")]
     Plans {
-        /// Plans that are given.
+        /// Number of plans.
         plans: usize,
         /// Links of the arm.
         links: usize,
@@ -35,7 +35,7 @@ pub enum ArmError {
         /// Links of the arm.
         links: usize,
     },
-    /// A place of the tip that the first two links do not reach.
+    /// A place of the tip beyond the reach of the first two links.
     #[error(
         "the end of the second link = {distance_m:.6} m from the first joint, but must be from {least_m:.6} to {most_m:.6} m \
          away: the arm does not {}",
@@ -51,7 +51,7 @@ pub enum ArmError {
         /// The largest distance in m.
         most_m: f64,
     },
-    /// An elbow that hardly tells how the links follow the tip.
+    /// An elbow too straight or too folded to determine how the links follow the tip.
     #[error(
         "the sine of the elbow's angle = {sine:.4}, but must be at least {least} in size: the arm is stretched or folded"
     )]
@@ -60,7 +60,7 @@ pub enum ArmError {
         sample: usize,
         /// The sine.
         sine: f64,
-        /// The least that it must be.
+        /// Smallest valid size.
         least: f64,
     },
     /// Second-order terms that grow where a body's rotary inertia holds a link's tip.
@@ -76,7 +76,7 @@ pub enum ArmError {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
-    /// Second-order terms that do not converge, in any number.
+    /// Second-order terms that do not converge, not even to first order.
     #[error("{0}; those of first order alone do not converge either")]
     NorFirst(Box<ArmError>),
     /// Directions beside the tip's place that contradict it.
@@ -86,15 +86,15 @@ pub enum ArmError {
         sample: usize,
         /// Number of the link, from 0.
         link: usize,
-        /// What is given, in rad.
+        /// Prescribed direction in rad.
         found: f64,
-        /// What follows from the tip's place, in rad.
+        /// Direction from the tip's place in rad.
         expected: f64,
     },
 }
 
 impl ArmError {
-    /// Number of the sample of the path, from 0, that is to blame, where one is.
+    /// Number of the path's sample that causes the error, from 0, where one does.
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::OutOfReach { sample, .. }
@@ -104,7 +104,7 @@ impl ArmError {
         }
     }
 
-    /// Number of the link, from 0, that is to blame, and why, where one is.
+    /// Number of the link that causes the error, from 0, and its reason, where one does.
     pub fn link(&self) -> Option<(usize, &ElasticaError)> {
         match self {
             Self::Inversion(InversionError::Elastica(ElasticaError::OfLink { link, error })) => {
@@ -114,7 +114,7 @@ impl ArmError {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::Inversion(error) => return error.hint(),

@@ -1,4 +1,4 @@
-//! What a solved arm left out, and the warnings that follow from it.
+//! Errors of a solved arm, and the warnings that follow from them.
 
 use std::sync::Arc;
 
@@ -17,19 +17,19 @@ use crate::inverse::{
 use crate::motion::Cutoff;
 use crate::numeric::{Size, extremes, largest, largest_difference};
 
-/// Number of paths with other errors of the samples that are solved.
+/// Number of solved paths with different errors of the samples.
 const STRAYS: u64 = 4;
 
-/// Factor on what the worst of these paths changes. Over 30 seeds of random arms the true error was at most 1.16 times
+/// Factor on the change by the worst of these paths. Over 30 seeds of random arms the true error was at most 1.16 times
 /// that change.
 const BEYOND_STRAYS: f64 = 1.3;
 
-/// Change of a torque by further iterations, over its size, that is round-off.
+/// Largest change of a torque by further iterations, over its size, that counts as round-off.
 const ROUND_OFF: f64 = 1e-11;
 
 impl Solved {
-    /// About what all terms change of a torque at most, over its range, where fewer were asked for; none where they are
-    /// refused.
+    /// Estimate of the largest change of a torque by all terms, over its range, for a solution with fewer terms. `None`
+    /// where all terms are refused.
     pub(super) fn left_out(&self) -> Option<f64> {
         let Self { models, answer, .. } = self;
         let motion = estimate_arm(models, &answer.path.arm).ok()?;
@@ -39,8 +39,8 @@ impl Solved {
 }
 
 impl Solver<'_> {
-    /// What half the step changes of each quantity, where every frequency of the samples is solved or second-order terms
-    /// reach beyond what they resolve; none where the path cannot be sampled twice as often.
+    /// Change of each quantity by half the step, where the solver covers every frequency of the samples or second-order
+    /// terms exceed their resolution. `None` where the path cannot be sampled twice as often.
     pub(super) fn step_errors(
         &self,
         Solved { models, probes, answer, sizes, .. }: &Solved,
@@ -65,8 +65,8 @@ impl Solver<'_> {
         Ok(Some(errors.collect()))
     }
 
-    /// What the errors of the samples change of each quantity of the linear arm at most, over its size; none where they are
-    /// exact, and all of it where the arm cannot follow samples with such errors.
+    /// Largest change of each quantity of the linear arm by errors of the samples, over its size. `None` for exact
+    /// samples; 1 where the arm cannot follow samples with such errors.
     pub(super) fn input_errors(
         &self,
         Solved { models, probes, answer, sizes, .. }: &Solved,
@@ -113,7 +113,7 @@ impl Solver<'_> {
             warnings.push(Warning::TipMissed { share, tolerance, shortfall });
         }
         warnings.extend(problem.nearly_stretched);
-        // The factor of changes that are round-off says nothing.
+        // The ratio of changes within round-off is meaningless.
         let SecondOrderFindings { iteration, left_out, fallback, .. } = second_order;
         let slow =
             iteration.contraction.filter(|factor| *factor > SLOW && iteration.error > ROUND_OFF);
@@ -150,7 +150,7 @@ impl Solver<'_> {
             found.extend(blocked_tip(mesh, spectrum, tolerance));
             found.extend(unsettled.get(joint).copied().flatten());
             let mut torque = solved.answer.torque_amplitudes_n_m(joint);
-            // What holds a weight at rest is no part of what moves.
+            // The mean torque holds a weight at rest, apart from the motion.
             torque[0] = 0.0.into();
             found.extend(thick_share(&*solved.models[joint], moving, &torque).and_then(thick_link));
             let joint = Some(joint);
@@ -159,7 +159,7 @@ impl Solver<'_> {
         warnings
     }
 
-    /// For each joint a torque whose peak changes where the tip's tolerance is twice as large.
+    /// For each joint a torque whose peak changes at twice the tip's tolerance.
     pub(super) fn unsettled(
         &self,
         Solved { models, answer, sizes, .. }: &Solved,
@@ -200,7 +200,8 @@ fn looser(cutoffs: &[Cutoff]) -> Vec<Cutoff> {
     cutoffs.iter().map(|own| Cutoff { omega_rad_s: own.looser_rad_s, ..*own }).collect()
 }
 
-/// Largest difference of two answers' torques, over their ranges; of a joint that hardly moves, over the largest of any.
+/// Largest difference of two answers' torques, over their ranges; for a joint that hardly moves, over the largest range
+/// of any.
 fn largest_change(own: &ArmAnswer, other: &ArmAnswer) -> f64 {
     let torque = |answer: &ArmAnswer, joint: usize| {
         answer.path.rest.outside_return(&answer.motion.links[joint].bent.torque_n_m)

@@ -1,8 +1,8 @@
 //! From the path of an arm's tip, or the directions of its chords, to the torques of all joints.
 //!
-//! The chords are where a rigid arm would have its links; each link is solved on its chord, from the last one
-//! inward ([`elastica`](crate::elastica)). Period, padding, mesh, window and errors are those of one link, for all joints
-//! at once.
+//! The chords lie along the links of a rigid arm. The solver takes each link on its chord, from the last one inward
+//! ([`elastica`](crate::elastica)). Period, padding, mesh, window and errors follow the rules of one link, for all
+//! joints at once.
 
 mod answer;
 mod error;

@@ -1,5 +1,4 @@
-//! The joints of a solved arm moved by Lagrange's equations ([`move_arm`]), which know nothing of the inversion: where the
-//! tip goes.
+//! Tip of a solved arm with its joints moved by Lagrange's equations ([`move_arm`]), independent of the inversion.
 
 use std::f64::consts::TAU;
 
@@ -8,10 +7,10 @@ use crate::motion::{ArmPath, Prescribed};
 use crate::numeric::Size;
 use crate::response::{MovedJoint, Played, SimulationError, move_arm};
 
-/// Share of the tolerance to which a moved arm is settled.
+/// Tolerance of a moved arm, over the tolerance of the analysis.
 const SETTLED: f64 = 0.1;
 
-/// Change by the last refinement of a moved arm, over how far its tip strays, with which that is measured.
+/// Largest change by the last refinement of a moved arm, over the tip's error, that still allows to measure this error.
 const SHARP: f64 = 0.3;
 
 impl Solution {
@@ -34,8 +33,8 @@ impl Solution {
         move_arm(&self.arm, &joints, &self.grid, (highest_rad_s, tolerance))
     }
 
-    /// How far the tip of the moved arm is from its path at most, over its travel; where the path is one of angles, from the
-    /// tip that is solved.
+    /// Largest distance of the moved arm's tip from its path, over its travel; for a path of angles, from the solved
+    /// tip.
     pub fn tip_error_of(&self, moved: &Played, path: &ArmPath) -> f64 {
         let off = |k: usize| {
             let wanted_m = self.wanted_tip_m(path, k);
@@ -44,7 +43,7 @@ impl Solution {
         (0..self.grid.len).map(off).fold(0.0, Size::larger) / self.tip_travel_m()
     }
 
-    /// Where the path leads the tip at a sample of the window, x and y in m; where it is one of angles, where the tip is solved to be.
+    /// Wanted place of the tip at a sample of the window, x and y in m; for a path of angles, the solved place.
     pub(crate) fn wanted_tip_m(&self, path: &ArmPath, k: usize) -> [f64; 2] {
         let last = path.grid().len - 1;
         let before = usize::try_from(-self.grid.first).unwrap_or(0);
@@ -56,7 +55,7 @@ impl Solution {
     }
 }
 
-/// How far the tip strays where chords are taken for as long as their links.
+/// Error of the tip from chords as long as their links.
 pub(super) fn straying(solution: &Solution, path: &ArmPath) -> Straying {
     let travel_m = solution.tip_travel_m();
     let measured = solution.moved().ok().and_then(|moved| {
@@ -66,7 +65,7 @@ pub(super) fn straying(solution: &Solution, path: &ArmPath) -> Straying {
     measured.unwrap_or_else(|| Straying::Estimated(shortened_m(solution) / travel_m))
 }
 
-/// By how far the chords of the bent links, each ½ ∫ w'² ds shorter than its link, miss the tip at most, in m.
+/// Largest error of the tip in m by shorter chords: the chord of a bent link is ½ ∫ w'² ds shorter than its link.
 fn shortened_m(solution: &Solution) -> f64 {
     let at = |k: usize| {
         let links = solution.shapes().zip(solution.nodes_m());

@@ -1,4 +1,4 @@
-//! An arm and its path: whether it reaches the path, periods of any length, and the motion over one.
+//! An arm and its path: the arm's reach, periods of any length, and the motion over one.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -17,17 +17,17 @@ use crate::link::{Arm, Elbow};
 use crate::model::Model;
 use crate::motion::{ArmPath, CourseHistories, Cutoff, Prescribed};
 
-/// Sine of the elbow's angle below which the user is warned.
+/// Sine of the elbow's angle that causes a warning below it.
 const NEARLY_STRETCHED: f64 = 0.15;
 
 /// Memory in bytes for each node and sample of the period, as measured of one link.
 const BYTES: usize = 300;
 
-/// Largest difference in rad of directions that are given beside the tip's place.
+/// Largest difference in rad between prescribed directions and directions from the tip's place.
 const AGREEMENT: f64 = 1e-3;
 
-/// Share of the iteration's error. Where a warning tells that error, mesh and period are refined until theirs are below this
-/// share, and no further.
+/// Share of the iteration's error. Where a warning reports that error, refinement of mesh and period stops once their
+/// errors are below this share.
 const SMALL: f64 = 0.1;
 
 /// Samples of an arm at rest.
@@ -35,7 +35,7 @@ const AT_REST: usize = 8;
 
 pub(super) type Models = [Arc<dyn Model>];
 
-/// An arm, its path, and how exactly it is followed.
+/// An arm, its path, and the required accuracy.
 pub(super) struct ArmProblem<'a> {
     pub(super) arm: &'a Arm,
     pub(super) path: &'a ArmPath,
@@ -51,7 +51,7 @@ pub(super) struct ArmProblem<'a> {
 
 impl<'a> ArmProblem<'a> {
     /// # Errors
-    /// [`ArmError`] of a path that the arm cannot follow.
+    /// [`ArmError`] if the arm cannot follow the path.
     pub(super) fn of(
         arm: &'a Arm,
         path: &'a ArmPath,
@@ -103,8 +103,8 @@ impl<'a> ArmProblem<'a> {
         Ok(())
     }
 
-    /// Directions of the rigid arm's links where the coordinates of the path are these; they begin with sample `seam`, and
-    /// go on over whole turns from there.
+    /// Directions of the rigid arm's links at these coordinates of the path. They begin with sample `seam`, and
+    /// continue over whole turns from there.
     fn chords(
         &self,
         courses: &[CourseHistories],
@@ -127,7 +127,7 @@ impl<'a> ArmProblem<'a> {
             (0..len).map(|k| [0, 1, 2].map(|part: usize| [x[part][k], y[part][k]])).collect();
         let mut chords = reaching(&tip, &self.arm.lengths_m(), &in_time[2..], self.is_left)?;
         if let [first, second, third, ..] = &mut chords[..] {
-            // The whole turns of the given links count.
+            // The whole turns of the prescribed links count.
             let turns = ((third[0][0] - second[0][0]) / TAU).round();
             for angle in first[0].iter_mut().chain(&mut second[0]) {
                 *angle += TAU * turns;
@@ -148,12 +148,12 @@ impl<'a> ArmProblem<'a> {
         self.returns.shortest_len(self.padding, self.path.grid().len)
     }
 
-    /// The path over a period of so many samples.
+    /// The path over a period of `len` samples.
     pub(super) fn period(&self, len: usize) -> Result<Arc<PathPeriod>, InversionError> {
         self.straying(len, None)
     }
 
-    /// The same; with `stray` off by what the errors of its samples may be, by other ones for each such number.
+    /// The path over a period; with `stray` it has possible errors of its samples, different for each number.
     pub(super) fn straying(
         &self,
         len: usize,
@@ -174,7 +174,7 @@ impl<'a> ArmProblem<'a> {
         Ok(Arc::new(PathPeriod { arm, rest, rests, rigid, tip, errors_m: found.errors_m }))
     }
 
-    /// Refuses answers on these meshes at once that need more memory than is allowed.
+    /// Refuses answers on all these meshes at once if they exceed the memory limit.
     pub(super) fn refuse_memory(
         &self,
         models: &[&Models],
@@ -188,14 +188,14 @@ impl<'a> ArmProblem<'a> {
         }
     }
 
-    /// The error to which mesh and period are refined, where their own tolerances are tighter: a share of the iteration's
-    /// error, if that exceeds the tolerance; else 0.
+    /// Sufficient error of mesh and period, whatever their tolerances: a share of the iteration's error if that exceeds
+    /// the tolerance, else 0.
     pub(super) fn small(&self, answer: &ArmAnswer) -> f64 {
         let open = answer.motion.iteration.error;
         if open > self.analysis.tolerance() { SMALL * open } else { 0.0 }
     }
 
-    /// The motion on meshes; with `nodes`, of these of each link alone.
+    /// The motion on meshes; with `nodes`, only at these nodes of each link.
     pub(super) fn answer(
         &self,
         models: &Models,
@@ -208,11 +208,11 @@ impl<'a> ArmProblem<'a> {
         Ok(ArmAnswer { motion, path: Arc::clone(path) })
     }
 
-    /// Chords that return around the seam; whole turns they need not turn back. Those of the first two links return over
-    /// the same turns, so that the elbow stays on its side.
+    /// Chords with a return around the seam; whole turns need no return. The first two chords return over the same
+    /// turns, so that the elbow stays on its side.
     ///
-    /// What a cut-off leaves of the motion rings on at rest: one place of the tip turns it into other angles than another,
-    /// so that it fades out and in again while the chords return.
+    /// After a cut-off the motion rings on at rest. The tip's place determines the angles of this ringing, so that it
+    /// fades out and in again while the chords return.
     fn returned(
         &self,
         mut chords: Vec<AngleHistories>,
@@ -241,7 +241,7 @@ impl<'a> ArmProblem<'a> {
         chords
     }
 
-    /// The arm at rest where its chords are as before the motion, and after it.
+    /// The arm at rest with its chords before and after the motion.
     pub(super) fn at_rest(
         &self,
         models: &Models,
@@ -264,8 +264,8 @@ impl<'a> ArmProblem<'a> {
     }
 }
 
-/// Refuses a path whose places of the tip an arm does not reach, or only stretched or folded, as [`invert_arm`] does;
-/// returns the warning of an elbow that is nearly so. A path of directions has no such places.
+/// Refuses a path beyond the arm's reach, or within reach only stretched or folded, as [`invert_arm`] does; returns the
+/// warning of a nearly stretched or folded elbow. Accepts every path of directions.
 ///
 /// [`invert_arm`]: super::invert_arm
 ///

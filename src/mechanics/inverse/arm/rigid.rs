@@ -3,7 +3,7 @@
 use crate::elastica::AngleHistories;
 use crate::link::Arm;
 
-/// What a rigid link weighs.
+/// Mass moments of a rigid link.
 struct RigidLink {
     length_m: f64,
     mass_kg: f64,
@@ -14,14 +14,14 @@ struct RigidLink {
     friction_n_m_s_rad: f64,
 }
 
-/// Torques in N m of the joints of an arm whose links do not bend, with these directions of its links.
+/// Torques in N m of the joints of an arm of rigid links with these directions.
 ///
 /// ```text
 /// a₁ = −g,   aᵢ₊₁ = aᵢ + Lᵢ c,   c = −θ̇ᵢ² e + θ̈ᵢ n
 /// Fᵢ = mᵢ aᵢ + Sᵢ c + Fᵢ₊₁,   Tᵢ = Iᵢ θ̈ᵢ + (Sᵢ aᵢ + Lᵢ Fᵢ₊₁)·n + Tᵢ₊₁
 /// ```
 ///
-/// Friction is added at the end: it acts between two links, as its torque does.
+/// Friction comes last: like the torque it acts between two links.
 pub(super) fn rigid_torques_n_m(arm: &Arm, chords: &[AngleHistories]) -> Vec<Vec<f64>> {
     let links: Vec<RigidLink> = arm
         .links()

@@ -1,4 +1,4 @@
-//! The inversion of an arm: mesh, period, window, errors, and the solution made of them.
+//! The inversion of an arm: mesh, period, window and errors, up to the solution.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use crate::model::{Model, check_size, model_of};
 use crate::motion::{ArmPath, Cutoff, Motion};
 use crate::numeric::{Size, TimeGrid};
 
-/// What a quantity of a joint that hardly moves is measured by, over the largest one of any joint.
+/// Size of a quantity for a joint that hardly moves, over the largest size of any joint.
 pub(super) const LEAST_SIZE: f64 = 1e-6;
 
-/// A longer period that leaves more than this share of what the last one left did not help.
+/// Ratio of a longer period's remainder to the last one's above which the longer period did not help.
 const STILL: f64 = 0.5;
 
 type Models = Vec<Arc<dyn Model>>;
@@ -57,7 +57,7 @@ pub fn invert_motion(
 /// has one for each link.
 ///
 /// # Errors
-/// [`ArmError`]: a path that the arm cannot follow, or an inversion that is refused as that of one link is.
+/// [`ArmError`]: the arm cannot follow the path, or the inversion fails like one of a single link.
 pub fn invert_arm(
     arm: &Arm,
     plans: &[MeshPlan],
@@ -91,14 +91,14 @@ pub fn invert_arm(
         ))) => error,
         found => return found,
     };
-    // Where no torque moves a link's tip, its second-order terms grow.
+    // Second-order terms grow where no torque moves a link's tip.
     let refused = || {
         blocked(&models, &solver.problem.cutoffs).unwrap_or(InversionError::from(refusal).into())
     };
     if analysis.second_order().is_some() {
         return Err(refused());
     }
-    // All terms are counted unless chosen otherwise: those of first order are better than none.
+    // By default all terms count; first-order terms alone are the next best choice.
     let problem = solver.problem.with(SecondOrder::First, solver.problem.cutoffs.clone());
     let first = Solver { problem, plans, falls_back: true };
     match first.solution(models.clone(), first_zero_per_s) {
@@ -109,7 +109,7 @@ pub fn invert_arm(
     }
 }
 
-/// The first link with a frequency within the path's band at which no torque moves its tip.
+/// Finds the first link whose tip no torque moves at some frequency within the path's band.
 fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<ArmError> {
     let ends = cutoffs.iter().filter(|own| !own.keeps_all()).map(Cutoff::end_rad_s);
     let end_rad_s = ends.reduce(f64::max)?;
@@ -122,11 +122,11 @@ fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<ArmError> {
 pub(super) struct Solver<'a> {
     pub(super) problem: ArmProblem<'a>,
     plans: &'a [MeshPlan],
-    /// True where fewer terms are counted than were asked for.
+    /// True if the solution counts fewer terms than the caller chose.
     falls_back: bool,
 }
 
-/// The answer on meshes that are fine enough, and what was measured of it.
+/// The answer on fine enough meshes, and its measured errors.
 pub(super) struct Solved {
     pub(super) models: Models,
     pub(super) probes: Vec<Vec<usize>>,
@@ -171,7 +171,7 @@ impl Solver<'_> {
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
         let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
         let left_out = || leaves_out.then(|| solved.left_out());
-        // What the digits leave open is measured as the error of the input.
+        // The error of the input already measures the digits' uncertainty.
         let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
         let shown = || {
             let unsettled = (!is_settled).then(|| self.unsettled(&solved)).transpose();
@@ -220,7 +220,7 @@ impl Solver<'_> {
         Ok(solution)
     }
 
-    /// The answer over the shortest period on meshes that are fine enough for the plans.
+    /// The answer over the shortest period on meshes fine enough for the plans.
     fn on_mesh(&self, coarsest: Models) -> Result<Solved, ArmError> {
         let problem = &self.problem;
         let (arm, len) = (problem.arm, problem.shortest_len()?);
@@ -236,7 +236,7 @@ impl Solver<'_> {
         let mut known = None;
         loop {
             let (finer, finer_probes) = refined(&models, &probes)?;
-            // Beside a mesh that is given the finer one only measures the error: its probes suffice.
+            // The finer mesh of a fixed plan only measures the error: its probes suffice.
             let nodes = (!is_automatic).then_some(&finer_probes[..]);
             let mut own = || known.take().map_or_else(|| problem.answer(&models, &path, None), Ok);
             let on_finer = || problem.answer(&finer, &path, nodes);
@@ -259,7 +259,7 @@ impl Solver<'_> {
             if finer.iter().any(|model| 2 * model.mesh().elements().len() > most) {
                 return Err(InversionError::NotConverged { error, elements, tolerance }.into());
             }
-            // A link whose number of elements is given keeps it.
+            // A link with a fixed number of elements keeps it.
             for (link, plan) in self.plans.iter().enumerate() {
                 if plan.is_automatic() {
                     models[link] = Arc::clone(&finer[link]);
@@ -270,7 +270,8 @@ impl Solver<'_> {
         }
     }
 
-    /// What errors of each quantity are a share of; of a joint that hardly moves, of the largest one of any.
+    /// Size of each quantity, the reference of its errors; for a joint that hardly moves, a share of the largest size
+    /// of any joint.
     fn sizes(&self, curves: &[Curves], answer: &ArmAnswer) -> Sizes {
         let has_weight = self.problem.arm.has_weight();
         let way_m = answer.way_of_chords_m(self.problem.arm, self.problem.path.grid().len);
@@ -291,8 +292,8 @@ impl Solver<'_> {
         sizes.iter().map(floored).collect()
     }
 
-    /// Lengthens the period until every quantity has come to rest where the chords begin and end their return; returns
-    /// what is left there.
+    /// Lengthens the period until every quantity is at rest where the chords begin and end their return; returns the
+    /// remainders there.
     fn decayed(&self, mut solved: Solved) -> Result<(Solved, [ArmMotion; 2], Sizes), ArmError> {
         let problem = &self.problem;
         let initial = solved.answer.path.len();
@@ -303,7 +304,7 @@ impl Solver<'_> {
         loop {
             let (rests, left) = left_at_rest(problem, &solved, &solved.answer)?;
             let len = solved.answer.path.len();
-            // What stays however long the period is, the iteration leaves open.
+            // The iteration's error stays in a period of any length.
             let (open, now) = (solved.answer.motion.iteration.error, worst(&left));
             let is_still = now <= open && now > STILL * last;
             last = now;
@@ -338,8 +339,8 @@ impl Solver<'_> {
         }
     }
 
-    /// The samples to write: until all torques stay within the tolerance of what they are at rest; and how far each is from
-    /// that outside, over its size.
+    /// The samples to write: until all torques stay within the tolerance of their values at rest; and the distance of
+    /// each from rest outside, over its size.
     fn window(
         &self,
         Solved { answer, sizes, .. }: &Solved,
@@ -372,7 +373,7 @@ fn max((a, b): (f64, f64)) -> f64 {
     a.max(b)
 }
 
-/// The models with elements half as long, and the same places on them.
+/// Models with elements half as long, and the same places on them.
 fn refined(
     models: &Models,
     probes: &[Vec<usize>],
@@ -382,9 +383,9 @@ fn refined(
     Ok((models, probes.iter().map(twice).collect()))
 }
 
-/// What halved elements change of each quantity, over its size.
+/// Change of each quantity by halved elements, over its size.
 fn changes(models: &Models, own: &[Curves], finer: &[Curves], sizes: &Sizes) -> Sizes {
-    // The errors of one link reach all joints: where one has shear, all fall as slowly.
+    // The errors of one link reach all joints: if one link has shear, all errors fall as slowly.
     let per_change = models.iter().map(|model| model.mesh().error_per_change()).fold(1.0, f64::max);
     let pairs = own.iter().zip(finer).zip(sizes);
     pairs
@@ -397,7 +398,7 @@ fn worst(errors: &Sizes) -> f64 {
     errors.iter().map(|own| own.worst().1).fold(0.0, Size::larger)
 }
 
-/// What is left of each quantity where the chords begin and end their return, beyond the arm at rest.
+/// Remainder of each quantity beyond the arm at rest where the chords begin and end their return.
 fn left_at_rest(
     problem: &ArmProblem<'_>,
     Solved { models, probes, sizes, .. }: &Solved,

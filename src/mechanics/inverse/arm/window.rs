@@ -69,7 +69,7 @@ impl ArmAnswer {
         grid: &TimeGrid,
     ) -> (Vec<LinkMotion>, Vec<TipMotionHistories>) {
         let none = || [0, 1, 2].map(|_| vec![0.0; grid.len]);
-        // Of the joint: place, velocity, acceleration.
+        // Place, velocity and acceleration of the joint.
         let mut axis = [none(), none()];
         let mut links = Vec::new();
         for (link, model) in self.motion.links.iter().zip(models) {
