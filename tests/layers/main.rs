@@ -81,7 +81,7 @@ fn level(room: &str) -> Option<usize> {
     levels.position(|level| level.contains(&room))
 }
 
-/// The room that a file belongs to; none of a floor's list of rooms.
+/// The room of a file; `None` for a floor's list of rooms.
 fn room(path: &[String]) -> Option<&str> {
     match path.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["cli", room @ ("options" | "terminal"), ..] => Some(room),

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What follows each occurrence of `word` that no longer name ends with.
+/// The text after each occurrence of `word`, unless the word ends a longer name.
 pub(crate) fn names<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = &'a str> {
     let continues = |c: char| c.is_alphanumeric() || c == '_';
     let whole = move |at: &usize| !code[..*at].ends_with(continues);

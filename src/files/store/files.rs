@@ -11,8 +11,8 @@ use super::folder::{Durability, FolderError, OutputFolder, create, folder_of};
 /// Who has named a file that is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedBy {
-    /// The user has typed the path. What a symbolic link leads to is written; so is a device or a named pipe
-    /// as it is, because renaming would put a file in its place.
+    /// A path that the user typed. The program follows symbolic links, and writes into a device or a named pipe as it
+    /// is, because renaming would put a file in its place.
     User,
     /// The program makes the name, as that of a record beside a table. The file takes the place of whatever
     /// else has the name: who could put a link there must not say what is written.
@@ -41,7 +41,7 @@ type Folder<'a> = (PathBuf, Vec<(OsString, &'a [u8])>);
 /// [`FolderError`] names the first file that cannot be written.
 pub fn write_files(files: &[NewFile], on_wait: &dyn Fn(&Path)) -> Result<(), FolderError> {
     let mut streams = Vec::new();
-    // In the order of their true paths, in which every run takes the locks.
+    // The order of true paths, in which every run takes the locks.
     let mut folders: BTreeMap<PathBuf, Folder> = BTreeMap::new();
     for file in files {
         match Target::of(file.path, file.named_by)? {
@@ -119,7 +119,7 @@ enum Target {
 }
 
 impl Target {
-    /// What a path leads to.
+    /// Target at the end of a path.
     fn of(path: &Path, named_by: NamedBy) -> Result<Self, FolderError> {
         if named_by == NamedBy::User && is_stream(path) {
             return Ok(Self::Stream);

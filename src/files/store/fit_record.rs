@@ -29,7 +29,7 @@ pub fn foreign_fit_record(link_file: &Path) -> Option<PathBuf> {
     (!file.is_some_and(is_record)).then_some(path)
 }
 
-/// What a fit was given: its files, and its arguments as the program takes them.
+/// Inputs of a fit: its files, and its arguments as the program takes them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FitInputs {
     /// The link file.

@@ -22,8 +22,8 @@ mod tests;
 
 const LOCK: &str = ".flexlink.lock";
 
-/// How the folder begins in which a run writes its files. It sorts after [`LOCK`], so that a program that
-/// is ended removes the lock last.
+/// Beginning of the name of the folder into which a run writes its files. It sorts after [`LOCK`], so that an
+/// interrupted program removes the lock last.
 pub(super) const STAGING: &str = ".flexlink.run-";
 
 /// Whether a run waits until its files are on the disk.
@@ -81,14 +81,14 @@ impl Durability {
 pub struct FolderError {
     /// The folder, as the caller named it.
     pub folder: PathBuf,
-    /// What could not be done: `write torque.csv`.
+    /// Action that failed: `write torque.csv`.
     pub action: String,
     /// The error of the system.
     pub cause: io::Error,
 }
 
 impl FolderError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self.cause.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -186,13 +186,13 @@ impl OutputFolder {
 
     /// Gives all files their names, the file `last` after all others.
     ///
-    /// `owned` are the names that this program may write. What an earlier run left of these and of
-    /// the names of this one is removed first, `last` before all others: at no moment are files of
-    /// two runs there, and a folder with `last` holds a whole run.
+    /// `owned` are the names that this program may write. The function first removes the files of an earlier run
+    /// under these names and the new ones, `last` before all others. At no moment are files of two runs there, and a
+    /// folder with `last` holds a whole run.
     ///
     /// # Errors
-    /// [`FolderError`] names the first file that cannot be removed or written; no file `last` is
-    /// there then. If a folder has the name of a file, nothing is changed.
+    /// [`FolderError`] names the first file that cannot be removed or written; the folder then has no file `last`. If
+    /// a folder has the name of a file, nothing changes.
     pub fn commit(self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
         let last = last.as_ref();
         let _held = hold_off_the_end();
@@ -214,12 +214,11 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Gives all files their names in the place of those that have them: at no moment is a name
-    /// without a whole file, and each keeps the permissions of the one before it.
+    /// Gives all files their names and replaces older ones. At every moment each name has a whole file, and each file
+    /// keeps the permissions of its predecessor.
     ///
     /// # Errors
-    /// [`FolderError`] names the first file that cannot be written; if a folder has its name, no file is
-    /// changed.
+    /// [`FolderError`] names the first file that cannot be written; if a folder has its name, no file changes.
     pub fn replace(self) -> Result<(), FolderError> {
         let _held = hold_off_the_end();
         let names = self.names()?;
@@ -266,7 +265,7 @@ impl OutputFolder {
         synced.map_err(|cause| FolderError::of_folder(&self.dir, cause))
     }
 
-    /// The error of a file of which something is refused before it is written.
+    /// The error of a file whose content is refused before the program writes it.
     pub(super) fn refused(
         &self,
         name: &str,

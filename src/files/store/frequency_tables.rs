@@ -194,8 +194,8 @@ pub fn link_response(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) ->
     columns
 }
 
-/// The columns of an arm's frequency response: frequency, then for the torque of each joint the displacement of the tip
-/// along x and y in 1/N and the angle of each joint in rad/(N m), and the relative error.
+/// The columns of an arm's frequency response: frequency; for each joint's torque the displacement of the tip along x
+/// and y in 1/N and the angle of each joint in rad/(N m); relative error.
 pub fn arm_response(found: &ArmResponses) -> ResponseColumns {
     let rows = &found.rows;
     let frequencies = rows.iter().map(|row| row.frequency_hz).collect();

@@ -105,10 +105,10 @@ pub struct GoldenChanges {
     pub removed: Vec<String>,
 }
 
-/// Changes a folder of golden files, which is created where it is missing.
+/// Changes a folder of golden files, and creates it if it is missing.
 ///
-/// All files are written aside before the first takes its name. What killed runs left in it is removed. If another run writes into it for
-/// more than a second, `on_wait` is called once.
+/// Writes all files aside before the first takes its name, and removes remains of killed runs. If another run writes
+/// into the folder for more than a second, the function calls `on_wait` once.
 ///
 /// # Errors
 /// [`FolderError`] names the first file that cannot be written or removed.
@@ -155,7 +155,7 @@ fn real(folder: &Path, name: &str) -> io::Result<PathBuf> {
     Err(io::Error::other(cause))
 }
 
-/// A path without symbolic links; what is not there yet is none.
+/// A path without symbolic links. Parts that do not exist yet stay as they are.
 fn resolved(path: &Path) -> io::Result<PathBuf> {
     let path = std::path::absolute(path)?;
     let there = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));

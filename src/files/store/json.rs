@@ -204,8 +204,8 @@ fn without_controls(text: String) -> String {
     text.chars().map(escaped).collect()
 }
 
-/// What is compared of a run's summary.json, as a table of one row: its command, its results,
-/// `results.peak_torque_n_m` and so on, and the kinds of its warnings; none if it has no results.
+/// The values of a run's summary.json for a comparison, as a table of one row: its command, its results,
+/// `results.peak_torque_n_m` and so on, and the kinds of its warnings. `None` without results.
 pub fn results_table(summary: &[u8]) -> Option<Table> {
     let record: Value = serde_json::from_slice(summary).ok()?;
     record.get("flexlink")?;
@@ -223,7 +223,7 @@ pub fn results_table(summary: &[u8]) -> Option<Table> {
     Some(Table { columns, lines: vec![line] })
 }
 
-/// The inputs by which two runs differ, told in words: `link: arm.toml with other content`.
+/// Names the inputs of two runs that differ: `link: arm.toml with other content`.
 pub fn different_inputs(expected: &[u8], actual: &[u8]) -> Vec<String> {
     let [expected, actual] = [expected, actual].map(inputs_of);
     let names: BTreeSet<&String> = expected.keys().chain(actual.keys()).collect();
@@ -257,7 +257,7 @@ fn inputs_of(summary: &[u8]) -> Map<String, Value> {
     inputs
 }
 
-/// The name of a file, or arguments as they were given.
+/// The name of a file, or arguments as the user typed them.
 fn input_in_words(input: Option<&Value>) -> String {
     match input {
         None => "none".to_owned(),
@@ -321,7 +321,7 @@ impl Fingerprint {
     }
 }
 
-/// The error of a file that cannot be read, as that of one that is refused.
+/// Error of an unreadable file, as the error of a refused one.
 pub(super) fn unreadable(error: &InputError) -> TableError {
     let text = error.to_string();
     let (file, message) = text.split_once(": ").unwrap_or(("", &text));

@@ -1,6 +1,6 @@
-//! What a run makes before it is done, and the locks that make runs take turns.
+//! Unfinished files of a run, and the locks that make runs take turns.
 //!
-//! Every path that a run may have to take back is noted here, so that a program that is ended removes it.
+//! The list holds every path that a run may have to remove, so that an interrupted program removes it.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
@@ -19,7 +19,7 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 /// How long it waits before it says so.
 const SHORT: Duration = Duration::from_secs(1);
 
-/// What removes a file, or a folder with its files.
+/// Function that removes a file, or a folder with its files.
 type Removal = fn(&Path) -> io::Result<()>;
 
 type Paths = BTreeMap<PathBuf, Removal>;
@@ -39,7 +39,7 @@ impl Unfinished {
     ) -> io::Result<(Self, T)> {
         let mut paths = hold_off_the_end();
         let (path, made) = make()?;
-        // Paths of one kind, so that their order tells which lies in which.
+        // The order of absolute paths tells which lies in which.
         let path = path::absolute(path)?;
         paths.insert(path.clone(), removal);
         Ok((Self(path), made))

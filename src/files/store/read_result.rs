@@ -27,7 +27,7 @@ pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
     Ok(StoredResult::Sweep(Box::new(read_sweep(&table)?)))
 }
 
-/// Lengths in m by which links of the same arm may differ.
+/// Largest difference in m between the lengths of links of the same arm.
 const SAME_M: f64 = 1e-9;
 
 /// Reads several results back: one of any kind, or runs of an arm that a page shows beside the first.

@@ -39,7 +39,7 @@ impl RunFolder<'_> {
         InputFile::read(&path).map_err(|error| unreadable(&error))
     }
 
-    /// Refuses a folder in which one of the files is missing that its summary names.
+    /// Refuses a folder without one of the files in its summary.
     pub(super) fn check_named(&self, names: &[String]) -> Result<(), TableError> {
         let shown = self.0.display().to_string();
         check_names("files", names, Place { file: &shown, line: None })?;
@@ -53,7 +53,7 @@ impl RunFolder<'_> {
         self.0.join(name).exists()
     }
 
-    /// Reads the wanted tip of a simulation of so many links, if its files `named` have one.
+    /// Reads the wanted tip of a simulation of this many links, if `named` has its file.
     pub(super) fn target(
         &self,
         named: &[String],
@@ -228,7 +228,7 @@ fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
     (a_s - b_s).abs() <= (TIME_TOLERANCE * step_s).max(ROUNDING_S)
 }
 
-/// Refuses names that do not begin with the time, or of which two are the same.
+/// Refuses duplicate names, and names that do not begin with the time.
 fn check_columns(fields: &[&str], place: Place) -> Result<(), TableError> {
     check_separator(fields, place)?;
     if !fields.contains(&TIME) {
@@ -329,8 +329,8 @@ pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
     }
 }
 
-/// Deflections `w = v − xθ` of displacements, by the hub angles of the run in rad at `times_s`, and the one
-/// from which displacements count.
+/// Deflections `w = v − xθ` of displacements: θ is the hub angle of the run in rad at `times_s`, less `origin_rad`,
+/// the angle of zero displacement.
 pub(super) fn deflections(
     mut displacements: StoredNodes,
     nodes_m: &[f64],

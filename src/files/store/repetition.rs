@@ -1,5 +1,5 @@
-//! What a run of `solve` records to be repeated, the files that it read, and its files against those of
-//! its repetition.
+//! Record of a run of `solve` for its repetition: the files that it read, and its files against those of the
+//! repetition.
 
 use std::env;
 use std::fs::File;
@@ -21,10 +21,10 @@ use crate::text::{excerpt, path_in_shell};
 /// Bytes that are read at a time.
 const CHUNK: usize = 1 << 16;
 
-/// What summary.json of a run of `solve` records of it: enough to run it again.
+/// Record in summary.json that suffices to run `solve` again.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunRecord {
-    /// Who made the run, with which arguments.
+    /// Origin of the run, with its arguments.
     pub origin: Origin,
     /// summary.json, as messages name it.
     pub shown: String,
@@ -60,12 +60,12 @@ impl RunRecord {
         Ok(Self { origin, shown: file.shown.clone(), table_arguments, folder, files })
     }
 
-    /// Finds an input file of the run, its `link` or `motion`, and its path: the file `given`, or one of the
-    /// recorded name in the current folder, in that of the run or in the one above it. It has the bytes and
-    /// the name of the run's.
+    /// Finds an input file of the run, its `link` or `motion`, and its path. It is the file `given`, or a file of the
+    /// recorded name in the current folder, in the run's folder or in the one above it. The file must have the
+    /// recorded bytes and name.
     ///
     /// # Errors
-    /// [`TableError`] if there is none, or none with the recorded bytes.
+    /// [`TableError`] if there is no such file, or its bytes differ.
     pub fn input(
         &self,
         role: &str,
@@ -167,7 +167,7 @@ impl RunRecord {
         Place { file: &self.shown, line: None }
     }
 
-    /// What to do about an input that is not found.
+    /// Advice for a missing input.
     fn give(&self) -> String {
         let folder = path_in_shell(&self.folder.display().to_string());
         format!("name both: flexlink solve --repeat {folder} LINK MOTION, one of them may be `-`")

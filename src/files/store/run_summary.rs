@@ -23,7 +23,7 @@ use crate::result::{
 };
 use crate::verify::Verification;
 
-/// What is known of a solution beside its numbers.
+/// Limits, checks and remarks of a solution beside its numbers.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Findings<'a> {
     /// Limits of each joint.
@@ -47,7 +47,7 @@ pub struct PlayedRun<'a> {
     pub played: &'a Played,
     /// Its numbers.
     pub metrics: &'a PlayedMetrics,
-    /// Its errors; none where elements of half the length do not allow the damping.
+    /// Its errors; absent if elements of half the length do not allow the damping.
     pub error: Option<&'a PlayError>,
     /// Limits of each joint.
     pub limits: &'a [Limits],
@@ -100,7 +100,7 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
 }
 
 impl Summary {
-    /// The summary of a solution of which `outputs` are written.
+    /// The summary of a solution whose `outputs` the run writes.
     pub fn of_solution(
         inputs: RunInputs,
         solution: &Solution,

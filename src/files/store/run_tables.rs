@@ -20,7 +20,7 @@ pub struct RunTables<'a> {
     pub(super) histories: Vec<Histories<'a>>,
     /// Tables at nodes.
     pub(super) nodal: Vec<NodalColumns<'a>>,
-    /// Deflections of a link's nodes, from which the tables at nodes are computed while they are written.
+    /// Deflections of a link's nodes. The program computes the tables at nodes from them while writing.
     pub(super) on_request: Option<NodalTable<'a>>,
     pub(super) links: Vec<LinkNodes<'a>>,
     /// The mesh of a single link.

@@ -1,5 +1,5 @@
-//! summary.json: what a run of `solve` or `simulate` was given, its numbers, and how far to trust them.
-//! One record is written and read back.
+//! summary.json: the inputs of a run of `solve` or `simulate`, its numbers, and how far to trust them. The same
+//! record is written and read back.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -45,7 +45,7 @@ pub struct Summary {
     pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) drive: Nullable<Drive>,
-    /// What was computed, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
+    /// Computed values, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
     #[serde(flatten)]
     pub(super) values: Value,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -58,11 +58,11 @@ pub struct Summary {
     pub(super) files: Vec<String>,
 }
 
-/// What a run was given: its input files, and its arguments in order, as the program takes them: `--set`,
+/// Inputs of a run: its input files, and its arguments in order, as the program takes them: `--set`,
 /// `payload.mass=0`.
 ///
-/// A program that has link and motion from numbers has no files, [`RunInputs::of_arguments`]: its run cannot be
-/// repeated from summary.json.
+/// A program with link and motion from numbers has no files, [`RunInputs::of_arguments`]: summary.json does not
+/// suffice to repeat its run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunInputs {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -95,7 +95,7 @@ pub struct SimulateFiles<'a> {
     pub measured: Option<&'a InputFile>,
     /// The reference of a feedback, if there is one.
     pub reference: Option<&'a InputFile>,
-    /// The state from which it starts, if there is one.
+    /// The state at the start, if there is one.
     pub state: Option<&'a InputFile>,
 }
 
@@ -276,12 +276,12 @@ impl Summary {
         object[key].as_f64().ok_or_else(|| place.refuse(missing, "nothing", "must be there"))
     }
 
-    /// Limits as they are stored; none where nothing is there.
+    /// Limits of the record; no limits without an entry.
     pub(super) fn limits(stored: &Value) -> Limits {
         serde_json::from_value(stored.clone()).unwrap_or_default()
     }
 
-    /// What a run of one link counts of the second order.
+    /// Terms of second order in a run of one link.
     pub(super) fn second_order(&self) -> SecondOrder {
         if self.values["elastica"].is_object() {
             return SecondOrder::Full;
@@ -289,7 +289,7 @@ impl Summary {
         serde_json::from_value(self.values["second_order"]["order"].clone()).unwrap_or_default()
     }
 
-    /// How many modes a solution keeps; none if it keeps all.
+    /// Number of modes that a solution keeps; `None` for all.
     pub(super) fn kept_modes(&self) -> Option<usize> {
         self.values["analysis"]["modes"].as_u64()?.try_into().ok()
     }
@@ -364,7 +364,7 @@ impl LinkRecord {
         Self { damping, ..Self::of_parts(link) }
     }
 
-    /// The record with the damping as it was given.
+    /// The record with the damping of the link file.
     pub(super) fn of_parts(link: &Link) -> Self {
         let without_section =
             |segment: &Segment| Segment { cross_section: None, ..segment.clone() };

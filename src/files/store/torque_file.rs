@@ -49,7 +49,7 @@ impl TorqueForm {
     }
 }
 
-/// What a run records of the torque table that it writes.
+/// Record of the torque table that a run writes.
 #[derive(Debug, Clone, Copy)]
 pub struct TableRecord<'a> {
     /// The table.
@@ -60,9 +60,9 @@ pub struct TableRecord<'a> {
     pub form: TorqueForm,
     /// The arguments that made it, as the program takes them.
     pub arguments: &'a [String],
-    /// What playing it has found, where it is not the torque itself.
+    /// Error of the tip when the table is played, if it differs from the torque.
     pub error: Option<&'a TableError>,
-    /// What the user must know of it.
+    /// Warning of the table.
     pub warning: Option<&'a Notice>,
 }
 
@@ -104,13 +104,13 @@ pub struct TorqueFile<'a> {
     pub table: &'a TorqueTable,
     /// The run, with its record of the table.
     pub summary: &'a Summary,
-    /// What was done to the torque, a line each.
+    /// Changes of the torque, a line each.
     pub notes: &'a [String],
     /// Digits of the torques.
     pub digits: Digits,
 }
 
-/// What stands before, between and after the numbers of a row.
+/// Signs before, between and after the numbers of a row.
 type Signs = [&'static str; 3];
 
 const C_NUMBER: Signs = ["    ", "", ",\n"];
@@ -213,7 +213,7 @@ impl TorqueFile<'_> {
         self.table.interpolation() == Interpolation::Zero
     }
 
-    /// What the columns beside the time are.
+    /// Description of the columns beside the time.
     fn what(&self) -> &'static str {
         match self.table.torques_n_m().len() {
             1 => "Torque at the hub in N m",
@@ -221,7 +221,7 @@ impl TorqueFile<'_> {
         }
     }
 
-    /// What the file says of itself, line by line.
+    /// Comment at the head of the file, line by line.
     fn comment(&self) -> Vec<String> {
         let origin = self.summary.origin();
         let mut lines = vec![origin.title];

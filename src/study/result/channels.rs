@@ -42,7 +42,7 @@ pub enum ComparisonError {
 }
 
 impl ComparisonError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::NoChannel => "record what a simulation has: hub angle, tip, torque",
@@ -92,7 +92,7 @@ pub struct ChannelComparison {
     pub recorded_deviation: f64,
     /// Root mean square of the simulation at the same times about its mean.
     pub simulated_deviation: f64,
-    /// `rms` over `recorded_deviation`; none where the recording is constant.
+    /// `rms` over `recorded_deviation`; absent if the recording is constant.
     pub share: Option<f64>,
     /// Delay, gain and offset, if they are found.
     pub fit: Option<ChannelFit>,
@@ -119,9 +119,9 @@ pub struct ChannelFit {
     pub delay_s: f64,
     /// Recording over simulation.
     pub gain: f64,
-    /// What the recording has more, in the channel's SI unit.
+    /// Recording less the scaled, delayed simulation, in the channel's SI unit.
     pub offset: f64,
-    /// Root mean square of the difference that is left, over that of the recording about its mean.
+    /// Root mean square of the remaining difference, over that of the recording about its mean.
     pub left: f64,
 }
 
@@ -225,7 +225,7 @@ struct Pair<'a> {
 /// One step of the iteration.
 struct Tried {
     fit: ChannelFit,
-    /// What the delay is to be changed by in s.
+    /// Change of the delay in s for the next step.
     change_s: f64,
 }
 
@@ -284,7 +284,7 @@ impl Pair<'_> {
 
     /// Gain and offset at a delay, by least squares with the linearised change of the delay.
     ///
-    /// The last samples, at which the delayed simulation may have ended, are left out for every delay.
+    /// Leaves out the last samples for every delay, since the delayed simulation may have ended there.
     fn tried(&self, delay_s: f64, recorded_deviation: f64, longest_s: f64) -> Option<Tried> {
         let end_s = self.simulated.start_s + self.simulated.last * self.simulated.step_s;
         let count = self.time_s.partition_point(|t| *t + longest_s <= end_s).max(FEWEST / 2);
@@ -321,8 +321,8 @@ impl Pair<'_> {
     }
 }
 
-/// Most steps of the iteration, most halvings of a step, and the change of the delay in steps of the
-/// simulation at which it has settled.
+/// Most steps of the iteration, most halvings of a step, and the largest change of a settled delay in steps of the
+/// simulation.
 const MOST_STEPS: usize = 30;
 const HALVINGS: i32 = 6;
 const SETTLED: f64 = 1e-6;

@@ -68,7 +68,7 @@ pub enum CoarseMesh {
         by.how()
     )]
     Band {
-        /// Highest frequency in Hz up to which all errors are small; none if the first is not.
+        /// Highest frequency in Hz below all large errors; absent if the first error is large.
         below_hz: Option<f64>,
         /// Largest relative error.
         worst: f64,
@@ -97,7 +97,7 @@ impl CoarseMesh {
         "coarse_mesh"
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Numbered { by: Refined::Orders, .. } => "ask for fewer modes: --count",

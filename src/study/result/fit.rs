@@ -15,19 +15,20 @@ use crate::text::{plain, significant};
 /// Most steps of a motion.
 const MOST_STEPS: usize = 1 << 18;
 
-/// Most steps of a path: an arm that exceeds its limits in a motion as slow as that does so by its weight.
+/// Most steps of a path. An arm that exceeds its limits in such a slow motion does so by its weight.
 const MOST_STEPS_OF_PATH: usize = 1 << 14;
 
 /// Up to this many steps every number is tried, of more at most this many.
 const TRIALS: usize = 1024;
 
-/// Coarser meshes, each of half the elements, on which an automatic mesh refuses far too fast trials.
+/// Number of coarser meshes, each of half the elements, that may refuse far too fast trials of an automatic mesh.
 const HALVINGS: u32 = 3;
 
-/// What holds a rigid link over a limit of the torque from which on no duration is tried: a link that sags takes less.
+/// Ratio of holding torque to `limits.torque` above which the search stops. It exceeds 1 because a sagging link needs
+/// less torque than a rigid one.
 const HEAVY: f64 = 1.3;
 
-/// Largest relative error with which a value is compared with its limit.
+/// Largest relative error of a value that the search compares with its limit.
 const TELLING: f64 = 0.25;
 
 /// A motion with all given but its duration.
@@ -93,7 +94,7 @@ pub enum FitError {
     TooHeavy {
         /// The limit in N m.
         limit_n_m: f64,
-        /// What holds the rigid link at its start or one of its stops, in N m.
+        /// Torque in N m that holds the rigid link at its start or one of its stops.
         held_n_m: f64,
     },
     /// A joint of an arm that takes more than its limit at rest.
@@ -108,7 +109,7 @@ pub enum FitError {
         joint: usize,
         /// The limit in N m.
         limit_n_m: f64,
-        /// What holds the arm in N m.
+        /// Torque in N m that holds the arm.
         held_n_m: f64,
     },
     /// No path has this many steps.
@@ -135,16 +136,16 @@ pub struct Fit {
     pub steps: usize,
     /// Its solution.
     pub solution: Solution,
-    /// The limit that it comes closest to; none if none is set.
+    /// The limit closest to its value; absent without limits.
     pub binding: Option<Reached>,
-    /// Why the motion of a step less is not solved; none where it exceeds a limit.
+    /// Error of the motion that is one step shorter; absent if this motion exceeds a limit.
     pub unsolved: Option<Box<FitError>>,
-    /// How many motions of fewer steps were tried; none of them is within the limits.
+    /// Number of tried motions with fewer steps; every one exceeds a limit or fails.
     pub shorter_tried: usize,
 }
 
 impl Fit {
-    /// The motion of so many steps if it is within the limits that it reaches.
+    /// The motion of this many steps, if its values keep their limits.
     fn within(steps: usize, solution: Solution, reached: Vec<Reached>) -> Option<Self> {
         let binding = reached.into_iter().max_by(|a, b| a.share().total_cmp(&b.share()));
         // A value with a larger error is not known to be within any limit.
@@ -188,12 +189,12 @@ pub struct FitProblem<'a> {
 
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
-/// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises
-/// again where the link resonates. So one duration says nothing about another. The search doubles the
-/// duration until one fits; then it tries all shorter ones upward, or, of more than a thousand, a thousand of
-/// them, as many in each doubling, and all between the first of these that fits and the one before it. A
-/// motion fits if every value with its measured error is within its limit, and the error of the value nearest
-/// to its limit is below a quarter. A motion that cannot be solved does not fit.
+/// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises again where
+/// the link resonates. So one duration says nothing about another. The search doubles the duration until one fits;
+/// then it tries all shorter ones upward. Of more than a thousand it tries a thousand, evenly among the doublings,
+/// and then all between the first fit and the duration before it. A motion fits if every value with its measured
+/// error is within its limit, and the error of the value nearest to its limit is below a quarter. A motion that
+/// cannot be solved does not fit.
 ///
 /// # Errors
 /// [`FitError`] where no duration fits.
@@ -370,8 +371,7 @@ impl FitProblem<'_> {
     }
 }
 
-/// Steps below `end`, a power of two, to try, upward: all, or at most [`TRIALS`], as many in each
-/// doubling.
+/// Steps to try below `end`, a power of two, upward: all, or at most [`TRIALS`], evenly among the doublings.
 fn grid(end: usize) -> impl Iterator<Item = usize> {
     let doublings = (end / FEWEST_STEPS).ilog2() as usize;
     let next = move |steps: &usize| {

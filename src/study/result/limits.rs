@@ -80,7 +80,7 @@ impl LimitedValue {
             .map_or((String::new(), "hub"), |joint| (format!("joint {}: ", joint + 1), "joint"));
         // The other keys say where the value acts.
         let at = if *key == "torque" { format!(" at the {place}") } else { String::new() };
-        // Five digits, or as many as are beyond the limit.
+        // At least five digits, and more until the text exceeds the limit.
         let shown = (5..=17).map(|digits| significant(*found, digits));
         let mut beyond = shown.filter(|text| text.parse().is_ok_and(|shown: f64| shown > *limit));
         let (limit, found) = (given(*limit), beyond.next().unwrap_or_else(|| given(*found)));
@@ -102,7 +102,7 @@ impl Exceeded {
         Self::KIND
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "a slower motion, a stronger motor or a stiffer link"
     }
@@ -126,7 +126,7 @@ impl Limits {
         self.refuse("must be finite and above 0", |_, limit| !limit.is_finite() || limit <= 0.0)
     }
 
-    /// Refuses the first limit of which `is_wrong`.
+    /// Refuses the first limit for which `is_wrong` is true.
     fn refuse(
         &self,
         must: &str,
@@ -152,7 +152,7 @@ impl Limits {
         })
     }
 
-    /// The limits that are given, as they are stored; none without any.
+    /// The limits in the form of summary.json; absent without limits.
     pub(crate) fn stored(&self) -> Option<Value> {
         let Ok(Value::Object(mut keys)) = serde_json::to_value(self) else { return None };
         keys.retain(|_, limit| !limit.is_null());
@@ -199,7 +199,7 @@ pub struct Check {
     pub name: String,
     /// The measurement, for a person to read.
     pub what: String,
-    /// The size by which the number is divided.
+    /// Name of the size that divides the number.
     pub of: String,
     /// The number; `None` if it was not measured.
     pub found: Option<f64>,
@@ -340,8 +340,7 @@ impl<'a> Errors<'a> {
     }
 }
 
-/// The errors of all kinds of one quantity that are measured on the model; what the model itself leaves out is told beside
-/// them.
+/// Sum of all errors of a quantity except that of the model, which is shown beside it.
 fn all_kinds(errors: QuantityErrors) -> f64 {
     let QuantityErrors { mesh, window, step, iteration, modes, input, model: _ } = errors;
     [step, iteration, modes, input]

@@ -111,7 +111,7 @@ impl JointMetrics {
         };
         let mut peak_hub_angle_rad = turned(angle[0]);
         if is_cycle {
-            // A cycle begins anywhere: its hub turns by the range of the angle, both of whose ends lie between samples.
+            // A cycle begins anywhere: its hub turns by the range of the angle, whose ends lie between samples.
             let [low, high] = extremes(angle);
             peak_hub_angle_rad = turned(low);
             peak_hub_angle_rad.value += turned(high).value - (high - low);
@@ -235,8 +235,8 @@ impl PlayedJoint {
     }
 }
 
-/// Errors of lead and lag in s where a torque is uncertain by `share` of its peak or range: how far its start and its end
-/// move if the level at which they are read, from which on `acting` tells when it acts, is as uncertain.
+/// Errors of lead and lag in s for a torque that is uncertain by `share` of its peak or range: changes of its start
+/// and end if the level of `acting` is as uncertain.
 pub(super) fn timing_errors_s(
     grid: &TimeGrid,
     share: f64,
@@ -254,8 +254,7 @@ pub(super) fn timing_errors_s(
     })
 }
 
-/// When a torque acts: the samples beyond a level, and the parts of the steps around them in which it is
-/// beyond the level.
+/// Period of a torque's action: the samples beyond a level, and the parts of the steps around them beyond the level.
 pub(super) struct Acting {
     /// The first sample beyond the level, and the last.
     pub(super) first: usize,
@@ -298,8 +297,8 @@ impl Acting {
         }
     }
 
-    /// Of a torque that holds a link at rest at its first and last sample: from where it leaves the first by more
-    /// than the level until it comes as near to the last.
+    /// Action of a torque that holds a link at rest at its first and last sample. It begins as the torque leaves the
+    /// first value by more than the level, and ends as the torque comes as near to the last.
     pub(super) fn beyond_rest(torque: &[f64], level: f64) -> Self {
         let less = |rest: f64| torque.iter().map(|t| t - rest).collect::<Vec<f64>>();
         let (from_first, from_last) = (less(torque[0]), less(torque[torque.len() - 1]));
@@ -339,7 +338,7 @@ impl MotorMetrics {
 mod tests {
     use super::*;
 
-    /// The times at which a bell of either sign crosses 2 % of its peak, by samples at a step.
+    /// The times when a bell of either sign crosses 2 % of its peak, by samples at a step.
     fn crossings_s(sign: f64, step_s: f64, len: usize) -> [f64; 2] {
         let grid = TimeGrid { origin_s: -4.0, step_s, first: 0, len };
         let bell = |k| sign * (-grid.time_s(k) * grid.time_s(k)).exp();

@@ -11,13 +11,13 @@ use crate::link::Link;
 use crate::modal::Thickness;
 use crate::motion::{ArmPath, TipMotion, Uncertainty};
 
-/// Share by which an acceleration that jumps must exceed its samples to be told.
+/// Least excess of a jumping acceleration over its samples that causes a remark, as a share.
 const OVERSHOOT: f64 = 0.05;
 
 /// Usual travel of the tip relative to the length: a full turn.
 const MOST_TRAVEL: f64 = TAU;
 
-/// Share of a lead or a lag that its error exceeds to be told.
+/// Share of a lead or a lag that its error must exceed to cause a remark.
 const SURE: f64 = 0.05;
 
 impl Remark {
@@ -56,7 +56,7 @@ impl Remark {
             .collect()
     }
 
-    /// Remarks on a motion that moves the tip by `travel_m`, of which it may stray by `tolerance`.
+    /// Remarks on a motion that moves the tip by `travel_m`; the tip may stray by the share `tolerance` of it.
     pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
         let length_m = link.length_m();
         let duration = Self::on_duration(motion);
@@ -105,7 +105,8 @@ impl Remark {
         joints.filter_map(of).collect()
     }
 
-    /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.
+    /// A remark on the digits of an arm's path that leads its tip over `way_m`; the tip may stray by the share
+    /// `tolerance` of it.
     pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
         let (decimals, step_m) = path.rounded()?;
         let followed = step_m / way_m;

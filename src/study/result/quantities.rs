@@ -13,7 +13,7 @@ pub struct JointQuantity {
     pub is_swept: bool,
     /// Key of its limit in `[limits]`.
     pub limit: Option<&'static str>,
-    /// Reads it; none of a motion that has no such number.
+    /// Reads the number; `None` for a motion without it.
     pub of: fn(&JointMetrics) -> Option<f64>,
 }
 

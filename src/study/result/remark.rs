@@ -218,7 +218,7 @@ pub enum Remark {
         100.0 * share
     )]
     Jumps {
-        /// Frequency in Hz up to which the motion is followed.
+        /// Highest frequency in Hz of the followed motion.
         cutoff_hz: f64,
         /// Largest acceleration of the motion that is followed in m/s².
         peak_m_s2: f64,
@@ -285,7 +285,7 @@ impl Remark {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Density { .. } => "write the unit beside the number, as in \"2.7 g/cm^3\"",

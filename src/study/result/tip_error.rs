@@ -42,8 +42,7 @@ pub struct TipError {
     pub late: Option<LateTarget>,
 }
 
-/// A target that begins after the tip has moved: its first displacement is taken as that of the link at
-/// rest.
+/// A target that begins after the tip has moved. Its first displacement counts as that of the link at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[error(
     "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
@@ -64,7 +63,7 @@ impl LateTarget {
         "late_target"
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "a target that begins before the tip moves"
     }
@@ -91,7 +90,7 @@ pub enum TargetError {
 }
 
 impl TargetError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
@@ -147,7 +146,7 @@ impl FollowedTarget {
     }
 }
 
-/// What a folder holds of a [`FollowedTarget`].
+/// A [`FollowedTarget`] as read back from a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredTarget {
     /// Times of the target in s.

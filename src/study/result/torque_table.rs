@@ -20,10 +20,10 @@ pub struct TorqueTable {
     torques_n_m: Vec<Vec<f64>>,
     /// Rows of the table; outside them the torque is at rest.
     rows: Range<usize>,
-    /// Time in s of the solution at which the motion begins.
+    /// Time in s of the solution when the motion begins.
     moves_from_s: f64,
     interpolation: Interpolation,
-    /// Time in s of the first row, where it is given.
+    /// Time in s of the first row, if the user sets it.
     start_s: Option<f64>,
     /// Share of its size below which each torque stays outside the rows, where it was cut.
     window: Option<f64>,
@@ -47,10 +47,11 @@ impl TorqueTable {
         }
     }
 
-    /// The values that a converter must put out that holds each for a step, so that the torque up to the Nyquist
-    /// frequency is that of the table; its images above that remain.
+    /// Replaces the torques by the values for a converter that holds each for a step, so that the torque up to the
+    /// Nyquist frequency is that of the table. Its images above this frequency remain.
     ///
-    /// Holding for a step h multiplies an amplitude at ω by `sinc(ωh/2) e^{−iωh/2}`; each is divided by that.
+    /// Holding for a step h multiplies an amplitude at ω by `sinc(ωh/2) e^{−iωh/2}`; the correction divides by this
+    /// factor.
     #[must_use]
     pub fn held(mut self, ends: Ends) -> Self {
         let repeats = ends == Ends::Periodic;
@@ -60,9 +61,9 @@ impl TorqueTable {
         Self { interpolation: Interpolation::Zero, ..self }
     }
 
-    /// Cuts the rows before and after which every torque stays below a share of its own peak, with weight within that
-    /// share of its range of the torque that holds link or arm at rest. One row of the torques at rest remains on
-    /// either side.
+    /// Cuts the rows before and after which every torque stays below a share of its peak. With weight, the share
+    /// counts of the torque's range, from the torque that holds link or arm at rest. One row of the torques at rest
+    /// remains on either side.
     #[must_use]
     pub fn cut(mut self, share: f64) -> Self {
         let last = self.grid.len - 1;
@@ -99,7 +100,7 @@ impl TorqueTable {
         }
     }
 
-    /// Time in s of the table at which the motion begins.
+    /// Time in s of the table when the motion begins.
     pub fn moves_from_s(&self) -> f64 {
         self.time_s(self.moves_from_s)
     }
@@ -129,12 +130,12 @@ impl TorqueTable {
         self.has_weight
     }
 
-    /// Time in s of the table at which the solution ends.
+    /// Time in s of the table when the solution ends.
     pub fn solved_until_s(&self) -> f64 {
         self.time_s(self.grid.end_s())
     }
 
-    /// What is between the rows.
+    /// Course of the torque between the rows.
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }

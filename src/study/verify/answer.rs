@@ -24,8 +24,8 @@ pub struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// Share of the tip's travel by which the solved tip may miss the wanted one. A path of angles is cut off by the arcs of
-    /// its links, which may be longer than the travel of the tip.
+    /// Share of the tip's travel by which the solved tip may miss the wanted one. The arcs of the links set the
+    /// cut-off of a path of angles, and they may be longer than the travel of the tip.
     pub(super) fn tip_tolerance(&self) -> f64 {
         let Solution { analysis, motion, tip_error, .. } = self.solution;
         match motion {
@@ -58,7 +58,7 @@ pub enum VerificationError {
 }
 
 impl VerificationError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Torque(error) => error.hint(),

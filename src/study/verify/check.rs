@@ -33,7 +33,7 @@ const RIGID: f64 = 1e-6;
 /// Largest relative difference where round-off does not spoil the dense solve.
 const AGREEMENT: f64 = 1e-9;
 
-/// The size by which errors of a quantity are divided.
+/// Name of the size that divides errors of a quantity.
 pub(super) const PEAK: &str = "its peak";
 pub(super) const RANGE: &str = "its range";
 

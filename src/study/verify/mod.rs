@@ -1,4 +1,4 @@
-//! Checks every approximation of a solution by other means, in the order in which they are shown.
+//! Checks every approximation of a solution by other means, in the order of their display.
 
 mod answer;
 mod check;
@@ -25,34 +25,34 @@ use crate::result::{Check, Reached};
 use check::{Kind, PEAK, RANGE};
 use playback::{LEAST_SIZE, PlayedChecks, largest_range, played, range, torque_change};
 
-/// Number of frequencies at which the dense system is solved.
+/// Number of frequencies for the dense system.
 const FREQUENCIES: usize = 9;
 
 /// Round-off of the dense solve above which the comparison says nothing.
 const SPOILT: f64 = 1e-3;
 
-/// Factor on the stiffness with which links do not bend.
+/// Factor on the stiffness that makes links rigid.
 const RIGID: f64 = 1e9;
 
 /// The checks of a solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verification {
-    /// The checks, in the order in which they are shown.
+    /// The checks, in the order of their display.
     pub checks: Vec<Check>,
 }
 
 /// Checks a solution by other means:
 ///
-/// - the written torque, played on the link with its damping law and with viscous damping; with weight, at large angles and
-///   for an arm the joints, moved as solved: where the tip goes and which torques that takes;
+/// - the written torque, played on the link with its damping law and with viscous damping;
+/// - with weight, at large angles and for an arm: the error of the tip and the torques of joints that move as solved;
 /// - the solved tip of a link against the wanted motion;
 /// - the torques with elements halved and with the step halved;
 /// - the rest of the torques at the window's edge;
-/// - the iteration of second-order terms, where they are counted;
-/// - the transfer of a link against the paper's dense system at sample frequencies, an arm whose links do not bend against
-///   the rigid one;
+/// - the iteration of second-order terms, if they count;
+/// - the transfer of a link against the paper's dense system at sample frequencies;
+/// - an arm with rigid links against the rigid arm;
 /// - the balance of energy;
-/// - the tip of a link with all terms of second order, unless these are counted;
+/// - the tip of a link with all terms of second order, unless these count;
 /// - the limits.
 ///
 /// # Errors

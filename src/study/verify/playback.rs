@@ -19,14 +19,14 @@ use crate::text::significant;
 /// Error of the integrals of work above which a balance of energy says nothing.
 const QUADRATURE: f64 = 1e-3;
 
-/// Number of times at which the energies are summed.
+/// Number of times for the sums of energy.
 const BALANCES: usize = 64;
 
-/// Factor by which an error of a joint's motion, over its range, may grow to an error of the tip, over its travel: the
-/// error that the solution states is that of the worst sample already.
+/// Largest ratio of the tip's error, over its travel, to the error of a joint's motion, over its range. The solution
+/// states the error of the worst sample already.
 const AMPLIFIED: f64 = 10.0;
 
-/// Least size by which errors of a joint's torque are divided, over the largest range of any joint's torque.
+/// Least divisor for errors of a joint's torque, over the largest range of any joint's torque.
 pub(super) const LEAST_SIZE: f64 = 1e-6;
 
 /// The checks that follow from playing the torque.
@@ -270,11 +270,11 @@ fn torques_n_m(played: Played) -> Vec<Vec<f64>> {
     played.joints.into_iter().map(|joint| joint.torque_n_m).collect()
 }
 
-/// Allowed error of the played tip over its travel.
+/// Allowed error of the played tip over its travel, at most 1e-3 or the tolerance.
 ///
-/// It is how far a constant torque of the tolerance times the peak drives the rigid link over the window,
-/// plus `between_m`, the difference between cubics and straight lines through the samples; at most 1e-3
-/// or the tolerance. The tip tolerance of the analysis is added.
+/// It adds three parts: the distance by which a constant torque of the tolerance times the peak drives the rigid link
+/// over the window; the difference `between_m` of cubics and straight lines through the samples; the tip tolerance of
+/// the analysis.
 fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
     let (link, analysis) = (solution.link(), &solution.analysis);
     let peak = largest(&solution.hub().torque_n_m);
@@ -306,7 +306,7 @@ fn tip_error(solution: &Solution, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
 fn imbalance(simulation: &Played) -> (f64, f64) {
     let EnergyAccount { balances, start_j, quadrature_error_j } = simulation.energy(BALANCES);
     let held = |b: &EnergyBalance| b.kinetic_j + b.strain_j;
-    // What weight holds may be less than at the start.
+    // The energy of a link with weight may fall below its value at the start.
     let largest = balances.iter().fold(0.0_f64, |m, b| m.max(held(b).abs()).max(b.kinetic_j));
     let missing = balances.iter().map(|b| (b.work_j - (held(b) - start_j) - b.dissipated_j).abs());
     let missing = missing.fold(0.0, f64::max);
@@ -323,12 +323,12 @@ pub(super) fn largest_range<'a>(torques_n_m: impl IntoIterator<Item = &'a Vec<f6
     torques_n_m.into_iter().map(|torque_n_m| range(torque_n_m)).fold(0.0, Size::larger)
 }
 
-/// Change of the torque against one with `often` times the samples, root mean square over root mean square; a torque that
-/// hardly changes is divided by `least_n_m`.
+/// Change of the torque against one with `often` times the samples, root mean square over root mean square. For a
+/// torque that hardly changes, the divisor is `least_n_m`.
 ///
-/// The worst sample would not do: where the acceleration of a motion has a kink at its begin or end,
-/// the torque has a spike that becomes narrower with every shorter step, never converges, and hardly
-/// moves the link. The mean torque, which holds a weight, does not count.
+/// The worst sample would not do. Where the acceleration of a motion has a kink at its begin or end, the torque has a
+/// spike. The spike narrows with every shorter step, never converges, and hardly moves the link. The mean torque,
+/// which holds a weight, does not count.
 pub(super) fn torque_change(
     own: &[f64],
     finer: &[f64],

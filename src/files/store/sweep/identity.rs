@@ -20,8 +20,8 @@ const COMMAND: &str = "sweep";
 
 const VARY: &str = "inputs.vary";
 
-/// What a sweep was given: its files, what is varied, each as the program takes it, `payload.mass=0,0.05`,
-/// and the other arguments that shape the rows or the files of the cases, in order.
+/// Inputs of a sweep: its files, the varied values, each as the program takes it, `payload.mass=0,0.05`, and the
+/// other arguments that shape the rows or the files of the cases, in order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepInputs {
     /// The link file.
@@ -59,7 +59,7 @@ struct Record {
     inputs: SweepInputs,
     shard: String,
     cases: usize,
-    /// The table beside which the record lies; not in the first line of a table.
+    /// The table beside the record; absent in the first line of a table.
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<Fingerprint>,
 }
@@ -199,7 +199,7 @@ impl SweepIdentity {
         ]
     }
 
-    /// The table beside which the record lies.
+    /// The table beside the record.
     pub(super) fn table(&self) -> Option<&Fingerprint> {
         self.record.table.as_ref()
     }

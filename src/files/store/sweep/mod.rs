@@ -155,7 +155,7 @@ impl SweepFile {
         if table.is_dir() || table.file_name().is_none() {
             return Err(FolderError::of_file(table, io::Error::other(TAKEN)));
         }
-        // Links in a circle take no table: that is to be told before the first case.
+        // Links in a circle take no table; the sweep reports them before the first case.
         followed(table).map_err(|cause| FolderError::of_file(table, cause))?;
         let refused = |cause| FolderError::of_file(&part, cause);
         // Who may write beside the table must not have another file cut off by this.

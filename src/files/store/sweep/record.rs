@@ -49,7 +49,7 @@ pub fn sweep_files(table: &Path) -> [PathBuf; 3] {
 pub struct ForeignRecord {
     /// Where it lies.
     pub path: PathBuf,
-    /// What it is, for messages.
+    /// Kind of the file, for messages.
     pub what: String,
 }
 
@@ -104,7 +104,7 @@ fn record_file(path: &Path) -> Option<InputFile> {
     file.filter(|file| is_record(&file.bytes))
 }
 
-/// The record beside a table that was read; none where there is none.
+/// The record beside a table; `None` without a record.
 ///
 /// # Errors
 /// [`TableError`] for a record that is damaged, of another version's format, or of another table.
@@ -172,7 +172,7 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     if known.iter().any(|known| known == found) {
         return Ok(varied);
     }
-    // Of the kinds of sweep the one that shares more names is meant.
+    // The error names the kind of sweep that shares more names.
     let is_known = |known: &[String], name: &str| known.iter().any(|own| own == name);
     let shared = |known: &&Vec<String>| found.iter().filter(|name| is_known(known, name)).count();
     let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);

@@ -20,7 +20,7 @@ pub struct SweepRows {
     identity: SweepIdentity,
     /// The row that names the columns, without its line end.
     header: String,
-    /// The other rows, likewise; one that was cut off in writing is left out.
+    /// The other rows, likewise, without a row that an interruption cut off.
     rows: Vec<String>,
 }
 
@@ -36,7 +36,7 @@ pub struct SweptCase {
 }
 
 impl SweepRows {
-    /// Reads a shard. One that was copied without the record beside it is taken as it is.
+    /// Reads a shard. A copy without its record is accepted.
     ///
     /// # Errors
     /// [`TableError`] as [`SweepRows::read`], and for a shard that has changed since its record was written.
@@ -128,8 +128,7 @@ impl SweepRows {
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
 /// # Errors
-/// [`TableError`] names a shard that is of another sweep, that is there twice, that is not finished,
-/// or those that are missing.
+/// [`TableError`] names a shard of another sweep, a duplicate or unfinished shard, or the missing ones.
 pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
     let Some(first) = shards.first() else {
         let place = Place { file: "shards", line: None };

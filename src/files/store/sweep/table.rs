@@ -117,7 +117,7 @@ pub(super) fn check_row(
     Ok(())
 }
 
-/// The fields of one row; none if it is no CSV.
+/// The fields of one row; empty if the row is not CSV.
 pub(super) fn fields(row: &str) -> Vec<String> {
     let mut reader = ReaderBuilder::new().has_headers(false).from_reader(row.as_bytes());
     let record = reader.records().next().and_then(Result::ok);
