@@ -165,7 +165,7 @@ impl GivenPath {
         options.scale.scaled_path(&table)
     }
 
-    /// The arguments with which `unpickled` makes it again.
+    /// The arguments for `unpickled`.
     fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let PathColumns { time_s, tip, angles } = match self {
             Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),

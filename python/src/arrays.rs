@@ -25,7 +25,8 @@ pub(crate) fn column(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>>
     doubles(&array)
 }
 
-/// The same of places, which count with their decimals: a float of few digits has those of its largest number.
+/// The numbers of a column of places, rounded to decimals: floats of few digits have the decimals of the largest
+/// number.
 pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
     if !is_short(&array) || array.is_empty() {
@@ -45,7 +46,7 @@ pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>>
     doubles(&rounded.cast_into()?)
 }
 
-/// The numbers of so many columns: an array of as many rows as there are times.
+/// The columns of an array with `rows` rows and `count` columns.
 pub(crate) fn columns(
     name: &str,
     given: &Bound<'_, PyAny>,
@@ -98,7 +99,7 @@ fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
 pub(crate) struct Nodes(Vec<usize>);
 
 impl Nodes {
-    /// Those of a call, or all of so many.
+    /// The nodes of a call, or all.
     pub(crate) fn or_all(given: Option<Self>, all: usize) -> Vec<usize> {
         given.map_or_else(|| (0..all).collect(), |own| own.0)
     }
@@ -142,8 +143,7 @@ pub(crate) fn unlike(name: &str, found: &Bound<'_, PyAny>, must: &str) -> PyErr 
     Raised::from(usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None)).into()
 }
 
-/// Refuses an array of so many rows and columns that does not fit into the memory. It is computed column by column, and put
-/// into rows.
+/// Refuses an array that exceeds the memory. Its columns are computed one by one, and then put into rows.
 pub(crate) fn check_rows(samples: usize, columns: usize) -> Result<(), Raised> {
     let bytes = samples.saturating_mul(columns).saturating_mul(3 * size_of::<f64>());
     Ok(memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?)
@@ -159,8 +159,8 @@ where
     T: PyClass<Frozen = True> + Sync,
 {
     let samples = ArrayView1::from(of(owner.get()));
-    // SAFETY: the samples are part of a frozen object, which the array holds, so they stay where they are as long as the
-    // array; nothing writes to them, as the array is made read-only before anybody has it.
+    // SAFETY: the samples are part of a frozen object. The array keeps this object alive, so the samples stay where
+    // they are as long as the array. Nothing writes to them, as the array becomes read-only before anybody has it.
     #[expect(unsafe_code, reason = "NumPy cannot borrow otherwise")]
     let array = unsafe { PyArray1::borrow_from_array(&samples, owner.clone().into_any()) };
     array.readwrite().make_nonwriteable();

@@ -42,8 +42,8 @@ pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised
     Ok(())
 }
 
-/// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value. None
-/// and `False` are left out.
+/// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value.
+/// Skips None and `False`.
 pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
     let mut found = Vec::new();
     for (key, value) in keywords {
@@ -80,7 +80,7 @@ pub(crate) fn of_writing(
     Ok(arguments(keywords)?)
 }
 
-/// The refusal of a keyword that is none of the `known`.
+/// Refusal of a keyword outside the `known` ones.
 pub(crate) fn unknown<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Failure {
     // A keyword that other calls know is not meant to be itself.
     let hint = did_you_mean(key, known.into_iter().filter(|other| *other != key));
@@ -200,7 +200,7 @@ fn toml(key: &str, value: &Bound<'_, PyAny>) -> Result<String, Raised> {
     toml_within(key, value, DEEPEST)
 }
 
-/// The same of a value with so many lists and dictionaries in each other at most.
+/// A value in TOML, with at most `depth` levels of lists and dictionaries.
 fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<String, Raised> {
     let Some(inner) = depth.checked_sub(1) else {
         let key = key.split('.').next().unwrap_or_default();

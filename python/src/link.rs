@@ -14,14 +14,14 @@ use flexlink::spec::{Described, LinkDocument, Override, Specification};
 use crate::keywords;
 use crate::messages::{Raised, usage};
 
-/// What errors call keywords.
+/// Name of keywords in errors.
 const KEYWORDS: &str = "keywords";
 
 /// The text that describes a link or an arm, and its changes.
 #[derive(Debug, Clone)]
 pub(crate) struct Source {
     pub(crate) file: InputFile,
-    /// True of a file, false of keywords, of which a run keeps no record.
+    /// True for a file, false for keywords, because a run keeps no record of keywords.
     pub(crate) is_file: bool,
     /// As `--set` reads them.
     pub(crate) changes: Vec<String>,
@@ -65,7 +65,7 @@ impl Source {
         found.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
     }
 
-    /// The arguments with which `unpickled` makes it again.
+    /// The arguments for `unpickled`.
     pub(crate) fn pickled(&self) -> PickledSource {
         let InputFile { shown, name, bytes } = self.file.clone();
         (shown, name, bytes, self.is_file, self.changes.clone())

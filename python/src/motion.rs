@@ -20,7 +20,7 @@ use crate::link::{Link, PickledSource, Source, described_by};
 use crate::messages::{Raised, of_reading, usage};
 use crate::pool;
 
-/// What messages call samples that are from no file.
+/// Name of samples without a file in messages.
 pub(crate) const MOTION: &str = "motion";
 
 /// Keywords that hold samples of a motion.
@@ -110,7 +110,7 @@ impl Given {
         if let Self::File(file) = self { Some(file) } else { None }
     }
 
-    /// The arguments with which `unpickled` makes it again.
+    /// The arguments for `unpickled`.
     pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let columns = match self {
             Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),
@@ -249,9 +249,9 @@ pub(crate) struct Motion {
     pub(crate) reading: Vec<Notice>,
     pub(crate) tip: TipMotion,
     pub(crate) periods: Arc<Periods>,
-    /// The link that was given with it.
+    /// The link of the call.
     link: Option<Source>,
-    /// Length in m and gravity of the link whose arcs are given by angles.
+    /// Length in m and gravity of the link, for angles that stand for its arcs.
     arcs_of: Option<(f64, Option<Gravity>)>,
 }
 
@@ -286,7 +286,7 @@ impl Motion {
         Ok(Self { given, arguments, reading, tip, periods, link: source, arcs_of })
     }
 
-    /// Refuses a link of which the angles are not the arcs.
+    /// Refuses another link if the motion has arcs from angles.
     pub(crate) fn refuse_other(&self, link: &LibraryLink) -> Result<(), Failure> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
         let is_same = length_m.total_cmp(&link.length_m()).is_eq();

@@ -39,7 +39,7 @@ pub(crate) const OF_LINK: &str = "torque hub_angle hub_rate hold until feedback 
 pub(crate) const OF_ARM: &str =
     "torque hold until feedback reference reference_rate at target state";
 
-/// The keywords of a call, from which each is taken out.
+/// The remaining keywords of a call; reading removes a keyword.
 pub(crate) struct Keywords<'a, 'py>(pub(crate) &'a Bound<'py, PyDict>);
 
 impl<'py> Keywords<'_, 'py> {
@@ -58,7 +58,7 @@ impl<'py> Keywords<'_, 'py> {
         self.take(name)?.map(|given| given.extract::<f64>()).transpose()
     }
 
-    /// The torque between its samples, if it is said.
+    /// The torque between its samples, if the call says so.
     pub(crate) fn hold(&self) -> Result<Option<Interpolation>, Raised> {
         let Some(given) = self.take("hold")? else { return Ok(None) };
         let hold: String = given.extract()?;
@@ -73,7 +73,8 @@ impl<'py> Keywords<'_, 'py> {
         }))
     }
 
-    /// Refuses what is left: it is none of the `known`, or one of the `others` that belong to links or arms alone.
+    /// Refuses a remaining keyword: one outside the `known` ones, or one of the `others` that belong to links or arms
+    /// alone.
     pub(crate) fn refuse_rest(&self, known: &str, others: &str, why: &str) -> Result<(), Raised> {
         let Some(key) = self.0.keys().iter().next() else { return Ok(()) };
         let key = key.extract::<String>()?;
@@ -89,7 +90,7 @@ pub(crate) fn history(error: &HistoryError) -> Failure {
     Failure::new(Exit::InputRefused, error, error.hint())
 }
 
-/// Refuses keywords of which the call has given both.
+/// Refuses two keywords in one call.
 pub(crate) fn refuse_both(given: [(&str, bool); 2]) -> Result<(), Failure> {
     match given {
         [(one, true), (other, true)] => {
@@ -148,7 +149,7 @@ impl Run {
         self.with(|run| Summary::of_played(RunInputs::of_arguments(arguments), run))
     }
 
-    /// What summary.json of a run holds.
+    /// The content of a run's summary.json.
     pub(crate) fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         let text = py.detach(|| pool::install(|| Ok(self.summary(Vec::new()).to_json())));
         Ok(py.import("json")?.call_method1("loads", (text?,))?)
@@ -261,8 +262,8 @@ pub(crate) fn link_moves(
     })
 }
 
-/// The state with which an earlier simulation of as many links ended: that of the object, or of the file that `save_state`
-/// wrote.
+/// The state at the end of an earlier simulation of this many links, from its object or from the file of
+/// `save_state`.
 pub(crate) fn state(given: &Bound<'_, PyAny>, links: usize) -> Result<State, Raised> {
     let of_link = given.cast::<PlayedLink>().ok().filter(|_| links == 1);
     let of_arm = given.cast::<ArmSimulation>().ok().filter(|_| links > 1);

@@ -42,7 +42,7 @@ impl SolvedRun {
         &self.solved.solution
     }
 
-    /// What is possible but rare.
+    /// Remarks on unusual input.
     pub(crate) fn remarks(&self) -> Vec<Remark> {
         remarks(&self.of_file, self.solution(), self.dropped)
     }
@@ -54,7 +54,7 @@ impl SolvedRun {
         solve_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
     }
 
-    /// What a run of the command would record; of inputs that are no files the arguments alone.
+    /// The summary that the command would record. For inputs without files it has only the arguments.
     fn record(
         &self,
         motion: Option<&InputFile>,

@@ -65,7 +65,7 @@ pub(crate) struct Run {
     arc: StoredArc,
 }
 
-/// What a folder without the tables of nodes is, and one without moments.
+/// Advice for a folder without the tables of nodes, and for one without moments.
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
 const NO_MOMENTS: &str =
     "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
@@ -81,7 +81,7 @@ fn written<'a>(
 }
 
 impl Run {
-    /// What is there of nodes.
+    /// A quantity at nodes in the folder, if there is one.
     fn nodal(&self) -> Option<&StoredNodes> {
         self.arc.deflections_m.as_ref().or(self.run.links[0].moments_n_m.as_ref())
     }

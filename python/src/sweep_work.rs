@@ -49,7 +49,7 @@ impl Case {
     }
 }
 
-/// What came of a case: its numbers, and its warnings; or why it has none.
+/// Result of a case: its numbers and its warnings, or its error.
 pub(crate) type Row = Result<(CaseNumbers, Vec<Notice>), Failure>;
 
 /// The keywords of the call as options, and where the results of the cases go, a folder each.
@@ -120,13 +120,13 @@ pub(crate) struct Shared {
     pub(crate) memory_bytes: Option<usize>,
 }
 
-/// What is solved in each case.
+/// The problem of each case.
 enum Problem {
     Link(Box<OfLink>),
     Arm { given: Box<GivenPath>, path: Box<PathTable>, links: usize },
 }
 
-/// A motion as it was given, that of the link as it is, and its periods, which most cases have.
+/// A motion as given, the motion of the unchanged link, and the periods that most cases share.
 struct OfLink {
     given: Arc<Given>,
     length_m: f64,
@@ -254,7 +254,7 @@ impl Shared {
         Ok((Solvable::of_link(MOTION, specification, motion), given.file()))
     }
 
-    /// The same of an arm.
+    /// The problem of a case of an arm, and the file of its motion.
     fn arm_problem(
         &self,
         mut specification: ArmSpecification,

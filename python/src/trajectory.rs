@@ -21,7 +21,7 @@ struct Keywords {
     trajectory: Trajectory,
 }
 
-/// Options that are given once for each element of a list.
+/// Options that a list repeats once for each element.
 const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
 
 /// `from` is a word of Python.

@@ -126,7 +126,7 @@ pub(crate) struct Fit {
     report: Option<Option<PathBuf>>,
 }
 
-/// What is fitted, and to what.
+/// A link or an arm, its free values, and the measurements to fit.
 pub struct Problem {
     link: InputFile,
     /// The file's own link or arm, the changes of the command line made.

@@ -86,8 +86,8 @@ impl Help {
     }
 }
 
-/// A page of Markdown as plain text: lines and tables of `WIDTH` columns, code as it is, no marks of
-/// emphasis, and for a link its text and its page. Figures are left out.
+/// A page of Markdown as plain text: lines and tables of `WIDTH` columns, code as it is, no marks of emphasis, no
+/// figures. A link becomes its text and its page.
 fn terminal_text(page: &str) -> String {
     let mut text = String::new();
     let mut lines = page.lines().peekable();
@@ -210,7 +210,7 @@ fn table(rows: &[&str]) -> String {
     text
 }
 
-/// Lines of at most so many letters, but for longer words.
+/// Lines of at most `width` letters, except for longer words.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // A percent sign stays with its number.

@@ -323,7 +323,7 @@ fn warn_of_fall(arm: &Arm, [free, held]: [bool; 2]) -> usize {
     usize::from(free || held)
 }
 
-/// Refuses mode shapes of so many displacements that they do not fit into the memory.
+/// Refuses mode shapes of this many displacements if they exceed the memory.
 fn check_shapes(displacements: usize) -> Result<(), Failure> {
     let bytes = displacements * BYTES_PER_DISPLACEMENT;
     memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")
@@ -367,8 +367,8 @@ fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesR
     warnings + warn_of_fall(arm, falls) + level.unwrap_or_default()
 }
 
-/// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:
-/// fewer than `count` where the link has fewer, as massless ones may.
+/// The mesh of modes that are exact to the plan's tolerance, and their frequencies in rad/s: fewer than `count` if
+/// the link has fewer, for example with massless parts.
 fn resolved(link: &Link, plan: &MeshPlan, count: usize) -> Result<(Mesh, Vec<f64>), Failure> {
     let mut mesh = Mesh::new(link, plan)?;
     let mut frequencies = natural_frequencies(&mesh, count);

@@ -86,7 +86,7 @@ impl Problem {
         memory_bytes: Option<usize>,
         stages: &StageBar,
     ) -> Result<Solved, Failure> {
-        // Times in another unit make the work large or impossible: they are told before it.
+        // Times in another unit make the work large or impossible, so this remark comes before the work.
         let duration = self.motion.tip().and_then(Remark::on_duration);
         stages.above(|| console::remarks(&duration));
         let most = memory_bytes.unwrap_or(usize::MAX);
@@ -197,7 +197,7 @@ impl Solved {
         Self { solution, metrics, limits, exceeded, remarks: Vec::new() }
     }
 
-    /// What is known of the solution beside its numbers.
+    /// Limits, checks and remarks of the solution beside its numbers.
     pub fn findings<'a>(&'a self, verification: Option<&'a Verification>) -> Findings<'a> {
         let Self { limits, exceeded, remarks, .. } = self;
         Findings { limits, exceeded, verification, remarks }

@@ -86,7 +86,7 @@ impl Report {
         if self.quiet { Ok(()) } else { console::print(&written) }
     }
 
-    /// The file of the page; none if figures alone are written.
+    /// The file of the page; `None` for figures alone.
     fn page_file(&self) -> Result<Option<PathBuf>, Failure> {
         if let Some(output) = &self.output {
             for result in std::iter::once(&self.result).chain(&self.beside) {

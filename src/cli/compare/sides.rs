@@ -1,4 +1,4 @@
-//! What `compare` holds against each other: two files, or the files of two folders.
+//! The two sides of `compare`: two files, or the files of two folders.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub(super) const TOLERANCES: &str = "tolerances.toml";
 /// measured.
 const TABLE_TIMES: usize = 3;
 
-/// What becomes of EXPECTED.
+/// Effect of a comparison on EXPECTED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// It stays as it is.
@@ -63,7 +63,7 @@ impl Sides {
             return Err(failure);
         }
         let absence = absence(expected);
-        // What is new becomes what ACTUAL is.
+        // A missing EXPECTED becomes a folder or a file like ACTUAL.
         let is_folder = if absence.is_some() { actual.is_dir() } else { expected.is_dir() };
         if let (Some(failure), Purpose::Compare) = (absence, purpose) {
             let hint = "flexlink compare --bless makes it from ACTUAL".to_owned();
@@ -150,7 +150,7 @@ impl Sides {
         Ok(Comparison { files, not_compared: self.not_compared })
     }
 
-    /// What makes EXPECTED like ACTUAL.
+    /// Changes that make EXPECTED like ACTUAL.
     pub(super) fn changes(&self, comparison: &Comparison) -> Result<GoldenChanges, Failure> {
         let mut changes = GoldenChanges::default();
         let pairs = self.pairs.iter().zip(&comparison.files);
@@ -168,7 +168,7 @@ impl Sides {
 }
 
 impl Pair {
-    /// Reads and compares both files; tells the inputs by which two runs differ, too.
+    /// Compares both files, and names the inputs that differ between two runs.
     fn compare(&self, tolerances: &Tolerances) -> Result<(FileOutcome, Vec<String>), Failure> {
         let compared = |expected: &Table, actual: &Table| {
             FileOutcome::Compared(compare_tables(&self.name, expected, actual, tolerances))
@@ -265,8 +265,8 @@ fn both(expected: &Path, actual: &Path, kinds: &str, must: &str) -> Failure {
     Failure::new(Exit::Usage, &message, None)
 }
 
-/// Adds to `changes` what keeps each changed folder of EXPECTED that holds a run the folder of one:
-/// its tables within tolerance, and summary.json and page, of ACTUAL, or none where it has none.
+/// Completes the `changes` of each changed folder of EXPECTED that holds a run: ACTUAL's tables within tolerance, and
+/// its summary.json and page, removed if ACTUAL lacks them.
 fn take_whole_runs(
     changes: &mut GoldenChanges,
     expected: &Path,

@@ -19,7 +19,7 @@ use super::moves::{AtRest, Begins, Moves, Moving};
 use super::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure};
 
-/// What moves the link.
+/// Quantity that moves the link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum InputKind {
     Torque,

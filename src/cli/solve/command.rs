@@ -152,8 +152,8 @@ impl Solve {
         table.map_or(Ok(0), |table| self.table.deliver(table, summary, self.options.digits))
     }
 
-    /// Prints the summary; where standard output has the table, only what is said of it, and its `checks`, to
-    /// standard error.
+    /// Prints the summary to standard output. If the table goes there, prints only the remarks on it and its
+    /// `checks`, to standard error.
     fn print(
         &self,
         summary: &Summary,
@@ -225,8 +225,8 @@ impl Solve {
         self.print(summary, text, table.map(|table| (table, &*checks)))
     }
 
-    /// Returns an error if a check is out of its bound, or for limits and so many warnings where the options say
-    /// so.
+    /// Returns an error if a check is out of its bound, or if the options forbid the exceeded limits or this number
+    /// of warnings.
     fn judge(&self, run: &SolvedRun, warned: usize) -> Result<Ending, Failure> {
         run.verification.as_ref().map_or(Ok(()), refuse_failed)?;
         let exceeded = &run.solved.exceeded;

@@ -115,10 +115,10 @@ impl SolveOptions {
     }
 }
 
-/// From so many bytes of memory on, a run says how much it takes.
+/// Memory in bytes above which a run states its need.
 const LARGE: usize = 1 << 29;
 
-/// A run: what is solved, from which files, and how.
+/// A run: its options, its files, and their problem.
 pub(super) struct Run<'a> {
     options: &'a SolveOptions,
     link_file: InputFile,

@@ -23,10 +23,10 @@ use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 /// Largest error of the tip over its travel that is no warning, unless the tolerance is looser: what `verify` allows.
 const TIP: f64 = 1e-3;
 
-/// Share of an error to which it is known without a word.
+/// Share of an error below which its uncertainty needs no line.
 const KNOWN: f64 = 0.05;
 
-/// Share of a step to which the time of a row is a number of its own.
+/// Largest error of the time of a row, as a share of a step.
 const TIME: f64 = 1e-3;
 
 /// The torque in a file of its own.
@@ -53,7 +53,7 @@ pub(super) struct WriteArgs {
     hold: Option<Hold>,
 }
 
-/// What a converter does between two rows.
+/// Output of a converter between two rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Hold {
     Zero,
@@ -64,7 +64,7 @@ pub(super) struct WrittenTable {
     table: TorqueTable,
     error: Option<TableError>,
     warning: Option<Notice>,
-    /// What the file and the summary say of it, a line each.
+    /// Lines of the file and the summary about the table.
     notes: Vec<String>,
 }
 
@@ -185,7 +185,7 @@ impl WriteArgs {
         }
     }
 
-    /// The table at its start, its warning, and what is said of it.
+    /// The table at its start, its warning, and the lines about it.
     fn written(
         &self,
         (table, error): (TorqueTable, Option<TableError>),
@@ -267,7 +267,7 @@ impl WriteArgs {
         })
     }
 
-    /// What the summary says of the table, and standard error where standard output has it.
+    /// Lines of the summary about the table; they go to standard error if standard output has the table.
     pub(super) fn text(&self, written: &WrittenTable) -> String {
         let file = shown_path(self.write.as_deref().unwrap_or(Path::new("-")));
         let rows = rows_text(&written.table.grid().thinned(std::num::NonZeroUsize::MIN));
@@ -281,11 +281,11 @@ impl WriteArgs {
 
 /// Words that are others for a link and for an arm.
 struct Words {
-    /// What a torque is called: "the ", "every ".
+    /// Article of a torque: "the ", "every ".
     of_torque: &'static str,
-    /// What is free after a cut.
+    /// Warning of drift after a cut.
     drift: &'static str,
-    /// What helps against a cut that is too large.
+    /// Remedy for a cut that is too large.
     smaller: &'static str,
     /// Where the torques act if there is a motor.
     motor: &'static str,
@@ -305,7 +305,7 @@ const OF_ARM: Words = Words {
     motor: "torques at the joints, beyond gears; motor.csv of -o has the motors'",
 };
 
-/// What playing a table has found, a line each.
+/// Results of playing a table, a line each.
 fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     let TableError { tip, change_m, feedback } = error;
     let [worst, time, of] =

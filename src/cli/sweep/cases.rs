@@ -153,7 +153,7 @@ impl<'a> Cases<'a> {
         })
     }
 
-    /// What tells the rows of this sweep, which varies `vary`, from those of any other.
+    /// Record that distinguishes the rows of this sweep, which varies `vary`, from the rows of other sweeps.
     pub(crate) fn identity(&self, vary: &[String], shard: Shard) -> SweepIdentity {
         let arguments = [
             self.shared.changes.arguments(),
@@ -174,8 +174,8 @@ impl<'a> Cases<'a> {
         identity.with_links(self.first.links().into_iter())
     }
 
-    /// Does the work of a case within its share of the memory; where that is too little, with all that
-    /// is left, while no other case is at work.
+    /// Does the work of a case within its share of the memory. If the share is too little, waits until no other case
+    /// is at work, and uses all available memory.
     pub(crate) fn within_memory<T>(
         &self,
         work: impl Fn(Option<usize>) -> Result<T, Failure>,
@@ -221,8 +221,8 @@ impl<'a> Cases<'a> {
         Err(Failure::new(Exit::InputRefused, &message, None))
     }
 
-    /// What is possible but rare in a case that need not be solved; of jumps, and of
-    /// the digits of an arm's path, its solution alone tells.
+    /// Remarks on unusual input of a case that need not be solved. Only a solution shows jumps, and the digits of an
+    /// arm's path.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
         let First::Link(first) = &self.first else {
@@ -312,7 +312,7 @@ impl TorqueArgs {
     }
 }
 
-/// What refuses one case is no reason to end all others.
+/// Converts the refusal of a case to a failure that does not end the other cases.
 pub(super) fn of_case(refused: Failure) -> Failure {
     Failure { exit: Exit::InputRefused, ..refused }
 }
@@ -323,8 +323,8 @@ impl OutputsArgs {
         [self.nodes.arguments(), digits_arguments(self.digits)].concat()
     }
 
-    /// What makes the files of the cases, for the identity of a sweep: rows that are there already
-    /// have these files.
+    /// Arguments that shape the files of the cases, for the identity of a sweep. The files of finished rows have the
+    /// same identity.
     pub(crate) fn identity(&self) -> Vec<String> {
         let folder = self.outputs.iter().flat_map(|folder| option("--outputs", folder.display()));
         folder.chain(self.arguments()).collect()
@@ -339,7 +339,7 @@ impl OutputsArgs {
         Ok(self.nodes.outputs(self.digits))
     }
 
-    /// Folder of a case, from 0, among so many.
+    /// Folder of a case, numbered from 0, with as many digits as `cases` has.
     pub(crate) fn folder_of(&self, case: usize, cases: usize) -> Option<PathBuf> {
         let width = cases.to_string().len();
         self.outputs.as_ref().map(|folder| folder.join(format!("{:0width$}", case + 1)))
@@ -372,7 +372,7 @@ fn refuse_without_effect(
     Ok(())
 }
 
-/// What is set for all cases, and what this case takes.
+/// Changes for all cases, followed by the changes of this case.
 fn with_case(overrides: &[Override], values: &CaseValues) -> Result<Vec<Override>, SpecError> {
     let placed = |change: &String| {
         Override::placed(&format!("--vary '{}'", visible(&excerpt(change))), change)

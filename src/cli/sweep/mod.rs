@@ -65,7 +65,7 @@ have a unit. Several --vary make the product, the last one running fastest.
 An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint, \
 and of the motion duration*= alone is varied.";
 
-/// Most cases of one run: so many take weeks at a millisecond each.
+/// Most cases of one run; at a millisecond each they take more than a week.
 const MOST_CASES: usize = 1_000_000_000;
 
 /// Solve many cases: vary values of link and motion.

@@ -23,13 +23,13 @@ use crate::cli::options::inputs::{remarks, remarks_on_link};
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::{Exit, Failure, memory};
 
-/// What came of a case.
+/// Result of a case.
 pub(crate) struct Outcome {
     /// Its numbers, or why it has none; or why the sweep ends.
     pub(crate) row: Result<Result<CaseNumbers, String>, Failure>,
     /// Its warnings.
     pub(crate) warnings: Vec<Notice>,
-    /// What is possible but rare in it.
+    /// Remarks on its unusual input.
     pub(crate) remarks: Vec<Remark>,
 }
 

@@ -14,7 +14,7 @@ use crate::result::{
 use crate::spec::{ArmSpecification, Override, SpecError};
 use crate::text::{excerpt, plain, significant, visible};
 
-/// What stands for the profile that is the shortest.
+/// Name of the choice of the profile with the shortest motion.
 const BEST: &str = "best";
 
 /// The profile of the command line.
@@ -45,7 +45,7 @@ pub struct Found {
     pub(super) warnings: usize,
 }
 
-/// What limits are of.
+/// Subject of limits.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Limited {
     Link,
@@ -55,7 +55,7 @@ pub(super) enum Limited {
 /// A motion whose profile or duration may be open.
 pub(super) struct Search {
     pub(super) profile: Choice,
-    /// Steps of the duration; none where limits decide.
+    /// Steps of the duration; `None` if limits decide.
     pub(super) steps: Option<usize>,
     pub(super) step_s: f64,
 }
@@ -215,7 +215,7 @@ impl Search {
         Found { profile, steps: fit.steps, comment, warnings: 0 }
     }
 
-    /// The time in s of so many steps, without the last digits of the product.
+    /// The time in s of this many steps, without the last digits of the product.
     fn time_s(&self, steps: usize) -> f64 {
         let product = steps as f64 * self.step_s;
         format!("{product:.14e}").parse().unwrap_or(product)

@@ -160,7 +160,7 @@ impl Trajectory {
         Ok((PathColumns::of_tip(self.step, &places, self.path.outer_rad()), found))
     }
 
-    /// What is open of the motion, and what is given.
+    /// The open and the fixed values of the motion.
     fn search(&self) -> Result<Search, Failure> {
         let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
         Ok(Search { profile: self.profile, steps: steps.transpose()?, step_s: self.step })
@@ -245,7 +245,7 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// Returns an error if neither a duration is given nor a link, whose limits decide.
+    /// Returns an error without a duration, unless a link has limits that decide.
     fn check_duration(&self) -> Result<(), Failure> {
         let message = match (&self.duration, &self.link, self.profile) {
             (None, None, Choice::Best) => "--link is missing, but must be given with best",
@@ -268,7 +268,7 @@ impl Trajectory {
         specification(&file, &limits(&self.changes, &self.fit_limit, Limited::Link)?).map(Some)
     }
 
-    /// What --via and --distance give, with their options.
+    /// Travels of --via and --distance, with their options.
     fn travels(&self) -> impl Iterator<Item = (&'static str, Travel)> {
         let stops = self.path.travels().map(|travel| ("--via", travel));
         stops.chain(self.distance.map(|travel| ("--distance", travel)))

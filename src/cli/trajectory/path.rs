@@ -20,7 +20,7 @@ const PATHS: &str = "Paths of arms";
 pub(crate) enum Travel {
     /// Along its arc, in m.
     Length(f64),
-    /// With the link that turns by so many rad.
+    /// Along the arc of a link that turns by this angle in rad.
     Angle(f64),
     /// To a place in the plane, x and y in m.
     Place(Place),
@@ -197,8 +197,8 @@ pub(super) fn refused(error: &dyn Display, hint: Option<&str>) -> Failure {
     Failure::new(Exit::Usage, &format!("--path: {error}"), hint)
 }
 
-/// Refuses a path, as it is written, that `solve` would not begin to solve, in words that name its row; prints the
-/// warning of an elbow that is nearly stretched or folded, and returns how many that are.
+/// Refuses a written path that `solve` would not begin to solve, and names its row. Prints the warning of an elbow
+/// that is nearly stretched or folded, and returns the number of warnings.
 pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, Failure> {
     let table = read_path_table("--path", written, &TableFormat::default())?;
     let columns = table.columns();

@@ -81,7 +81,7 @@ fn arm_lines(run: &PlayedRun<'_>) -> Vec<(String, String)> {
     lines.into_iter().chain(joints).chain(end).collect()
 }
 
-/// What is played in place of damping that has no equation in time.
+/// Viscous substitute for damping without an equation in time.
 fn arm_damping_line(arm: &Arm) -> String {
     if arm.links().iter().any(|own| is_hysteretic(&own.link)) {
         "hysteretic, played as viscous in every mode of a link clamped at its joint".to_owned()
@@ -219,7 +219,7 @@ fn feedback_line(play: &Play<'_>) -> String {
     format!("{kp} N m/rad, {kd} N m s/rad around the reference")
 }
 
-/// What holds a link with weight before it moves.
+/// Gravity, and the torque that holds a link with weight before it moves.
 fn weight_line(link: &Link, played: &Played) -> String {
     let acting = link.gravity().filter(|own| own.acts());
     let (Some(gravity), hub) = (acting, played.hub()) else { return String::new() };
@@ -318,7 +318,7 @@ fn simulation_errors(error: Option<&PlayError>, played: &Played, play: &Play<'_>
     measured.unwrap_or_else(|| unknown.to_owned())
 }
 
-/// What the linear model leaves out.
+/// Error of the linear model.
 fn model_line(played: &Played) -> String {
     let Some(ModalPlay { model_error, .. }) = played.modes() else { return String::new() };
     let PlayedModelError { tip, deflection } = model_error;

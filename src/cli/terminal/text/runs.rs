@@ -120,9 +120,8 @@ fn gravity_line(solution: &Solution) -> String {
     format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
 }
 
-/// What was counted of the second order, and what it brought.
-/// The order of the terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
-/// and the number of iterations with their contraction.
+/// Terms of second order and their effect: order of the terms, largest slope of each link, largest change of a
+/// torque, over its peak or range, number of iterations and their contraction.
 pub(super) fn order_line(solution: &Solution) -> String {
     let Some(found) = &solution.second_order else { return String::new() };
     let Iteration { iterations, contraction, second_order_change: change, .. } = found.iteration;
@@ -145,7 +144,7 @@ pub(super) fn order_line(solution: &Solution) -> String {
     wrapped(parts.into_iter(), "")
 }
 
-/// The first natural frequencies with a free hub, and the zeros of torque → tip, as many as fit on a line.
+/// The first natural frequencies with a free hub, and the zeros of torque → tip, up to the end of the line.
 fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
     let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
     let zeros: Vec<String> =
@@ -251,7 +250,7 @@ pub(super) fn timing_text(metrics: &JointMetrics) -> String {
     times_s.map_or("one cycle, which the torque repeats".to_owned(), timing_line)
 }
 
-/// Times at which the torque exceeds 2 % of its peak. A slow motion begins and ends with less.
+/// Times when the torque exceeds 2 % of its peak. A slow motion begins and ends with less.
 fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {

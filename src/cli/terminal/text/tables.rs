@@ -64,7 +64,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     title(arm.title()) + &lines.join("\n") + "\n"
 }
 
-/// A heading, then a row for each zero, and a line for each frequency at which no torque moves the tip.
+/// A heading, then a row for each zero, and a line for each blocked frequency: no torque moves the tip there.
 fn zero_rows(found: &LinkZeros) -> Vec<String> {
     let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
     let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
