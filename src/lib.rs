@@ -20,7 +20,7 @@
 //! ```
 //!
 //! The sources have five floors. A floor imports from those above it in this table, a room from those above it in the
-//! list (`tests/layers` holds them to that).
+//! list (`tests/layers` checks this).
 //!
 //! | floor | room | holds |
 //! |---|---|---|

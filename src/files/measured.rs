@@ -18,7 +18,7 @@ use crate::spec::{
     DecayFile, MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements,
 };
 
-/// Measurements, the files that they are from, and how these were read.
+/// Measurements, their files, and the manner of reading them.
 #[derive(Debug)]
 pub struct MeasuredSet {
     /// What was measured.
@@ -27,14 +27,14 @@ pub struct MeasuredSet {
     pub file: InputFile,
     /// The files that it names, in its order: responses, then records, then decays.
     pub named: Vec<InputFile>,
-    /// How each of them was read, after its name.
+    /// Manner of reading each file, after its name.
     pub readings: Vec<(String, Reading)>,
 }
 
 /// Why measurements are refused.
 #[derive(Debug, Error)]
 pub enum MeasuredError {
-    /// A file that cannot be read.
+    /// An unreadable file.
     #[error(transparent)]
     Input(#[from] InputError),
     /// The file of measured values.
@@ -43,7 +43,7 @@ pub enum MeasuredError {
     /// A response or a record.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// Numbers that cannot be fitted to, with their file.
+    /// Numbers that do not allow a fit, with their file.
     #[error("{message}")]
     Refused {
         /// The file, and what is wrong.

@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 1 << 18;
 /// Most steps of a path. An arm that exceeds its limits in such a slow motion does so by its weight.
 const MOST_STEPS_OF_PATH: usize = 1 << 14;
 
-/// Up to this many steps every number is tried, of more at most this many.
+/// Number of steps up to which the search tries every number; of more it tries at most this many.
 const TRIALS: usize = 1024;
 
 /// Number of coarser meshes, each of half the elements, that may refuse far too fast trials of an automatic mesh.
@@ -31,7 +31,7 @@ const HEAVY: f64 = 1.3;
 /// Largest relative error of a value that the search compares with its limit.
 const TELLING: f64 = 0.25;
 
-/// A motion with all given but its duration.
+/// A motion with an open duration.
 #[derive(Debug, Clone, Copy)]
 pub struct OpenMotion<'a> {
     /// Its profile.
@@ -47,7 +47,7 @@ pub struct OpenMotion<'a> {
 pub enum Along<'a> {
     /// The tip of one link along its arc.
     Arc(&'a Course),
-    /// That of an arm along a curve, with the constant directions in rad of its links from the third on.
+    /// The tip of an arm along a curve, with the constant directions in rad of its links from the third on.
     Curve(&'a Curve, &'a [f64]),
 }
 
@@ -61,7 +61,7 @@ impl Along<'_> {
     }
 }
 
-/// Why no duration is found.
+/// Reason for a search without a duration.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
     /// Even slow motions exceed the limits.
@@ -73,19 +73,19 @@ pub enum FitError {
         unsolved(failed.as_ref())
     )]
     TooSlow {
-        /// How many durations were tried.
+        /// Number of tried durations.
         tried: usize,
         /// The shortest in s.
         shortest_s: f64,
         /// The longest in s.
         longest_s: f64,
-        /// How many of them cannot be solved, and why the longest of these cannot.
+        /// Number of unsolved durations, with the error of the longest.
         failed: Option<(usize, Box<FitError>)>,
     },
     /// The motion is invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// A weight that takes more than the limit to hold.
+    /// A weight whose holding torque exceeds the limit.
     #[error(
         "limits.torque = {} N m, but must be at least {} N m, which a rigid link takes to hold its weight at rest",
         significant(*limit_n_m, 4),
@@ -97,7 +97,7 @@ pub enum FitError {
         /// Torque in N m that holds the rigid link at its start or one of its stops.
         held_n_m: f64,
     },
-    /// A joint of an arm that takes more than its limit at rest.
+    /// A joint of an arm whose holding torque exceeds its limit.
     #[error(
         "joint {}: limits.torque = {} N m, but must be at least {} N m, which holds the arm at an end of its path",
         joint + 1,
@@ -129,7 +129,7 @@ fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
     })
 }
 
-/// The fewest steps found within the limits.
+/// The shortest motion within the limits.
 #[derive(Clone)]
 pub struct Fit {
     /// Steps of the motion.
@@ -164,7 +164,7 @@ impl Fit {
         self.shorter() == 0
     }
 
-    /// How many motions of fewer steps there are.
+    /// Number of motions with fewer steps.
     pub fn shorter(&self) -> usize {
         self.steps.saturating_sub(FEWEST_STEPS)
     }
@@ -175,9 +175,9 @@ impl Fit {
 pub struct FitProblem<'a> {
     /// The arm; one link is an arm of one.
     pub arm: &'a Arm,
-    /// How each link is meshed.
+    /// Mesh plan of each link.
     pub plans: &'a [MeshPlan],
-    /// How exact the answers must be.
+    /// Required accuracy of the answers.
     pub analysis: &'a Analysis,
     /// Memory in bytes that each trial may take; `None`: no limit.
     pub memory_bytes: Option<usize>,
@@ -202,7 +202,7 @@ pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
     problem.check_weight()?;
     let fit = problem.shortest()?;
     match problem.motion_of(fit.steps)? {
-        // A trial leaves out what warnings alone need.
+        // A trial omits the parts for warnings alone.
         motion @ Motion::Tip(_) => {
             Ok(Fit { solution: problem.inverted(problem.plans, &motion, false)?, ..fit })
         }
@@ -239,7 +239,7 @@ impl FitProblem<'_> {
         Ok(Fit { shorter_tried, unsolved: unsolved.map(Box::new), ..fit })
     }
 
-    /// The first of doubled durations that fits, and those before it.
+    /// The first of doubled durations that fits, and the shorter ones.
     fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
         let (mut refused, mut failed) = (Vec::new(), None);
         let mut steps = FEWEST_STEPS;
@@ -268,7 +268,7 @@ impl FitProblem<'_> {
         }
     }
 
-    /// Tries a number of steps, unless it was refused before; adds it to these if it does not fit.
+    /// Tries a number of steps, unless it was refused before; adds it to `refused` if it does not fit.
     fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit> {
         if refused.contains(&steps) {
             return None;
@@ -280,7 +280,7 @@ impl FitProblem<'_> {
         fit
     }
 
-    /// The motion of this many steps with its torques. `None` where it exceeds a limit.
+    /// The motion of this many steps with its torques. `None` if it exceeds a limit.
     fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
         let motion = self.motion_of(steps)?;
         if self.exceeds_on_a_coarse_mesh(&motion) {
@@ -292,7 +292,7 @@ impl FitProblem<'_> {
         Ok(Fit::within(steps, solution, reached))
     }
 
-    /// Refuses a limit far below what holds a link before the motion or after it: no duration keeps it.
+    /// Refuses a limit far below the holding torque of a link before or after the motion: no duration keeps it.
     fn check_weight(&self) -> Result<(), FitError> {
         let (Along::Arc(course), [own], [limits]) =
             (self.motion.along, self.arm.links(), self.limits)
@@ -315,7 +315,7 @@ impl FitProblem<'_> {
         Ok(())
     }
 
-    /// Refuses a limit below what holds an arm at the ends of its path.
+    /// Refuses a limit below the holding torque of an arm at the ends of its path.
     fn refuse_heavy(&self, solution: &Solution) -> Result<(), FitError> {
         if let Along::Arc(_) = self.motion.along {
             return Ok(());
@@ -330,8 +330,8 @@ impl FitProblem<'_> {
         Ok(())
     }
 
-    /// True if a value of a link whose mesh is automatic exceeds its limit by more than four times its error on a coarser
-    /// mesh: then the plan's mesh is not needed.
+    /// True if a value of a link with an automatic mesh exceeds its limit by more than four times its error on a
+    /// coarser mesh. Then the trial does not need the plan's mesh.
     fn exceeds_on_a_coarse_mesh(&self, motion: &Motion) -> bool {
         let exceeds = |Reached { value, error }: &Reached| {
             *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)

@@ -12,7 +12,7 @@ use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
 use crate::text::{given, significant};
 
-/// How the keys of the motor's limits begin.
+/// Beginning of the keys of the motor's limits.
 const MOTOR: &str = "motor_";
 
 /// The largest values that a link and its motor may reach; `None` is no limit.
@@ -73,7 +73,7 @@ pub struct LimitedValue {
 }
 
 impl LimitedValue {
-    /// That the limit is exceeded.
+    /// Text of the exceeded limit.
     fn exceeded_text(&self) -> String {
         let Self { joint, key, limit, found, unit } = self;
         let (of, place) = joint
@@ -94,7 +94,7 @@ impl LimitedValue {
 pub struct Exceeded(pub LimitedValue);
 
 impl Exceeded {
-    /// Name of the kind of warning that it is, for machines.
+    /// Name of the kind of warning, for machines.
     pub const KIND: &'static str = "limit_exceeded";
 
     /// The same.
@@ -112,7 +112,7 @@ impl Limits {
     /// Checks that every limit is finite and above 0, and that a limit of the motor has a motor.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first that is not.
+    /// [`ParameterError`] names the first wrong limit.
     pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
         self.check_numbers()?;
         if drive.is_none() {
@@ -140,7 +140,7 @@ impl Limits {
         Ok(())
     }
 
-    /// These values of a joint that have a limit, in the order of the link file.
+    /// The limited values of a joint, in the order of the link file.
     fn values(
         &self,
         joint: Option<usize>,
@@ -205,17 +205,17 @@ pub struct Check {
     pub found: Option<f64>,
     /// The largest number that passes.
     pub bound: Option<f64>,
-    /// Why it was not measured.
+    /// Reason for a missing number.
     pub reason: Option<String>,
     /// False if the number exceeds its bound or is NaN.
     pub passes: bool,
-    /// The remedy where it fails. A folder does not hold it.
+    /// The remedy for a failed check. A folder does not store it.
     #[serde(skip)]
     pub hint: &'static str,
 }
 
 impl Metrics {
-    /// The values that have a limit in those of their joints, in the order of the link file.
+    /// The limited values of all joints, in the order of the link file.
     pub fn limited(&self, limits: &[Limits]) -> Vec<LimitedValue> {
         let joints = self.joints.iter().zip(limits);
         joints.flat_map(|(joint, limits)| joint.limited(limits)).collect()
@@ -333,7 +333,7 @@ impl<'a> Errors<'a> {
             "bending_moment" => (torque, peak.max(value.found)),
             "motor_rms_torque" => (motor_torque, motor),
             "motor_power" => (motor_torque + motor_rate, motor_power),
-            // A value whose error nobody measures is not known to be within any limit.
+            // A value without a measured error may exceed any limit.
             _ => return f64::INFINITY,
         };
         if error == 0.0 { 0.0 } else { (error * of / value.found).min(f64::MAX) }

@@ -1,4 +1,4 @@
-//! A torque for a controller to play: the rows that matter, and what a converter that holds its values puts out.
+//! A torque for a controller to play: the rows that matter, and the output of a converter that holds its values.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -16,7 +16,7 @@ use crate::response::Interpolation;
 pub struct TorqueTable {
     /// Times of the solution.
     grid: TimeGrid,
-    /// One column a joint, over the whole grid.
+    /// One column for each joint, over the whole grid.
     torques_n_m: Vec<Vec<f64>>,
     /// Rows of the table; outside them the torque is at rest.
     rows: Range<usize>,
@@ -25,7 +25,7 @@ pub struct TorqueTable {
     interpolation: Interpolation,
     /// Time in s of the first row, if the user sets it.
     start_s: Option<f64>,
-    /// Share of its size below which each torque stays outside the rows, where it was cut.
+    /// Share of its size below which each torque stays outside the rows of a cut table.
     window: Option<f64>,
     /// Whether the torques hold a weight at rest.
     has_weight: bool,
@@ -105,22 +105,22 @@ impl TorqueTable {
         self.time_s(self.moves_from_s)
     }
 
-    /// Time in s of the table for one of the solution.
+    /// Time in s of the table at a time of the solution.
     pub fn time_s(&self, solution_s: f64) -> f64 {
         self.grid().time_s(0) + (solution_s - self.grid.time_s(self.rows.start))
     }
 
-    /// Torques in N m of the rows, one column a joint.
+    /// Torques in N m of the rows, one column for each joint.
     pub fn torques_n_m(&self) -> Vec<&[f64]> {
         self.torques_n_m.iter().map(|torque| &torque[self.rows.clone()]).collect()
     }
 
-    /// The same over all times of the solution, outside the rows at rest.
+    /// Torques in N m at all times of the solution, at rest outside the rows.
     pub fn whole_n_m(&self) -> &[Vec<f64>] {
         &self.torques_n_m
     }
 
-    /// The share below which each torque stays outside the rows, where the table was cut.
+    /// Share of its size below which each torque stays outside the rows of a cut table.
     pub fn window(&self) -> Option<f64> {
         self.window
     }
@@ -143,19 +143,19 @@ impl TorqueTable {
 
 /// Samples that, each held for a step, have the amplitudes of these samples up to the Nyquist frequency.
 ///
-/// Unless they repeat, their differences are corrected and added up: these are zero at both ends also where the torque
-/// holds a weight there.
+/// Unless the samples repeat, the function corrects their differences and adds them up, because differences are zero
+/// at both ends even if the torque holds a weight there.
 pub(crate) fn for_hold(samples: &[f64], repeats: bool) -> Vec<f64> {
     let len = samples.len();
     if repeats {
-        // Two cycles: a number of samples that is even.
+        // Two cycles, because the number of samples must be even.
         let mut found = unheld(&[samples, samples].concat(), &FourierPair::new(2 * len));
         found.truncate(len);
         return found;
     }
     let differences: Vec<f64> = samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let found = unheld(&differences, &FourierPair::fast(2 * len));
-    // The second half of the period is before the first sample.
+    // The second half of the period lies before the first sample.
     let (after, before) = found.split_at(len);
     let mut sum = samples[0] + before.iter().sum::<f64>();
     let add = |difference: &f64| {

@@ -40,10 +40,10 @@ impl Answer<'_> {
     }
 }
 
-/// Why a solution is not verified.
+/// Reason for a missing verification.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum VerificationError {
-    /// The written samples are no torque.
+    /// The written samples are not a torque.
     #[error("the written torque: {0}")]
     Torque(#[from] HistoryError),
     /// The torque cannot be played.
@@ -69,7 +69,7 @@ impl VerificationError {
     }
 }
 
-/// Why a solution is not played: a reason that its checks tell, or an error that ends all.
+/// Obstacle to playing a solution: a reason for its checks, or an error that ends the verification.
 pub(super) enum Unplayed {
     Reason(String),
     Error(VerificationError),

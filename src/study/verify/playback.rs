@@ -16,7 +16,7 @@ use crate::response::{
 use crate::result::Check;
 use crate::text::significant;
 
-/// Error of the integrals of work above which a balance of energy says nothing.
+/// Error of the integrals of work above which a balance of energy is void.
 const QUADRATURE: f64 = 1e-3;
 
 /// Number of times for the sums of energy.
@@ -42,8 +42,8 @@ struct Moved {
     energy: Check,
 }
 
-/// Plays the written torque, or moves the joints as solved: errors of the tip, those of the solved tip included, and the
-/// balance of energy.
+/// Plays the written torque, or moves the joints as solved. Returns the errors of the tip, with those of the solved
+/// tip, and the balance of energy.
 pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError> {
     let solution = answer.solution;
     let (played, unplayed) = match &solution.motion {
@@ -58,7 +58,7 @@ pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError>
         },
         Err(Unplayed::Error(error)) => return Err(error),
     };
-    // Without a cut-off the tip is solved for at all frequencies of the samples.
+    // Without a cut-off the solver uses all frequencies of the samples.
     if let Some(motion) = solution.motion.tip().filter(|_| answer.tip_tolerance() > 0.0) {
         let wanted = wanted_tip(solution, motion);
         let error = tip_error(solution, &wanted, &solution.tip[0].displacement_m);
@@ -120,11 +120,11 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
     let error = |tip_m: &[f64]| tip_error(solution, &wanted, tip_m);
     let played_m = &simulation.tip[0].displacement_m;
     let tip = if let Some(ratio) = ratio {
-        // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
-        // but by a computable amount; the tip less this amount must be the wanted motion.
+        // Under the viscous law the tip misses the wanted motion by far more than any useful bound. The amount is
+        // computable, and the tip less this amount must follow the wanted motion.
         let apart_m = modes.apart_m(ratio, &solution.tip[0].acceleration_m_s2);
         let is_cycle = ends == Ends::Periodic;
-        // Both begin where the tip does: the rigid rotation is another from law to law.
+        // Both start with the tip: the rigid rotation differs between the laws.
         let start_m = if is_cycle { apart_m[0] } else { 0.0 };
         let less = played_m.iter().zip(&apart_m).map(|(v, apart)| v - apart + start_m);
         let viscous = Kind::TIP_ERROR_VISCOUS.measured_to(error(&less.collect::<Vec<_>>()), bound);
@@ -154,9 +154,9 @@ fn energy(answer: &Answer, simulation: &Played) -> Check {
     }
 }
 
-/// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the hub of
-/// this solution. Viscous damping has an equation in time, so that weight and second order are played. The written torque is
-/// not played; its law of damping is in the transfer.
+/// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the
+/// hub of this solution. Viscous damping has an equation in time, so the play includes weight and second order. It
+/// omits the written torque, because the transfer contains its law of damping.
 fn played_viscous(
     answer: &Answer,
     motion: &TipMotion,
@@ -180,10 +180,10 @@ fn played_viscous(
     Ok(PlayedChecks { tip, energy: Check { name, what, ..energy } })
 }
 
-/// Moves the joints as solved, by other equations than the inversion has: error of the tip, the needed torques against the
-/// written ones, and the balance of energy.
+/// Moves the joints as solved, by other equations than the inversion's: error of the tip, the needed torques against
+/// the written ones, and the balance of energy.
 ///
-/// Torques would let a link or an arm with weight fall from an upright pose; joints that are moved do not.
+/// Torques would let a link or an arm with weight fall from an upright pose; moved joints do not.
 fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unplayed> {
     let solution = answer.solution;
     let Moved { tip_error, torques_n_m, energy } = match &solution.motion {

@@ -27,8 +27,8 @@ const DAMPING_RATIO: f64 = 0.7;
 pub struct TableError {
     /// Distance of the tip from the wanted motion; times are those of the solution.
     pub tip: TipError,
-    /// How far the last refinements of the simulations moved the tip in m: the error is known no better. 0 where modes are
-    /// played, whose equations are integrated exactly.
+    /// Distance in m that the last refinements of the simulations moved the tip, the uncertainty of the error. 0 for
+    /// modes, whose equations are integrated exactly.
     pub change_m: f64,
     /// Gains in N m/rad and N m s/rad of a feedback around each joint as solved, for an arm that falls from a pose;
     /// empty if torques alone act.
