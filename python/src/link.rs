@@ -1,4 +1,4 @@
-//! A link, and the file or the keywords that it is from.
+//! A link, and its file or keywords.
 
 use std::path::{Path, PathBuf};
 
@@ -42,13 +42,13 @@ impl Source {
         Ok(Self { file, is_file: false, changes: Vec::new() })
     }
 
-    /// The same with further changes.
+    /// The source with further changes.
     pub(crate) fn changed(&self, more: Vec<String>) -> Self {
         let changes = self.changes.iter().cloned().chain(more).collect();
         Self { changes, ..self.clone() }
     }
 
-    /// The changes, those of a case after its own.
+    /// The changes, followed by those of a case.
     pub(crate) fn overrides(&self, more: &[String]) -> Result<Vec<Override>, Failure> {
         let read = |change: &String| {
             change.parse().map_err(|error: flexlink::spec::SpecError| usage(&error, error.hint()))
@@ -76,7 +76,7 @@ impl Source {
     }
 }
 
-/// A message on keywords without the line that they were written to.
+/// A message on keywords without the number of their line.
 fn without_line(failure: Failure) -> Failure {
     let message = failure.message.strip_prefix(KEYWORDS).and_then(|rest| {
         let (line, message) = rest.strip_prefix(':')?.split_once(": ")?;
@@ -178,14 +178,14 @@ impl Link {
     }
 }
 
-/// An object of a class, or the error that names what it is instead.
+/// An object of a class, or an error with its actual kind.
 pub(crate) fn described_by<'a, 'py, T: PyTypeInfo>(
     given: &'a Bound<'py, PyAny>,
 ) -> PyResult<&'a Bound<'py, T>> {
     Ok(given.cast::<T>()?)
 }
 
-/// A text in quotes, as Python shows one.
+/// A text in quotes in Python's form.
 pub(crate) fn python_text(text: &str) -> String {
     format!("'{}'", text.replace('\\', "\\\\").replace('\'', "\\'"))
 }

@@ -1,4 +1,4 @@
-//! A simulation and what it is made of: the keywords of `simulate`, the play, its files.
+//! A simulation: the keywords of `simulate`, the play, its files.
 
 use std::path::Path;
 
@@ -43,7 +43,7 @@ pub(crate) const OF_ARM: &str =
 pub(crate) struct Keywords<'a, 'py>(pub(crate) &'a Bound<'py, PyDict>);
 
 impl<'py> Keywords<'_, 'py> {
-    /// The value of a keyword, unless it is None.
+    /// Removes a keyword and returns its value, unless it is None.
     pub(crate) fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(given) = self.0.get_item(name)? else { return Ok(None) };
         self.0.del_item(name)?;
@@ -73,8 +73,7 @@ impl<'py> Keywords<'_, 'py> {
         }))
     }
 
-    /// Refuses a remaining keyword: one outside the `known` ones, or one of the `others` that belong to links or arms
-    /// alone.
+    /// Refuses a remaining keyword: one outside the `known` ones, or one of the `others`, for links or arms alone.
     pub(crate) fn refuse_rest(&self, known: &str, others: &str, why: &str) -> Result<(), Raised> {
         let Some(key) = self.0.keys().iter().next() else { return Ok(()) };
         let key = key.extract::<String>()?;
@@ -100,7 +99,7 @@ pub(crate) fn refuse_both(given: [(&str, bool); 2]) -> Result<(), Failure> {
     }
 }
 
-/// A simulation, and what it was made of.
+/// A simulation, and its inputs.
 pub(crate) struct Run {
     pub(crate) specification: ArmSpecification,
     moves: Moves,
@@ -112,7 +111,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Plays what a call gives.
+    /// Plays the input of a call.
     pub(crate) fn of(specification: ArmSpecification, moves: Moves) -> Result<Self, Failure> {
         let ArmSpecification { arm, meshes, .. } = &specification;
         let play = moves.play();
@@ -131,7 +130,7 @@ impl Run {
         Ok(Self { warnings, ..run })
     }
 
-    /// Does something with the run as the command writes it.
+    /// Does something with the run in the form of the command.
     fn with<T>(&self, with: impl FnOnce(&PlayedRun<'_>) -> T) -> T {
         with(&PlayedRun {
             arm: &self.specification.arm,
@@ -184,7 +183,7 @@ impl Run {
     }
 }
 
-/// Takes the arrays of a call on one link out of its keywords, all that there are.
+/// Takes all arrays of a call on one link out of its keywords.
 pub(crate) fn link_moves(
     specification: &Specification,
     time: &Bound<'_, PyAny>,
@@ -280,6 +279,6 @@ pub(crate) fn state(given: &Bound<'_, PyAny>, links: usize) -> Result<State, Rai
     Ok(read_state(&file.shown, &file.bytes, links).map_err(Failure::from)?)
 }
 
-/// Feedback that is not whole.
+/// Error of incomplete feedback.
 pub(crate) const HALF_A_FEEDBACK: &str =
     "one of feedback and reference, but must be both or none, and reference_rate with them alone";

@@ -1,4 +1,4 @@
-//! Threads that work for one process.
+//! Threads for one process.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process;
@@ -29,7 +29,7 @@ fn ours() -> Result<Arc<ThreadPool>, Failure> {
         return Ok(Arc::clone(threads));
     }
     let threads = Arc::new(started(0)?);
-    // The parent's threads are not here to be ended.
+    // The parent's threads do not exist here and cannot end.
     std::mem::forget(pool.replace((own, Arc::clone(&threads))));
     Ok(threads)
 }
@@ -42,7 +42,7 @@ pub(crate) fn apart<T: Send>(
     started(0)?.install(work)
 }
 
-/// The same on threads of its own that end the work when `stop` turns true.
+/// Does work on separate threads, which end it when `stop` turns true.
 pub(crate) fn stoppable<T: Send>(
     stop: &Arc<AtomicBool>,
     work: impl FnOnce() -> Result<T, Failure> + Send,

@@ -1,4 +1,4 @@
-//! A solution with what it came from: its record, and the files of `flexlink solve`.
+//! A solution with its inputs: its record, and the files of `flexlink solve`.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ impl SolvedRun {
         remarks(&self.of_file, self.solution(), self.dropped)
     }
 
-    /// The options of the call, with those of writing.
+    /// The options of the call and of writing.
     pub(crate) fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
         let changes = self.source.changes.iter();
         let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);

@@ -120,7 +120,7 @@ fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<
     Ok(table)
 }
 
-/// The rows of all cases, or of those that were done when `stop` turned true.
+/// The rows of all cases, or of the finished ones when `stop` turned true.
 fn all_rows(
     shared: &mut Shared,
     cases: &[Case],
@@ -146,7 +146,7 @@ fn all_rows(
     })
 }
 
-/// Adds the columns of numbers, warnings and errors to those of the `varied` values.
+/// Adds the columns of numbers, warnings and errors to the `varied` values.
 fn table(
     varied: Bound<'_, PyDict>,
     kind: SweepKind,

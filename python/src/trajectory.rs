@@ -1,4 +1,4 @@
-//! `trajectory`: motions of a tip and paths of an arm's tip, made by the command's options.
+//! `trajectory`: motions of a tip and paths of an arm's tip, from the command's options.
 
 use crate::messages::Raised;
 use clap::Parser;

@@ -20,7 +20,7 @@ use crate::cli::terminal::files::keep_inputs;
 use crate::cli::terminal::text::rows_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
-/// Largest error of the tip over its travel that is no warning, unless the tolerance is looser: what `verify` allows.
+/// Largest error of the tip over its travel without a warning, unless the tolerance is looser: the bound of `verify`.
 const TIP: f64 = 1e-3;
 
 /// Share of an error below which its uncertainty needs no line.
@@ -59,7 +59,7 @@ enum Hold {
     Zero,
 }
 
-/// A table to write, and what playing it has found where it is not the torque itself.
+/// A table to write, and the error of the tip that plays it, if it differs from the torque.
 pub(super) struct WrittenTable {
     table: TorqueTable,
     error: Option<TableError>,
@@ -77,7 +77,7 @@ struct Recorded {
 }
 
 impl WriteArgs {
-    /// Returns an error if FILE has an ending that is no form, or would replace an input or a result.
+    /// Returns an error if FILE has an ending without a form, or would replace an input or a result.
     pub(super) fn check(&self, inputs: &[&Path], output: Option<&Path>) -> Result<(), Failure> {
         let Some(file) = self.write.as_deref().filter(|file| !is_standard_output(file)) else {
             return Ok(());
@@ -152,7 +152,7 @@ impl WriteArgs {
         self.write.as_deref().and_then(TorqueForm::of).unwrap_or(TorqueForm::Csv)
     }
 
-    /// The table of a link or an arm, its error measured. `None` without --write.
+    /// The table of a link or an arm with its measured error. `None` without --write.
     pub(super) fn table(
         &self,
         solution: &Solution,
@@ -176,7 +176,7 @@ impl WriteArgs {
         Ok(Some(self.written((table, error), tip_tolerance, words, motor)))
     }
 
-    /// A table with all that the options do to it, but for its start.
+    /// A table with the effects of the options, except its start.
     fn shaped(&self, table: TorqueTable, ends: Ends) -> TorqueTable {
         let table = if self.hold.is_some() { table.held(ends) } else { table };
         match self.window {
@@ -217,7 +217,7 @@ impl WriteArgs {
         WrittenTable { table, error, warning, notes }
     }
 
-    /// The warning of a table that moves the tip off by more than it should.
+    /// The warning of a table with a larger tip error than allowed.
     fn warning(&self, error: &TableError, tip_tolerance: f64, words: &Words) -> Option<Notice> {
         let allowed = TIP.max(tip_tolerance);
         let TableError { tip, change_m, .. } = error;
@@ -279,7 +279,7 @@ impl WriteArgs {
     }
 }
 
-/// Words that are others for a link and for an arm.
+/// Words that differ between a link and an arm.
 struct Words {
     /// Article of a torque: "the ", "every ".
     of_torque: &'static str,
@@ -287,7 +287,7 @@ struct Words {
     drift: &'static str,
     /// Remedy for a cut that is too large.
     smaller: &'static str,
-    /// Where the torques act if there is a motor.
+    /// Place of the torques if there is a motor.
     motor: &'static str,
 }
 
@@ -332,7 +332,7 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     lines
 }
 
-/// A path from the root, of a folder that need not be there.
+/// A path from the root, for a folder that need not exist.
 fn placed(folder: &Path) -> PathBuf {
     let whole = std::path::absolute(Path::new(".").join(folder)).unwrap_or_default();
     let there = whole.ancestors().find_map(|own| Some((own.canonicalize().ok()?, own)));

@@ -1,8 +1,8 @@
-//! Results on the disk: a run's folder, whose files appear all together, or one file; whole or not at all,
-//! whatever ends the program.
+//! Results on the disk: a run's folder, whose files appear all together, or one file; whole or not at all, whatever
+//! ends the program.
 //!
-//! The files of a folder are written into a folder of their own inside it, and renamed when all are whole. A
-//! lock makes runs into one folder take turns.
+//! A run writes its files into a hidden folder inside its folder, and renames them when all are whole. A lock makes
+//! runs into one folder take turns.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -29,12 +29,12 @@ pub(super) const STAGING: &str = ".flexlink.run-";
 /// Whether a run waits until its files are on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Durability {
-    /// It does not: files are whole however the run ends, but a power failure soon after it may cut them
+    /// The run does not wait: files are whole however the run ends, but a power failure soon after it may cut them
     /// short.
     #[default]
     InMemory,
-    /// It waits for each file before it is renamed, and for the folder afterwards: a power failure leaves
-    /// whole files or none.
+    /// The run waits for each file before it renames it, and for the folder afterwards: after a power failure every
+    /// file is whole or absent.
     OnDisk,
 }
 
@@ -74,7 +74,7 @@ impl Durability {
     }
 }
 
-/// An output folder or a file in it that cannot be written.
+/// Error of an output folder or a file in it.
 // Without `source`: the text already holds the cause.
 #[derive(Debug, Error)]
 #[error("{}: cannot {action}: {}", folder.display(), system_words(cause))]
@@ -105,7 +105,7 @@ impl FolderError {
         Self { folder: folder.to_owned(), action: action.into(), cause }
     }
 
-    /// The error of a folder that nothing can be written into.
+    /// The error of a folder that does not accept files.
     pub(super) fn of_folder(folder: &Path, cause: io::Error) -> Self {
         Self::new(folder, "write into the folder", cause)
     }
@@ -119,13 +119,13 @@ impl FolderError {
 
 /// A folder that receives all files of a run, or none.
 ///
-/// [`commit`](Self::commit) or [`replace`](Self::replace) gives the files their names. Dropped without
-/// either, no file in the folder has changed.
+/// [`commit`](Self::commit) or [`replace`](Self::replace) gives the files their names. Without either, dropping it
+/// changes no file in the folder.
 #[derive(Debug)]
 pub struct OutputFolder {
     dir: PathBuf,
     durability: Durability,
-    /// Names of the files that are written. Threads write several at the same time.
+    /// Names of the written files. Threads write several at the same time.
     names: Mutex<BTreeSet<OsString>>,
     // Removed before the lock.
     staging: Unfinished,
@@ -133,8 +133,8 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Opens `dir` for a run's files, creating it and the folders above it where they are missing. Waits for
-    /// another run that writes into it; if that takes more than a second, calls `on_wait` once.
+    /// Opens `dir` for a run's files, and creates it and the folders above it if they are missing. Waits for another
+    /// run that writes into it; after more than a second, calls `on_wait` once.
     ///
     /// # Errors
     /// [`FolderError`] if the folder cannot be created, or another run keeps writing into it.
@@ -163,8 +163,8 @@ impl OutputFolder {
         self
     }
 
-    /// Writes one file, which does not appear yet; `write` receives a buffered writer. Several may be
-    /// written at the same time.
+    /// Writes one file, invisible until the end; `write` receives a buffered writer. Threads may write several at the
+    /// same time.
     ///
     /// # Errors
     /// [`FolderError`] if the file cannot be created or `write` fails.
@@ -228,7 +228,7 @@ impl OutputFolder {
         self.rename(&names)
     }
 
-    /// Names of all files; refuses one that a folder has.
+    /// Names of all files; refuses the name of a folder.
     pub(super) fn names(&self) -> Result<BTreeSet<OsString>, FolderError> {
         let names = self.names.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match names.iter().find(|name| self.dir.join(name).is_dir()) {
@@ -237,7 +237,7 @@ impl OutputFolder {
         }
     }
 
-    /// Where a file is before it has its name.
+    /// Path of a file before its renaming.
     fn staged(&self, name: &OsStr) -> PathBuf {
         self.staging.path().join(name)
     }
@@ -279,22 +279,22 @@ impl OutputFolder {
     }
 }
 
-/// Why a file cannot take its name.
+/// Obstacle to the name of a file.
 pub(super) const TAKEN: &str = "a folder has this name";
 
-/// Removes what killed runs left in a folder whose lock this run holds.
+/// Removes the remains of killed runs in a folder. This run must hold its lock.
 fn remove_left(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         if is_staging(&entry.file_name()) && entry.file_type()?.is_dir() {
-            // One of another user may have to stay.
+            // A folder of another user may have to stay.
             let _ = fs::remove_dir_all(entry.path());
         }
     }
     Ok(())
 }
 
-/// Removes the lock and the files that killed runs left in a folder, unless a run is writing into it.
+/// Removes the lock and the remains of killed runs in a folder, unless a run is writing into it.
 pub(super) fn clear(folder: &Path) {
     let lock = folder.join(LOCK);
     if !lock.is_file() {
@@ -306,7 +306,7 @@ pub(super) fn clear(folder: &Path) {
     }
 }
 
-/// Whether a folder of this name holds files that a run has not finished.
+/// Whether a folder of this name holds files of an unfinished run.
 fn is_staging(name: &OsStr) -> bool {
     name.as_encoded_bytes().starts_with(STAGING.as_bytes())
 }
@@ -316,19 +316,19 @@ pub(super) fn is_aside(name: &OsStr) -> bool {
     name == LOCK || is_staging(name)
 }
 
-/// Gives a file the permissions of the one that it replaces; a link, and a file system without permissions,
-/// have none.
+/// Gives a file the permissions of its predecessor. A link, and a file system without permissions, provide no
+/// permissions.
 fn keep_permissions(old: &Path, new: &Path) {
     let old = fs::symlink_metadata(old).ok().filter(|old| !old.is_symlink());
     let _ = old.map(|old| fs::set_permissions(new, old.permissions()));
 }
 
-/// Creates a folder, and those above it, where they are missing.
+/// Creates a folder and the folders above it, if they are missing.
 pub(super) fn create(dir: &Path) -> Result<(), FolderError> {
     fs::create_dir_all(dir).map_err(|cause| FolderError::new(dir, "create the folder", cause))
 }
 
-/// The folder that a file lies in.
+/// The folder of a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     folder.unwrap_or(Path::new("."))

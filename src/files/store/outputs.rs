@@ -66,7 +66,7 @@ impl RunOutputs {
         files.filter(|name| self.has(name, links)).chain([SUMMARY]).collect()
     }
 
-    /// False for a file that a golden folder leaves out.
+    /// False for a file that a golden folder lacks.
     pub(super) fn has(&self, name: &str, links: usize) -> bool {
         !self.golden
             || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(links) != name)
@@ -94,7 +94,7 @@ impl RunOutputs {
         solution.deflections_at(&nodes, self.nodal_rows(&solution.grid))
     }
 
-    /// The nodes to write of those at these distances: the list and the stations, three of a golden folder, or all.
+    /// The nodes to write: the list and the stations, three for a golden folder, or all.
     pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
         if self.golden {
             return nodes_at_thirds(nodes_m);

@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 1 << 18;
 /// Most steps of a path. An arm that exceeds its limits in such a slow motion does so by its weight.
 const MOST_STEPS_OF_PATH: usize = 1 << 14;
 
-/// Number of steps up to which the search tries every number; of more it tries at most this many.
+/// Most tried numbers of steps. The search tries every number up to this many steps.
 const TRIALS: usize = 1024;
 
 /// Number of coarser meshes, each of half the elements, that may refuse far too fast trials of an automatic mesh.

@@ -120,7 +120,7 @@ impl<'a> Tops<'a> {
         Peak { value, time_s: self.grid.time_s(first + within) }
     }
 
-    /// The larger of two peaks: of the samples, and of the values `at` around every sample that exceeds its
+    /// The larger of two peaks: the samples' peak, and the values `at` around every sample that exceeds its
     /// neighbours of the same sign and is not much smaller than the samples' peak.
     fn peak(&self, per_cycle: Option<f64>, at: impl Fn(usize, usize) -> f64) -> Peak {
         let peak = self.largest_sample();

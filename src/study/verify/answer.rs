@@ -24,8 +24,8 @@ pub struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// Share of the tip's travel by which the solved tip may miss the wanted one. The arcs of the links set the
-    /// cut-off of a path of angles, and they may be longer than the travel of the tip.
+    /// Tolerance of the solved tip against the wanted one, as a share of its travel. For a path of angles the arcs of
+    /// its links set the cut-off; they may be longer than the travel of the tip.
     pub(super) fn tip_tolerance(&self) -> f64 {
         let Solution { analysis, motion, tip_error, .. } = self.solution;
         match motion {

@@ -1,4 +1,4 @@
-//! The summary that `solve` prints of a link, and the lines of it that arms and `simulate` have, too.
+//! The summary of a link by `solve`, and its lines for arms and `simulate`.
 
 use std::f64::consts::TAU;
 use std::fmt::{Display, Write as _};
@@ -26,7 +26,7 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// The summary of a link's solution; `written` says what was written where.
+/// The summary of a link's solution; `written` names its files.
 pub(super) fn link_text(
     (solution, motion): (&Solution, &TipMotion),
     metrics: &Metrics,
@@ -197,7 +197,7 @@ fn motion_line((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -
     with_peaks(&format!("{travel} in {duration} s at {step} s"), solution, metrics)
 }
 
-/// A cycle: how far it leads, or turns, in what time.
+/// A cycle: its travel or its largest displacement, and its period.
 fn cycle_line(motion: &TipMotion, farthest_m: f64) -> String {
     let (grid, travel_m) = (motion.grid(), motion.travel_m());
     let [farthest, travel, period] = four([farthest_m, travel_m, grid.len as f64 * grid.step_s]);
@@ -299,12 +299,12 @@ const INPUT: &str = "input";
 /// A kind of error that a cycle lacks, because it is not cut out of a longer one.
 const WINDOW: &str = "window";
 
-/// The errors of the tip, then the worst error of each kind, with its quantity where that is not the torque, and its joint
-/// of several.
+/// The errors of the tip, then the worst error of each kind, with its quantity unless it is the torque, and its joint
+/// if there are several.
 pub(super) fn solution_errors(solution: &Solution) -> String {
     let errors: Vec<_> = solution.joints.iter().map(|joint| joint.errors).collect();
     let is_cycle = solution.motion.ends() == Ends::Periodic;
-    // The tip of one link that is solved at all frequencies of its samples is exact.
+    // The tip of one link is exact if the solution uses all frequencies of its samples.
     let has_error = errors.len() > 1 || solution.band.cutoff_hz.is_some();
     let of = if solution.arm.has_weight() { "of the range" } else { "of the peak" };
     let kinds: [(&str, Kind); 6] = [
