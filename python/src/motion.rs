@@ -286,7 +286,7 @@ impl Motion {
         Ok(Self { given, arguments, reading, tip, periods, link: source, arcs_of })
     }
 
-    /// Refuses another link if the motion has arcs from angles.
+    /// Refuses a link of another length or gravity if the motion is angles of a link.
     pub(crate) fn refuse_other(&self, link: &LibraryLink) -> Result<(), Failure> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
         let is_same = length_m.total_cmp(&link.length_m()).is_eq();

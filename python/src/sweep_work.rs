@@ -116,7 +116,7 @@ pub(crate) struct Shared {
     outputs: Outputs,
     problem: Problem,
     pub(crate) kind: SweepKind,
-    /// Memory in bytes for each case, if several run at the same time; set at their start.
+    /// Memory in bytes for each of the cases that run at the same time, set at their start.
     pub(crate) memory_bytes: Option<usize>,
 }
 

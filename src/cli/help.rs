@@ -49,7 +49,7 @@ const COMMANDS: [&str; 14] = [
     "man",
 ];
 
-/// Width of a page in columns, which any terminal has.
+/// Width of a page in columns, which any terminal has. Names of files and numbers do not exceed it.
 const WIDTH: usize = 80;
 
 /// Least width of a table's column.

@@ -367,8 +367,8 @@ fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesR
     warnings + warn_of_fall(arm, falls) + level.unwrap_or_default()
 }
 
-/// The mesh of modes that are exact to the plan's tolerance, and their frequencies in rad/s: fewer than `count` if
-/// the link has fewer, for example with massless parts.
+/// The mesh for modes within the plan's tolerance, and their frequencies in rad/s: fewer than `count` if the link has
+/// fewer, for example with massless parts.
 fn resolved(link: &Link, plan: &MeshPlan, count: usize) -> Result<(Mesh, Vec<f64>), Failure> {
     let mut mesh = Mesh::new(link, plan)?;
     let mut frequencies = natural_frequencies(&mesh, count);

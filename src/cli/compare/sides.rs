@@ -167,7 +167,7 @@ impl Sides {
 }
 
 impl Pair {
-    /// Compares both files, and names the inputs that differ between two runs.
+    /// Reads and compares both files, and names the inputs that differ between two runs.
     fn compare(&self, tolerances: &Tolerances) -> Result<(FileOutcome, Vec<String>), Failure> {
         let compared = |expected: &Table, actual: &Table| {
             FileOutcome::Compared(compare_tables(&self.name, expected, actual, tolerances))

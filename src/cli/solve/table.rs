@@ -59,7 +59,7 @@ enum Hold {
     Zero,
 }
 
-/// A table to write, and the error of the tip that plays it, if it differs from the torque.
+/// A table to write, and its error of the tip, if the table differs from the torque.
 pub(super) struct WrittenTable {
     table: TorqueTable,
     error: Option<TableError>,

@@ -94,7 +94,7 @@ pub(crate) struct Cases<'a> {
     pub(crate) kind: SweepKind,
     /// The first readable case.
     pub(crate) first: First,
-    /// Memory in bytes for each case, if several run at the same time.
+    /// Memory in bytes for each of the cases that run at the same time.
     pub(crate) memory_bytes: Option<usize>,
     /// Shared by every case at work; exclusive for a case that needs more than its share of the memory.
     alone: RwLock<()>,

@@ -223,7 +223,7 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// Returns an error for a missing option, or an option that lacks another one.
+    /// Returns an error for a missing option, or for an option whose effect needs a missing one.
     fn check_use(&self) -> Result<(), Failure> {
         self.check_duration()?;
         let turns = self.travels().any(|(_, travel)| matches!(travel, Travel::Angle(_)));

@@ -124,7 +124,7 @@ impl PathArgs {
         !self.via.is_empty() && (self.corner.is_none() || self.path.is_none())
     }
 
-    /// The first option that lacks --path to have an effect.
+    /// The first option that needs the missing --path.
     pub(super) fn without_path(&self) -> Option<&'static str> {
         let given = [
             (self.from.is_some(), "--from"),

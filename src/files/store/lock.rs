@@ -16,7 +16,7 @@ use same_file::Handle;
 /// Longest wait of a run for another that holds a lock.
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Wait of a run without a message.
+/// Wait of a run before it reports the wait.
 const SHORT: Duration = Duration::from_secs(1);
 
 /// Function that removes a file, or a folder with its files.

@@ -26,8 +26,8 @@ pub struct RunOutputs {
     pub deflections: bool,
     /// Whether a solution has `bending_moments.csv`.
     pub moments: bool,
-    /// Whether a solution has a small folder for later comparison. It holds torque, hub or joint angles, tip and
-    /// displacements of three nodes, with every fifth row from the motion's first sample.
+    /// Whether a solution has a small folder for later comparison: torque, hub or joint angles, tip, displacements of
+    /// three nodes. Tables have every fifth row, counted from the motion's first sample.
     pub golden: bool,
     /// Digits of all numbers.
     pub digits: Digits,

@@ -60,7 +60,7 @@ pub struct TableRecord<'a> {
     pub form: TorqueForm,
     /// The arguments that made it, as the program takes them.
     pub arguments: &'a [String],
-    /// Error of the tip when the table is played, if it differs from the torque.
+    /// Error of the tip under the table, if the table differs from the torque.
     pub error: Option<&'a TableError>,
     /// Warning of the table.
     pub warning: Option<&'a Notice>,

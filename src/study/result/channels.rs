@@ -261,7 +261,7 @@ impl Pair<'_> {
         let delays = (-TRIED..=TRIED).map(|k| f64::from(k) * spacing_s);
         let smaller = |a: &Tried, b: &Tried| a.fit.left.total_cmp(&b.fit.left);
         let best = delays.filter_map(at).min_by(smaller);
-        // Without a best delay the simulation is constant for all delays.
+        // Without a best delay the simulation is constant for every delay.
         let mut best = best.ok_or(NoFit::ConstantSimulation)?;
         for _ in 0..MOST_STEPS {
             let change_s = best.change_s.clamp(-spacing_s, spacing_s);

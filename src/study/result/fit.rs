@@ -61,7 +61,7 @@ impl Along<'_> {
     }
 }
 
-/// Reason for a search without a duration.
+/// Reason of a failed search for a duration.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
     /// Even slow motions exceed the limits.

@@ -235,8 +235,8 @@ impl PlayedJoint {
     }
 }
 
-/// Errors of lead and lag in s for a torque that is uncertain by `share` of its peak or range: changes of its start
-/// and end if the level of `acting` is as uncertain.
+/// Errors of lead and lag in s for a torque with an error of `share` of its peak or range. They are the changes of its
+/// start and end if the level of `acting` has the same error.
 pub(super) fn timing_errors_s(
     grid: &TimeGrid,
     share: f64,
@@ -254,7 +254,7 @@ pub(super) fn timing_errors_s(
     })
 }
 
-/// Period of a torque's action: the samples beyond a level, and the parts of the steps around them beyond the level.
+/// Action of a torque: the samples beyond a level, and the parts of the steps around them beyond the level.
 pub(super) struct Acting {
     /// The first sample beyond the level, and the last.
     pub(super) first: usize,

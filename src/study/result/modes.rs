@@ -62,8 +62,7 @@ pub struct LinkZeros {
 }
 
 impl LinkZeros {
-    /// Time in s, before the motion, from 1 % of the torque to the torque at the start, with this zero alone:
-    /// ln(100)/z.
+    /// Time in s from 1 % of the torque to its value at the start of the motion, with this zero alone: ln(100)/z.
     pub fn leads_s(&self) -> Vec<f64> {
         self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
     }

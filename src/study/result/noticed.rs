@@ -95,7 +95,7 @@ impl Remark {
             let [lead_s, lag_s] = timing_errors_s(&solution.grid, share, |level| {
                 Acting::in_solution(solution, torque, level)
             });
-            // A remark needs a considerable share of lead or lag.
+            // Errors count only above a considerable share of lead or lag.
             let is_noticed =
                 lead_s > SURE * metrics.lead_s?.abs() || lag_s > SURE * metrics.lag_s?.abs();
             let joint = metrics.joint.map(|number| number + 1);

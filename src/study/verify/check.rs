@@ -43,7 +43,7 @@ pub(super) struct Kind {
     name: &'static str,
     what: &'static str,
     of: &'static str,
-    /// The largest number that passes. Two checks measure their bound.
+    /// The largest number that passes. Two checks measure a tighter or looser bound.
     pub(super) bound: fn(&Answer) -> f64,
     hint: &'static str,
 }

@@ -131,7 +131,7 @@ fn within(answer: &Answer, reached: &Reached) -> Check {
 }
 
 /// Change of the torques with the motion sampled twice as often. A link is solved again, and its motor has a further
-/// check. An arm has measured the change if the step limits its band.
+/// check. For an arm the inversion has measured the change if the step limits its band.
 fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
     let solution = answer.solution;
     let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };

@@ -268,7 +268,7 @@ fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
     }
 }
 
-/// The vibration after the torque. For a tip that has hardly moved its share of the travel is meaningless.
+/// The vibration after the torque. For a tip that has hardly moved, its share of the travel is meaningless.
 fn residual_line(played: &Played) -> String {
     let Some(residual) = played.modes().and_then(|modes| modes.residual) else {
         return String::new();
