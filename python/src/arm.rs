@@ -102,7 +102,7 @@ impl Arm {
     }
 }
 
-/// A path as a call gives it.
+/// A path in a call.
 pub(crate) enum GivenPath {
     File(InputFile),
     Samples(Box<PathColumns>),
@@ -145,7 +145,7 @@ impl GivenPath {
         Ok(Self::Samples(Box::new(columns)))
     }
 
-    /// The file, where it is one.
+    /// The file of the path, if it has one.
     pub(crate) fn file(&self) -> Option<&InputFile> {
         match self {
             Self::File(file) => Some(file),
@@ -165,7 +165,7 @@ impl GivenPath {
         options.scale.scaled_path(&table)
     }
 
-    /// The arguments with which `unpickled` makes it again.
+    /// The arguments for `unpickled`.
     fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let PathColumns { time_s, tip, angles } = match self {
             Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),

@@ -18,14 +18,15 @@ use flexlink::text::excerpt;
 
 use crate::messages::{Raised, usage};
 
-/// The numbers of a column: an array of one dimension, or what NumPy makes one of. Whole numbers and those of other
-/// widths are converted, complex ones, texts and objects are refused.
+/// The numbers of a column: an array of one dimension, or its equivalent for NumPy. Converts whole numbers and other
+/// widths; refuses complex numbers, texts and objects.
 pub(crate) fn column(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
     doubles(&array)
 }
 
-/// The same of places, which count with their decimals: a float of few digits has those of its largest number.
+/// The numbers of a column of places, rounded to decimals: floats of few digits have the decimals of the largest
+/// number.
 pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
     if !is_short(&array) || array.is_empty() {
@@ -33,7 +34,7 @@ pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>>
     }
     let numpy = given.py().import("numpy")?;
     let largest = numpy.call_method1("abs", (&array,))?.call_method0("max")?;
-    // From one number of this type to the next.
+    // Distance of one number of this type from the next.
     let step: f64 = numpy.call_method1("spacing", (largest,))?.call_method0("item")?.extract()?;
     let decimals = (-step.log10()).floor();
     if !decimals.is_finite() {
@@ -45,7 +46,7 @@ pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>>
     doubles(&rounded.cast_into()?)
 }
 
-/// The numbers of so many columns: an array of as many rows as there are times.
+/// The columns of an array with `rows` rows and `count` columns.
 pub(crate) fn columns(
     name: &str,
     given: &Bound<'_, PyAny>,
@@ -81,12 +82,13 @@ fn numbers<'py>(
     Ok(array)
 }
 
-/// True of floats of half or single precision.
+/// True for floats of half or single precision.
 fn is_short(array: &Bound<'_, PyUntypedArray>) -> bool {
     array.dtype().kind() == b'f' && array.dtype().itemsize() < size_of::<f64>()
 }
 
-/// The numbers of an array of one dimension; each of a short float is the shortest text that reads back to it: 0.1 is 0.1.
+/// The numbers of an array of one dimension. Each short float has the value of the shortest text that reads back to
+/// it: 0.1 is 0.1.
 fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
     let texts = is_short(array).then(|| array.call_method1("astype", ("str",))).transpose()?;
     let given = texts.as_ref().unwrap_or(array.as_any());
@@ -98,7 +100,7 @@ fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
 pub(crate) struct Nodes(Vec<usize>);
 
 impl Nodes {
-    /// Those of a call, or all of so many.
+    /// The nodes of a call, or all.
     pub(crate) fn or_all(given: Option<Self>, all: usize) -> Vec<usize> {
         given.map_or_else(|| (0..all).collect(), |own| own.0)
     }
@@ -118,7 +120,7 @@ impl<'py> FromPyObject<'_, 'py> for Nodes {
     }
 }
 
-/// Every so-many-th sample in a call.
+/// Stride of the samples in a call.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Every(pub(crate) NonZeroUsize);
 
@@ -136,21 +138,19 @@ impl<'py> FromPyObject<'_, 'py> for Every {
     }
 }
 
-/// The refusal of an argument that is not as it must be.
+/// Refusal of an unsuitable argument.
 pub(crate) fn unlike(name: &str, found: &Bound<'_, PyAny>, must: &str) -> PyErr {
     let shown = found.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
     Raised::from(usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None)).into()
 }
 
-/// Refuses an array of so many rows and columns that does not fit into the memory. It is computed column by column, and put
-/// into rows.
+/// Refuses an array that exceeds the memory. Its columns are computed one by one, and then put into rows.
 pub(crate) fn check_rows(samples: usize, columns: usize) -> Result<(), Raised> {
     let bytes = samples.saturating_mul(columns).saturating_mul(3 * size_of::<f64>());
     Ok(memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?)
 }
 
-/// Samples that belong to an object, as an array that shows them without a copy. It keeps the object alive and cannot be
-/// written to.
+/// Samples of an object, as an array without a copy. The array keeps the object alive and is read-only.
 pub(crate) fn view<'py, T>(
     owner: &Bound<'py, T>,
     of: impl for<'a> FnOnce(&'a T) -> &'a [f64],
@@ -159,8 +159,8 @@ where
     T: PyClass<Frozen = True> + Sync,
 {
     let samples = ArrayView1::from(of(owner.get()));
-    // SAFETY: the samples are part of a frozen object, which the array holds, so they stay where they are as long as the
-    // array; nothing writes to them, as the array is made read-only before anybody has it.
+    // SAFETY: the samples are part of a frozen object. The array keeps this object alive, so the samples stay where
+    // they are as long as the array. Nothing writes to them, as the array becomes read-only before anybody has it.
     #[expect(unsafe_code, reason = "NumPy cannot borrow otherwise")]
     let array = unsafe { PyArray1::borrow_from_array(&samples, owner.clone().into_any()) };
     array.readwrite().make_nonwriteable();

@@ -1,4 +1,4 @@
-//! `fit`: the link or the arm that was measured.
+//! `fit`: the measured link or arm.
 
 use std::path::{Path, PathBuf};
 

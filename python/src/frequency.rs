@@ -90,7 +90,7 @@ fn each(own: &SettledModes, of: impl Fn(&PoseMode) -> f64) -> Vec<f64> {
     own.modes.iter().map(of).collect()
 }
 
-/// Frequencies in Hz; that of a mode that leaves the pose is imaginary, and a negative number here.
+/// Frequencies in Hz. A mode that leaves the pose has an imaginary one, here a negative number.
 fn hertz(mode: &PoseMode) -> f64 {
     mode.square_per_s2.abs().sqrt().copysign(mode.square_per_s2) / TAU
 }
@@ -155,7 +155,7 @@ pub(crate) fn frf<'py>(
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     keywords::rename(&keywords, &RENAMED)?;
     let mut arguments = keywords::arguments(&keywords)?;
-    // The parser wants a file; the link is here already.
+    // The parser requires a file, but the call has the link itself.
     arguments.push("link".to_owned());
     let read = Keywords::try_parse_from(arguments)
         .map_err(|error| keywords::refused::<Frf>(&error, &[], &RENAMED))?;

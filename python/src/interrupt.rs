@@ -14,10 +14,10 @@ use pyo3::prelude::*;
 
 use crate::pool;
 
-/// Between two looks whether Ctrl-C was pressed.
+/// Time between two checks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Does work in a thread while this one asks Python whether Ctrl-C was pressed; `stop` is then true, and the work ends.
+/// Does work in a thread while this one asks Python for Ctrl-C. After Ctrl-C `stop` is true, and the work ends.
 pub(crate) fn interruptible<T: Send>(
     work: impl FnOnce(&Arc<AtomicBool>) -> Result<T, Failure> + Send,
 ) -> Result<T, Raised> {
@@ -49,7 +49,7 @@ pub(crate) fn interruptible<T: Send>(
     })
 }
 
-/// Does work that may be long on threads of its own, without Python, until Ctrl-C.
+/// Does long work on separate threads, without Python, until Ctrl-C.
 pub(crate) fn until_pressed<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Failure> + Send,

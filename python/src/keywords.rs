@@ -28,7 +28,7 @@ pub(crate) fn rename(keywords: &Bound<'_, PyDict>, renamed: &[(&str, &str)]) -> 
     Ok(())
 }
 
-/// Refuses options of the command that a call has other means for.
+/// Refuses options of the command with another form in a call.
 pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised> {
     let others = [
         ("set", r#"link.changed({"payload.mass": 0.2}) is the link with a change"#),
@@ -42,8 +42,8 @@ pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised
     Ok(())
 }
 
-/// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value. None
-/// and `False` are left out.
+/// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value.
+/// Skips None and `False`.
 pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
     let mut found = Vec::new();
     for (key, value) in keywords {
@@ -65,7 +65,7 @@ pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
     Ok(found)
 }
 
-/// Keywords of a `write` as arguments; others than the `known` are refused.
+/// Keywords of a `write` as arguments; refuses keywords outside the `known` ones.
 pub(crate) fn of_writing(
     keywords: Option<&Bound<'_, PyDict>>,
     known: &[&str],
@@ -80,14 +80,14 @@ pub(crate) fn of_writing(
     Ok(arguments(keywords)?)
 }
 
-/// The refusal of a keyword that is none of the `known`.
+/// Refusal of a keyword outside the `known` ones.
 pub(crate) fn unknown<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Failure {
-    // A keyword that other calls know is not meant to be itself.
+    // A keyword of other calls must not be its own suggestion.
     let hint = did_you_mean(key, known.into_iter().filter(|other| *other != key));
     usage(&format!("unexpected keyword `{key}`"), hint.as_deref())
 }
 
-/// A value as the command reads it: lists with commas, dictionaries as `quantity=column`.
+/// A value in the form of the command: lists with commas, dictionaries as `quantity=column`.
 fn words(value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(pairs) = value.cast::<PyDict>() {
         let pair = |(key, own): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
@@ -109,7 +109,7 @@ pub(crate) fn solve_options(arguments: &[String]) -> Result<SolveOptions, Failur
     SolveOptions::recorded(arguments).map_err(refused)
 }
 
-/// The refusal of keywords by the parser of the options `T`; `others` are keywords beside these, `renamed` options whose
+/// The parser's refusal of keywords for the options `T`. `others` are further keywords; `renamed` are options whose
 /// keywords have other names.
 pub(crate) fn refused<T: clap::Args>(
     error: &clap::Error,
@@ -164,7 +164,7 @@ pub(crate) fn refused<T: clap::Args>(
     usage(&message, None)
 }
 
-/// The keyword of an option as the parser names it: `--scale-duration <FACTOR>`, `<PROFILE>`.
+/// The keyword of an option in the parser's form: `--scale-duration <FACTOR>`, `<PROFILE>`.
 fn keyword(option: &str, renamed: &[(&str, &str)]) -> String {
     let name = option.split([' ', '=']).next().unwrap_or_default();
     let name = name.trim_matches(['-', '<', '>']).replace('-', "_").to_lowercase();
@@ -172,7 +172,7 @@ fn keyword(option: &str, renamed: &[(&str, &str)]) -> String {
     renamed.map_or(name, |(_, keyword)| (*keyword).to_owned())
 }
 
-/// Changes of a link file as `--set` reads them: `{"segments.*.EI*": 4}` as `segments.*.EI*=4`.
+/// Changes of a link file in the form of `--set`: `{"segments.*.EI*": 4}` as `segments.*.EI*=4`.
 pub(crate) fn changes(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
     let change = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String = key.extract()?;
@@ -181,7 +181,7 @@ pub(crate) fn changes(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>
     given.into_iter().flatten().map(change).collect()
 }
 
-/// The text of a link file with these keys, one a line.
+/// The text of a link file with these keys, one on each line.
 pub(crate) fn document(keys: &Bound<'_, PyDict>) -> PyResult<String> {
     let mut text = String::new();
     for (key, value) in keys.iter().filter(|(_, value)| !value.is_none()) {
@@ -192,7 +192,7 @@ pub(crate) fn document(keys: &Bound<'_, PyDict>) -> PyResult<String> {
     Ok(text)
 }
 
-/// Lists and dictionaries that a value may have within each other; files have three.
+/// Deepest nesting of lists and dictionaries in a value; files have three levels.
 const DEEPEST: usize = 32;
 
 /// A value in TOML, on one line.
@@ -200,7 +200,7 @@ fn toml(key: &str, value: &Bound<'_, PyAny>) -> Result<String, Raised> {
     toml_within(key, value, DEEPEST)
 }
 
-/// The same of a value with so many lists and dictionaries in each other at most.
+/// A value in TOML, with at most `depth` levels of lists and dictionaries.
 fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<String, Raised> {
     let Some(inner) = depth.checked_sub(1) else {
         let key = key.split('.').next().unwrap_or_default();
@@ -237,7 +237,7 @@ fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<Stri
         let items = value.try_iter()?.map(|item| toml_within(key, &item?, inner));
         return Ok(format!("[{}]", items.collect::<Result<Vec<String>, Raised>>()?.join(", ")));
     }
-    // NumPy's numbers and arrays have Python's behind this.
+    // This method converts NumPy's numbers and arrays to Python's.
     match value.call_method0("tolist") {
         Ok(plain) if !plain.get_type().is(value.get_type()) => toml_within(key, &plain, inner),
         _ => {
@@ -248,7 +248,7 @@ fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<Stri
     }
 }
 
-/// Every bit of a number, not a number and infinity as TOML writes them.
+/// A number with every bit; not a number and infinity as in TOML.
 fn number(value: f64) -> String {
     if value.is_nan() { "nan".to_owned() } else { format!("{value:?}") }
 }

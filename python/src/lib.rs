@@ -104,7 +104,7 @@ mod _flexlink {
         let arguments: Vec<OsString> = py.import("sys")?.getattr("argv")?.extract()?;
         Ok(py.detach(|| {
             let code = cli::run(arguments);
-            // Nothing of Rust runs when Python ends.
+            // Rust runs nothing when Python ends.
             let _ = io::stdout().flush();
             code
         }))

@@ -1,4 +1,4 @@
-//! A link, and the file or the keywords that it is from.
+//! A link, and its file or keywords.
 
 use std::path::{Path, PathBuf};
 
@@ -14,14 +14,14 @@ use flexlink::spec::{Described, LinkDocument, Override, Specification};
 use crate::keywords;
 use crate::messages::{Raised, usage};
 
-/// What errors call keywords.
+/// Name of keywords in errors.
 const KEYWORDS: &str = "keywords";
 
 /// The text that describes a link or an arm, and its changes.
 #[derive(Debug, Clone)]
 pub(crate) struct Source {
     pub(crate) file: InputFile,
-    /// True of a file, false of keywords, of which a run keeps no record.
+    /// True for a file, false for keywords, because a run keeps no record of keywords.
     pub(crate) is_file: bool,
     /// As `--set` reads them.
     pub(crate) changes: Vec<String>,
@@ -42,13 +42,13 @@ impl Source {
         Ok(Self { file, is_file: false, changes: Vec::new() })
     }
 
-    /// The same with further changes.
+    /// The source with further changes.
     pub(crate) fn changed(&self, more: Vec<String>) -> Self {
         let changes = self.changes.iter().cloned().chain(more).collect();
         Self { changes, ..self.clone() }
     }
 
-    /// The changes, those of a case after its own.
+    /// The changes, followed by those of a case.
     pub(crate) fn overrides(&self, more: &[String]) -> Result<Vec<Override>, Failure> {
         let read = |change: &String| {
             change.parse().map_err(|error: flexlink::spec::SpecError| usage(&error, error.hint()))
@@ -65,7 +65,7 @@ impl Source {
         found.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
     }
 
-    /// The arguments with which `unpickled` makes it again.
+    /// The arguments for `unpickled`.
     pub(crate) fn pickled(&self) -> PickledSource {
         let InputFile { shown, name, bytes } = self.file.clone();
         (shown, name, bytes, self.is_file, self.changes.clone())
@@ -76,7 +76,7 @@ impl Source {
     }
 }
 
-/// A message on keywords without the line that they were written to.
+/// A message on keywords without the number of their line.
 fn without_line(failure: Failure) -> Failure {
     let message = failure.message.strip_prefix(KEYWORDS).and_then(|rest| {
         let (line, message) = rest.strip_prefix(':')?.split_once(": ")?;
@@ -178,14 +178,14 @@ impl Link {
     }
 }
 
-/// An object of a class, or the error that names what it is instead.
+/// An object of a class, or an error with its actual kind.
 pub(crate) fn described_by<'a, 'py, T: PyTypeInfo>(
     given: &'a Bound<'py, PyAny>,
 ) -> PyResult<&'a Bound<'py, T>> {
     Ok(given.cast::<T>()?)
 }
 
-/// A text in quotes, as Python shows one.
+/// A text in quotes in Python's form.
 pub(crate) fn python_text(text: &str) -> String {
     format!("'{}'", text.replace('\\', "\\\\").replace('\'', "\\'"))
 }

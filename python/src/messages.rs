@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 /// The module that defines the classes.
 const CLASSES: &str = "flexlink._messages";
 
-/// An exception of Python, made of one or of a failure of the command.
+/// A Python exception, from another one or from a failure of the command.
 #[derive(Debug)]
 pub(crate) struct Raised(PyErr);
 
@@ -74,7 +74,7 @@ pub(crate) fn in_python(text: &str) -> String {
     found + rest
 }
 
-/// The value of an option as that of a keyword, with the length that it had; none of a word of the sentence.
+/// The value of an option in the form of a keyword's value, with its original length; `None` for another word.
 fn as_value(word: &str) -> Option<(String, usize)> {
     let is_placeholder = !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
     let is_number = word.parse::<f64>().is_ok();
@@ -87,12 +87,12 @@ fn as_value(word: &str) -> Option<(String, usize)> {
     Some((shown, word.len()))
 }
 
-/// A refusal of what a call was given.
+/// Refusal of an argument.
 pub(crate) fn usage(message: &impl ToString, hint: Option<&str>) -> Failure {
     Failure::new(Exit::Usage, message, hint)
 }
 
-/// What was found in a file beyond the standard form.
+/// Remarks on forms in a file beyond the standard.
 pub(crate) fn of_reading(shown: &str, reading: &Reading) -> Vec<Notice> {
     let of = |text: &str, hint| Notice::new("reading", format!("{shown}: {text}"), hint);
     let note = reading.note().map(|note| of(&note, ""));

@@ -1,4 +1,4 @@
-//! A motion of a tip: its arrays or its file as a call gives them, and what is read of them.
+//! A motion of a tip: its arrays or its file in a call, and the samples read from them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,13 +20,13 @@ use crate::link::{Link, PickledSource, Source, described_by};
 use crate::messages::{Raised, of_reading, usage};
 use crate::pool;
 
-/// What messages call samples that are from no file.
+/// Name of samples without a file in messages.
 pub(crate) const MOTION: &str = "motion";
 
-/// Keywords that hold samples of a motion.
+/// Keywords with samples of a motion.
 pub(crate) const COLUMNS: [&str; 4] = ["acceleration", "velocity", "displacement", "angle"];
 
-/// A motion as a call gives it.
+/// A motion in a call.
 pub(crate) enum Given {
     File(InputFile),
     Samples(Box<MotionColumns>),
@@ -67,7 +67,7 @@ impl Given {
         })
     }
 
-    /// The table of the tip of a link of this length, and how its file was read.
+    /// The table of the tip of a link of this length, and remarks on its file.
     fn table(
         &self,
         length_m: f64,
@@ -95,7 +95,7 @@ impl Given {
         Ok((table, Vec::new()))
     }
 
-    /// The motion of a link's tip, and how its file was read.
+    /// The motion of a link's tip, and remarks on its file.
     pub(crate) fn motion(
         &self,
         link: &LibraryLink,
@@ -110,7 +110,7 @@ impl Given {
         if let Self::File(file) = self { Some(file) } else { None }
     }
 
-    /// The arguments with which `unpickled` makes it again.
+    /// The arguments for `unpickled`.
     pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let columns = match self {
             Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),
@@ -156,7 +156,7 @@ pub(crate) fn taken_time<'py>(columns: &Bound<'py, PyDict>) -> PyResult<Bound<'p
     Ok(time)
 }
 
-/// Refuses what says how a file is read, where the samples are arrays in SI.
+/// Refuses options for reading files if the samples are arrays in SI.
 pub(crate) fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
     if options.resample.format(&options.read).drop_outliers {
         let hint =
@@ -173,7 +173,7 @@ pub(crate) fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
     }
 }
 
-/// The path that a text or a path-like object names.
+/// The path in a text or a path-like object.
 pub(crate) fn path_of(given: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
     if given.is_instance_of::<PyString>() || given.hasattr("__fspath__")? {
         return Ok(Some(given.extract::<PathBuf>()?));
@@ -185,7 +185,7 @@ pub(crate) fn path_of(given: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
 pub(crate) struct Call<'a> {
     pub(crate) given: Arc<Given>,
     pub(crate) arguments: Vec<String>,
-    /// Set where the call gives an object for it.
+    /// The object of the motion, if the call has one.
     pub(crate) motion: Option<&'a Motion>,
 }
 
@@ -218,7 +218,7 @@ impl<'a> Call<'a> {
     }
 }
 
-/// The options that say what the motion is, as arguments.
+/// The options that define the motion, as arguments.
 fn of_motion(options: &SolveOptions) -> Vec<String> {
     [options.resample.arguments(), options.scale.arguments(), options.read.arguments()].concat()
 }
@@ -249,9 +249,9 @@ pub(crate) struct Motion {
     pub(crate) reading: Vec<Notice>,
     pub(crate) tip: TipMotion,
     pub(crate) periods: Arc<Periods>,
-    /// The link that was given with it.
+    /// The link of the call.
     link: Option<Source>,
-    /// Length in m and gravity of the link whose arcs are given by angles.
+    /// Length in m and gravity of the link, for angles that stand for its arcs.
     arcs_of: Option<(f64, Option<Gravity>)>,
 }
 
@@ -286,7 +286,7 @@ impl Motion {
         Ok(Self { given, arguments, reading, tip, periods, link: source, arcs_of })
     }
 
-    /// Refuses a link of which the angles are not the arcs.
+    /// Refuses a link of another length or gravity if the motion is angles of a link.
     pub(crate) fn refuse_other(&self, link: &LibraryLink) -> Result<(), Failure> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
         let is_same = length_m.total_cmp(&link.length_m()).is_eq();

@@ -1,4 +1,4 @@
-//! A simulation and what it is made of: the keywords of `simulate`, the play, its files.
+//! A simulation: the keywords of `simulate`, the play, its files.
 
 use std::path::Path;
 
@@ -39,11 +39,11 @@ pub(crate) const OF_LINK: &str = "torque hub_angle hub_rate hold until feedback 
 pub(crate) const OF_ARM: &str =
     "torque hold until feedback reference reference_rate at target state";
 
-/// The keywords of a call, from which each is taken out.
+/// The remaining keywords of a call; reading removes a keyword.
 pub(crate) struct Keywords<'a, 'py>(pub(crate) &'a Bound<'py, PyDict>);
 
 impl<'py> Keywords<'_, 'py> {
-    /// The value of a keyword, unless it is None.
+    /// Removes a keyword and returns its value, unless it is None.
     pub(crate) fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(given) = self.0.get_item(name)? else { return Ok(None) };
         self.0.del_item(name)?;
@@ -58,7 +58,7 @@ impl<'py> Keywords<'_, 'py> {
         self.take(name)?.map(|given| given.extract::<f64>()).transpose()
     }
 
-    /// The torque between its samples, if it is said.
+    /// The torque between its samples, if the call says so.
     pub(crate) fn hold(&self) -> Result<Option<Interpolation>, Raised> {
         let Some(given) = self.take("hold")? else { return Ok(None) };
         let hold: String = given.extract()?;
@@ -73,7 +73,7 @@ impl<'py> Keywords<'_, 'py> {
         }))
     }
 
-    /// Refuses what is left: it is none of the `known`, or one of the `others` that belong to links or arms alone.
+    /// Refuses a remaining keyword: one outside the `known` ones, or one of the `others`, for links or arms alone.
     pub(crate) fn refuse_rest(&self, known: &str, others: &str, why: &str) -> Result<(), Raised> {
         let Some(key) = self.0.keys().iter().next() else { return Ok(()) };
         let key = key.extract::<String>()?;
@@ -89,7 +89,7 @@ pub(crate) fn history(error: &HistoryError) -> Failure {
     Failure::new(Exit::InputRefused, error, error.hint())
 }
 
-/// Refuses keywords of which the call has given both.
+/// Refuses two keywords in one call.
 pub(crate) fn refuse_both(given: [(&str, bool); 2]) -> Result<(), Failure> {
     match given {
         [(one, true), (other, true)] => {
@@ -99,7 +99,7 @@ pub(crate) fn refuse_both(given: [(&str, bool); 2]) -> Result<(), Failure> {
     }
 }
 
-/// A simulation, and what it was made of.
+/// A simulation, and its inputs.
 pub(crate) struct Run {
     pub(crate) specification: ArmSpecification,
     moves: Moves,
@@ -111,7 +111,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Plays what a call gives.
+    /// Plays the input of a call.
     pub(crate) fn of(specification: ArmSpecification, moves: Moves) -> Result<Self, Failure> {
         let ArmSpecification { arm, meshes, .. } = &specification;
         let play = moves.play();
@@ -130,7 +130,7 @@ impl Run {
         Ok(Self { warnings, ..run })
     }
 
-    /// Does something with the run as the command writes it.
+    /// Does something with the run in the form of the command.
     fn with<T>(&self, with: impl FnOnce(&PlayedRun<'_>) -> T) -> T {
         with(&PlayedRun {
             arm: &self.specification.arm,
@@ -148,7 +148,7 @@ impl Run {
         self.with(|run| Summary::of_played(RunInputs::of_arguments(arguments), run))
     }
 
-    /// What summary.json of a run holds.
+    /// The content of a run's summary.json.
     pub(crate) fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         let text = py.detach(|| pool::install(|| Ok(self.summary(Vec::new()).to_json())));
         Ok(py.import("json")?.call_method1("loads", (text?,))?)
@@ -183,7 +183,7 @@ impl Run {
     }
 }
 
-/// Takes the arrays of a call on one link out of its keywords, all that there are.
+/// Takes all arrays of a call on one link out of its keywords.
 pub(crate) fn link_moves(
     specification: &Specification,
     time: &Bound<'_, PyAny>,
@@ -261,8 +261,8 @@ pub(crate) fn link_moves(
     })
 }
 
-/// The state with which an earlier simulation of as many links ended: that of the object, or of the file that `save_state`
-/// wrote.
+/// The state at the end of an earlier simulation of this many links, from its object or from the file of
+/// `save_state`.
 pub(crate) fn state(given: &Bound<'_, PyAny>, links: usize) -> Result<State, Raised> {
     let of_link = given.cast::<PlayedLink>().ok().filter(|_| links == 1);
     let of_arm = given.cast::<ArmSimulation>().ok().filter(|_| links > 1);
@@ -279,6 +279,6 @@ pub(crate) fn state(given: &Bound<'_, PyAny>, links: usize) -> Result<State, Rai
     Ok(read_state(&file.shown, &file.bytes, links).map_err(Failure::from)?)
 }
 
-/// Feedback that is not whole.
+/// Error of incomplete feedback.
 pub(crate) const HALF_A_FEEDBACK: &str =
     "one of feedback and reference, but must be both or none, and reference_rate with them alone";

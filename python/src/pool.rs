@@ -1,4 +1,4 @@
-//! Threads that work for one process.
+//! Threads for one process.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process;
@@ -13,7 +13,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 /// it would wait for them forever, as in a `multiprocessing.Pool`.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
-/// Does work on the threads of this process, as many as cores or as RAYON_NUM_THREADS says.
+/// Does work on the threads of this process: one for each core, or RAYON_NUM_THREADS.
 pub(crate) fn install<T: Send>(
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
@@ -29,20 +29,20 @@ fn ours() -> Result<Arc<ThreadPool>, Failure> {
         return Ok(Arc::clone(threads));
     }
     let threads = Arc::new(started(0)?);
-    // The parent's threads are not here to be ended.
+    // The parent's threads do not exist here and cannot end.
     std::mem::forget(pool.replace((own, Arc::clone(&threads))));
     Ok(threads)
 }
 
-/// The same on threads of its own, for work that holds a lock: one of the threads of all calls, while it waits, may take
-/// up another call, which then waits for that lock.
+/// Does work that holds a lock, on separate threads. A waiting thread of the shared pool could take up another call,
+/// which then waits for the lock.
 pub(crate) fn apart<T: Send>(
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
     started(0)?.install(work)
 }
 
-/// The same on threads of its own that end the work when `stop` turns true.
+/// Does work on separate threads, which end it when `stop` turns true.
 pub(crate) fn stoppable<T: Send>(
     stop: &Arc<AtomicBool>,
     work: impl FnOnce() -> Result<T, Failure> + Send,
@@ -59,7 +59,7 @@ pub(crate) fn stoppable<T: Send>(
     }
 }
 
-/// So many threads, or as many as cores for 0.
+/// A pool of this many threads; one for each core at 0.
 pub(crate) fn started(threads: usize) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| not_started(&error))
 }

@@ -34,7 +34,7 @@ enum Gains {
     Each(Vec<[f64; 2]>),
 }
 
-/// Takes the arrays of a call on an arm out of its keywords, all that there are.
+/// Takes all arrays of a call on an arm out of its keywords.
 fn arm_moves(
     arm: &Arm,
     time: &Bound<'_, PyAny>,
@@ -89,7 +89,7 @@ fn arm_moves(
     })
 }
 
-/// Angles of the joints at these times, and their rates where they are known.
+/// Angles of the joints at these times, and their rates if known.
 fn joint_references(
     time_s: &[f64],
     angles: Vec<Vec<f64>>,
@@ -118,7 +118,7 @@ fn places(given: &Bound<'_, PyAny>, grid: TimeGrid) -> Result<TipPlaces, Raised>
 pub(crate) struct ArmSimulation(pub(crate) Run);
 
 impl ArmSimulation {
-    /// Plays what the call gives, until Ctrl-C.
+    /// Plays the input of the call, until Ctrl-C.
     pub(crate) fn play(
         py: Python<'_>,
         arm: &Arm,

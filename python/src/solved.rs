@@ -1,4 +1,4 @@
-//! A solution with what it came from: its record, and the files of `flexlink solve`.
+//! A solution with its inputs: its record, and the files of `flexlink solve`.
 
 use std::path::Path;
 
@@ -42,19 +42,19 @@ impl SolvedRun {
         &self.solved.solution
     }
 
-    /// What is possible but rare.
+    /// Remarks on unusual input.
     pub(crate) fn remarks(&self) -> Vec<Remark> {
         remarks(&self.of_file, self.solution(), self.dropped)
     }
 
-    /// The options of the call, with those of writing.
+    /// The options of the call and of writing.
     pub(crate) fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
         let changes = self.source.changes.iter();
         let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);
         solve_options(&changes.chain(self.keywords.clone()).chain(more).collect::<Vec<_>>())
     }
 
-    /// What a run of the command would record; of inputs that are no files the arguments alone.
+    /// The summary that the command would record. For inputs without files it has only the arguments.
     fn record(
         &self,
         motion: Option<&InputFile>,

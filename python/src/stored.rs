@@ -34,14 +34,14 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Ra
     }
 }
 
-/// Columns of numbers as arrays, those with a word as lists.
+/// Columns of numbers as arrays, columns with a word as lists.
 fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     for column in &sweep.table.columns {
         let cells: Vec<Cell> = (0..sweep.table.lines.len()).map(|row| column.cell(row)).collect();
         let number = |cell: &Cell| match cell {
             Cell::Number(number) => Some(*number),
-            // An empty field is a number that a case does not have.
+            // An empty field is a missing number of a case.
             Cell::Word("") => Some(f64::NAN),
             Cell::Word(_) => None,
         };
@@ -65,12 +65,12 @@ pub(crate) struct Run {
     arc: StoredArc,
 }
 
-/// What a folder without the tables of nodes is, and one without moments.
+/// Advice for a folder without the tables of nodes, and for one without moments.
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
 const NO_MOMENTS: &str =
     "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
 
-/// A quantity at nodes, or the error that it is not there.
+/// A quantity at nodes, or an error if the folder lacks it.
 fn written<'a>(
     of: Option<&'a StoredNodes>,
     what: &str,
@@ -81,7 +81,7 @@ fn written<'a>(
 }
 
 impl Run {
-    /// What is there of nodes.
+    /// A quantity at nodes in the folder, if there is one.
     fn nodal(&self) -> Option<&StoredNodes> {
         self.arc.deflections_m.as_ref().or(self.run.links[0].moments_n_m.as_ref())
     }
@@ -99,7 +99,7 @@ impl Run {
         (nodes, addend): (Option<Vec<usize>>, impl Fn(f64, f64) -> f64),
     ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
         let StoredArc { origin_rad, mesh, .. } = &self.arc;
-        // Both are ascending; times that were written once are the same numbers.
+        // Both are ascending, and equal times have equal numbers.
         let mut hub = self.run.times_s.iter().zip(&self.hub().angle_rad);
         let turned = of.times_s.iter().map(|at_s| {
             let found = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - self.half_a_step_s());

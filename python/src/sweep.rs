@@ -76,7 +76,7 @@ pub(crate) fn sweep<'py>(
     Ok(table(varied, shared.kind, rows)?)
 }
 
-/// A number of threads in a call, at most as many as the command takes.
+/// Number of threads in a call, up to the limit of the command.
 pub(crate) struct Threads(usize);
 
 impl Threads {
@@ -96,7 +96,7 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
     }
 }
 
-/// The values of each key that cases change, in the order in which the keys come.
+/// The values of each key that cases change, in the order of their first use.
 fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     for case in cases {
@@ -120,7 +120,7 @@ fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<
     Ok(table)
 }
 
-/// The rows of all cases, or of those that were done when `stop` turned true.
+/// The rows of all cases, or of the finished ones when `stop` turned true.
 fn all_rows(
     shared: &mut Shared,
     cases: &[Case],
@@ -146,7 +146,7 @@ fn all_rows(
     })
 }
 
-/// Adds the columns of numbers, warnings and errors to those of the `varied` values.
+/// Adds the columns of numbers, warnings and errors to the `varied` values.
 fn table(
     varied: Bound<'_, PyDict>,
     kind: SweepKind,

@@ -49,10 +49,10 @@ impl Case {
     }
 }
 
-/// What came of a case: its numbers, and its warnings; or why it has none.
+/// Result of a case: its numbers and its warnings, or its error.
 pub(crate) type Row = Result<(CaseNumbers, Vec<Notice>), Failure>;
 
-/// The keywords of the call as options, and where the results of the cases go, a folder each.
+/// The keywords of the call as options, and the folder of the cases' folders.
 pub(crate) struct Outputs {
     arguments: Vec<String>,
     options: SolveOptions,
@@ -60,12 +60,12 @@ pub(crate) struct Outputs {
     cases: usize,
 }
 
-/// Options that choose what is written.
+/// Options of the results' files.
 const WRITTEN: [&str; 7] =
     ["--nodes", "--stations", "--every", "--deflections", "--moments", "--digits", "--golden"];
 
 impl Outputs {
-    /// Refuses options of results where none are written.
+    /// Refuses options for results without a folder for them.
     pub(crate) fn of(
         arguments: Vec<String>,
         folder: Option<PathBuf>,
@@ -109,24 +109,24 @@ impl Outputs {
     }
 }
 
-/// All that the cases share.
+/// Common data of all cases.
 pub(crate) struct Shared {
     source: Source,
     document: LinkDocument,
     outputs: Outputs,
     problem: Problem,
     pub(crate) kind: SweepKind,
-    /// Memory in bytes that each of the cases solved at the same time may take, set when they begin.
+    /// Memory in bytes for each of the cases that run at the same time, set at their start.
     pub(crate) memory_bytes: Option<usize>,
 }
 
-/// What is solved in each case.
+/// The problem of each case.
 enum Problem {
     Link(Box<OfLink>),
     Arm { given: Box<GivenPath>, path: Box<PathTable>, links: usize },
 }
 
-/// A motion as it was given, that of the link as it is, and its periods, which most cases have.
+/// A motion as given, the motion of the unchanged link, and the periods that most cases share.
 struct OfLink {
     given: Arc<Given>,
     length_m: f64,
@@ -190,7 +190,7 @@ impl Shared {
         Ok(Self { source: source.clone(), document, outputs, problem, kind, memory_bytes: None })
     }
 
-    /// The row of a case, from 0. Results that cannot be written end the sweep.
+    /// The row of a case, from 0. Failed writing of results ends the sweep.
     pub(crate) fn row(&self, number: usize, case: &Case) -> Result<Row, Failure> {
         match self.outcome(number, case) {
             Err(failure) if matches!(failure.exit, Exit::CannotWrite) => Err(failure),
@@ -228,7 +228,7 @@ impl Shared {
         Ok((numbers, notices))
     }
 
-    /// The problem of a case, and the file of its motion, where it is one.
+    /// The problem of a case, and the file of its motion, if it has one.
     fn link_problem(
         &self,
         specification: Specification,
@@ -241,7 +241,7 @@ impl Shared {
         let OfLink { given, length_m, motion, .. } = &**of;
         let options = &self.outputs.options;
         let Specification { link, mesh, analysis, .. } = &specification;
-        // Angles are arcs of the link's length, which may be what is varied, as may its start angle.
+        // Angles are arcs of the link's length. A case may vary this length and the start angle.
         let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
         let motion = if is_alike { motion.clone() } else { given.motion(link, options)?.0 };
         let motion = motion
@@ -254,7 +254,7 @@ impl Shared {
         Ok((Solvable::of_link(MOTION, specification, motion), given.file()))
     }
 
-    /// The same of an arm.
+    /// The problem of a case of an arm, and the file of its path, if it has one.
     fn arm_problem(
         &self,
         mut specification: ArmSpecification,

@@ -1,4 +1,4 @@
-//! `trajectory`: motions of a tip and paths of an arm's tip, made by the command's options.
+//! `trajectory`: motions of a tip and paths of an arm's tip, from the command's options.
 
 use crate::messages::Raised;
 use clap::Parser;
@@ -21,7 +21,7 @@ struct Keywords {
     trajectory: Trajectory,
 }
 
-/// Options that are given once for each element of a list.
+/// Options that a list repeats once for each element.
 const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
 
 /// `from` is a word of Python.

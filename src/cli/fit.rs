@@ -1,4 +1,4 @@
-//! `fit`: the link or the arm that was measured.
+//! `fit`: the measured link or arm.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -126,10 +126,10 @@ pub(crate) struct Fit {
     report: Option<Option<PathBuf>>,
 }
 
-/// What is fitted, and to what.
+/// A link or an arm, its free values, and the measurements to fit.
 pub struct Problem {
     link: InputFile,
-    /// The file's own link or arm, the changes of the command line made.
+    /// The link or arm of the file, with the changes of the command line.
     own: Described,
     document: LinkDocument,
     changes: Vec<Override>,
@@ -138,10 +138,10 @@ pub struct Problem {
     pub inputs: FitInputs,
 }
 
-/// How files were read, each after its name.
+/// Manner of reading each file, after its name.
 type Readings = Vec<(String, Reading)>;
 
-/// A link or an arm to be fitted, and its file.
+/// A link or an arm before the fit, and its file.
 pub struct Unfitted {
     pub link: InputFile,
     pub own: Described,
@@ -222,8 +222,8 @@ impl Fit {
         Ok(problem)
     }
 
-    /// Writes the link file, if the fit is one to believe, its record and the page, together; returns what was
-    /// replaced, and the line that names the page.
+    /// Writes the link file, if the fit is credible, its record and the page, together. Returns the replaced values,
+    /// and the line that names the page.
     fn write(
         &self,
         problem: &Problem,
@@ -274,8 +274,8 @@ pub fn check_output(output: &Path) -> Result<(), Failure> {
 }
 
 impl Problem {
-    /// Reads the measured values, and which values are free. Returns the files that were named besides, too, and how
-    /// they were read.
+    /// Reads the measured values and the names of the free values. Also returns the further files that the
+    /// measurements name, and the manner of reading them.
     pub fn read(
         Unfitted { link, own, changes }: Unfitted,
         free_texts: &[String],
@@ -307,7 +307,7 @@ impl Problem {
         Ok((problem, named, readings))
     }
 
-    /// Fits the free values; `tried` gets the number of links that were tried before.
+    /// Fits the free values; `tried` receives the number of links tried so far.
     pub fn fit(&self, tried: &(dyn Fn(usize) + Sync)) -> Result<FitOutcome, Failure> {
         let free: Vec<Free> = self.free.iter().map(|(_, free)| free.clone()).collect();
         let count = AtomicUsize::new(0);
@@ -356,7 +356,7 @@ impl Problem {
         }
     }
 
-    /// True if records are compared with a link of hysteretic damping.
+    /// True if a record needs a play of a link with hysteretic damping.
     fn plays_as_viscous(&self) -> bool {
         let Described::Link(own) = &self.own else { return false };
         let is_hysteretic =
@@ -371,7 +371,7 @@ impl Problem {
         Ok(self.changes.iter().cloned().chain(free).collect())
     }
 
-    /// The link file with the fitted values, and what was replaced.
+    /// The link file with the fitted values, and the replaced values.
     pub fn fitted(&self, outcome: &FitOutcome) -> Result<(String, Vec<Replaced>), Failure> {
         let factors: Vec<f64> = outcome.values.iter().map(|value| value.factor).collect();
         let changes = self.changed(&factors)?;
@@ -379,7 +379,7 @@ impl Problem {
     }
 }
 
-/// Prints values, residuals, and what is to be known to believe them.
+/// Prints values, residuals, and the facts that make them credible.
 fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<(), Failure> {
     for undetermined in &outcome.undetermined {
         console::plain(&undetermined.to_string());

@@ -30,16 +30,16 @@ Example:
   flexlink frf hanging.toml --at '-90 deg' -o frf.csv
   flexlink frf arm.toml --at '30 deg,75 deg' -o frf.csv";
 
-/// Bytes that a row takes besides itself while its fourteen columns are written, as measured.
+/// Bytes of a row besides itself while its fourteen columns are written, as measured.
 const ROW_BYTES: usize = 160;
 
-/// Natural frequencies that the default range of frequencies is around.
+/// Number of natural frequencies within the default range of frequencies.
 const DEFAULT_MODES: usize = 5;
 
-/// Bytes that one transfer of an arm takes at one frequency: twice as it is found, and as it is written.
+/// Bytes of one transfer of an arm at one frequency: twice as computed, and once as written.
 const RESPONSE_BYTES: usize = 64 + 80;
 
-/// Bytes that a run takes besides its rows.
+/// Bytes of a run besides its rows.
 const OWN_BYTES: usize = 16 << 20;
 
 /// Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip
@@ -100,15 +100,15 @@ pub struct Frf {
     warnings: WarningArgs,
 }
 
-/// Frequencies whose fourth powers are numbers.
+/// Frequencies whose fourth powers are finite and not 0.
 const FREQUENCIES_HZ: RangeInclusive<f64> = 1e-70..=1e70;
 
-/// A frequency response, as it is written.
+/// A frequency response for writing.
 pub struct Responses {
     pub columns: ResponseColumns,
-    /// Not known where modal damping allows no halved elements; always known in a pose.
+    /// Unknown if modal damping allows no halved elements; always known in a pose.
     pub error: Option<BandMeshError>,
-    /// True where the links leave the pose if their joints are free.
+    /// True if the links leave the pose with free joints.
     falls: bool,
 }
 
@@ -224,7 +224,7 @@ impl Frf {
         Ok(((0..self.points).map(frequency_hz).collect(), to_hz))
     }
 
-    /// Prints the mesh error, and whether the links fall; returns the number of warnings.
+    /// Prints the mesh error and a warning of a fall; returns the number of warnings.
     fn tell(
         &self,
         ArmSpecification { arm, remarks, .. }: &ArmSpecification,

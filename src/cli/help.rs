@@ -5,7 +5,7 @@ use clap::{Args, Command};
 
 use crate::cli::terminal::{Failure, console};
 
-/// Pages of the book by topic, with what each one holds.
+/// Pages of the book by topic, with the content of each.
 const PAGES: [(&str, &str, &str); 18] = [
     ("index", "What the book holds", include_str!("../../docs/index.md")),
     ("install", "Install and test", include_str!("../../docs/install.md")),
@@ -31,7 +31,7 @@ const PAGES: [(&str, &str, &str); 18] = [
     ("paper", "Comparison with the paper", include_str!("../../docs/paper.md")),
 ];
 
-/// All commands but `help`: completions of shells list them.
+/// All commands but `help`, as completions of shells list them.
 const COMMANDS: [&str; 14] = [
     "solve",
     "simulate",
@@ -49,10 +49,10 @@ const COMMANDS: [&str; 14] = [
     "man",
 ];
 
-/// Columns of a page, which any terminal has; letters in names of files and numbers make none longer.
+/// Width of a page in columns, which any terminal has. Names of files and numbers do not exceed it.
 const WIDTH: usize = 80;
 
-/// A column of a table gets no narrower.
+/// Least width of a table's column.
 const NARROWEST: usize = 12;
 
 const EXAMPLE: &str = "\
@@ -86,8 +86,8 @@ impl Help {
     }
 }
 
-/// A page of Markdown as plain text: lines and tables of `WIDTH` columns, code as it is, no marks of
-/// emphasis, and for a link its text and its page. Figures are left out.
+/// A page of Markdown as plain text: lines and tables of `WIDTH` columns, code as it is, no marks of emphasis, no
+/// figures. A link becomes its text and its page.
 fn terminal_text(page: &str) -> String {
     let mut text = String::new();
     let mut lines = page.lines().peekable();
@@ -140,7 +140,7 @@ fn is_page(name: &str) -> bool {
     PAGES.iter().any(|(page, ..)| *page == name)
 }
 
-/// A text without marks of emphasis and links; code is kept with its marks.
+/// A text without marks of emphasis and links; code keeps its marks.
 fn inline(text: &str) -> String {
     let mut pieces = text.split('`');
     let mut shown = String::new();
@@ -172,7 +172,7 @@ fn inline(text: &str) -> String {
     text
 }
 
-/// A table with columns as wide as they need to be, or narrower ones whose cells have several lines.
+/// A table with columns as wide as necessary, or narrower ones whose cells have several lines.
 fn table(rows: &[&str]) -> String {
     let cells = |row: &&str| -> Vec<String> {
         row.trim_matches('|').split('|').map(|cell| inline(cell.trim())).collect()
@@ -210,7 +210,7 @@ fn table(rows: &[&str]) -> String {
     text
 }
 
-/// Lines of at most so many letters, but for longer words.
+/// Lines of at most `width` letters, except for longer words.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // A percent sign stays with its number.
@@ -253,7 +253,7 @@ mod tests {
         for (name, _, page) in PAGES {
             let text = terminal_text(page);
             assert!(!text.contains("]("), "{name}");
-            // Code and printed results are as they are.
+            // Code and printed results stay as they are.
             for line in text.lines().filter(|line| !line.starts_with("    ")) {
                 assert!(line.chars().count() <= WIDTH, "{name}: {line}");
                 // Python's `**motion` is code.

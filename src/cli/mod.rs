@@ -63,8 +63,8 @@ enum Command {
     Help(help::Help),
 }
 
-/// Runs the command of a command line, the program's name first, and returns the exit code: the one place that prints an
-/// error and its hint. It sets the process's allocator, threads and signals up.
+/// Runs the command of a command line, the program's name first, and returns the exit code. Only this function prints
+/// an error and its hint. It sets up the allocator, the threads and the signals of the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let mut program = Cli::command();
     let parsed = program.try_get_matches_from_mut(arguments).and_then(|matches| {
@@ -90,7 +90,7 @@ impl Command {
         if !matches!(self, Self::Sweep(_)) {
             interrupt::end_in_order();
         }
-        // These start as many threads as their option says.
+        // These commands start as many threads as their option says.
         if !matches!(self, Self::Solve(_) | Self::Simulate(_) | Self::Verify(_) | Self::Sweep(_)) {
             ThreadArgs::default().start()?;
         }

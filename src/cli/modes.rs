@@ -29,14 +29,14 @@ Example:
   flexlink modes hanging.toml --at '-90 deg' -o out
   flexlink modes arm.toml --at '30 deg,75 deg' -o out";
 
-/// Error of an automatic mesh in the modes of a pose. They are computed by dense algebra, whose round-off grows with the
+/// Error of an automatic mesh in the modes of a pose. Dense algebra computes them, and its round-off grows with the
 /// fourth power of the number of elements.
 const POSE_TOLERANCE: f64 = 1e-5;
 
-/// Gravity along the link over all of it that counts as none.
+/// Share of gravity along the link below which it counts as 0.
 const ACROSS: f64 = 1e-12;
 
-/// Memory in bytes that a node takes in a shape: as computed, and as it is written.
+/// Memory in bytes of a node in a shape, as computed and as written.
 const BYTES_PER_DISPLACEMENT: usize = 16;
 
 /// Natural frequencies, mode shapes and zeros of a link or an arm.
@@ -122,14 +122,14 @@ impl Modes {
     }
 }
 
-/// How much is computed in a pose.
+/// Extent of the results in a pose.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub enum Wanted {
     /// Modes alone.
     Modes,
     /// Zeros of the links, too.
     Zeros,
-    /// All that is written to tables: modes, zeros and shapes.
+    /// All tables: modes, zeros and shapes.
     Tables,
 }
 
@@ -184,7 +184,7 @@ fn at_rest(
     Ok(ModesResult { setting, free, held, joint_stiffnesses_n_m_rad, zeros, meshes: links, shapes })
 }
 
-/// Modes of a straight link that points in a direction.
+/// Modes of a straight link in one direction.
 fn straight(
     (link, plan): (&Link, &MeshPlan),
     angle_rad: f64,
@@ -302,7 +302,7 @@ fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, 
     })
 }
 
-/// Says that a link or an arm falls from a pose with its hub, or joints, in a state.
+/// Message of a link or an arm that falls from a pose with its hub, or joints, in a state.
 pub(crate) fn falling(arm: &Arm, state: &str) -> String {
     let (what, joints) =
         if arm.links().len() == 1 { ("link", "hub is") } else { ("arm", "joints are") };
@@ -323,20 +323,20 @@ fn warn_of_fall(arm: &Arm, [free, held]: [bool; 2]) -> usize {
     usize::from(free || held)
 }
 
-/// Refuses mode shapes of so many displacements that they do not fit into the memory.
+/// Refuses mode shapes of this many displacements if they exceed the memory.
 fn check_shapes(displacements: usize) -> Result<(), Failure> {
     let bytes = displacements * BYTES_PER_DISPLACEMENT;
     memory::check("the mode shapes", bytes, None, "ask for fewer modes: --count")
 }
 
-/// Values on a mesh, and what it is wrong by.
+/// Values on a mesh, and their errors.
 fn with_errors(mesh: &Mesh, of: &dyn Fn(&Mesh) -> Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     let values = of(mesh);
     let errors = mesh_errors(mesh, &values, &of(&mesh.refined()));
     (values, errors)
 }
 
-/// The first `count` zeros of a link, and those at real frequencies below `highest_rad_s`.
+/// The first `count` zeros of a link, and the zeros at real frequencies below `highest_rad_s`.
 fn zeros_on(mesh: &Mesh, count: usize, highest_rad_s: f64) -> LinkZeros {
     let (zeros_per_s, mesh_errors) = with_errors(mesh, &|mesh| torque_zeros(mesh, count));
     let (blocked, blocked_mesh_errors) =
@@ -367,8 +367,8 @@ fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesR
     warnings + warn_of_fall(arm, falls) + level.unwrap_or_default()
 }
 
-/// The mesh on which the modes are exact to the plan's tolerance, and their frequencies in rad/s:
-/// fewer than `count` where the link has fewer, as massless ones may.
+/// The mesh for modes within the plan's tolerance, and their frequencies in rad/s: fewer than `count` if the link has
+/// fewer, for example with massless parts.
 fn resolved(link: &Link, plan: &MeshPlan, count: usize) -> Result<(Mesh, Vec<f64>), Failure> {
     let mut mesh = Mesh::new(link, plan)?;
     let mut frequencies = natural_frequencies(&mesh, count);

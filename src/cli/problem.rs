@@ -24,14 +24,14 @@ const DOUBTED_BYTES: usize = 3_000_000_000;
 pub struct Problem {
     pub specification: ArmSpecification,
     motion: Motion,
-    /// The file of a link's motion, or that of an arm, as messages call it.
+    /// Name in messages of the file of a link's motion or an arm's path.
     file: String,
     /// The table of an arm's path.
     table: Option<PathTable>,
 }
 
 impl Problem {
-    /// Reads the motion of a link or an arm. Tells what was guessed of the file.
+    /// Reads the motion of a link or an arm. Reports guesses about the file.
     pub(crate) fn read(
         (file, described): (&InputFile, Described),
         motion_file: &InputFile,
@@ -53,7 +53,7 @@ impl Problem {
         }
     }
 
-    /// A link and the motion of a file that messages call `file`.
+    /// A link and the motion of a file with the name `file` in messages.
     pub fn of_link(file: &str, specification: Specification, motion: TipMotion) -> Self {
         let (specification, file) = (specification.into(), file.to_owned());
         Self { specification, motion: Motion::Tip(motion), file, table: None }
@@ -86,7 +86,7 @@ impl Problem {
         memory_bytes: Option<usize>,
         stages: &StageBar,
     ) -> Result<Solved, Failure> {
-        // Times in another unit make the work large or impossible: they are told before it.
+        // Times in another unit make the work large or impossible, so this remark comes before the work.
         let duration = self.motion.tip().and_then(Remark::on_duration);
         stages.above(|| console::remarks(&duration));
         let most = memory_bytes.unwrap_or(usize::MAX);
@@ -127,7 +127,7 @@ impl Problem {
         Ok(solved)
     }
 
-    /// Samples of an arm's path that were replaced.
+    /// Number of replaced samples of an arm's path.
     pub fn dropped(&self) -> usize {
         self.table.as_ref().map_or(0, |table| table.reading().dropped())
     }
@@ -149,7 +149,7 @@ impl Problem {
         Ok(Solved::of(solution, self.specification.limits.clone()))
     }
 
-    /// Why there is no solution: with its row of the path, or the link of the arm, where one is to blame.
+    /// Failure of a missing solution, with the faulty row of the path or link of the arm.
     fn failure(&self, error: ArmError) -> Failure {
         let (name, hint, ArmSpecification { arm, lines, .. }) =
             (&self.file, error.hint(), &self.specification);
@@ -177,7 +177,7 @@ impl Problem {
     }
 }
 
-/// A solution, and what follows from it.
+/// A solution, with its numbers, limits and remarks.
 pub struct Solved {
     pub solution: Solution,
     pub metrics: Metrics,
@@ -197,13 +197,13 @@ impl Solved {
         Self { solution, metrics, limits, exceeded, remarks: Vec::new() }
     }
 
-    /// What is known of the solution beside its numbers.
+    /// Limits, checks and remarks of the solution beside its numbers.
     pub fn findings<'a>(&'a self, verification: Option<&'a Verification>) -> Findings<'a> {
         let Self { limits, exceeded, remarks, .. } = self;
         Findings { limits, exceeded, verification, remarks }
     }
 
-    /// Checks the solution, whose torques are written with this many digits.
+    /// Checks the solution; the torques have this many digits in their file.
     pub(crate) fn verified(
         &self,
         plans: &[MeshPlan],
@@ -215,13 +215,13 @@ impl Solved {
         let torques = TorqueTable::of(solution);
         let written = torques.whole_n_m().iter().map(|torque_n_m| digits.as_written(torque_n_m));
         let written_torques_n_m = &written.collect::<Vec<_>>();
-        // Less memory is free than before the inversion: the solution stays.
+        // Less memory is free than before the inversion, because the solution stays.
         let memory_bytes = memory::available();
         verify(&Answer { solution, plans, limits, memory_bytes, written_torques_n_m })
     }
 
-    /// Prints the remarks and the warnings; the remark on the duration was printed before the work. Returns the number of
-    /// warnings.
+    /// Prints the remarks and the warnings; the remark on the duration was printed before the work. Returns the
+    /// number of warnings.
     pub(crate) fn tell(&self) -> usize {
         console::remarks(self.remarks.iter().filter(|own| !matches!(own, Remark::Duration { .. })));
         console::warnings(&self.solution.warnings);

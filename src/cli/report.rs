@@ -63,7 +63,7 @@ impl Report {
         let file = self.page_file()?;
         let all = || std::iter::once(&self.result).chain(&self.beside);
         memory::check_tables(all().map(|result| bytes_of(result)).sum(), PAGE_TIMES)?;
-        // A page beside the files that are read: no other run may replace them meanwhile.
+        // No other run may replace the files beside a page while it is made.
         let is_within = file.as_ref().is_some_and(|file| match &self.output {
             Some(typed) => lies_in(typed, &self.result),
             None => file.parent() == Some(&self.result) && self.result.is_dir(),
@@ -86,7 +86,7 @@ impl Report {
         if self.quiet { Ok(()) } else { console::print(&written) }
     }
 
-    /// The file of the page; none if figures alone are written.
+    /// The file of the page; `None` for figures alone.
     fn page_file(&self) -> Result<Option<PathBuf>, Failure> {
         if let Some(output) = &self.output {
             for result in std::iter::once(&self.result).chain(&self.beside) {
@@ -98,8 +98,8 @@ impl Report {
         Ok(self.output.clone().or_else(|| is_alone.then(|| beside(&self.result))))
     }
 
-    /// Writes the page to a file, in the folder of the `run` if it is there, and returns the line that says
-    /// so; none for standard output.
+    /// Writes the page to a file, in the folder of the `run` if it is there, and returns a line with its name; `None`
+    /// for standard output.
     fn write_page(
         &self,
         page: &str,
@@ -120,10 +120,10 @@ impl Report {
     }
 }
 
-/// Memory that reading a result and making its page takes, over the size of its files, as measured.
+/// Memory for reading a result and making its page, over the size of its files, as measured.
 const PAGE_TIMES: usize = 8;
 
-/// Bytes of a result: of the file itself, or of those in its folder.
+/// Bytes of a result: of the file, or of the files in its folder.
 fn bytes_of(result: &Path) -> usize {
     let size = |path: &Path| path.metadata().map_or(0, |found| found.len());
     let bytes = match result.read_dir() {
@@ -152,7 +152,7 @@ fn beside(result: &Path) -> PathBuf {
     }
 }
 
-/// Writes the figures into a folder, and returns the line that says so.
+/// Writes the figures into a folder, and returns a line with its name.
 fn write_figures(
     folder: &Path,
     figures: &Figures,

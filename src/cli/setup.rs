@@ -1,4 +1,4 @@
-//! `init`, `schema`, `completions` and `man`: files that a user begins with.
+//! `init`, `schema`, `completions` and `man`: files for the first use.
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -81,7 +81,7 @@ fn motion() -> Result<Vec<u8>, Failure> {
     Ok(text)
 }
 
-/// A path of an arm's tip, as smooth.
+/// A path of an arm's tip, equally smooth.
 fn path() -> Result<Vec<u8>, Failure> {
     let not_written = |error: &dyn Display| Failure::new(Exit::CannotWrite, &error, None);
     let mut text =

@@ -1,4 +1,4 @@
-//! What was measured of a link or an arm, read from its file and from those that it names.
+//! Measurements of a link or an arm, read from their file and the files that it names.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::spec::{
     DecayFile, MeasuredFile, RecordFile, ResponseFile, SpecError, read_measurements,
 };
 
-/// Measurements, the files that they are from, and how these were read.
+/// Measurements, their files, and the manner of reading them.
 #[derive(Debug)]
 pub struct MeasuredSet {
     /// What was measured.
@@ -27,14 +27,14 @@ pub struct MeasuredSet {
     pub file: InputFile,
     /// The files that it names, in its order: responses, then records, then decays.
     pub named: Vec<InputFile>,
-    /// How each of them was read, after its name.
+    /// Manner of reading each file, after its name.
     pub readings: Vec<(String, Reading)>,
 }
 
 /// Why measurements are refused.
 #[derive(Debug, Error)]
 pub enum MeasuredError {
-    /// A file that cannot be read.
+    /// An unreadable file.
     #[error(transparent)]
     Input(#[from] InputError),
     /// The file of measured values.
@@ -43,18 +43,18 @@ pub enum MeasuredError {
     /// A response or a record.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// Numbers that cannot be fitted to, with their file.
+    /// Numbers that do not allow a fit, with their file.
     #[error("{message}")]
     Refused {
         /// The file, and what is wrong.
         message: String,
-        /// What the user can do about it.
+        /// Remedy for the user.
         hint: Option<&'static str>,
     },
 }
 
 impl MeasuredError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&str> {
         match self {
             Self::Input(error) => error.hint(),
@@ -76,11 +76,11 @@ impl MeasuredError {
     }
 }
 
-/// Reads a file of measured values (TOML) of a link or an arm, and all files that it names. Modes are looked for in decays
-/// about where the link or the arm has them.
+/// Reads a file of measured values (TOML) of a link or an arm, and all files that it names. Searches decays for modes
+/// near the frequencies of the link or the arm.
 ///
 /// # Errors
-/// [`MeasuredError`] names the file, and the line where one is at fault.
+/// [`MeasuredError`] names the file, and the faulty line.
 pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, MeasuredError> {
     let file = InputFile::read_toml(path)?;
     let MeasuredFile { mut values, responses, records, decays, motor } =
@@ -126,11 +126,11 @@ pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, Measured
     Ok(MeasuredSet { measurements, file, named, readings })
 }
 
-/// What to do about values without uncertainty beside those of a decay.
+/// Advice for values without uncertainty beside the values of a decay.
 const OF_DECAYS: &str = "the values of a [[decay]] have the uncertainties that its samples show: give one to all others, \
                          or write the values of the decay as [[frequency]] and [[damping]] without";
 
-/// The modes of a decay, the values that are taken from it, and how it was read.
+/// The modes of a decay, its values for the fit, and how the program read it.
 fn decay_of(
     table: &InputFile,
     decay: DecayFile,

@@ -107,10 +107,10 @@ fn places(text: &str) -> Option<(i32, i32)> {
     Some((first, decimals.checked_sub(exponent)?))
 }
 
-/// Largest distance of a time from the uniform grid, in steps, up to which a motion is interpolated without an option.
+/// Largest distance of a time from the uniform grid, in steps, that needs no option for interpolation.
 pub const LARGEST_JITTER: f64 = 0.05;
 
-/// Jitter in steps up to which times count as uniform if the tip does not show it.
+/// Jitter in steps below which times count as uniform if the tip does not show it.
 const UNIFORM: f64 = 1e-3;
 
 /// Tip displacement due to jitter, over the travel, that stays unnoticed.

@@ -100,6 +100,6 @@ fn torques_that_do_not_hold_the_arm_where_it_starts_are_warned_of() {
     let bench = bench();
     bench.write("none.csv", "time,torque1,torque2\n0,0,0\n0.01,0,0\n0.02,0,0\n0.03,0,0\n");
     let told = stderr(&bench.run(&["simulate", "arm.toml", "none.csv", "--at", "0,1"]));
-    let begins = "warning: torque1 begins with 0.000 N m, but 11.08 N m hold the arm";
+    let begins = "warning: torque1 begins with 0.0 N m, but 11.0824 N m hold the arm";
     assert!(told.starts_with(begins), "{told}");
 }

@@ -8,7 +8,7 @@ use crate::source::{module, sources, without_text};
 /// Module path of a file.
 type Module = Vec<String>;
 
-/// One name that a `use` brings in, and the path behind it.
+/// One imported name, and the path behind it.
 struct Import {
     path: Vec<String>,
     name: String,
@@ -30,7 +30,7 @@ impl Tree {
         Self(files.map(|(path, source)| (module(&path), File::new(&path, &source))).collect())
     }
 
-    /// The file that defines what `path` names, seen from `at`. None for what other crates define.
+    /// The file that defines `path`, seen from `at`. `None` for names of other crates.
     fn definition(&self, at: &[String], path: &[String]) -> Option<Module> {
         let (mut current, rest) = match path[0].as_str() {
             "crate" => (Vec::new(), &path[1..]),
@@ -74,7 +74,7 @@ impl Tree {
             .find(|import| import.name == name && (import.path.len() > 1 || import.path[0] != name))
     }
 
-    /// The files whose definitions a file names; a mod.rs need not know its re-exports.
+    /// The files whose definitions a file names; a mod.rs may ignore its re-exports.
     fn needs(&self, at: &Module, file: &File) -> BTreeSet<Module> {
         let imports = file.imports.iter().filter(|import| !(file.is_mod && import.re_export));
         let named = imports.map(|import| import.path.clone()).chain(paths(&file.code));
@@ -110,7 +110,7 @@ impl Tree {
 
 impl File {
     fn new(path: &Path, source: &str) -> Self {
-        // The tests of a file stand at its end, and may use what they like.
+        // The tests at the end of a file may use any room.
         let tested = source.split("\n#[cfg(test)]\nmod tests").next().unwrap_or(source);
         let text = without_text(tested);
         let mut code = String::new();
@@ -168,7 +168,7 @@ fn expand(prefix: &[String], tree: &str, re_export: bool, imports: &mut Vec<Impo
     imports.push(Import { path, name, re_export });
 }
 
-/// Paths of two names and more in code. A visibility is no use of its path.
+/// Paths of two names and more in code. The path in a visibility does not count.
 fn paths(code: &str) -> Vec<Vec<String>> {
     let code = code.replace("pub(in crate::", "pub(in ");
     let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';

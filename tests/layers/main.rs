@@ -1,5 +1,5 @@
-//! The import law: five floors of rooms; a room imports only from levels below its own, and no files of the library import
-//! each other in a circle.
+//! The import law: five floors of rooms. A room imports only from levels below its own, and no files of the library
+//! import each other in a circle.
 
 mod circles;
 mod source;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use source::{identifier, module, names, sources, without_text};
 
-/// Rooms by floor and level. A room knows those on levels above its own in this list, and no other.
+/// Rooms by floor and level. A room imports only from levels above its own in this list.
 const FLOORS: [(&str, &[&[&str]]); 5] = [
     (
         "mechanics",
@@ -46,8 +46,8 @@ const RESERVED: [(&str, &[&str], &[&str]); 2] = [
     ),
 ];
 
-/// Functions that the system, or the processor, rounds in its own way; `libm` has those that give the
-/// same bits everywhere.
+/// Functions whose rounding depends on the system or the processor; `libm` has versions with the same bits
+/// everywhere.
 const ROUNDED_ELSEWISE: [&str; 24] = [
     ".sin()",
     ".cos()",
@@ -81,7 +81,7 @@ fn level(room: &str) -> Option<usize> {
     levels.position(|level| level.contains(&room))
 }
 
-/// The room that a file belongs to. The roots of the crates and of the floors, which list their rooms, belong to none.
+/// The room of a file; `None` for the roots of the crates and of the floors, which list their rooms.
 fn room(path: &[String]) -> Option<&str> {
     match path.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["cli", room @ ("options" | "terminal"), ..] => Some(room),
@@ -91,7 +91,7 @@ fn room(path: &[String]) -> Option<&str> {
     }
 }
 
-/// The breaches of the law in a source file of a room. `depth` is the number of modules that its path names: 3 for
+/// The breaches of the law in a source file of a room. `depth` is the number of modules in its path: 3 for
 /// `mechanics/beam/mesh.rs`.
 fn violations(room: &str, depth: usize, source: &str) -> Vec<String> {
     let code = without_text(source);
@@ -116,13 +116,13 @@ fn violations(room: &str, depth: usize, source: &str) -> Vec<String> {
     found
 }
 
-/// Rooms named behind `crate::`, in groups too. A visibility names its room behind its floor.
+/// Rooms behind `crate::`, in groups too. A visibility names its room behind its floor.
 fn imports(code: &str) -> Vec<String> {
     let code = code.replace("pub(in crate::", "pub(in ");
     names(&code, "crate::").flat_map(targets).map(|path| room_of_cli(&path)).collect()
 }
 
-/// Rooms that a chain of at least `depth - 1` times `super::` leads to: to the floor, or to the root.
+/// Rooms behind a chain of at least `depth - 1` times `super::`, which leads to the floor or the root.
 fn climbs(code: &str, depth: usize) -> Vec<String> {
     let chain = "super::".repeat(depth.saturating_sub(1).max(1));
     let paths = names(code, &chain).flat_map(|rest| targets(rest.trim_start_matches("super::")));
@@ -278,7 +278,7 @@ fn lawful_code_is_left_alone() {
 #[test]
 fn no_number_comes_from_a_function_that_is_rounded_elsewise_on_other_processors() {
     let uses = |source: &str| {
-        // The tests of a file stand at its end, and may use what they like.
+        // The tests at the end of a file may use any room.
         let code = without_text(source.split("\n#[cfg(test)]\nmod tests").next().unwrap_or(source));
         ROUNDED_ELSEWISE.into_iter().find(|function| code.contains(function))
     };

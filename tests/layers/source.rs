@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What follows each occurrence of `word` that no longer name ends with.
+/// The text after each occurrence of `word`, unless the word ends a longer name.
 pub(crate) fn names<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = &'a str> {
     let continues = |c: char| c.is_alphanumeric() || c == '_';
     let whole = move |at: &usize| !code[..*at].ends_with(continues);
@@ -15,7 +15,7 @@ pub(crate) fn identifier(code: &str) -> String {
     code.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
 }
 
-/// The source without comments and without what stands in quotes.
+/// The source without comments and quoted text.
 pub(crate) fn without_text(source: &str) -> String {
     let mut code = String::new();
     let mut rest = source;
@@ -39,7 +39,7 @@ pub(crate) fn without_text(source: &str) -> String {
     code
 }
 
-/// Length of the string that `code` begins with, quotes included.
+/// Length of the string at the start of `code`, quotes included.
 fn quoted(code: &str) -> usize {
     let mut escaped = true;
     let end = code.char_indices().find(|(_, c)| {
@@ -51,7 +51,7 @@ fn quoted(code: &str) -> usize {
     end.map_or(code.len(), |(at, _)| at + 1)
 }
 
-/// Length of the raw string that `code` begins with, 0 for anything else that begins with r.
+/// Length of the raw string at the start of `code`, 0 for anything else that begins with r.
 fn raw_string(code: &str) -> usize {
     let hashes = code[1..].chars().take_while(|c| *c == '#').count();
     let inner = &code[1 + hashes..];
@@ -62,7 +62,7 @@ fn raw_string(code: &str) -> usize {
     inner[1..].find(&end).map_or(code.len(), |at| 1 + hashes + 1 + at + end.len())
 }
 
-/// Length of the character literal that `code` begins with, 0 for a lifetime.
+/// Length of the character literal at the start of `code`, 0 for a lifetime.
 fn character(code: &str) -> usize {
     let mut inner = code[1..].char_indices();
     match inner.next() {
@@ -72,8 +72,8 @@ fn character(code: &str) -> usize {
     }
 }
 
-/// Names of the modules that lead to a file: `["mechanics", "beam", "mesh"]` for mechanics/beam/mesh.rs,
-/// `["mechanics", "beam"]` for mechanics/beam/mod.rs. The root of the library has none.
+/// Names of the modules in a file's path: `["mechanics", "beam", "mesh"]` for mechanics/beam/mesh.rs, `["mechanics",
+/// "beam"]` for mechanics/beam/mod.rs, empty for the root of the library.
 pub(crate) fn module(path: &Path) -> Vec<String> {
     let names = path.with_extension("");
     let names = names.iter().map(|name| name.to_string_lossy().into_owned());

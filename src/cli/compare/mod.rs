@@ -122,7 +122,7 @@ impl Compare {
         Sides::find(&self.expected, &self.actual, purpose)
     }
 
-    /// The file of tolerances, if there is one, with those of the command line.
+    /// The file of tolerances, if there is one, with the tolerances of the command line.
     fn read_tolerances(&self, sides: &Sides) -> Result<Tolerances, Failure> {
         let beside = || sides.golden.as_ref().map(|folder| folder.join(TOLERANCES));
         let path = self.tolerances.clone().or_else(|| beside().filter(|path| path.exists()));
@@ -146,7 +146,7 @@ impl Compare {
             Some(folder) if !sides.are_single() => {
                 Ok(change_golden_files(folder, changes, &console::waiting)?)
             }
-            // A file that is named itself may be a link to anywhere.
+            // A file on the command line may be a link to anywhere.
             _ => changes.written.values().try_for_each(|source| {
                 let bytes = InputFile::read(source)?.bytes;
                 console::deliver(Some(&self.expected), &bytes)

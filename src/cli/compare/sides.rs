@@ -1,4 +1,4 @@
-//! What `compare` holds against each other: two files, or the files of two folders.
+//! The two sides of `compare`: two files, or the files of two folders.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,16 +17,15 @@ use crate::cli::terminal::{Exit, Failure, memory};
 /// Name of the file of tolerances beside the golden files.
 pub(super) const TOLERANCES: &str = "tolerances.toml";
 
-/// Memory that reading and comparing two tables takes besides their files, over the size of these, as
-/// measured.
+/// Memory for reading and comparing two tables besides their files, over the size of these, as measured.
 const TABLE_TIMES: usize = 3;
 
-/// What becomes of EXPECTED.
+/// Effect of a comparison on EXPECTED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// It stays as it is.
+    /// EXPECTED stays as it is.
     Compare,
-    /// It becomes like ACTUAL, and may be missing.
+    /// EXPECTED becomes like ACTUAL, and may be missing.
     Bless,
 }
 
@@ -47,7 +46,7 @@ pub(super) struct Sides {
 /// A file of one side or both.
 #[derive(Debug)]
 struct Pair {
-    /// Its path from the folders that are compared, with slashes.
+    /// Its path from the compared folders, with slashes.
     name: String,
     expected: Option<PathBuf>,
     actual: Option<PathBuf>,
@@ -63,7 +62,7 @@ impl Sides {
             return Err(failure);
         }
         let absence = absence(expected);
-        // What is new becomes what ACTUAL is.
+        // A missing EXPECTED becomes a folder or a file like ACTUAL.
         let is_folder = if absence.is_some() { actual.is_dir() } else { expected.is_dir() };
         if let (Some(failure), Purpose::Compare) = (absence, purpose) {
             let hint = "flexlink compare --bless makes it from ACTUAL".to_owned();
@@ -140,7 +139,7 @@ impl Sides {
         self.actual.is_none()
     }
 
-    /// Reads and compares them, one pair at a time.
+    /// Reads and compares the files, one pair at a time.
     pub(super) fn compare(&self, tolerances: &Tolerances) -> Result<Comparison, Failure> {
         let compared = self.pairs.iter().map(|pair| {
             let (outcome, inputs) = pair.compare(tolerances)?;
@@ -150,7 +149,7 @@ impl Sides {
         Ok(Comparison { files, not_compared: self.not_compared })
     }
 
-    /// What makes EXPECTED like ACTUAL.
+    /// Changes that make EXPECTED like ACTUAL.
     pub(super) fn changes(&self, comparison: &Comparison) -> Result<GoldenChanges, Failure> {
         let mut changes = GoldenChanges::default();
         let pairs = self.pairs.iter().zip(&comparison.files);
@@ -168,7 +167,7 @@ impl Sides {
 }
 
 impl Pair {
-    /// Reads and compares both files; tells the inputs by which two runs differ, too.
+    /// Reads and compares both files, and names the inputs that differ between two runs.
     fn compare(&self, tolerances: &Tolerances) -> Result<(FileOutcome, Vec<String>), Failure> {
         let compared = |expected: &Table, actual: &Table| {
             FileOutcome::Compared(compare_tables(&self.name, expected, actual, tolerances))
@@ -191,7 +190,7 @@ impl Pair {
         memory::check_tables(file.bytes.len(), TABLE_TIMES)?;
         let table = table_of(&file)?;
         let names: Vec<String> = table.names().map(str::to_owned).collect();
-        // A file of one side is no difference if all its columns are ignored.
+        // A file of one side is not a difference if the tolerances ignore all its columns.
         let is_ignored = |column: &String| tolerances.rule(&self.name, column) == Rule::Ignore;
         if !names.is_empty() && names.iter().all(is_ignored) {
             return Ok((compared(&table, &table), Vec::new()));
@@ -200,7 +199,7 @@ impl Pair {
     }
 }
 
-/// Both tables; one if their bytes are the same.
+/// Both tables, or one if their bytes are equal.
 fn both_tables(
     expected: &InputFile,
     actual: &InputFile,
@@ -213,7 +212,7 @@ fn both_tables(
     Ok((expected?, Some(actual?)))
 }
 
-/// The table in a file; of a summary.json its results.
+/// The table in a file; for a summary.json the table of its results.
 fn table_of(file: &InputFile) -> Result<Table, Failure> {
     if file.name != SUMMARY {
         return Ok(read_table(&file.shown, &file.bytes)?);
@@ -243,7 +242,7 @@ fn check_blessing(expected: &Path, actual: &Path) -> Result<(), Failure> {
         let message = "--bless = standard input, but must be a file or a folder";
         return Err(Failure::new(Exit::Usage, &message, None));
     }
-    // A pipe can be read once only, but is read again where it takes the place of EXPECTED.
+    // A pipe can be read only once, but blessing reads ACTUAL twice.
     if paths.into_iter().any(|path| path.exists() && !path.is_file() && !path.is_dir()) {
         let message = "--bless = a pipe, but must be a file or a folder";
         return Err(Failure::new(Exit::Usage, &message, None));
@@ -258,15 +257,15 @@ fn check_blessing(expected: &Path, actual: &Path) -> Result<(), Failure> {
     }
 }
 
-/// The error that EXPECTED and ACTUAL do not go together.
+/// The error of an unsuitable pair of EXPECTED and ACTUAL.
 fn both(expected: &Path, actual: &Path, kinds: &str, must: &str) -> Failure {
     let (expected, actual) = (expected.display(), actual.display());
     let message = format!("{expected}, {actual}: EXPECTED and ACTUAL = {kinds}, {must}");
     Failure::new(Exit::Usage, &message, None)
 }
 
-/// Adds to `changes` what keeps each changed folder of EXPECTED that holds a run the folder of one:
-/// its tables within tolerance, and summary.json and page, of ACTUAL, or none where it has none.
+/// Completes the `changes` of each changed folder of EXPECTED that holds a run: ACTUAL's tables within tolerance, and
+/// its summary.json and page, removed if ACTUAL lacks them.
 fn take_whole_runs(
     changes: &mut GoldenChanges,
     expected: &Path,

@@ -317,7 +317,7 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
-/// Remarks on a link or an arm as its file has them, on its motion, of which so many samples were replaced, and on its
+/// Remarks on a link or an arm as its file has them, on its motion with `dropped` replaced samples, and on its
 /// solution.
 pub fn remarks(of_file: &[Remark], solution: &Solution, dropped: usize) -> Vec<Remark> {
     let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());

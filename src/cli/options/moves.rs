@@ -48,7 +48,7 @@ pub struct Begins<'a> {
 }
 
 impl AtRest {
-    /// The start that a call names, or that of the feedback's reference, or that of the target.
+    /// The start of the call, or of the feedback's reference, or of the target.
     pub fn of(
         arm: &Arm,
         begins: &Begins<'_>,

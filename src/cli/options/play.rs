@@ -19,7 +19,7 @@ use super::moves::{AtRest, Begins, Moves, Moving};
 use super::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure};
 
-/// What moves the link.
+/// Quantity that moves the link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum InputKind {
     Torque,
@@ -259,7 +259,7 @@ impl PlayArgs {
         Ok(Playing { file, target_file, measured, reference_file, state_file, moves })
     }
 
-    /// The failure of gains that no feedback has.
+    /// The failure of gains outside the range of a feedback.
     fn gains_refused(error: &ParameterError) -> Failure {
         Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
     }
@@ -344,8 +344,8 @@ fn gains(text: &str) -> Result<Gains, String> {
     pairs.ok_or_else(|| "must be two numbers, KP,KD, or a pair for each joint of an arm".into())
 }
 
-/// The feedback of each joint around its reference, with one pair of gains for all of them, or one each; none without
-/// gains.
+/// The feedback of each joint around its reference, with one pair of gains for all joints, or one pair for each;
+/// empty without gains.
 pub fn feedback(
     gains: Option<&[(f64, f64)]>,
     references: Vec<HubReference>,

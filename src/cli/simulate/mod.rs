@@ -74,8 +74,8 @@ impl Simulate {
         Ok(Inputs { file, specification, playing })
     }
 
-    /// Plays the input until the time of the command line, else as long as input and target last.
-    /// Computes the errors of the tip and of the simulation itself, and the difference from a recording.
+    /// Plays the input until the time of the command line, or else to the later end of input and target. Computes the
+    /// errors of the tip and of the simulation itself, and the difference from a recording.
     fn compute<'a>(&self, inputs: &'a Inputs, stages: &StageBar) -> Result<Computed<'a>, Failure> {
         let Inputs { specification: ArmSpecification { arm, meshes, .. }, playing, .. } = inputs;
         let play = playing.moves.play();
@@ -147,7 +147,7 @@ impl Simulate {
         Failure::new(exit, &format!("{place}{message}"), hint)
     }
 
-    /// The failure of a target in this file that the simulation does not reach.
+    /// The failure of a target in this file that does not suit the simulation.
     fn target_refused(&self, error: TargetError, shown: String) -> Failure {
         let (exit, place) = match (error, self.play.until) {
             (TargetError::EndsLate { .. }, Some(until)) => {
@@ -182,7 +182,7 @@ impl Simulate {
         Ok(summary)
     }
 
-    /// Prints warnings and the summary, whose text says what was `written`.
+    /// Prints warnings and the summary, whose text names the `written` files.
     fn tell(&self, summary: &Summary, text: impl FnOnce(String) -> String) -> Result<(), Failure> {
         let warnings = summary.warnings();
         console::warnings(warnings.iter().cloned());
@@ -193,7 +193,7 @@ impl Simulate {
 }
 
 impl Inputs {
-    /// The name of the target's file, as a message begins with it.
+    /// The name of the target's file, at the start of messages.
     fn target_shown(&self) -> String {
         self.playing.target_file.as_ref().map(shown).unwrap_or_default()
     }
@@ -217,7 +217,7 @@ impl<'a> Computed<'a> {
     }
 }
 
-/// Why a link or an arm is not simulated, and the remedy, which in an arm names its files.
+/// Reason of a failed simulation, and the remedy, which names the files of an arm.
 pub fn refusal(error: &SimulationError, is_arm: bool) -> (String, Option<&'static str>) {
     let hint = match error {
         _ if !is_arm => error.hint(),

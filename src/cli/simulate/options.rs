@@ -96,7 +96,7 @@ impl Simulate {
     }
 }
 
-/// The file's name, as a message begins with it.
+/// The file's name, at the start of messages.
 pub(super) fn shown(file: &InputFile) -> String {
     format!("{}: ", file.shown)
 }

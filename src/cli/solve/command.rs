@@ -125,7 +125,7 @@ impl Solve {
         self.judge(&solved, warned)
     }
 
-    /// Refuses options that do not fit one another.
+    /// Refuses contradictory options.
     fn check(&self) -> Result<(), Failure> {
         let refuse = |message: &str, hint| Err(Failure::new(Exit::Usage, &message, Some(hint)));
         let report = self.report.then_some("--report");
@@ -152,8 +152,8 @@ impl Solve {
         table.map_or(Ok(0), |table| self.table.deliver(table, summary, self.options.digits))
     }
 
-    /// Prints the summary; where standard output has the table, only what is said of it, and its `checks`, to
-    /// standard error.
+    /// Prints the summary to standard output. If the table goes there, prints only the remarks on it and its
+    /// `checks`, to standard error.
     fn print(
         &self,
         summary: &Summary,
@@ -177,7 +177,7 @@ impl Solve {
         if self.report { Page::Written } else { Page::Left }
     }
 
-    /// How many rows and files are written, and where; empty where no folder is.
+    /// Numbers of written rows and files, and their folder; empty without a folder.
     fn written(&self, grid: &TimeGrid, summary: &Summary) -> String {
         let Some(output) = &self.output else { return String::new() };
         let rows = self.options.outputs().rows(grid);
@@ -185,14 +185,14 @@ impl Solve {
         format!("{rows}; {files} files in {}", shown_path(output))
     }
 
-    /// The line that says where the page is; empty without one.
+    /// The line with the name of the page; empty without one.
     fn page_line(&self) -> String {
         let output = self.output.as_ref().filter(|_| self.report);
         let line = |output: &PathBuf| format!("written  {}\n", shown_path(&output.join(REPORT)));
         output.map(line).unwrap_or_default()
     }
 
-    /// Reads what is to be solved.
+    /// Reads the problem.
     fn load(&self) -> Result<Run<'_>, Failure> {
         let (Some(link), Some(motion)) = (&self.link, &self.motion) else {
             // The parser requires them.
@@ -225,8 +225,8 @@ impl Solve {
         self.print(summary, text, table.map(|table| (table, &*checks)))
     }
 
-    /// Returns an error if a check is out of its bound, or for limits and so many warnings where the options say
-    /// so.
+    /// Returns an error if a check is out of its bound, or if the options forbid the exceeded limits or this number
+    /// of warnings.
     fn judge(&self, run: &SolvedRun, warned: usize) -> Result<Ending, Failure> {
         run.verification.as_ref().map_or(Ok(()), refuse_failed)?;
         let exceeded = &run.solved.exceeded;

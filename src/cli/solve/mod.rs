@@ -1,4 +1,4 @@
-//! `solve`: link and motion in, torque out; with `--repeat`, a run done again.
+//! `solve`: link and motion in, torque out; with `--repeat`, the repetition of a run.
 
 mod command;
 mod repeat;

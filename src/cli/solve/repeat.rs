@@ -1,4 +1,4 @@
-//! `solve --repeat`: a run done again, and compared with the files that it left.
+//! `solve --repeat`: the repetition of a run, compared with the files of the run.
 
 use std::path::Path;
 
@@ -92,19 +92,19 @@ impl Solve {
     }
 }
 
-/// True if a table has other numbers than that of the run.
+/// True if a table has other numbers than the run's.
 fn is_other_table(file: &RepeatedFile) -> bool {
     let is_table = Path::new(&file.name).extension().is_some_and(|end| end == "csv");
     is_table && matches!(file.outcome, Repeated::Differs(_))
 }
 
-/// The recorded arguments, read as those of the command line are.
+/// The recorded arguments, read like the command line.
 fn recorded_options(record: &RunRecord) -> Result<SolveOptions, Failure> {
     let options = SolveOptions::recorded(&record.origin.arguments);
     options.map_err(|error| not_read("inputs.arguments", &error, record))
 }
 
-/// The failure of recorded arguments that this version does not take.
+/// The failure of recorded arguments that this version lacks.
 fn not_read(key: &str, error: &clap::Error, record: &RunRecord) -> Failure {
     let text = console::shortened(error, error.to_string());
     let first = text.lines().next().unwrap_or_default();
@@ -140,7 +140,7 @@ fn elsewhere(failure: Failure) -> Failure {
     }
 }
 
-/// Warns where another version wrote the record; returns how many warnings it printed.
+/// Warns if another version wrote the record; returns the number of warnings.
 fn warn_of_version(record: &RunRecord) -> usize {
     let (shown, version) = (&record.shown, &record.origin.version);
     if version == VERSION {
@@ -179,7 +179,7 @@ mod tests {
         "help",
     ];
 
-    /// A value that an argument takes.
+    /// A valid value of an argument.
     fn value_of(name: &str) -> &'static str {
         match name {
             "--columns" => "displacement=2",
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Every argument that shapes the results, with a value where it takes one.
+    /// Every argument that shapes the results, with a value if it needs one.
     fn shaping() -> Vec<Vec<String>> {
         let command = Recorded::command();
         let arguments = command.get_arguments().map(|argument| {
@@ -210,7 +210,7 @@ mod tests {
         for given in &all {
             assert_eq!(SolveOptions::recorded(given).unwrap().arguments(), *given);
         }
-        // A cycle has neither the ends nor the steps that the others are of; a golden folder has its own nodes and rows.
+        // A cycle lacks the ends and steps of other options; a golden folder has its own nodes and rows.
         let alone = ["--periodic", "--golden"];
         let together: Vec<_> =
             all.into_iter().filter(|given| !alone.contains(&&*given[0])).collect();

@@ -73,7 +73,7 @@ impl SolveOptions {
         if self.moments { analysis.with_moments() } else { *analysis }
     }
 
-    /// The first option given that shapes the tables of the results alone.
+    /// The first option of the command line that shapes only the tables of the results.
     pub(super) fn shapes_results(&self) -> Option<&'static str> {
         let given = [
             (self.golden, "--golden"),
@@ -115,10 +115,10 @@ impl SolveOptions {
     }
 }
 
-/// From so many bytes of memory on, a run says how much it takes.
+/// Memory in bytes above which a run states its need.
 const LARGE: usize = 1 << 29;
 
-/// A run: what is solved, from which files, and how.
+/// A run: its options, its files, and their problem.
 pub(super) struct Run<'a> {
     options: &'a SolveOptions,
     link_file: InputFile,
@@ -134,7 +134,7 @@ pub(super) struct SolvedRun {
     memory_bytes: Option<usize>,
 }
 
-/// Whether a run's page is written with its results.
+/// Whether a run writes a page with its results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Page {
     Written,
@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
         Ok(Self { options, link_file, motion_file, problem })
     }
 
-    /// Computes the solution, and verifies it if the options ask for that.
+    /// Computes the solution, and verifies it if the options say so.
     pub(super) fn solve(&self, stages: &StageBar) -> Result<SolvedRun, Failure> {
         let memory_bytes = memory::available();
         let analysis = |analysis: &Analysis| self.options.analysis(analysis);
@@ -191,7 +191,7 @@ impl<'a> Run<'a> {
             stages.say(&memory_text(deflections.bytes(), deflections.blocks()));
         }
         let page_bytes = tables.on_request().map_or(0, |table| outputs.page_bytes(table));
-        // Drawn from memory before the folder is locked: the page belongs to the same run.
+        // Drawn from memory before the lock of the folder: the page belongs to the same run.
         let drawn = (page == Page::Written).then(|| -> Result<String, Failure> {
             stages.at("drawing");
             let hint = "leave --report out, or use --nodes or --every";

@@ -20,13 +20,13 @@ use crate::cli::terminal::files::keep_inputs;
 use crate::cli::terminal::text::rows_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
-/// Largest error of the tip over its travel that is no warning, unless the tolerance is looser: what `verify` allows.
+/// Largest error of the tip over its travel without a warning, unless the tolerance is looser: the bound of `verify`.
 const TIP: f64 = 1e-3;
 
-/// Share of an error to which it is known without a word.
+/// Share of an error below which its uncertainty needs no line.
 const KNOWN: f64 = 0.05;
 
-/// Share of a step to which the time of a row is a number of its own.
+/// Largest error of the time of a row, as a share of a step.
 const TIME: f64 = 1e-3;
 
 /// The torque in a file of its own.
@@ -53,18 +53,18 @@ pub(super) struct WriteArgs {
     hold: Option<Hold>,
 }
 
-/// What a converter does between two rows.
+/// Output of a converter between two rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Hold {
     Zero,
 }
 
-/// A table to write, and what playing it has found where it is not the torque itself.
+/// A table to write, and its error of the tip, if the table differs from the torque.
 pub(super) struct WrittenTable {
     table: TorqueTable,
     error: Option<TableError>,
     warning: Option<Notice>,
-    /// What the file and the summary say of it, a line each.
+    /// Lines of the file and the summary about the table.
     notes: Vec<String>,
 }
 
@@ -77,7 +77,7 @@ struct Recorded {
 }
 
 impl WriteArgs {
-    /// Returns an error if FILE has an ending that is no form, or would replace an input or a result.
+    /// Returns an error if FILE has an ending without a form, or would replace an input or a result.
     pub(super) fn check(&self, inputs: &[&Path], output: Option<&Path>) -> Result<(), Failure> {
         let Some(file) = self.write.as_deref().filter(|file| !is_standard_output(file)) else {
             return Ok(());
@@ -152,7 +152,7 @@ impl WriteArgs {
         self.write.as_deref().and_then(TorqueForm::of).unwrap_or(TorqueForm::Csv)
     }
 
-    /// The table of a link or an arm, its error measured. `None` without --write.
+    /// The table of a link or an arm with its measured error. `None` without --write.
     pub(super) fn table(
         &self,
         solution: &Solution,
@@ -176,7 +176,7 @@ impl WriteArgs {
         Ok(Some(self.written((table, error), tip_tolerance, words, motor)))
     }
 
-    /// A table with all that the options do to it, but for its start.
+    /// A table with the effects of the options, except its start.
     fn shaped(&self, table: TorqueTable, ends: Ends) -> TorqueTable {
         let table = if self.hold.is_some() { table.held(ends) } else { table };
         match self.window {
@@ -185,7 +185,7 @@ impl WriteArgs {
         }
     }
 
-    /// The table at its start, its warning, and what is said of it.
+    /// The table at its start, its warning, and the lines about it.
     fn written(
         &self,
         (table, error): (TorqueTable, Option<TableError>),
@@ -217,7 +217,7 @@ impl WriteArgs {
         WrittenTable { table, error, warning, notes }
     }
 
-    /// The warning of a table that moves the tip off by more than it should.
+    /// The warning of a table with a larger tip error than allowed.
     fn warning(&self, error: &TableError, tip_tolerance: f64, words: &Words) -> Option<Notice> {
         let allowed = TIP.max(tip_tolerance);
         let TableError { tip, change_m, .. } = error;
@@ -267,7 +267,7 @@ impl WriteArgs {
         })
     }
 
-    /// What the summary says of the table, and standard error where standard output has it.
+    /// Lines of the summary about the table; they go to standard error if standard output has the table.
     pub(super) fn text(&self, written: &WrittenTable) -> String {
         let file = shown_path(self.write.as_deref().unwrap_or(Path::new("-")));
         let rows = rows_text(&written.table.grid().thinned(std::num::NonZeroUsize::MIN));
@@ -279,15 +279,15 @@ impl WriteArgs {
     }
 }
 
-/// Words that are others for a link and for an arm.
+/// Words that differ between a link and an arm.
 struct Words {
-    /// What a torque is called: "the ", "every ".
+    /// Article of a torque: "the ", "every ".
     of_torque: &'static str,
-    /// What is free after a cut.
+    /// Warning of drift after a cut.
     drift: &'static str,
-    /// What helps against a cut that is too large.
+    /// Remedy for a cut that is too large.
     smaller: &'static str,
-    /// Where the torques act if there is a motor.
+    /// Place of the torques if there is a motor.
     motor: &'static str,
 }
 
@@ -305,7 +305,7 @@ const OF_ARM: Words = Words {
     motor: "torques at the joints, beyond gears; motor.csv of -o has the motors'",
 };
 
-/// What playing a table has found, a line each.
+/// Results of playing a table, a line each.
 fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     let TableError { tip, change_m, feedback } = error;
     let [worst, time, of] =
@@ -332,7 +332,7 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     lines
 }
 
-/// A path from the root, of a folder that need not be there.
+/// A path from the root, for a folder that need not exist.
 fn placed(folder: &Path) -> PathBuf {
     let whole = std::path::absolute(Path::new(".").join(folder)).unwrap_or_default();
     let there = whole.ancestors().find_map(|own| Some((own.canonicalize().ok()?, own)));

@@ -1,4 +1,4 @@
-//! The cases of a sweep: what one takes from files and options.
+//! The cases of a sweep, from files and options.
 
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
@@ -81,7 +81,7 @@ pub(crate) struct OutputsArgs {
     pub(crate) sync: SyncArgs,
 }
 
-/// All that the cases of a sweep have in common.
+/// Common inputs and settings of all cases of a sweep.
 pub(crate) struct Cases<'a> {
     pub(crate) plan: SweepPlan,
     pub(crate) shared: &'a CaseArgs,
@@ -90,18 +90,18 @@ pub(crate) struct Cases<'a> {
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
     pub(crate) torque_file: Option<(InputFile, Torque)>,
-    /// Which numbers of a case are in the table.
+    /// Kind of the numbers in the table.
     pub(crate) kind: SweepKind,
-    /// The first case that could be read.
+    /// The first readable case.
     pub(crate) first: First,
-    /// Memory in bytes that each of the cases solved at the same time may take.
+    /// Memory in bytes for each of the cases that run at the same time.
     pub(crate) memory_bytes: Option<usize>,
-    /// Held by every case at work; by one alone that needs more than its share of the memory.
+    /// Shared by every case at work; exclusive for a case that needs more than its share of the memory.
     alone: RwLock<()>,
 }
 
 impl<'a> Cases<'a> {
-    /// Reads all files; refuses what leaves no case that could be solved.
+    /// Reads all files; refuses inputs that leave no solvable case.
     pub(crate) fn read(
         plan: SweepPlan,
         link: &Path,
@@ -119,7 +119,7 @@ impl<'a> Cases<'a> {
         };
         let read =
             |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
-        // A path that is nowhere in the file fails every case: that is no result, but a slip.
+        // A path that the file lacks fails every case: a slip rather than a result.
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
@@ -133,7 +133,7 @@ impl<'a> Cases<'a> {
         let torque_file = shared.torque.read()?;
         tell(&motion_file.shown, &reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
-        // From here on errors are for the table, which is the same wherever the files lie.
+        // From here on errors are for the table, whose text must not depend on the place of the files.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
@@ -153,7 +153,7 @@ impl<'a> Cases<'a> {
         })
     }
 
-    /// What tells the rows of this sweep, which varies `vary`, from those of any other.
+    /// Record that distinguishes the rows of this sweep, which varies `vary`, from the rows of other sweeps.
     pub(crate) fn identity(&self, vary: &[String], shard: Shard) -> SweepIdentity {
         let arguments = [
             self.shared.changes.arguments(),
@@ -174,8 +174,8 @@ impl<'a> Cases<'a> {
         identity.with_links(self.first.links().into_iter())
     }
 
-    /// Does the work of a case within its share of the memory; where that is too little, with all that
-    /// is left, while no other case is at work.
+    /// Does the work of a case within its share of the memory. If the share is too little, waits until no other case
+    /// is at work, and uses all available memory.
     pub(crate) fn within_memory<T>(
         &self,
         work: impl Fn(Option<usize>) -> Result<T, Failure>,
@@ -204,7 +204,7 @@ impl<'a> Cases<'a> {
         Ok(Specification { mesh, analysis, ..found })
     }
 
-    /// The arm file with the changes of a case, which must have the joints of the first one.
+    /// The arm file with the changes of a case, with the same joints as the first case.
     pub(crate) fn arm(&self, values: &CaseValues) -> Result<ArmSpecification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
         let must = self.first.links().len();
@@ -221,8 +221,8 @@ impl<'a> Cases<'a> {
         Err(Failure::new(Exit::InputRefused, &message, None))
     }
 
-    /// What is possible but rare in a case that need not be solved; of jumps, and of
-    /// the digits of an arm's path, its solution alone tells.
+    /// Remarks on unusual input of a case that need not be solved. Only a solution shows jumps, and the digits of an
+    /// arm's path.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
         let First::Link(first) = &self.first else {
@@ -242,7 +242,8 @@ impl<'a> Cases<'a> {
         [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }
 
-    /// The motion of a link's tip. Angles are arcs of its length, which may be what is varied, as may its start angle.
+    /// The motion of a link's tip. Angles are arcs of its length, and a sweep may vary this length and the start
+    /// angle.
     pub(crate) fn motion_of(
         &self,
         FirstLink { link: first, motion, .. }: &FirstLink,
@@ -250,7 +251,7 @@ impl<'a> Cases<'a> {
         varied: MotionScale,
     ) -> Result<TipMotion, Failure> {
         let scale = self.shared.scale.scale() * varied;
-        // The start angle of a link with gravity must be that of a motion as angles.
+        // The start angle of a link with gravity must equal that of a motion in angles.
         let reads_alike = link.gravity() == first.gravity()
             && link.length_m().total_cmp(&first.length_m()).is_eq();
         let scaled = if reads_alike {
@@ -263,7 +264,7 @@ impl<'a> Cases<'a> {
         scaled.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))
     }
 
-    /// The arguments that shape the results of this case, for the record: those of `solve`.
+    /// The arguments of `solve` that shape the results of this case, for the record.
     pub(crate) fn arguments(&self, values: &CaseValues) -> Vec<String> {
         let varied = values.link_changes.iter().flat_map(|change| option("--set", change));
         [
@@ -280,7 +281,7 @@ impl<'a> Cases<'a> {
 }
 
 impl CaseArgs {
-    /// Refuses what is known for one link alone.
+    /// Refuses options for one link only.
     fn refuse_for_arms(&self, plan: &SweepPlan) -> Result<(), Failure> {
         let torque = self.torque.torque.as_ref().map(|_| "--torque".to_owned());
         let of_motion = [self.resample.of_one_link(), self.scale.of_one_link()].concat();
@@ -295,7 +296,7 @@ impl CaseArgs {
 }
 
 impl TorqueArgs {
-    /// The arguments that name no file, for the record.
+    /// The arguments without files, for the record.
     fn arguments(&self) -> Vec<String> {
         let column = self.column.iter().flat_map(|column| option("--column", column));
         column.chain(self.hold.arguments()).collect()
@@ -312,7 +313,7 @@ impl TorqueArgs {
     }
 }
 
-/// What refuses one case is no reason to end all others.
+/// Converts the refusal of a case to a failure that does not end the other cases.
 pub(super) fn of_case(refused: Failure) -> Failure {
     Failure { exit: Exit::InputRefused, ..refused }
 }
@@ -323,15 +324,15 @@ impl OutputsArgs {
         [self.nodes.arguments(), digits_arguments(self.digits)].concat()
     }
 
-    /// What makes the files of the cases, for the identity of a sweep: rows that are there already
-    /// have these files.
+    /// Arguments that shape the files of the cases, for the identity of a sweep. The files of finished rows have the
+    /// same identity.
     pub(crate) fn identity(&self) -> Vec<String> {
         let folder = self.outputs.iter().flat_map(|folder| option("--outputs", folder.display()));
         folder.chain(self.arguments()).collect()
     }
 
-    /// The tables of a case whose links have these nodes; refuses nodes that it does not have. Meshes of arms differ from case
-    /// to case: one without such a node is no reason to end all others.
+    /// The tables of a case whose links have these nodes; refuses missing nodes. Meshes of arms differ from case to
+    /// case, so a missing node ends only its case.
     pub(crate) fn of_case(&self, nodes_m: &[&[f64]]) -> Result<RunOutputs, Failure> {
         let is_arm = nodes_m.len() > 1;
         let checked = self.nodes.check(nodes_m);
@@ -339,14 +340,14 @@ impl OutputsArgs {
         Ok(self.nodes.outputs(self.digits))
     }
 
-    /// Folder of a case, from 0, among so many.
+    /// Folder of a case, numbered from 0, with as many digits as `cases` has.
     pub(crate) fn folder_of(&self, case: usize, cases: usize) -> Option<PathBuf> {
         let width = cases.to_string().len();
         self.outputs.as_ref().map(|folder| folder.join(format!("{:0width$}", case + 1)))
     }
 }
 
-/// Refuses a variation that a later one, of the same value under another name, sets again.
+/// Refuses a variation if a later one sets the same value again under another name.
 fn refuse_without_effect(
     read: impl Fn(usize) -> Option<Described>,
     plan: &SweepPlan,
@@ -354,7 +355,7 @@ fn refuse_without_effect(
     let Some(first) = read(0) else { return Ok(()) };
     let mut case = plan.cases();
     for variation in plan.variations() {
-        // The case with its second value and the first ones of all others.
+        // The case with its second value and the first values of all others.
         let values = variation.values().len();
         case /= values;
         if values < 2 || plan.case(case).link_changes == plan.case(0).link_changes {
@@ -372,7 +373,7 @@ fn refuse_without_effect(
     Ok(())
 }
 
-/// What is set for all cases, and what this case takes.
+/// Changes for all cases, followed by the changes of this case.
 fn with_case(overrides: &[Override], values: &CaseValues) -> Result<Vec<Override>, SpecError> {
     let placed = |change: &String| {
         Override::placed(&format!("--vary '{}'", visible(&excerpt(change))), change)

@@ -10,7 +10,7 @@ use crate::cli::options::inputs::ResampleArgs;
 use crate::cli::options::reading::ReadArgs;
 use crate::cli::terminal::Failure;
 
-/// The first case that could be read, and what others take from it.
+/// The first readable case, and the inputs that others share with it.
 pub(super) enum First {
     /// A link and its motion.
     Link(Box<FirstLink>),
@@ -18,8 +18,7 @@ pub(super) enum First {
     Arm { arm: Arm, path: Box<PathTable> },
 }
 
-/// The link of the first case, the motion that was read for it, and the periods of that motion, which
-/// most cases have.
+/// The link of the first case, its motion, and the periods of this motion, which most cases share.
 pub(super) struct FirstLink {
     pub(super) link: Link,
     pub(super) motion: TipMotion,
@@ -50,7 +49,7 @@ impl First {
         }
     }
 
-    /// The same with a path of a file that errors call `name`.
+    /// The first case with `name` as the name of its path in errors.
     pub(super) fn named(self, name: &str) -> Self {
         match self {
             Self::Arm { arm, path } => Self::Arm { arm, path: Box::new(path.named(name)) },
@@ -58,12 +57,12 @@ impl First {
         }
     }
 
-    /// Which numbers its torques have.
+    /// Kind of the numbers in its rows.
     pub(super) fn kind(&self) -> SweepKind {
         SweepKind::of_links(&self.links())
     }
 
-    /// The link, or those of the arm.
+    /// The link, or the links of the arm.
     pub(super) fn links(&self) -> Vec<&Link> {
         match self {
             Self::Link(first) => vec![&first.link],

@@ -1,4 +1,4 @@
-//! `sweep`: many cases, a row of one table each.
+//! `sweep`: many cases, with a row of one table for each.
 
 mod cases;
 mod first;
@@ -65,7 +65,7 @@ have a unit. Several --vary make the product, the last one running fastest.
 An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint, \
 and of the motion duration*= alone is varied.";
 
-/// Most cases of one run: so many take weeks at a millisecond each.
+/// Most cases of one run; at a millisecond each they take more than a week.
 const MOST_CASES: usize = 1_000_000_000;
 
 /// Solve many cases: vary values of link and motion.
@@ -155,7 +155,7 @@ impl Sweep {
         self.judge(&tally, warnings)
     }
 
-    /// Reads what all cases share.
+    /// Reads the common inputs of all cases.
     fn load(&self, link: &Path, motion: &Path) -> Result<Cases<'_>, Failure> {
         self.check_files()?;
         Cases::read(self.plan()?, link, motion, &self.shared)
@@ -168,7 +168,7 @@ impl Sweep {
         TableOutput::open(&self.output_path(), identity, &header, self.resume)
     }
 
-    /// Computes the cases whose rows are not in the table yet, and appends each row as it comes.
+    /// Computes the cases without rows in the table, and appends each row at once.
     fn compute(
         &self,
         cases: &Cases,
@@ -190,7 +190,7 @@ impl Sweep {
         in_order(done..all, interrupt::watch(), work, take)
     }
 
-    /// Gives the table its name; returns an error if it is not complete.
+    /// Gives the table its name; returns an error for an incomplete table.
     fn write(&self, table: TableOutput, tally: &Tally, cases: &Cases) -> Result<(), Failure> {
         let all = self.shard.len(cases.plan.cases());
         if tally.rows() < all {
@@ -199,7 +199,7 @@ impl Sweep {
         table.finish(self.named_by(), self.shared.outputs.sync.durability())
     }
 
-    /// Returns an error for cases that are not as the options want them, and for `warnings` of the run.
+    /// Returns an error for cases that the options refuse, and for `warnings` of the run.
     fn judge(&self, tally: &Tally, warnings: usize) -> Result<(), Failure> {
         // A shard is only a part: others may have numbers.
         if self.shard.of() == 1 {
@@ -253,7 +253,7 @@ impl Sweep {
         if self.warnings.are_denied() { tally.refuse_warned() } else { Ok(()) }
     }
 
-    /// Refuses files that would be read twice or written over.
+    /// Refuses files that the sweep would read twice or overwrite.
     fn check_files(&self) -> Result<(), Failure> {
         let files = self.link.iter().chain(&self.motion).map(PathBuf::as_path);
         let inputs: Vec<&Path> = files.chain(self.shared.torque.torque.as_deref()).collect();
@@ -277,7 +277,7 @@ impl Sweep {
         if self.output.is_some() { NamedBy::User } else { NamedBy::Program }
     }
 
-    /// Prints what was done, and where the table is.
+    /// Prints the finished work, and the place of the table.
     fn report(&self, done: &str) -> Result<(), Failure> {
         self.say(&format!("{done}\nwritten  {}\n", shown_path(&self.output_path())))
     }
@@ -291,7 +291,7 @@ impl Sweep {
     }
 }
 
-/// Counts the cases whose rows are there already.
+/// Counts the cases of earlier rows.
 fn tally_of(cases: &Cases, rows: &SweepRows) -> Tally {
     Tally::of_cases(rows.cases(), |case| cases.remarks(case))
 }

@@ -1,4 +1,4 @@
-//! The table of a sweep: its rows as they come, or joined from shards.
+//! The table of a sweep: its rows from cases, or joined from shards.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::cli::terminal::files::{keep_files, keep_record, read_once};
 use crate::cli::terminal::text::counted;
 use crate::cli::terminal::{Exit, Failure};
 
-/// Where the rows of a sweep go.
+/// Destination of the rows of a sweep.
 pub(crate) enum TableOutput {
     /// A file that is whole at the end.
     InFile(Box<SweepFile>),
@@ -22,17 +22,17 @@ pub(crate) enum TableOutput {
     Printed { is_shard: bool },
 }
 
-/// A table that is opened for its rows.
+/// A table, open for its rows.
 pub(crate) enum OpenedTable {
-    /// Where its rows go, those that an earlier run has left, and the number of warnings printed.
+    /// Destination of its rows, rows of an earlier run, and the number of printed warnings.
     Unfinished(TableOutput, Option<SweepRows>, usize),
     /// An earlier run has written all its rows.
     Complete(SweepRows),
 }
 
-/// Why a sweep ends before its last row.
+/// Reason for the end of a sweep before its last row.
 pub(crate) enum EarlyEnd {
-    /// The reader of standard output has gone away, and needs no more rows.
+    /// The reader of standard output has gone, and needs no more rows.
     ReaderGone,
     /// A case or its row cannot be written, or its options are wrong.
     Failed(Failure),
@@ -45,7 +45,7 @@ impl From<Failure> for EarlyEnd {
 }
 
 impl TableOutput {
-    /// Begins a table, or goes on with what an interrupted run left of it.
+    /// Begins a table, or continues that of an interrupted run.
     pub(crate) fn open(
         path: &Path,
         identity: SweepIdentity,
@@ -77,7 +77,7 @@ impl TableOutput {
         Ok(in_file(file, None, warnings))
     }
 
-    /// Whether the rows are printed, so that nothing else may be.
+    /// Whether standard output has the rows, so that nothing else may go there.
     pub(crate) fn is_printed(&self) -> bool {
         !matches!(self, Self::InFile(_))
     }
@@ -108,7 +108,7 @@ impl TableOutput {
         }
     }
 
-    /// The failure of a sweep that was stopped after `there` of `all` rows.
+    /// The failure of a sweep that stopped after `there` of `all` rows.
     pub(crate) fn interrupted(&self, there: usize, all: usize) -> Failure {
         let message = format!("interrupted after {there} of {all} cases");
         let Self::InFile(file) = self else {
@@ -120,7 +120,7 @@ impl TableOutput {
     }
 }
 
-/// Warns of rows that were overwritten; returns the number of warnings.
+/// Warns of overwritten rows; returns the number of warnings.
 fn warn_of_left(left: &LeftRows, part: &Path) -> usize {
     let (rows, hint) = match *left {
         LeftRows::Own(rows) => (rows, "--resume would have gone on with them"),

@@ -1,4 +1,4 @@
-//! Failures, warnings and remarks of all cases of a sweep, counted.
+//! Counts of failures, warnings and remarks of all cases of a sweep.
 
 use crate::result::{Exceeded, Notice, Remark};
 use crate::store::SweptCase;
@@ -7,7 +7,7 @@ use crate::cli::terminal::{Exit, Failure, console};
 
 const NAMED: &str = "the columns warnings and error name them";
 
-/// The warning of an exceeded limit. Its kind names the limit's key, as the table has it.
+/// The warning of an exceeded limit. Its kind contains the limit's key, as in the table.
 pub fn of_limit(limit: &Exceeded) -> Notice {
     let joint = limit.0.joint.map(|joint| format!("joint{}.", joint + 1));
     let kind = format!("{}:{}{}", Exceeded::KIND, joint.unwrap_or_default(), limit.0.key);
@@ -18,7 +18,7 @@ fn is_of_limit(notice: &Notice) -> bool {
     notice.kind.split(':').next() == Some(Exceeded::KIND)
 }
 
-/// Failures, warnings and remarks, counted.
+/// Counts of failures, warnings and remarks.
 #[derive(Default)]
 pub struct Tally {
     rows: usize,
@@ -26,19 +26,19 @@ pub struct Tally {
     /// Cases that exceed a limit, and cases with any warning.
     exceeding: usize,
     warned: usize,
-    /// Number and message of the first case that failed.
+    /// Number and message of the first failed case.
     failure: Option<(usize, String)>,
     warnings: Vec<Counted>,
     remarks: Vec<Counted>,
 }
 
-/// Cases that have the same kind of warning or remark.
+/// Cases with the same kind of warning or remark.
 struct Counted {
     cases: usize,
-    /// Numbers of the first and the last of them, from 1.
+    /// Numbers of the first and the last case, from 1.
     first: usize,
     last: usize,
-    /// That of the first case.
+    /// Notice of the first case.
     notice: Notice,
 }
 
@@ -63,7 +63,7 @@ fn count(counted: &mut Vec<Counted>, case: usize, notices: impl IntoIterator<Ite
 }
 
 impl Tally {
-    /// Counts cases whose rows are there already; `remarks` returns those of a case, numbered from 0.
+    /// Counts cases of earlier rows; `remarks` returns the remarks of a case, numbered from 0.
     pub(crate) fn of_cases(
         cases: impl Iterator<Item = SweptCase>,
         remarks: impl Fn(usize) -> Vec<Remark>,
@@ -103,7 +103,7 @@ impl Tally {
         self.rows
     }
 
-    /// Fails if no case at all has numbers, with the message of the first.
+    /// Fails if all cases failed, with the message of the first.
     pub(crate) fn refuse_all_failed(&self) -> Result<(), Failure> {
         let Some((_, message)) = self.failure.as_ref().filter(|_| self.failed == self.rows) else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The work of one case of a sweep, and what comes of it.
+//! The work of one case of a sweep, and its result.
 
 use std::path::Path;
 use std::slice::from_ref;
@@ -23,13 +23,13 @@ use crate::cli::options::inputs::{remarks, remarks_on_link};
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::{Exit, Failure, memory};
 
-/// What came of a case.
+/// Result of a case.
 pub(crate) struct Outcome {
-    /// Its numbers, or why it has none; or why the sweep ends.
+    /// Its numbers, or the error of the case, or the failure that ends the sweep.
     pub(crate) row: Result<Result<CaseNumbers, String>, Failure>,
     /// Its warnings.
     pub(crate) warnings: Vec<Notice>,
-    /// What is possible but rare in it.
+    /// Remarks on its unusual input.
     pub(crate) remarks: Vec<Remark>,
 }
 
@@ -44,7 +44,7 @@ impl Outcome {
         };
         let row = match failure.exit {
             Exit::InputRefused | Exit::NotSolvable => Ok(Err(failure.message)),
-            // Results that cannot be written, or wrong options, fail the sweep.
+            // Failed writing and wrong options end the sweep.
             Exit::Usage | Exit::CannotWrite | Exit::Interrupted => Err(failure),
         };
         Self { row, warnings: Vec::new(), remarks: remarks() }
@@ -108,7 +108,7 @@ impl Cases<'_> {
         }
         let notices = solution.warnings.iter().map(Notice::from);
         let notices = notices.chain(exceeded.iter().map(of_limit)).collect();
-        // A link's modes above the first are not computed for the tally alone.
+        // The tally alone does not need a link's modes above the first.
         let remarks = match &solution.motion {
             Motion::Tip(motion) => {
                 let of_link = remarks_on_link((solution, motion), &first_rad_s);
@@ -181,7 +181,7 @@ impl Cases<'_> {
         Ok((numbers, notices, remarks.clone()))
     }
 
-    /// Opens the folder of a case, which the command line does not name: it must lead nowhere else.
+    /// Opens the folder of a case. The command line does not name it, so it must not be a link to another place.
     fn stage(&self, folder: &Path) -> Result<OutputFolder, Failure> {
         if folder.is_symlink() {
             let shown = folder.display();

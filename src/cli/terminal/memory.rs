@@ -129,9 +129,9 @@ impl ThreadArgs {
         Ok(())
     }
 
-    /// A pool of threads, at most as many as a limited address space holds, and true if addresses or data are limited.
-    /// Every thread must then take its memory before the work begins: glibc aborts the program without our message if a
-    /// thread finds no memory for its first thread-local value.
+    /// A pool of threads that fit into a limited address space, and true if addresses or data are limited. Every
+    /// thread must then take its memory before the work begins. Glibc aborts the program without our message if a
+    /// thread has too little memory for its first thread-local value.
     fn builder(&self) -> (ThreadPoolBuilder, bool) {
         let threads = self.threads.map(usize::from);
         let most = address_space().map(|left| left.saturating_sub(OWN_BYTES) / THREAD_BYTES);

@@ -163,7 +163,7 @@ impl StageBar {
         self.bar.set_message(format!("fitting, {links} links tried"));
     }
 
-    /// Shows how far the play of bent links is.
+    /// Shows the progress of the play of bent links.
     pub(crate) fn played(&self, PlayProgress { refinement, done, samples }: PlayProgress) {
         if done % samples.div_ceil(PLAY_TICKS) != 0 {
             return;

@@ -1,4 +1,4 @@
-//! The duration of a motion: that of the command line, or the shortest within limits, of one profile or of the best.
+//! The duration of a motion: of the command line, or the shortest within limits, for one profile or for the best.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -14,14 +14,14 @@ use crate::result::{
 use crate::spec::{ArmSpecification, Override, SpecError};
 use crate::text::{excerpt, plain, significant, visible};
 
-/// What stands for the profile that is the shortest.
+/// Name of the choice of the profile with the shortest motion.
 const BEST: &str = "best";
 
 /// The profile of the command line.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Choice {
     Profile(Profile),
-    /// The one with the shortest duration.
+    /// The profile with the shortest duration.
     Best,
 }
 
@@ -41,11 +41,11 @@ pub struct Found {
     pub(super) steps: usize,
     /// Comment for the first line of the file.
     pub(super) comment: String,
-    /// Number of warnings that were printed.
+    /// Number of printed warnings.
     pub(super) warnings: usize,
 }
 
-/// What limits are of.
+/// Subject of limits.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Limited {
     Link,
@@ -55,13 +55,13 @@ pub(super) enum Limited {
 /// A motion whose profile or duration may be open.
 pub(super) struct Search {
     pub(super) profile: Choice,
-    /// Steps of the duration; none where limits decide.
+    /// Steps of the duration; `None` if limits decide.
     pub(super) steps: Option<usize>,
     pub(super) step_s: f64,
 }
 
 impl Search {
-    /// Profile and duration of a motion. Tells what was found, and what torque a cycle takes.
+    /// Profile and duration of a motion. Prints both, and the torque of a cycle.
     pub(super) fn found(
         &self,
         along: Along,
@@ -98,7 +98,7 @@ impl Search {
             let hint = "best is the one whose motion is the shortest within limits";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         };
-        // The options were checked: without a link there is a duration.
+        // Checked options have a duration unless there is a link.
         let steps = self.steps.unwrap_or_default();
         Ok(Found { profile, steps, comment: String::new(), warnings: 0 })
     }
@@ -144,8 +144,8 @@ impl Search {
         Ok((found, fit.solution))
     }
 
-    /// The fit of the profile; of the best one, after a note for each of what it needs. The best is the shortest of those
-    /// whose solution has no warning, and of those that are as short the one farthest from its limit.
+    /// The fit of the profile, or of the best profile, after a note on each duration. The best is the shortest
+    /// whose solution has no warning; of equally short ones it is the one farthest from its limit.
     fn searched(
         &self,
         fit: impl Fn(Profile) -> Result<Fit, FitError>,
@@ -191,7 +191,7 @@ impl Search {
         }
     }
 
-    /// Tells the duration that was found, and which of the limits binds.
+    /// Prints the duration, and its binding limit.
     fn told(
         &self,
         profile: Profile,
@@ -215,7 +215,7 @@ impl Search {
         Found { profile, steps: fit.steps, comment, warnings: 0 }
     }
 
-    /// The time in s of so many steps, without the last digits of the product.
+    /// The time in s of this many steps, without the last digits of the product.
     fn time_s(&self, steps: usize) -> f64 {
         let product = steps as f64 * self.step_s;
         format!("{product:.14e}").parse().unwrap_or(product)
@@ -247,7 +247,7 @@ pub(super) fn limits(
     Ok([changes.overrides()?, limits].concat())
 }
 
-/// Refuses to search a duration that nothing limits.
+/// Refuses to search a duration without limits.
 fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
     if limits.iter().any(|own| *own != Limits::default()) {
         return Ok(());
@@ -257,7 +257,7 @@ fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
     Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
-/// The failure of a cycle that --link has no torque for, and that is therefore not written.
+/// The failure of a cycle without a torque for --link; it is therefore not written.
 fn not_solved(failure: Failure) -> Failure {
     let message = format!("the cycle is not solved, nor written: {}", failure.message);
     let hints = [failure.hint, Some("without --link it is written".to_owned())];
@@ -279,12 +279,12 @@ fn cycle_text(cycle_s: &str, metrics: &Metrics) -> String {
     format!("a cycle of {cycle_s} s takes a torque of {hub}{motor}")
 }
 
-/// Refuses a motion that the profile does not make.
+/// Refuses a motion that the profile cannot make.
 pub(super) fn not_made(error: &CurveError) -> Failure {
     Failure::new(Exit::Usage, error, error.hint())
 }
 
-/// Kinds of the warnings of a solution, and of the remark on an acceleration that jumps, which no motor follows.
+/// Kinds of the warnings of a solution, and of the remark on an acceleration that jumps, because no motor follows it.
 fn kinds(solution: &Solution) -> Vec<&'static str> {
     let warnings = solution.warnings.iter().map(SolutionWarning::kind);
     warnings.chain(Remark::on_jumps(solution).iter().map(Remark::kind)).collect()

@@ -1,4 +1,4 @@
-//! `trajectory`: a tip motion, or the path of an arm's tip, made from a profile.
+//! `trajectory`: a tip motion, or the path of an arm's tip, from a profile.
 
 mod found;
 mod path;
@@ -19,11 +19,11 @@ use crate::result::Along;
 use crate::spec::{ArmSpecification, Described, Specification};
 use crate::text::{given, plain};
 
-/// Distances in m and steps in s, within which all samples are numbers and none vanishes.
+/// Distances in m and steps in s that keep all samples finite and not 0.
 const DISTANCES_M: RangeInclusive<f64> = 1e-100..=1e100;
 const STEPS_S: RangeInclusive<f64> = 1e-90..=1e90;
 
-/// Memory in bytes that a sample takes until it is written; that of a path, which is read back, with its text.
+/// Memory in bytes of a sample until it is written. A path, which is read back, also needs its text.
 const BYTES_PER_SAMPLE: usize = 24;
 const BYTES_PER_PLACE: usize = 250;
 
@@ -135,7 +135,7 @@ impl Trajectory {
         }
     }
 
-    /// The motion of a link's tip, and how its duration was found.
+    /// The motion of a link's tip, with its profile and duration.
     pub fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
         let specification = self.specification()?;
         let course = self.course(specification.as_ref())?;
@@ -146,7 +146,7 @@ impl Trajectory {
         Ok((columns.map_err(|error| not_made(&error))?, found))
     }
 
-    /// The path of an arm's tip along a curve, and how its duration was found.
+    /// The path of an arm's tip along a curve, with its profile and duration.
     pub fn path_along(
         &self,
         curve: &Curve,
@@ -160,13 +160,13 @@ impl Trajectory {
         Ok((PathColumns::of_tip(self.step, &places, self.path.outer_rad()), found))
     }
 
-    /// What is open of the motion, and what is given.
+    /// The open and the fixed values of the motion.
     fn search(&self) -> Result<Search, Failure> {
         let steps = self.duration.map(|duration_s| self.steps("--duration", duration_s, 4.0));
         Ok(Search { profile: self.profile, steps: steps.transpose()?, step_s: self.step })
     }
 
-    /// The curve of --path; none without it. Checks the options that every motion has.
+    /// The curve of --path; `None` without it. Checks the options that every motion has.
     pub fn curve(&self) -> Result<Option<Curve>, Failure> {
         self.check_step()?;
         self.check_use()?;
@@ -185,14 +185,14 @@ impl Trajectory {
         self.warnings.refuse(warnings)
     }
 
-    /// Writes the path of an arm's tip along a curve, unless the arm does not reach it.
+    /// Writes the path of an arm's tip along a curve, unless it is out of the arm's reach.
     fn write_path(&self, curve: &Curve) -> Result<(), Failure> {
         let arm = self.link.as_deref().map(|link| self.arm(link)).transpose()?;
         let (columns, Found { comment, warnings, .. }) = self.path_along(curve, arm.as_deref())?;
         let mut text = comment.into_bytes();
         write_path(&mut text, &columns, self.digits)
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
-        // The warnings of a solved path have this one among them.
+        // The warnings of a solved path include this one.
         let warned = match &arm {
             Some(arm) if self.duration.is_some() => reached(&text, arm)?,
             _ => warnings,
@@ -223,7 +223,7 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// Returns an error for an option that is missing, or has no effect without another one.
+    /// Returns an error for a missing option, or for an option whose effect needs a missing one.
     fn check_use(&self) -> Result<(), Failure> {
         self.check_duration()?;
         let turns = self.travels().any(|(_, travel)| matches!(travel, Travel::Angle(_)));
@@ -245,7 +245,7 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
-    /// Returns an error if neither a duration is given nor a link, whose limits decide.
+    /// Returns an error without a duration, unless a link has limits that decide.
     fn check_duration(&self) -> Result<(), Failure> {
         let message = match (&self.duration, &self.link, self.profile) {
             (None, None, Choice::Best) => "--link is missing, but must be given with best",
@@ -256,11 +256,11 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
-    /// The link of --link, with the limits of the command line; none without it.
+    /// The link of --link, with the limits of the command line; `None` without it.
     fn specification(&self) -> Result<Option<Specification>, Failure> {
         let Some(link) = &self.link else { return Ok(None) };
         let file = InputFile::read_toml(link)?;
-        // First without the limits, whose keys an arm has elsewhere.
+        // Reads the file first without the limits, because an arm has their keys elsewhere.
         let own = specification(&file, &self.changes.overrides()?)?;
         if self.fit_limit.is_empty() {
             return Ok(Some(own));
@@ -268,13 +268,13 @@ impl Trajectory {
         specification(&file, &limits(&self.changes, &self.fit_limit, Limited::Link)?).map(Some)
     }
 
-    /// What --via and --distance give, with their options.
+    /// Travels of --via and --distance, with their options.
     fn travels(&self) -> impl Iterator<Item = (&'static str, Travel)> {
         let stops = self.path.travels().map(|travel| ("--via", travel));
         stops.chain(self.distance.map(|travel| ("--distance", travel)))
     }
 
-    /// Where the tip of a link goes.
+    /// Course of a link's tip.
     fn course(&self, specification: Option<&Specification>) -> Result<Course, Failure> {
         let stop_m = |(option, travel)| displacement_m(option, travel, specification);
         let stops_m = self.travels().map(stop_m).collect::<Result<Vec<_>, _>>()?;

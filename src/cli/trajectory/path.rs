@@ -1,4 +1,4 @@
-//! How far the tip goes, and along which path that of an arm.
+//! The travel of the tip, and the path of an arm's tip.
 
 use std::fmt::Display;
 
@@ -15,12 +15,12 @@ use crate::text::plain;
 
 const PATHS: &str = "Paths of arms";
 
-/// How far the tip goes.
+/// Travel of the tip.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Travel {
     /// Along its arc, in m.
     Length(f64),
-    /// With the link that turns by so many rad.
+    /// Along the arc of a link that turns by this angle in rad.
     Angle(f64),
     /// To a place in the plane, x and y in m.
     Place(Place),
@@ -124,7 +124,7 @@ impl PathArgs {
         !self.via.is_empty() && (self.corner.is_none() || self.path.is_none())
     }
 
-    /// The first option that has an effect only with --path, where that is not given.
+    /// The first option that needs the missing --path.
     pub(super) fn without_path(&self) -> Option<&'static str> {
         let given = [
             (self.from.is_some(), "--from"),
@@ -143,9 +143,9 @@ impl PathArgs {
         self.via.iter().copied()
     }
 
-    /// The curve that the options describe; none without --path.
+    /// The curve of the options; `None` without --path.
     pub(crate) fn curve(&self) -> Result<Option<Curve>, Failure> {
-        // The parser has seen to it that what a curve needs is there.
+        // The parser has checked that the options of a curve are complete.
         let (Some(kind), Some(from_m)) = (self.path, self.from) else { return Ok(None) };
         let given = |option: &'static str, is_given: bool| is_given.then_some(option);
         let others = match kind {
@@ -197,8 +197,8 @@ pub(super) fn refused(error: &dyn Display, hint: Option<&str>) -> Failure {
     Failure::new(Exit::Usage, &format!("--path: {error}"), hint)
 }
 
-/// Refuses a path, as it is written, that `solve` would not begin to solve, in words that name its row; prints the
-/// warning of an elbow that is nearly stretched or folded, and returns how many that are.
+/// Refuses a written path that `solve` would not begin to solve, and names its row. Prints the warning of an elbow
+/// that is nearly stretched or folded, and returns the number of warnings.
 pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, Failure> {
     let table = read_path_table("--path", written, &TableFormat::default())?;
     let columns = table.columns();

@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 
 use super::folder::{Durability, FolderError, OutputFolder, create, folder_of};
 
-/// Who has named a file that is written.
+/// Author of the name of a new file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedBy {
-    /// The user has typed the path. What a symbolic link leads to is written; so is a device or a named pipe
-    /// as it is, because renaming would put a file in its place.
+    /// A path that the user typed. The program follows symbolic links, and writes into a device or a named pipe as it
+    /// is, because renaming would put a file in its place.
     User,
-    /// The program makes the name, as that of a record beside a table. The file takes the place of whatever
-    /// else has the name: who could put a link there must not say what is written.
+    /// A name of the program, such as the record beside a table. The file replaces anything else of this name,
+    /// because a link there must not decide which file is written.
     Program,
 }
 
@@ -30,18 +30,17 @@ pub struct NewFile<'a> {
     pub named_by: NamedBy,
 }
 
-/// A folder as it was named, with the names and the bytes of its files.
+/// A folder under its original name, with the names and the bytes of its files.
 type Folder<'a> = (PathBuf, Vec<(OsString, &'a [u8])>);
 
-/// Writes all files, or none: first all are written under other names, then each takes its own while locks keep
-/// other runs out of their folders. If another run writes into one of them for more than a second, calls
-/// `on_wait` with the folder.
+/// Writes all files, or none. First writes all under other names, then renames each while locks keep other runs out
+/// of their folders. If another run writes into one of them for more than a second, calls `on_wait` with the folder.
 ///
 /// # Errors
 /// [`FolderError`] names the first file that cannot be written.
 pub fn write_files(files: &[NewFile], on_wait: &dyn Fn(&Path)) -> Result<(), FolderError> {
     let mut streams = Vec::new();
-    // In the order of their true paths, in which every run takes the locks.
+    // Sorted by true path: every run takes the locks in this order.
     let mut folders: BTreeMap<PathBuf, Folder> = BTreeMap::new();
     for file in files {
         match Target::of(file.path, file.named_by)? {
@@ -69,11 +68,10 @@ pub fn write_files(files: &[NewFile], on_wait: &dyn Fn(&Path)) -> Result<(), Fol
     staged.into_iter().try_for_each(OutputFolder::replace)
 }
 
-/// Writes one file, whole or not at all; creates the folder it lies in where it is missing. `write` receives
-/// a buffered writer.
+/// Writes one file, whole or not at all, and creates its folder if it is missing. `write` receives a buffered writer.
 ///
-/// It is no error if the reader of a pipe goes away. If another run writes into the folder for more than a
-/// second, calls `on_wait` once.
+/// A reader of a pipe may go away without an error. If another run writes into the folder for more than a second,
+/// calls `on_wait` once.
 ///
 /// # Errors
 /// [`FolderError`] if `path` names no file, leads through links in a circle, or the file cannot be written.
@@ -94,8 +92,8 @@ pub fn write_file(
     }
 }
 
-/// The path of the record of a file whose name ends in `.own`: `a.json` of `a.toml`; of another file NAME it is
-/// `NAME.json`.
+/// The path of the record beside a file: `a.json` for `a.toml` if `own` is the ending `toml`, else `NAME.json` for
+/// NAME.
 pub(super) fn record_beside(file: &Path, own: &str) -> PathBuf {
     if file.extension().is_some_and(|end| end.eq_ignore_ascii_case(own)) {
         return file.with_extension("json");
@@ -107,7 +105,7 @@ pub(super) fn record_beside(file: &Path, own: &str) -> PathBuf {
 
 /// Where a file goes.
 enum Target {
-    /// Into a device, a pipe or a file that this process has open.
+    /// A device, a pipe or a file that this process has open.
     Stream,
     /// Into a folder.
     File {
@@ -119,7 +117,7 @@ enum Target {
 }
 
 impl Target {
-    /// What a path leads to.
+    /// Target at the end of a path.
     fn of(path: &Path, named_by: NamedBy) -> Result<Self, FolderError> {
         if named_by == NamedBy::User && is_stream(path) {
             return Ok(Self::Stream);
@@ -128,7 +126,7 @@ impl Target {
             NamedBy::User => followed(path).map_err(|cause| FolderError::of_file(path, cause))?,
             NamedBy::Program => path.to_owned(),
         };
-        // A path may end in a separator, or in a dot after it, which its last name does not show.
+        // The last name does not show a separator at the end, or a dot after it.
         let is_last =
             |name: &&OsStr| path.as_os_str().as_encoded_bytes().ends_with(name.as_encoded_bytes());
         let Some(name) = path.file_name().filter(is_last) else {
@@ -142,7 +140,7 @@ impl Target {
 /// Target of a symbolic link, if it exists; else the path itself.
 ///
 /// # Errors
-/// The system's, for links that lead in a circle or through what is no folder.
+/// Errors of the system for links in a circle or through anything but a folder.
 pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
     if !path.is_symlink() || is_stream(path) {
         return Ok(path.to_owned());

@@ -12,7 +12,7 @@ use crate::result::{Notice, Origin};
 
 const COMMAND: &str = "fit";
 
-/// Where the record of a fitted link file goes; a device or a pipe has none.
+/// Path of the record of a fitted link file; `None` for a device or a pipe.
 pub fn fit_record(link_file: &Path) -> Option<PathBuf> {
     (!is_stream(link_file)).then(|| record_beside(link_file, "toml"))
 }
@@ -29,7 +29,7 @@ pub fn foreign_fit_record(link_file: &Path) -> Option<PathBuf> {
     (!file.is_some_and(is_record)).then_some(path)
 }
 
-/// What a fit was given: its files, and its arguments as the program takes them.
+/// Inputs of a fit: its files, and its arguments as the program takes them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FitInputs {
     /// The link file.
@@ -43,7 +43,7 @@ pub struct FitInputs {
 }
 
 impl FitInputs {
-    /// The same for a page; `title` is that of the link.
+    /// Origin of the fit for a page; `title` is the link's.
     pub fn origin(&self, title: &str) -> Origin {
         let named = self.named.iter().map(|file| file.input("measured"));
         let files = [self.link.input("link"), self.measured.input("measured")];
@@ -71,8 +71,8 @@ struct FitRecord<'a> {
     warnings: Vec<Notice>,
 }
 
-/// The record of a fit as JSON: the values with their standard errors, the residuals, the correlations, what
-/// the data do not determine, and where each start ended.
+/// The record of a fit as JSON: the values with their standard errors, the residuals, the correlations, the values
+/// that the data do not determine, and the end of each start.
 pub fn fit_json(inputs: &FitInputs, replaced: &[Replaced], outcome: &FitOutcome) -> String {
     let (flexlink, command) = (env!("CARGO_PKG_VERSION"), COMMAND);
     let warnings = outcome.warnings();

@@ -1,8 +1,8 @@
-//! Results on the disk: a run's folder, whose files appear all together, or one file; whole or not at all,
-//! whatever ends the program.
+//! Results on the disk: a run's folder, whose files appear all together, or one file; whole or not at all, whatever
+//! ends the program.
 //!
-//! The files of a folder are written into a folder of their own inside it, and renamed when all are whole. A
-//! lock makes runs into one folder take turns.
+//! A run writes its files into a hidden folder inside its folder, and renames them when all are whole. A lock makes
+//! runs into one folder take turns.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -22,19 +22,19 @@ mod tests;
 
 const LOCK: &str = ".flexlink.lock";
 
-/// How the folder begins in which a run writes its files. It sorts after [`LOCK`], so that a program that
-/// is ended removes the lock last.
+/// Beginning of the name of the folder into which a run writes its files. It sorts after [`LOCK`], so that an
+/// interrupted program removes the lock last.
 pub(super) const STAGING: &str = ".flexlink.run-";
 
 /// Whether a run waits until its files are on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Durability {
-    /// It does not: files are whole however the run ends, but a power failure soon after it may cut them
+    /// The run does not wait: files are whole however the run ends, but a power failure soon after it may cut them
     /// short.
     #[default]
     InMemory,
-    /// It waits for each file before it is renamed, and for the folder afterwards: a power failure leaves
-    /// whole files or none.
+    /// The run waits for each file before it renames it, and for the folder afterwards: after a power failure every
+    /// file is whole or absent.
     OnDisk,
 }
 
@@ -74,21 +74,21 @@ impl Durability {
     }
 }
 
-/// An output folder or a file in it that cannot be written.
+/// Error of an output folder or a file in it.
 // Without `source`: the text already holds the cause.
 #[derive(Debug, Error)]
 #[error("{}: cannot {action}: {}", folder.display(), system_words(cause))]
 pub struct FolderError {
     /// The folder, as the caller named it.
     pub folder: PathBuf,
-    /// What could not be done: `write torque.csv`.
+    /// Action that failed: `write torque.csv`.
     pub action: String,
     /// The error of the system.
     pub cause: io::Error,
 }
 
 impl FolderError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self.cause.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -105,7 +105,7 @@ impl FolderError {
         Self { folder: folder.to_owned(), action: action.into(), cause }
     }
 
-    /// The error of a folder that nothing can be written into.
+    /// The error of a folder that does not accept files.
     pub(super) fn of_folder(folder: &Path, cause: io::Error) -> Self {
         Self::new(folder, "write into the folder", cause)
     }
@@ -119,13 +119,13 @@ impl FolderError {
 
 /// A folder that receives all files of a run, or none.
 ///
-/// [`commit`](Self::commit) or [`replace`](Self::replace) gives the files their names. Dropped without
-/// either, no file in the folder has changed.
+/// [`commit`](Self::commit) or [`replace`](Self::replace) gives the files their names. Without either, dropping it
+/// changes no file in the folder.
 #[derive(Debug)]
 pub struct OutputFolder {
     dir: PathBuf,
     durability: Durability,
-    /// Names of the files that are written. Threads write several at the same time.
+    /// Names of the written files. Threads write several at the same time.
     names: Mutex<BTreeSet<OsString>>,
     // Removed before the lock.
     staging: Unfinished,
@@ -133,8 +133,8 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Opens `dir` for a run's files, creating it and the folders above it where they are missing. Waits for
-    /// another run that writes into it; if that takes more than a second, calls `on_wait` once.
+    /// Opens `dir` for a run's files, and creates it and the folders above it if they are missing. Waits for another
+    /// run that writes into it; after more than a second, calls `on_wait` once.
     ///
     /// # Errors
     /// [`FolderError`] if the folder cannot be created, or another run keeps writing into it.
@@ -163,8 +163,8 @@ impl OutputFolder {
         self
     }
 
-    /// Writes one file, which does not appear yet; `write` receives a buffered writer. Several may be
-    /// written at the same time.
+    /// Writes one file, invisible until the end; `write` receives a buffered writer. Threads may write several at the
+    /// same time.
     ///
     /// # Errors
     /// [`FolderError`] if the file cannot be created or `write` fails.
@@ -186,13 +186,13 @@ impl OutputFolder {
 
     /// Gives all files their names, the file `last` after all others.
     ///
-    /// `owned` are the names that this program may write. What an earlier run left of these and of
-    /// the names of this one is removed first, `last` before all others: at no moment are files of
-    /// two runs there, and a folder with `last` holds a whole run.
+    /// `owned` are the names that this program may write. The function first removes the files of an earlier run
+    /// under these names and the new ones, `last` before all others. At no moment are files of two runs there, and a
+    /// folder with `last` holds a whole run.
     ///
     /// # Errors
-    /// [`FolderError`] names the first file that cannot be removed or written; no file `last` is
-    /// there then. If a folder has the name of a file, nothing is changed.
+    /// [`FolderError`] names the first file that cannot be removed or written; the folder then has no file `last`. If
+    /// a folder has the name of a file, nothing changes.
     pub fn commit(self, last: impl AsRef<OsStr>, owned: &[&str]) -> Result<(), FolderError> {
         let last = last.as_ref();
         let _held = hold_off_the_end();
@@ -214,12 +214,11 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Gives all files their names in the place of those that have them: at no moment is a name
-    /// without a whole file, and each keeps the permissions of the one before it.
+    /// Gives all files their names and replaces older ones. At every moment each name has a whole file, and each file
+    /// keeps the permissions of its predecessor.
     ///
     /// # Errors
-    /// [`FolderError`] names the first file that cannot be written; if a folder has its name, no file is
-    /// changed.
+    /// [`FolderError`] names the first file that cannot be written; if a folder has its name, no file changes.
     pub fn replace(self) -> Result<(), FolderError> {
         let _held = hold_off_the_end();
         let names = self.names()?;
@@ -229,7 +228,7 @@ impl OutputFolder {
         self.rename(&names)
     }
 
-    /// Names of all files; refuses one that a folder has.
+    /// Names of all files; refuses the name of a folder.
     pub(super) fn names(&self) -> Result<BTreeSet<OsString>, FolderError> {
         let names = self.names.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match names.iter().find(|name| self.dir.join(name).is_dir()) {
@@ -238,7 +237,7 @@ impl OutputFolder {
         }
     }
 
-    /// Where a file is before it has its name.
+    /// Path of a file before its renaming.
     fn staged(&self, name: &OsStr) -> PathBuf {
         self.staging.path().join(name)
     }
@@ -266,7 +265,7 @@ impl OutputFolder {
         synced.map_err(|cause| FolderError::of_folder(&self.dir, cause))
     }
 
-    /// The error of a file of which something is refused before it is written.
+    /// The error of a file whose content is refused before the program writes it.
     pub(super) fn refused(
         &self,
         name: &str,
@@ -280,22 +279,22 @@ impl OutputFolder {
     }
 }
 
-/// Why a file cannot take its name.
+/// Obstacle to the name of a file.
 pub(super) const TAKEN: &str = "a folder has this name";
 
-/// Removes what killed runs left in a folder whose lock this run holds.
+/// Removes the remains of killed runs in a folder. This run must hold its lock.
 fn remove_left(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         if is_staging(&entry.file_name()) && entry.file_type()?.is_dir() {
-            // One of another user may have to stay.
+            // A folder of another user may have to stay.
             let _ = fs::remove_dir_all(entry.path());
         }
     }
     Ok(())
 }
 
-/// Removes the lock and the files that killed runs left in a folder, unless a run is writing into it.
+/// Removes the lock and the remains of killed runs in a folder, unless a run is writing into it.
 pub(super) fn clear(folder: &Path) {
     let lock = folder.join(LOCK);
     if !lock.is_file() {
@@ -307,7 +306,7 @@ pub(super) fn clear(folder: &Path) {
     }
 }
 
-/// Whether a folder of this name holds files that a run has not finished.
+/// Whether a folder of this name holds files of an unfinished run.
 fn is_staging(name: &OsStr) -> bool {
     name.as_encoded_bytes().starts_with(STAGING.as_bytes())
 }
@@ -317,19 +316,19 @@ pub(super) fn is_aside(name: &OsStr) -> bool {
     name == LOCK || is_staging(name)
 }
 
-/// Gives a file the permissions of the one that it replaces; a link, and a file system without permissions,
-/// have none.
+/// Gives a file the permissions of its predecessor. A link, and a file system without permissions, provide no
+/// permissions.
 fn keep_permissions(old: &Path, new: &Path) {
     let old = fs::symlink_metadata(old).ok().filter(|old| !old.is_symlink());
     let _ = old.map(|old| fs::set_permissions(new, old.permissions()));
 }
 
-/// Creates a folder, and those above it, where they are missing.
+/// Creates a folder and the folders above it, if they are missing.
 pub(super) fn create(dir: &Path) -> Result<(), FolderError> {
     fs::create_dir_all(dir).map_err(|cause| FolderError::new(dir, "create the folder", cause))
 }
 
-/// The folder that a file lies in.
+/// The folder of a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     folder.unwrap_or(Path::new("."))

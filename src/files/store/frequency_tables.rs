@@ -21,7 +21,7 @@ const SHAPES: &str = "mode_shapes.csv";
 const HELD: &str = "held_modes.csv";
 const ZEROS: &str = "zeros.csv";
 
-/// A number of a mode, of its mesh error too.
+/// A number of a mode, from the mode and its mesh error.
 type ModeNumber = fn(&PoseMode, f64) -> f64;
 
 /// Columns of a mode. A mode that leaves the pose has a growth rate and no frequency (NaN).
@@ -41,7 +41,8 @@ const NUMBERS: [(&str, ModeNumber); 6] = [
 const GROWTH: &str = "growth_per_s";
 const DAMPING: &str = "damping_ratio";
 
-/// The columns of modes: without gravity nothing grows, and of a straight link in a pose no damping is computed.
+/// The columns of modes. Without gravity nothing grows, and for a straight link in a pose the program computes no
+/// damping.
 fn columns_of(setting: &Setting, own: &SettledModes) -> Vec<(String, Vec<f64>)> {
     let numbers = NUMBERS.iter().filter(|(name, _)| match setting {
         Setting::Weightless => *name != GROWTH,
@@ -70,7 +71,7 @@ impl ModesResult {
         folder.commit(ZEROS, &OWNED)
     }
 
-    /// Writes a row for each mode, in a pose with how far each joint turns.
+    /// Writes a row for each mode; in a pose, with the turn of each joint.
     fn write_list(
         &self,
         out: &mut (dyn Write + Send),
@@ -95,7 +96,7 @@ impl ModesResult {
         write_columns(out, None, &nodes.chain(shapes).collect::<Vec<_>>(), digits)
     }
 
-    /// Writes the zeros of one link after those of the other, in a pose with the number of the link.
+    /// Writes the zeros of all links, one link after the other; in a pose, with the number of the link.
     fn write_zeros(&self, out: &mut (dyn Write + Send), digits: Digits) -> io::Result<()> {
         let most = |own: &LinkZeros| own.zeros_per_s.len().max(own.blocked_hz.len());
         let links = of_links(self.zeros.iter().map(most));
@@ -111,7 +112,7 @@ impl ModesResult {
     }
 }
 
-/// Columns as they are written.
+/// Borrowed columns for writing.
 fn borrowed<S: AsRef<str>>(columns: &[(S, Vec<f64>)]) -> Vec<(&str, &[f64])> {
     columns.iter().map(|(name, values)| (name.as_ref(), &values[..])).collect()
 }
@@ -127,7 +128,7 @@ fn zero_columns(zeros: &LinkZeros) -> [(&'static str, Vec<f64>); 5] {
     ]
 }
 
-/// Writes a row for each node of each link: where it is at rest, and how the modes with free joints move it.
+/// Writes a row for each node of each link: its place at rest, and its motion in the modes with free joints.
 fn write_shapes(
     out: &mut (dyn Write + Send),
     shapes: &ArmShapes,
@@ -157,7 +158,7 @@ fn of_links(rows: impl Iterator<Item = usize>) -> Vec<f64> {
 /// One of the transfers of a row.
 type Transfer = fn(&FrequencyResponse) -> Complex64;
 
-/// One of the numbers that a transfer is written as.
+/// One of the numbers of a transfer.
 type Part = fn(Complex64) -> f64;
 
 /// The columns of a frequency response, each with its heading.
@@ -177,8 +178,8 @@ fn parts_of(name: &str, transfer: impl Iterator<Item = Complex64>) -> ResponseCo
     parts.map(|(part, of)| (format!("{name}_{part}"), cells(of))).into()
 }
 
-/// The columns of a link's frequency response: frequency, then each transfer, and the relative error that the mesh causes
-/// in them.
+/// The columns of a link's frequency response: frequency, then each transfer, and their relative error due to the
+/// mesh.
 pub fn link_response(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> ResponseColumns {
     let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
     let mut columns = vec![("frequency_hz".to_owned(), frequencies)];
@@ -194,8 +195,8 @@ pub fn link_response(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) ->
     columns
 }
 
-/// The columns of an arm's frequency response: frequency, then for the torque of each joint the displacement of the tip
-/// along x and y in 1/N and the angle of each joint in rad/(N m), and the relative error.
+/// The columns of an arm's frequency response: frequency; for each joint's torque the displacement of the tip along x
+/// and y in 1/N and the angle of each joint in rad/(N m); relative error.
 pub fn arm_response(found: &ArmResponses) -> ResponseColumns {
     let rows = &found.rows;
     let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
@@ -216,10 +217,10 @@ pub fn arm_response(found: &ArmResponses) -> ResponseColumns {
     columns
 }
 
-/// Writes a frequency response as CSV; fields of what is not known are empty.
+/// Writes a frequency response as CSV; fields of unknown values are empty.
 ///
 /// # Errors
-/// Those of `out`.
+/// Errors of `out`.
 pub fn write_frequency_response(
     out: &mut (dyn Write + Send),
     columns: &ResponseColumns,
@@ -228,12 +229,12 @@ pub fn write_frequency_response(
     write_columns(out, None, &borrowed(columns), digits)
 }
 
-/// A frequency response as JSON: a list for each column of the CSV, all digits; what is not known is null.
+/// A frequency response as JSON: a list for each column of the CSV, all digits; unknown values are null.
 pub fn frequency_response_json(columns: ResponseColumns) -> String {
     as_text(&columns.into_iter().map(|(name, list)| (name, json!(list))).collect::<Map<_, _>>())
 }
 
-/// Modes and zeros as JSON; what is not known is null, as is the stiffness of a stiff joint.
+/// Modes and zeros as JSON; unknown values and the stiffness of a stiff joint are null.
 pub fn modes_json(found: &ModesResult) -> String {
     let list = |own: &SettledModes| -> Map<String, Value> {
         let mut columns = columns_of(&found.setting, own);

@@ -1,4 +1,4 @@
-//! Golden files: how their folders are listed, how `compare --bless` changes them, and a comparison as JSON.
+//! Golden files: lists of their folders, changes by `compare --bless`, and a comparison as JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -17,16 +17,15 @@ use crate::csv::InputError;
 /// The files of a folder and of the folders in it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CsvFolder {
-    /// Every file whose name ends in `.csv`: its path from the folder, with slashes, and its path
-    /// as it is opened.
+    /// Every file whose name ends in `.csv`: its path from the folder, with slashes, and its path for opening.
     pub tables: BTreeMap<String, PathBuf>,
     /// The paths of all other files from the folder, with slashes.
     pub others: BTreeSet<String>,
 }
 
 impl CsvFolder {
-    /// Lists a folder; links are followed. One that leads nowhere is a file like others if it is not
-    /// called as a table, or is an editor's lock, `.#torque.csv`.
+    /// Lists a folder and follows links. A dead link counts as another file, unless its name is that of a table; an
+    /// editor's lock, `.#torque.csv`, is not a table.
     ///
     /// # Errors
     /// [`InputError`] if the folder, or one in it, cannot be read or leads back to itself.
@@ -58,11 +57,11 @@ impl CsvFolder {
                 let cause = io::Error::other(why);
                 Err(InputError::new(path.display().to_string(), cause))
             };
-            // Two names may be one in UTF-8.
+            // Two names may be equal in UTF-8.
             if path.strip_prefix(folder).unwrap_or(path).to_str().is_none() {
                 return refuse("its name is not UTF-8");
             }
-            // It may have no end.
+            // Anything but a file may be endless.
             if !entry.file_type().is_file() {
                 return refuse("it is a device or a pipe");
             }
@@ -82,7 +81,7 @@ fn name_within(folder: &Path, path: &Path) -> String {
     inner.iter().map(|step| step.to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
-/// The link that an error is about, if it leads nowhere and is no table.
+/// The path of a dead link that caused an error, if it is not a table.
 fn stray_link(error: &walkdir::Error) -> Option<&Path> {
     let path = error.path()?;
     let is_dangling = || error.io_error().is_some_and(|e| e.kind() == io::ErrorKind::NotFound);
@@ -96,19 +95,19 @@ fn unlisted(folder: &Path, error: walkdir::Error) -> InputError {
     InputError::new(shown, error.into_io_error().unwrap_or_else(circle))
 }
 
-/// Changes to a folder of golden files, by their paths from there, with slashes.
+/// Changes to a folder of golden files, by their paths from it, with slashes.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct GoldenChanges {
-    /// Files that take the place of others or are new, and where their content is.
+    /// New or replaced files, and the paths of their content.
     pub written: BTreeMap<String, PathBuf>,
     /// Files to be removed.
     pub removed: Vec<String>,
 }
 
-/// Changes a folder of golden files, which is created where it is missing.
+/// Changes a folder of golden files, and creates it if it is missing.
 ///
-/// All files are written aside before the first takes its name. What killed runs left in it is removed. If another run writes into it for
-/// more than a second, `on_wait` is called once.
+/// Writes all files aside before the first takes its name, and removes remains of killed runs. If another run writes
+/// into the folder for more than a second, the function calls `on_wait` once.
 ///
 /// # Errors
 /// [`FolderError`] names the first file that cannot be written or removed.
@@ -144,8 +143,8 @@ pub fn change_golden_files(
     Ok(())
 }
 
-/// The golden file that a name leads to, through symbolic links within the folder and none out of it:
-/// a stranger's folder is not to say what else is written.
+/// The golden file of a name, through symbolic links within the folder only: a folder from a stranger must not choose
+/// other files to write.
 fn real(folder: &Path, name: &str) -> io::Result<PathBuf> {
     let (root, real) = (resolved(folder)?, resolved(&folder.join(name))?);
     if real.starts_with(&root) {
@@ -155,7 +154,7 @@ fn real(folder: &Path, name: &str) -> io::Result<PathBuf> {
     Err(io::Error::other(cause))
 }
 
-/// A path without symbolic links; what is not there yet is none.
+/// A path without symbolic links. Parts that do not exist yet stay as they are.
 fn resolved(path: &Path) -> io::Result<PathBuf> {
     let path = std::path::absolute(path)?;
     let there = path.ancestors().find_map(|outer| Some((outer, outer.canonicalize().ok()?)));
@@ -163,9 +162,9 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
     Ok(path.strip_prefix(outer).map_or(real.clone(), |rest| real.join(rest)))
 }
 
-/// The JSON text of a comparison, and of what was changed after it.
+/// The JSON text of a comparison, and of the changes after it.
 ///
-/// Differences are in the columns' own units; those that are no finite numbers are null.
+/// Differences are in the columns' units; infinite or undefined ones are null.
 pub fn comparison_json(comparison: &Comparison, blessed: Option<&GoldenChanges>) -> String {
     let changes = |changes: &GoldenChanges| {
         let written: Vec<_> = changes.written.keys().collect();

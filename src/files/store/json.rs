@@ -1,4 +1,4 @@
-//! Records as JSON: their text, their format, messages on damaged ones and those of other versions.
+//! Records as JSON: their text, their format, messages on damaged records and records of other versions.
 
 use std::collections::BTreeSet;
 
@@ -12,13 +12,13 @@ use crate::response::{LinkState, State};
 use crate::result::StoredInput;
 use crate::text::{excerpt, is_hidden, visible};
 
-/// Format of all records. It grows with each change that breaks readers of the one before.
+/// Format of all records. It grows with each change that breaks readers of the previous format.
 pub(super) const FORMAT: u32 = 2;
 
 /// The key `command` of a state.
 const A_STATE: &str = "state";
 
-/// Keys that tell a record from other files.
+/// Keys that distinguish a record from other files.
 #[derive(Debug, Deserialize)]
 pub(super) struct Head {
     pub(super) format: Option<u32>,
@@ -35,7 +35,7 @@ pub(super) fn check_format(
     if found == Some(FORMAT) { Ok(()) } else { Err(other_format(found, version, place)) }
 }
 
-/// The error of a record of another format; early versions wrote none.
+/// The error of a record of another format; early versions wrote no format.
 pub(super) fn other_format(found: Option<u32>, version: &str, place: Place) -> TableError {
     let shown = found.map_or("nothing".to_owned(), |format| format.to_string());
     let error = place.refuse("format", shown, format!("must be {FORMAT}"));
@@ -46,15 +46,15 @@ pub(super) fn other_format(found: Option<u32>, version: &str, place: Place) -> T
     error.with_hint(format!("flexlink {version} wrote it in an older format: run it again"))
 }
 
-/// Reads a record. An error tells the line if `place` has none, and what the record `must` be if it is no
-/// JSON at all.
+/// Reads a record. An error names the line if `place` has none, and the required content, `must`, if the record is
+/// not JSON.
 pub(super) fn parsed<T: DeserializeOwned>(
     bytes: &[u8],
     place: Place,
     must: &str,
 ) -> Result<T, TableError> {
     if bytes.trim_ascii_start().starts_with(b"[") {
-        // The parser takes a list for the values of an object.
+        // The parser accepts a list as the values of an object.
         return Err(place.refuse("content", "a list", "must be an object"));
     }
     serde_json::from_slice(bytes).map_err(|error| {
@@ -87,10 +87,10 @@ fn state_record(state: &impl Serialize) -> String {
     json(&StateRecord { format: Some(FORMAT), flexlink, command, state })
 }
 
-/// Reads what [`state_json`] writes, for a number of links.
+/// Reads the text of [`state_json`] for a number of links.
 ///
 /// # Errors
-/// [`TableError`] names the file, the line and what is at fault.
+/// [`TableError`] names the file, the line and the fault.
 pub fn read_state(name: &str, bytes: &[u8], links: usize) -> Result<State, TableError> {
     let whole = Place { file: name, line: None };
     let must = "must be what --save-state of `flexlink simulate` writes, in JSON";
@@ -116,7 +116,7 @@ fn key_before(bytes: &[u8], line: usize, column: usize) -> Option<String> {
     before.rsplit_once('"').map(|(_, key)| key.to_owned())
 }
 
-/// An error of the parser as its subject, what was found and what it must be.
+/// An error of the parser as its subject, the actual and the required content.
 fn in_words(text: &str, key: Option<String>, must: &str) -> (String, String, String) {
     let text = text.rsplit_once(" at line ").map_or(text, |(text, _)| text);
     if let Some(key) = text.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
@@ -149,7 +149,7 @@ fn plain_kind(expected: &str) -> &str {
     }
 }
 
-/// The requirement that damage within a record fails.
+/// The requirement on a damaged record.
 pub(super) fn as_written() -> String {
     format!("must be as flexlink {} writes it", env!("CARGO_PKG_VERSION"))
 }
@@ -175,7 +175,7 @@ fn numbers(version: &str) -> Vec<u64> {
 /// The JSON text of a record, indented, with a final line end.
 ///
 /// # Panics
-/// Never: records hold nothing that JSON cannot.
+/// Never: JSON can hold every record.
 pub(super) fn json(record: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(record).expect("plain records are JSON");
     text.push('\n');
@@ -190,8 +190,8 @@ pub(super) fn json_line(record: &impl Serialize) -> String {
     without_controls(serde_json::to_string(record).expect("plain records are JSON"))
 }
 
-/// Escapes U+007F to U+009F and marks of the direction of writing: JSON need not, but terminals obey them.
-/// They can only be in strings.
+/// Escapes U+007F to U+009F and marks of the direction of writing: JSON allows them, but terminals obey them. They
+/// occur only in strings.
 fn without_controls(text: String) -> String {
     let is_bare = |letter: char| is_hidden(letter) && letter != '\n';
     if !text.contains(is_bare) {
@@ -204,13 +204,13 @@ fn without_controls(text: String) -> String {
     text.chars().map(escaped).collect()
 }
 
-/// What is compared of a run's summary.json, as a table of one row: its command, its results,
-/// `results.peak_torque_n_m` and so on, and the kinds of its warnings; none if it has no results.
+/// The values of a run's summary.json for a comparison, as a table of one row: its command, its results,
+/// `results.peak_torque_n_m` and so on, and the kinds of its warnings. `None` without results.
 pub fn results_table(summary: &[u8]) -> Option<Table> {
     let record: Value = serde_json::from_slice(summary).ok()?;
     record.get("flexlink")?;
     let mut columns = Vec::new();
-    // The first column is no number: rows are not matched by it.
+    // The first column is not a number, so that rows match by their order.
     add_columns(&mut columns, "command", record.get("command")?);
     add_columns(&mut columns, "results", record.get("results")?);
     let warnings = record.get("warnings").and_then(Value::as_array);
@@ -223,14 +223,14 @@ pub fn results_table(summary: &[u8]) -> Option<Table> {
     Some(Table { columns, lines: vec![line] })
 }
 
-/// The inputs by which two runs differ, told in words: `link: arm.toml with other content`.
+/// Names the inputs of two runs that differ: `link: arm.toml with other content`.
 pub fn different_inputs(expected: &[u8], actual: &[u8]) -> Vec<String> {
     let [expected, actual] = [expected, actual].map(inputs_of);
     let names: BTreeSet<&String> = expected.keys().chain(actual.keys()).collect();
     let differ = names.into_iter().filter(|name| expected.get(*name) != actual.get(*name));
     let told = |name: &String| match [&expected, &actual].map(|inputs| inputs.get(name)) {
         [Some(Value::Array(own)), Some(Value::Array(other))] => {
-            // Of long lists what both begin with would hide the rest.
+            // The common beginning of long lists would hide the rest.
             let same = own.iter().zip(other).take_while(|(own, other)| own == other).count();
             let [own, other] = [&own[same..], &other[same..]].map(arguments_in_words);
             format!("{name}: {own} in EXPECTED, {other} in ACTUAL")
@@ -257,7 +257,7 @@ fn inputs_of(summary: &[u8]) -> Map<String, Value> {
     inputs
 }
 
-/// The name of a file, or arguments as they were given.
+/// The name of a file, or arguments as the user typed them.
 fn input_in_words(input: Option<&Value>) -> String {
     match input {
         None => "none".to_owned(),
@@ -314,14 +314,14 @@ impl Fingerprint {
         Self { name: file.name.clone(), sha256: file.sha256() }
     }
 
-    /// The file with what it was to the run: `link`, `motion`.
+    /// The file with its role in the run: `link`, `motion`.
     pub(super) fn input(&self, role: &str) -> StoredInput {
         let Self { name, sha256 } = self.clone();
         StoredInput { role: role.to_owned(), name, sha256 }
     }
 }
 
-/// The error of a file that cannot be read, as that of one that is refused.
+/// Error of an unreadable file, as the error of a refused one.
 pub(super) fn unreadable(error: &InputError) -> TableError {
     let text = error.to_string();
     let (file, message) = text.split_once(": ").unwrap_or(("", &text));

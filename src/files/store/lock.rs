@@ -1,6 +1,6 @@
-//! What a run makes before it is done, and the locks that make runs take turns.
+//! Unfinished files of a run, and the locks that make runs take turns.
 //!
-//! Every path that a run may have to take back is noted here, so that a program that is ended removes it.
+//! The list holds every path that a run may have to remove, so that an interrupted program removes it.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
@@ -13,33 +13,33 @@ use std::time::{Duration, Instant};
 
 use same_file::Handle;
 
-/// How long a run waits for another that holds a lock.
+/// Longest wait of a run for another that holds a lock.
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long it waits before it says so.
+/// Wait of a run before it reports the wait.
 const SHORT: Duration = Duration::from_secs(1);
 
-/// What removes a file, or a folder with its files.
+/// Function that removes a file, or a folder with its files.
 type Removal = fn(&Path) -> io::Result<()>;
 
 type Paths = BTreeMap<PathBuf, Removal>;
 
 static UNFINISHED: Mutex<Paths> = Mutex::new(BTreeMap::new());
 
-/// A file or folder that is removed when this is dropped, or when the program is ended.
+/// A file or folder that its drop, or the end of the program, removes.
 #[derive(Debug)]
 pub(super) struct Unfinished(PathBuf);
 
 impl Unfinished {
-    /// Makes a file or folder and notes it. `make` returns its path and something more; a path that it
-    /// makes and then refuses with an error is not noted.
+    /// Makes a file or folder and notes it. `make` returns its path and something more; after an error of `make`
+    /// nothing is noted.
     pub(super) fn make<T>(
         removal: Removal,
         make: impl FnOnce() -> io::Result<(PathBuf, T)>,
     ) -> io::Result<(Self, T)> {
         let mut paths = hold_off_the_end();
         let (path, made) = make()?;
-        // Paths of one kind, so that their order tells which lies in which.
+        // Absolute paths sort a folder before its files.
         let path = path::absolute(path)?;
         paths.insert(path.clone(), removal);
         Ok((Self(path), made))
@@ -54,36 +54,36 @@ impl Drop for Unfinished {
     fn drop(&mut self) {
         let mut paths = hold_off_the_end();
         if let Some(remove) = paths.remove(&self.0) {
-            // The next run removes what this one cannot.
+            // The next run removes the remains.
             let _ = remove(&self.0);
         }
     }
 }
 
-/// Delays [`abandon_unfinished`] until the guard is dropped. Meanwhile the same thread must neither call
-/// this again nor make or drop an [`Unfinished`].
+/// Delays [`abandon_unfinished`] until the guard drops. Meanwhile the same thread must neither call this function
+/// again nor make or drop an [`Unfinished`].
 pub(super) fn hold_off_the_end() -> MutexGuard<'static, Paths> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns if the program is not being ended, and never if it is: a file that is missing then was
-/// removed by the end, which is no error to report.
+/// Returns unless the program is ending. Then it never returns, because the end may have removed files whose absence
+/// is no error to report.
 pub fn wait_if_ending() {
     drop(hold_off_the_end());
 }
 
-/// How often a thread tries to hold off the end, and what it waits between two tries.
+/// Number of tries of a thread to hold off the end, and the wait between two tries.
 const TRIES: usize = 50;
 const BETWEEN_TRIES: Duration = Duration::from_millis(2);
 
-/// Removes everything unfinished of a program that is about to exit. A run that is just renaming its
-/// files finishes that first; afterwards no thread creates or renames a file of a run.
+/// Removes all unfinished files of a program that is about to exit. A run that is renaming its files finishes first;
+/// afterwards no thread creates or renames a file of a run.
 pub fn abandon_unfinished() {
     abandon(hold_off_the_end());
 }
 
-/// The same in a thread that may itself be creating or renaming files: it waits for other threads that do, but not for
-/// long, and then removes nothing.
+/// [`abandon_unfinished`] for a thread that may be creating or renaming files. It waits for other threads that do,
+/// but not for long, and then removes nothing.
 pub fn try_abandon_unfinished() {
     for _ in 0..TRIES {
         match UNFINISHED.try_lock() {
@@ -95,7 +95,7 @@ pub fn try_abandon_unfinished() {
 }
 
 fn abandon(paths: MutexGuard<Paths>) {
-    // In reverse order, so that files go before their folder.
+    // The reverse order removes files before their folder.
     for (path, remove) in paths.iter().rev() {
         let _ = remove(path);
     }
@@ -105,16 +105,16 @@ fn abandon(paths: MutexGuard<Paths>) {
 /// A lock file, which one run at a time holds and removes at its end.
 #[derive(Debug)]
 pub(super) struct Lock {
-    // Removed before the file is closed: a run that has opened it meanwhile sees that it is gone.
+    // Removed before the file closes: a run that has opened it meanwhile sees its removal.
     _path: Unfinished,
     /// The system releases its lock with the process, however that ends.
     _file: File,
-    /// False on a file system without locks, where runs do not wait for each other.
+    /// False on a file system without locks: runs do not wait for each other there.
     pub(super) is_exclusive: bool,
 }
 
 impl Lock {
-    /// Waits for a run that holds the lock, as long as `patience`; calls `on_wait` once if the wait is long.
+    /// Waits up to `patience` for a run that holds the lock; calls `on_wait` once if the wait is long.
     pub(super) fn take(path: &Path, patience: Duration, on_wait: &dyn Fn()) -> io::Result<Self> {
         let begun = Instant::now();
         let mut has_called = false;
@@ -147,7 +147,7 @@ impl Lock {
     }
 }
 
-/// Locks a file that was opened at `path`, for this run alone; false on a file system without locks.
+/// Locks a file, opened at `path`, for this run alone; false on a file system without locks.
 ///
 /// # Errors
 /// [`io::ErrorKind::WouldBlock`] if another run holds the lock, or has removed the file since.
@@ -163,7 +163,7 @@ pub(super) fn lock(file: &File, path: &Path) -> io::Result<bool> {
     Ok(is_locked)
 }
 
-/// Creates or opens a lock file; never creates one where a link leads.
+/// Creates or opens a lock file, but never creates one at the target of a link.
 fn open(path: &Path) -> io::Result<File> {
     match File::create_new(path) {
         Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}

@@ -2,13 +2,13 @@
 
 use std::ffi::OsStr;
 
-/// Written last: where it exists, the run is whole.
+/// Last file of a run: it exists only in a whole run.
 pub const SUMMARY: &str = "summary.json";
 
 /// The page that `flexlink report` makes of a run; a later run removes it with the other files.
 pub const REPORT: &str = "report.html";
 
-/// Names for a single link and for an arm; empty where one of them has no such file or column.
+/// Names for a single link and for an arm; empty without such a file or column.
 type Name = [&'static str; 2];
 
 /// A table over time with columns for each joint.
@@ -192,8 +192,8 @@ pub(super) fn played_files(links: usize, has_target: bool) -> Vec<&'static str> 
     files.chain([SUMMARY]).collect()
 }
 
-/// Files that a run may leave in its folder besides summary.json. A run removes those of an earlier run
-/// that it does not write itself, so that a folder holds one run.
+/// Possible files in a run's folder besides summary.json. A run removes those of an earlier run that it does not
+/// write itself, so that a folder holds one run.
 pub(super) fn result_files() -> Vec<&'static str> {
     let mut names = vec![REPORT];
     for list in [&SOLVED[..], &PLAYED] {

@@ -1,4 +1,4 @@
-//! Which tables of a run are written, at which nodes and rows, with which digits.
+//! Choice of a run's tables, with their nodes, rows and digits.
 
 use std::num::NonZeroUsize;
 
@@ -12,21 +12,22 @@ use crate::link::{Link, ParameterError};
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::Played;
 
-/// Which results of a solution or a simulation to write, and with which digits.
+/// Choice of the results of a solution or a simulation to write, and their digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunOutputs {
     /// Nodes of the nodal tables; `None`: all.
     pub nodes: Option<Vec<usize>>,
-    /// Distances from the axis in m of nodes of the nodal tables, besides `nodes`; those beyond a link are left out.
+    /// Distances from the axis in m of nodes of the nodal tables, besides `nodes`. Distances beyond a link do not
+    /// count.
     pub stations_m: Vec<f64>,
-    /// The nodal tables have a row for every so many samples.
+    /// Number of samples per row of the nodal tables.
     pub every: NonZeroUsize,
     /// Whether a solution has `nodal_deflections.csv`: deflection w from the hub's tangent line.
     pub deflections: bool,
     /// Whether a solution has `bending_moments.csv`.
     pub moments: bool,
-    /// Whether a solution has a small folder to compare with later: torque, hub or joint angles, tip and displacements alone,
-    /// of three nodes, and every fifth row of all tables, counted from the motion's first sample.
+    /// Whether a solution has a small folder for later comparison: torque, hub or joint angles, tip, displacements of
+    /// three nodes. Tables have every fifth row, counted from the motion's first sample.
     pub golden: bool,
     /// Digits of all numbers.
     pub digits: Digits,
@@ -65,7 +66,7 @@ impl RunOutputs {
         files.filter(|name| self.has(name, links)).chain([SUMMARY]).collect()
     }
 
-    /// False for a file that a golden folder leaves out.
+    /// False for a file that a golden folder lacks.
     pub(super) fn has(&self, name: &str, links: usize) -> bool {
         !self.golden
             || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(links) != name)
@@ -93,7 +94,7 @@ impl RunOutputs {
         solution.deflections_at(&nodes, self.nodal_rows(&solution.grid))
     }
 
-    /// The nodes to write of those at these distances: the list and the stations, three of a golden folder, or all.
+    /// The nodes to write: the list and the stations, three for a golden folder, or all.
     pub(super) fn nodes_of(&self, nodes_m: &[f64]) -> Vec<usize> {
         if self.golden {
             return nodes_at_thirds(nodes_m);

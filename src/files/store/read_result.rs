@@ -14,11 +14,11 @@ use super::sweep::{is_sweep, read_sweep};
 use crate::csv::{InputError, InputFile, Place, TableError};
 use crate::result::{StoredResult, StoredRun};
 
-/// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a
-/// folder with one such table.
+/// Reads a result back: the folder of a run of `solve` or `simulate`, the table of a sweep, or a folder with one such
+/// table.
 ///
 /// # Errors
-/// [`TableError`] names the file and what is missing in it, damaged, or of another run.
+/// [`TableError`] names the file and its missing, damaged or foreign part.
 pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
     if path.join(SUMMARY).exists() {
         return Ok(StoredResult::Runs(vec![read_run(RunFolder(path))?]));
@@ -27,13 +27,13 @@ pub fn read_result(path: &Path) -> Result<StoredResult, TableError> {
     Ok(StoredResult::Sweep(Box::new(read_sweep(&table)?)))
 }
 
-/// Lengths in m by which links of the same arm may differ.
+/// Largest difference in m between the lengths of links of the same arm.
 const SAME_M: f64 = 1e-9;
 
 /// Reads several results back: one of any kind, or runs of an arm that a page shows beside the first.
 ///
 /// # Errors
-/// Those of [`read_result`]; several results that are not all runs of arms of as many links.
+/// Errors of [`read_result`]; several results, unless all are runs of arms with equally many links.
 pub fn read_results(first: &Path, others: &[PathBuf]) -> Result<StoredResult, TableError> {
     let mut result = read_result(first)?;
     for path in others {
@@ -68,7 +68,7 @@ pub fn read_results(first: &Path, others: &[PathBuf]) -> Result<StoredResult, Ta
     Ok(result)
 }
 
-/// Leaves of the names of folders the last part, if that tells them apart.
+/// Shortens the names of folders to their last part, if it distinguishes them.
 fn shorten_names(runs: &mut [StoredRun]) {
     let last = |run: &StoredRun| Some(Path::new(&run.name).file_name()?.to_string_lossy().into());
     let Some(names) = runs.iter().map(last).collect::<Option<Vec<String>>>() else { return };

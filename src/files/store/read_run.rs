@@ -1,4 +1,4 @@
-//! A run as its summary and its tables tell it: read back from a folder, or taken from memory before it is written.
+//! A run from its summary and its tables: read from a folder, or taken from memory before writing.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -47,7 +47,7 @@ struct Parts {
     target: Option<StoredTarget>,
 }
 
-/// Reads all that a run has left.
+/// Reads all files of a run.
 pub(super) fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
     let file = folder.file(SUMMARY)?;
     let summary = Summary::read(&file)?;
@@ -115,7 +115,7 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     let mut nodal = Nodal::new();
     for file in [&DEFLECTIONS, &PLACES, &MOMENTS] {
         let name = file.name(count);
-        // Places of an arm take the part of its deflections.
+        // Places of an arm replace its deflections.
         let is_read = !(count > 1 && name == DEFLECTIONS.name(count));
         if is_read && (folder.has(name) || (count > 1 && name == PLACES.name(count))) {
             nodal.insert(name, read_nodal(&folder.file(name)?, file, (&nodes, is_chosen), of)?);
@@ -148,7 +148,7 @@ fn links_of(summary: &Summary, place: Place) -> Result<Vec<(String, Link)>, Tabl
     links.ok_or_else(missing)?.iter().enumerate().map(link).collect()
 }
 
-/// Refuses nodes that do not lead along each link of an arm from its hub to its tip.
+/// Refuses nodes unless they lead along each link of an arm from its hub to its tip.
 fn check_nodes(
     nodes_m: &[Vec<f64>],
     links: &[(String, Link)],
@@ -315,8 +315,8 @@ fn errors_by_kind(stored: &Value) -> Vec<(String, Vec<(String, f64)>)> {
     found
 }
 
-/// Direction of the chord in rad where the tip's displacement is 0. Not known where gravity makes hub angles absolute and
-/// nothing says from where displacements count.
+/// Direction of the chord in rad where the tip's displacement is 0. Unknown if gravity makes hub angles absolute and
+/// the folder does not show the zero of displacements.
 fn origin_rad(link: &Link, hub: &StoredJoint, tip_m: &[f64]) -> Option<f64> {
     let Some(gravity) = link.gravity() else { return Some(0.0) };
     let rigid = || {
@@ -327,24 +327,24 @@ fn origin_rad(link: &Link, hub: &StoredJoint, tip_m: &[f64]) -> Option<f64> {
     if gravity.acts() { given } else { Some(given.unwrap_or(0.0)) }
 }
 
-/// Copies of the nodes' histories that making a page holds at a time.
+/// Copies of the nodes' histories at one time while the program makes a page.
 const COPIES: usize = 4;
 
 impl RunOutputs {
-    /// Approximate memory in bytes that making a page of the run takes.
+    /// Approximate memory in bytes for a page of the run.
     pub fn page_bytes(&self, deflections: &NodalTable) -> usize {
         size_of::<f64>() * COPIES * deflections.nodes().len() * deflections.grid().len()
     }
 
-    /// The run of these tables as reading back its files gives it, but with all digits.
+    /// The run of these tables as its files would yield it, but with all digits.
     ///
     /// # Errors
-    /// [`TableError`] for a summary that is not one of `solve`.
+    /// [`TableError`] for a summary of another command than `solve`.
     pub fn stored(&self, tables: &RunTables, summary: &Summary) -> Result<StoredRun, TableError> {
         let count = tables.links.len();
         let mut histories = Histories::new();
         for table in &tables.histories {
-            // A page does not show the others.
+            // A page shows only these tables.
             let is_shown = [&TORQUE, &RIGID_TORQUE, &ANGLE, &TIP, &MOTOR]
                 .iter()
                 .any(|file| file.name(count) == table.file.name(count));
@@ -392,7 +392,7 @@ impl RunOutputs {
     }
 }
 
-/// Histories with the nodes ascending, as a table is read.
+/// Histories with the nodes in ascending order, as in a table.
 fn in_order(histories: NodalHistories) -> StoredNodes {
     let NodalHistories { nodes, grid, samples } = histories;
     let mut pairs: Vec<(usize, Vec<f64>)> = nodes.into_iter().zip(samples).collect();

@@ -18,7 +18,7 @@ pub(super) const TIME: &str = "time_s";
 /// End of a message on tables of two runs.
 const ONE_RUN: &str = "a folder holds one run";
 
-/// Times may differ by this share of a step, more than writing them rounds.
+/// Largest difference of equal times in steps, more than their rounding.
 const TIME_TOLERANCE: f64 = 1e-6;
 
 /// The folder of one run.
@@ -32,14 +32,14 @@ impl RunFolder<'_> {
             return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
         }
         let path = self.0.join(name);
-        // A pipe in a folder, unlike one that a command line names, may have no end.
+        // A pipe in a folder, unlike a pipe on the command line, may be endless.
         if !path.is_file() && !path.is_dir() {
             return Err(self.refuse(name, "a device or a pipe", "must be a file"));
         }
         InputFile::read(&path).map_err(|error| unreadable(&error))
     }
 
-    /// Refuses a folder in which one of the files is missing that its summary names.
+    /// Refuses a folder without one of the files in its summary.
     pub(super) fn check_named(&self, names: &[String]) -> Result<(), TableError> {
         let shown = self.0.display().to_string();
         check_names("files", names, Place { file: &shown, line: None })?;
@@ -53,7 +53,7 @@ impl RunFolder<'_> {
         self.0.join(name).exists()
     }
 
-    /// Reads the wanted tip of a simulation of so many links, if its files `named` have one.
+    /// Reads the wanted tip of a simulation of this many links, if `named` has its file.
     pub(super) fn target(
         &self,
         named: &[String],
@@ -80,7 +80,7 @@ impl RunFolder<'_> {
 /// Bytes of the longest file name.
 const LONGEST_NAME: usize = 255;
 
-/// Refuses names that lead into a folder.
+/// Refuses names with a path into a folder.
 pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Result<(), TableError> {
     let is_name = |name: &&String| {
         let is_last = Path::new(name).file_name().is_some_and(|own| own == name.as_str());
@@ -95,7 +95,7 @@ pub(super) fn check_names(subject: &str, names: &[String], place: Place) -> Resu
     }
 }
 
-/// A table over time as a run writes it: `time_s` first, then numbers in every field.
+/// A table over time from a run: `time_s` first, then numbers in every field.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
     /// The file, for messages.
@@ -108,7 +108,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Reads a table that has just these columns beside the time.
+    /// Reads a table with exactly these columns beside the time.
     pub(super) fn of(file: &InputFile, columns: &[String]) -> Result<Self, TableError> {
         Self::read(file, |fields, place| {
             for wanted in columns {
@@ -169,13 +169,13 @@ impl Table {
         &self.columns[0]
     }
 
-    /// Takes the column of this name, which is empty if the table does not have it.
+    /// Takes the column of this name; empty if the table does not have it.
     pub(super) fn take(&mut self, name: &str) -> Vec<f64> {
         let place = self.names.iter().position(|own| own == name);
         place.map(|place| std::mem::take(&mut self.columns[place])).unwrap_or_default()
     }
 
-    /// Refuses times that are not even, or too few to be.
+    /// Refuses uneven times, and too few times.
     pub(super) fn check_even(&self) -> Result<(), TableError> {
         let rows = self.lines.len();
         if rows < 2 {
@@ -187,7 +187,7 @@ impl Table {
         })
     }
 
-    /// Refuses times that are other than every `every`-th of `times_s`, those of the file `of`.
+    /// Refuses times other than every `every`-th of `times_s`, the times of the file `of`.
     pub(super) fn check_times(
         &self,
         (of, times_s): (&str, &[f64]),
@@ -220,15 +220,15 @@ impl Table {
     }
 }
 
-/// Whether two times in s are one, on a grid of these times.
+/// Whether two times in s are equal, on a grid of these times.
 fn is_same_time(a_s: f64, b_s: f64, grid_s: &[f64]) -> bool {
-    /// Each is written to within 1e-12 s.
+    /// Accuracy of written times: each is within 1e-12 s.
     const ROUNDING_S: f64 = 2.1e-12;
     let step_s = grid_s.get(1).map_or(0.0, |second| second - grid_s[0]);
     (a_s - b_s).abs() <= (TIME_TOLERANCE * step_s).max(ROUNDING_S)
 }
 
-/// Refuses names that do not begin with the time, or of which two are the same.
+/// Refuses duplicate names, and names that do not begin with the time.
 fn check_columns(fields: &[&str], place: Place) -> Result<(), TableError> {
     check_separator(fields, place)?;
     if !fields.contains(&TIME) {
@@ -259,9 +259,9 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
     }
 }
 
-/// Reads a table at nodes: one entry for each link and each letter of the file. `nodes` counts the nodes of each link, and
-/// the run may have written some `chosen` ones alone. Rows may be thinned: every k-th of `times_s`, the times of the file
-/// `of`. The table of a single link may lack nodes, that of an arm must not.
+/// Reads a table at nodes: one entry for each link and each letter of the file. `nodes` counts the nodes of each
+/// link, and the run may have written only some `chosen` ones. Rows may be thinned: every k-th of `times_s`, the
+/// times of the file `of`. The table of a single link may lack nodes, unlike an arm's.
 pub(super) fn read_nodal(
     file: &InputFile,
     nodal: &NodalFile,
@@ -313,11 +313,11 @@ pub(super) fn read_nodal(
     Ok(found)
 }
 
-/// Hint for a table that does not have all nodes of an arm.
+/// Hint for a table without all nodes of an arm.
 const ALL_NODES: &str =
     "the page draws all nodes of an arm: solve it without --nodes and --stations";
 
-/// Every how many of the times of a run a table has a row.
+/// Number of times of a run for each row of a table.
 pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
     match own_s.get(1) {
         Some(second) => times_s
@@ -329,8 +329,8 @@ pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
     }
 }
 
-/// Deflections `w = v − xθ` of displacements, by the hub angles of the run in rad at `times_s`, and the one
-/// from which displacements count.
+/// Deflections `w = v − xθ` of displacements: θ is the hub angle of the run in rad at `times_s`, less `origin_rad`,
+/// the angle of zero displacement.
 pub(super) fn deflections(
     mut displacements: StoredNodes,
     nodes_m: &[f64],
@@ -360,7 +360,7 @@ pub(super) fn read_nodes(file: &InputFile, links: usize) -> Result<Vec<Vec<f64>>
     };
     let push = |nodes_m: &mut Vec<Vec<f64>>, line, fields: &[&str]| {
         at(line).check_width(fields.len(), names.len())?;
-        // A link alone has no number.
+        // A single link has no number.
         let numbered = fields.len() - 2;
         let (numbers, x_m) = (&fields[..numbered], fields[numbered]);
         if nodes_m.is_empty() || (links > 1 && numbers[1] == "0") {
@@ -380,7 +380,7 @@ pub(super) fn read_nodes(file: &InputFile, links: usize) -> Result<Vec<Vec<f64>>
     Ok(read_rows(&file.shown, &file.bytes, begin, push)?.unwrap_or_default())
 }
 
-/// Refuses a torque over other times than those of the summary.
+/// Refuses a torque unless its times are those of the summary.
 pub(super) fn check_window(torque: &Table, summary: &Summary) -> Result<(), TableError> {
     let Some((start_s, end_s)) = summary.window_s() else { return Ok(()) };
     let times_s = torque.times_s();

@@ -1,5 +1,5 @@
-//! What a run of `solve` records to be repeated, the files that it read, and its files against those of
-//! its repetition.
+//! Record of a run of `solve` for its repetition: the files that it read, and its files against those of the
+//! repetition.
 
 use std::env;
 use std::fs::File;
@@ -18,20 +18,20 @@ use crate::csv::{InputError, InputFile, Place, TableError, quoted};
 use crate::result::{Origin, Repeated, RepeatedFile, line_difference};
 use crate::text::{excerpt, path_in_shell};
 
-/// Bytes that are read at a time.
+/// Bytes in one read.
 const CHUNK: usize = 1 << 16;
 
-/// What summary.json of a run of `solve` records of it: enough to run it again.
+/// Record in summary.json that suffices to run `solve` again.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunRecord {
-    /// Who made the run, with which arguments.
+    /// Origin of the run, with its arguments.
     pub origin: Origin,
-    /// summary.json, as messages name it.
+    /// Name of summary.json in messages.
     pub shown: String,
     /// The arguments of its torque table; empty without one.
     pub table_arguments: Vec<String>,
     folder: PathBuf,
-    /// Names of the files that were written.
+    /// Names of the written files.
     files: Vec<String>,
 }
 
@@ -39,7 +39,7 @@ impl RunRecord {
     /// Reads the record in a folder.
     ///
     /// # Errors
-    /// [`TableError`] for a folder that is not of a run of `solve`, or a record that is damaged.
+    /// [`TableError`] for a folder without a run of `solve`, or a damaged record.
     pub fn read(folder: &Path) -> Result<Self, TableError> {
         let hint =
             "--repeat takes the folder of a run of `solve`, or of a case of `sweep --outputs`";
@@ -60,12 +60,12 @@ impl RunRecord {
         Ok(Self { origin, shown: file.shown.clone(), table_arguments, folder, files })
     }
 
-    /// Finds an input file of the run, its `link` or `motion`, and its path: the file `given`, or one of the
-    /// recorded name in the current folder, in that of the run or in the one above it. It has the bytes and
-    /// the name of the run's.
+    /// Finds an input file of the run, its `link` or `motion`, and its path. It is the file `given`, or a file of the
+    /// recorded name in the current folder, in the run's folder or in the one above it. The file must have the
+    /// recorded bytes and name.
     ///
     /// # Errors
-    /// [`TableError`] if there is none, or none with the recorded bytes.
+    /// [`TableError`] if there is no such file, or its bytes differ.
     pub fn input(
         &self,
         role: &str,
@@ -85,7 +85,7 @@ impl RunRecord {
             let mut file = match InputFile::read(&path) {
                 Ok(file) => file,
                 Err(error) if given.is_some() => return Err(unreadable(&error)),
-                // The right one may lie in another folder.
+                // Another folder may have the right file.
                 Err(error) => {
                     others.push(error.to_string());
                     continue;
@@ -107,11 +107,11 @@ impl RunRecord {
         Err(self.place().refuse_whole(&message).with_hint(hint))
     }
 
-    /// Compares the files of the run with those of its repetition in another folder, but for its page and
-    /// files that no run writes.
+    /// Compares the files of the run with those of its repetition in another folder, without its page and files that
+    /// no run writes.
     ///
     /// # Errors
-    /// [`InputError`] for a file that cannot be read.
+    /// [`InputError`] for an unreadable file.
     pub fn compare(&self, repetition: &Path) -> Result<Vec<RepeatedFile>, InputError> {
         let known = result_files().into_iter().filter(|name| *name != REPORT).chain([SUMMARY]);
         let is_there = |name: &&str| {
@@ -133,7 +133,7 @@ impl RunRecord {
         self.folder.join(SUMMARY)
     }
 
-    /// Where a file of this name is, of the places where it may be.
+    /// Paths of a file of this name in all possible folders.
     fn candidates(&self, role: &str, name: &str) -> Result<Vec<PathBuf>, TableError> {
         let what = format!("inputs.{role}");
         if name == "-" {
@@ -167,14 +167,14 @@ impl RunRecord {
         Place { file: &self.shown, line: None }
     }
 
-    /// What to do about an input that is not found.
+    /// Advice for a missing input.
     fn give(&self) -> String {
         let folder = path_in_shell(&self.folder.display().to_string());
         format!("name both: flexlink solve --repeat {folder} LINK MOTION, one of them may be `-`")
     }
 }
 
-/// The folder that a folder is in.
+/// The folder that contains a folder.
 fn above(folder: &Path) -> PathBuf {
     match folder.components().next_back() {
         Some(Component::Normal(_)) => folder.parent().map(Path::to_owned).unwrap_or_default(),
@@ -182,13 +182,13 @@ fn above(folder: &Path) -> PathBuf {
     }
 }
 
-/// A folder for a run whose files nobody keeps, readable by nobody else. It is removed when it is dropped
-/// or the program is ended; if a run is killed, the system removes it some day.
+/// A temporary folder for a run, readable by its user alone. Its drop or the end of the program removes it; if a run
+/// is killed, the system removes it some day.
 #[derive(Debug)]
 pub struct TemporaryFolder(Unfinished);
 
 impl TemporaryFolder {
-    /// Creates it where the system keeps such folders.
+    /// Creates it in the system's folder for temporary files.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be created.
@@ -222,13 +222,13 @@ fn compared(run: &Path, repetition: &Path) -> Result<Repeated, InputError> {
     Ok(difference.map_or(Repeated::Same, Repeated::Differs))
 }
 
-/// A file in a folder, if it is there.
+/// A file in a folder, if it exists.
 fn opened(path: &Path) -> Result<Option<BufReader<File>>, InputError> {
     let refused = |cause| InputError::new(path.display().to_string(), cause);
     match path.metadata() {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound && !path.is_symlink() => Ok(None),
         Err(cause) => Err(refused(cause)),
-        // It may have no end.
+        // Anything but a file may be endless.
         Ok(found) if !found.is_file() => Err(refused(io::Error::other("it is no file"))),
         Ok(_) => {
             let file = File::open(path).map_err(refused)?;

@@ -1,4 +1,4 @@
-//! The summaries of `solve` and `simulate`: gathered from what was computed.
+//! The summaries of `solve` and `simulate`, from their results.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -23,20 +23,20 @@ use crate::result::{
 };
 use crate::verify::Verification;
 
-/// What is known of a solution beside its numbers.
+/// Limits, checks and remarks of a solution beside its numbers.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Findings<'a> {
     /// Limits of each joint.
     pub limits: &'a [Limits],
     /// Those that it exceeds.
     pub exceeded: &'a [Exceeded],
-    /// Checks of the answer, if it was verified.
+    /// Checks of the answer, if there are any.
     pub verification: Option<&'a Verification>,
     /// Remarks on link or arm and motion.
     pub remarks: &'a [Remark],
 }
 
-/// A simulation, and what is known of it beside its numbers.
+/// A simulation, with its errors, limits and comparisons.
 #[derive(Debug, Clone, Copy)]
 pub struct PlayedRun<'a> {
     /// The link or the arm.
@@ -47,7 +47,7 @@ pub struct PlayedRun<'a> {
     pub played: &'a Played,
     /// Its numbers.
     pub metrics: &'a PlayedMetrics,
-    /// Its errors; none where elements of half the length do not allow the damping.
+    /// Its errors; absent if elements of half the length do not allow the damping.
     pub error: Option<&'a PlayError>,
     /// Limits of each joint.
     pub limits: &'a [Limits],
@@ -58,7 +58,7 @@ pub struct PlayedRun<'a> {
 }
 
 impl PlayedRun<'_> {
-    /// Everything that the user must know; `of_limit` makes the notice of an exceeded limit.
+    /// All warnings for the user; `of_limit` makes the notice of an exceeded limit.
     pub fn notices(&self, of_limit: impl Fn(&Exceeded) -> Notice) -> Vec<Notice> {
         let inexact = self.error.and_then(|error| error.warning(self.played));
         let played = self.played.warnings.iter().copied().chain(inexact).map(Notice::from);
@@ -100,7 +100,7 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
 }
 
 impl Summary {
-    /// The summary of a solution of which `outputs` are written.
+    /// The summary of a solution whose `outputs` the run writes.
     pub fn of_solution(
         inputs: RunInputs,
         solution: &Solution,
@@ -131,7 +131,7 @@ impl Summary {
         Self { values, ..summary }.with_findings(warnings, findings, files)
     }
 
-    /// The summary with what is known of its solution.
+    /// The summary with limits, checks and remarks of its solution.
     fn with_findings(self, warnings: Vec<Notice>, findings: &Findings, files: Vec<&str>) -> Self {
         let exceeded = findings.exceeded.iter().map(Notice::from);
         Self {
@@ -318,7 +318,7 @@ fn second_order_record(solution: &Solution, found: &SecondOrderFindings) -> Valu
     record
 }
 
-/// Errors of one link's simulation: shares of each quantity's own peak, of the tip's travel.
+/// Errors of one link's simulation: shares of the peak of each quantity, or of the tip's travel.
 fn link_errors(run: &PlayedRun<'_>) -> Value {
     let modes = run.played.modes();
     let mut errors = run.error.map_or(json!({}), |error| {
@@ -332,7 +332,7 @@ fn link_errors(run: &PlayedRun<'_>) -> Value {
     errors
 }
 
-/// Stores the limits of a single link, or those of each joint, where there are some.
+/// Stores the limits of a single link, or of each joint, if there are any.
 fn store_limits(values: &mut Value, limits: &[Limits]) {
     let stored: Vec<Option<Value>> = limits.iter().map(Limits::stored).collect();
     match &stored[..] {
@@ -422,7 +422,8 @@ fn input_values(play: &Play<'_>, played: &Played) -> Value {
     values
 }
 
-/// The band is null if every frequency of the samples is solved for, the modes are if all are kept.
+/// Settings of the analysis. The band is null if the solver uses every frequency of the samples; the modes are null
+/// if it keeps all.
 fn analysis_values(solution: &Solution) -> Value {
     let Solution { analysis, band, grid, .. } = solution;
     json!({

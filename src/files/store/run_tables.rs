@@ -20,15 +20,15 @@ pub struct RunTables<'a> {
     pub(super) histories: Vec<Histories<'a>>,
     /// Tables at nodes.
     pub(super) nodal: Vec<NodalColumns<'a>>,
-    /// Deflections of a link's nodes, from which the tables at nodes are computed while they are written.
+    /// Deflections of a link's nodes. The program computes the tables at nodes from them while writing.
     pub(super) on_request: Option<NodalTable<'a>>,
     pub(super) links: Vec<LinkNodes<'a>>,
     /// The mesh of a single link.
     pub(super) mesh: Option<&'a Mesh>,
 }
 
-/// A table over time: each joint's columns in the file's order. Trailing ones may be missing, and all of a joint without
-/// a drive.
+/// A table over time: each joint's columns in the file's order. A table may lack trailing columns, and a joint
+/// without a drive lacks all of them.
 pub(super) struct Histories<'a> {
     pub(super) file: &'static JointFile,
     pub(super) grid: &'a TimeGrid,
@@ -59,11 +59,11 @@ pub(super) struct NodalColumn<'a> {
 /// A link and its nodes.
 pub(super) struct LinkNodes<'a> {
     pub(super) link: &'a Link,
-    /// Its name; its number from 1 where it has none.
+    /// Its name, or its number from 1 without a name.
     pub(super) name: String,
     /// Distances of the nodes from its joint in m.
     pub(super) nodes_m: &'a [f64],
-    /// The name beside each node: the segment that ends there (node 0: begins there), of an arm the link.
+    /// The name beside each node: for a link the segment that ends there (node 0: begins there), for an arm the link.
     pub(super) names: Vec<String>,
 }
 
@@ -94,7 +94,7 @@ fn wanted(target: Option<&FollowedTarget>) -> Option<Histories<'_>> {
     Some(Histories { file: &TIP_ERROR, grid, joints: vec![all.collect()] })
 }
 
-/// A link on its mesh. A segment without a name is called by its number.
+/// A link on its mesh. The name of an unnamed segment is its number.
 fn on_mesh<'a>(link: &'a Link, mesh: &'a Mesh) -> Vec<LinkNodes<'a>> {
     let nodes_m = mesh.nodes_m();
     let name = |node: usize| {
@@ -132,7 +132,7 @@ fn shape_tables<'a>(solution: &'a Solution, outputs: &RunOutputs) -> Vec<NodalCo
     let nodal = nodal.map(|(file, _, of)| {
         let mut columns = Vec::new();
         for (link, (shape, nodes_m)) in solution.shapes().zip(solution.nodes_m()).enumerate() {
-            // A link that has fewer nodes than another does not have all of a list.
+            // A link may have fewer nodes than the list names.
             let is_there = |node: &usize| *node < nodes_m.len();
             for node in outputs.nodes_of(nodes_m).into_iter().filter(is_there) {
                 let column = |(letter, values): (usize, &'a Vec<f64>)| NodalColumn {
@@ -150,12 +150,12 @@ fn shape_tables<'a>(solution: &'a Solution, outputs: &RunOutputs) -> Vec<NodalCo
 }
 
 impl<'a> RunTables<'a> {
-    /// Deflections of a link's nodes, which its tables at nodes are computed from while they are written. `None` for an arm.
+    /// Deflections of a link's nodes, the source of its tables at nodes during writing. `None` for an arm.
     pub fn on_request(&self) -> Option<&NodalTable<'a>> {
         self.on_request.as_ref()
     }
 
-    /// Memory in bytes of the tables that are computed while they are written.
+    /// Memory in bytes of the tables that are computed during writing.
     pub fn nodal_bytes(&self) -> usize {
         self.on_request.as_ref().map_or(0, NodalTable::bytes)
     }
@@ -237,7 +237,7 @@ impl<'a> RunTables<'a> {
         let nodes = links.iter().map(|link| {
             let nodes_m = link.mesh.nodes_m();
             let nodes = outputs.nodes_of(nodes_m).into_iter();
-            // An arm's link that has fewer nodes than another does not have all of a list.
+            // An arm's link may have fewer nodes than the list names.
             nodes.filter(|node| arm.links().len() == 1 || *node < nodes_m.len()).collect()
         });
         let nodes: Vec<Vec<usize>> = nodes.collect();

@@ -1,5 +1,5 @@
-//! summary.json: what a run of `solve` or `simulate` was given, its numbers, and how far to trust them.
-//! One record is written and read back.
+//! summary.json: the inputs of a run of `solve` or `simulate`, its numbers, and how far to trust them. The same
+//! record is written and read back.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -14,10 +14,10 @@ use crate::modal::DampingLaw;
 use crate::result::{Check, Comparison, Limits, Notice, Origin};
 use crate::verify::Verification;
 
-/// How a message describes a folder whose files are missing.
+/// Description of a run's folder in messages on missing files.
 pub(super) const A_RUN: &str = "the folder of a run of `flexlink solve` or `simulate`";
 
-/// The option that gives nodes places in m; the mesh of a run has nodes there.
+/// The option with places in m for nodes; the mesh of a run has nodes there.
 pub const STATIONS: &str = "--stations";
 
 /// Numbers of the motion that a page shows, each with its name there.
@@ -27,12 +27,12 @@ const MOTION: [(&str, &str); 3] = [
     ("peak_acceleration_m_s2", "peak_tip_acceleration_m_s2"),
 ];
 
-/// A key that one of the two commands does not write, and the other writes as null if it has no value. Null
-/// is read back as a key that is not there.
+/// A key that only one of the two commands writes, as null if it has no value. Reading treats null like a missing
+/// key.
 type Nullable<T> = Option<Option<T>>;
 
-/// The content of summary.json, in the order of its keys. Keys of one command alone are optional; unknown
-/// ones are read with the values, so that a later version may have more.
+/// The content of summary.json, in the order of its keys. Keys of one command alone are optional. Unknown keys become
+/// values, so that a later version may have more.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Summary {
     pub(super) format: u32,
@@ -40,12 +40,12 @@ pub struct Summary {
     pub(super) command: String,
     pub(super) title: String,
     pub(super) inputs: RunInputs,
-    /// Default where there are several links: `arm` holds them.
+    /// Default for several links: `arm` holds them.
     #[serde(default, skip_serializing_if = "LinkRecord::is_none")]
     pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) drive: Nullable<Drive>,
-    /// What was computed, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
+    /// Computed values, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
     #[serde(flatten)]
     pub(super) values: Value,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -58,11 +58,11 @@ pub struct Summary {
     pub(super) files: Vec<String>,
 }
 
-/// What a run was given: its input files, and its arguments in order, as the program takes them: `--set`,
+/// Inputs of a run: its input files, and its arguments in order, as the program takes them: `--set`,
 /// `payload.mass=0`.
 ///
-/// A program that has link and motion from numbers has no files, [`RunInputs::of_arguments`]: its run cannot be
-/// repeated from summary.json.
+/// A program with link and motion from numbers has no files, [`RunInputs::of_arguments`]: summary.json does not
+/// suffice to repeat its run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunInputs {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -84,7 +84,7 @@ pub struct RunInputs {
     arguments: Vec<String>,
 }
 
-/// The files of a simulation beside that of the link.
+/// The files of a simulation beside the link file.
 #[derive(Debug, Clone, Copy)]
 pub struct SimulateFiles<'a> {
     /// What is played.
@@ -95,7 +95,7 @@ pub struct SimulateFiles<'a> {
     pub measured: Option<&'a InputFile>,
     /// The reference of a feedback, if there is one.
     pub reference: Option<&'a InputFile>,
-    /// The state from which it starts, if there is one.
+    /// The state at the start, if there is one.
     pub state: Option<&'a InputFile>,
 }
 
@@ -138,7 +138,7 @@ impl RunInputs {
     }
 }
 
-/// The link in SI, keyed as in its file, but for its title and its drive.
+/// The link in SI with the keys of its file, without title and drive.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct LinkRecord {
     length_m: f64,
@@ -153,12 +153,12 @@ pub(super) struct LinkRecord {
 }
 
 impl Summary {
-    /// A summary with the keys that both commands have.
+    /// A summary with the common keys of both commands.
     pub(super) fn of(command: &str, inputs: RunInputs, link: &Link, law: &DampingLaw) -> Self {
         Self { link: LinkRecord::of(link, law), ..Self::titled(command, inputs, link.title()) }
     }
 
-    /// A summary with the keys that all results have.
+    /// A summary with the common keys of all results.
     pub(super) fn titled(command: &str, inputs: RunInputs, title: &str) -> Self {
         Self {
             format: FORMAT,
@@ -170,7 +170,7 @@ impl Summary {
         }
     }
 
-    /// The summary of a run that leaves no folder.
+    /// The summary of a run without a folder.
     #[must_use]
     pub fn without_files(self) -> Self {
         Self { files: Vec::new(), ..self }
@@ -181,12 +181,12 @@ impl Summary {
         &self.warnings
     }
 
-    /// Number of the files that the run writes, this one among them.
+    /// Number of the run's files, including this one.
     pub fn file_count(&self) -> usize {
         self.files.len()
     }
 
-    /// The arguments of the torque table that the run writes; none without one.
+    /// The arguments of the run's torque table; empty without one.
     pub(super) fn table_arguments(&self) -> Vec<String> {
         let arguments = self.values["table"]["arguments"].as_array().into_iter().flatten();
         arguments.filter_map(|word| word.as_str().map(str::to_owned)).collect()
@@ -195,7 +195,7 @@ impl Summary {
     /// The JSON text, indented, with a final line end.
     ///
     /// # Panics
-    /// Never: the summary holds nothing that JSON cannot.
+    /// Never: JSON can hold every summary.
     pub fn to_json(&self) -> String {
         json(self)
     }
@@ -251,12 +251,12 @@ impl Summary {
         self.link.clone().link(&self.title, self.drive.flatten())
     }
 
-    /// True if it is of a solution, false of a simulation.
+    /// True for a solution, false for a simulation.
     pub(super) fn is_solved(&self) -> bool {
         self.command == "solve"
     }
 
-    /// True if it is of an arm of several links.
+    /// True for an arm of several links.
     pub(super) fn is_of_arm(&self) -> bool {
         !self.values["arm"].is_null()
     }
@@ -276,12 +276,12 @@ impl Summary {
         object[key].as_f64().ok_or_else(|| place.refuse(missing, "nothing", "must be there"))
     }
 
-    /// Limits as they are stored; none where nothing is there.
+    /// Limits of the record; no limits without an entry.
     pub(super) fn limits(stored: &Value) -> Limits {
         serde_json::from_value(stored.clone()).unwrap_or_default()
     }
 
-    /// What a run of one link counts of the second order.
+    /// Terms of second order in a run of one link.
     pub(super) fn second_order(&self) -> SecondOrder {
         if self.values["elastica"].is_object() {
             return SecondOrder::Full;
@@ -289,13 +289,12 @@ impl Summary {
         serde_json::from_value(self.values["second_order"]["order"].clone()).unwrap_or_default()
     }
 
-    /// How many modes a solution keeps; none if it keeps all.
+    /// Number of modes that a solution keeps; `None` for all.
     pub(super) fn kept_modes(&self) -> Option<usize> {
         self.values["analysis"]["modes"].as_u64()?.try_into().ok()
     }
 
-    /// All numbers by name: results, those of the tip's motion, of residual and tip error, errors, those of a
-    /// recording.
+    /// All numbers by name: results, motion of the tip, residual and tip error, errors, comparison with a recording.
     pub(super) fn readings(&self) -> Vec<(String, f64)> {
         let of = |key: &str, prefix: &str| numbers_in(&self.values[key], prefix);
         let errors = of("errors", "").into_iter().map(|(name, error)| (name + "_error", error));
@@ -314,8 +313,7 @@ impl Summary {
     }
 }
 
-/// All numbers of an object, their names behind a prefix; one of an inner object has the names of both,
-/// `torque_mesh`.
+/// All numbers of an object, their names behind a prefix. Numbers of an inner object have both names, `torque_mesh`.
 pub(super) fn numbers_in(object: &Value, prefix: &str) -> Vec<(String, f64)> {
     let mut found = Vec::new();
     for (name, value) in object.as_object().into_iter().flatten() {
@@ -347,7 +345,7 @@ impl LinkRecord {
         Err(ParameterError::new("length_m", length_m, "m", must))
     }
 
-    /// True where there is no link.
+    /// True without a link.
     fn is_none(&self) -> bool {
         self.segments.is_empty()
     }
@@ -364,7 +362,7 @@ impl LinkRecord {
         Self { damping, ..Self::of_parts(link) }
     }
 
-    /// The record with the damping as it was given.
+    /// The record with the damping of the link file.
     pub(super) fn of_parts(link: &Link) -> Self {
         let without_section =
             |segment: &Segment| Segment { cross_section: None, ..segment.clone() };

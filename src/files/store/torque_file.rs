@@ -1,4 +1,4 @@
-//! A torque table in a file of its own: CSV, a C header, or a MATLAB script.
+//! A torque table in a separate file: CSV, a C header, or a MATLAB script.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -21,7 +21,7 @@ use crate::verify::TableError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TorqueForm {
-    /// As torque.csv, or torques.csv of an arm.
+    /// CSV, as torque.csv, or torques.csv of an arm.
     Csv,
     /// Arrays in a C header.
     C,
@@ -30,7 +30,7 @@ pub enum TorqueForm {
 }
 
 impl TorqueForm {
-    /// The form that the ending of a file's name asks for: .csv, .h or .m.
+    /// The form by the ending of a file's name: .csv, .h or .m.
     pub fn of(file: &Path) -> Option<Self> {
         match file.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "csv" => Some(Self::Csv),
@@ -40,8 +40,8 @@ impl TorqueForm {
         }
     }
 
-    /// True if names in a file of this form may begin with its name: in C and MATLAB it is one. Another would have to be
-    /// changed, and two files could get the names of one.
+    /// True if the file's name may begin the names in a file of this form. In C and MATLAB it must be an identifier;
+    /// a changed one could give two files the same names.
     pub fn takes(self, stem: &str) -> bool {
         let is_name = stem.starts_with(|c: char| c.is_ascii_alphabetic())
             && stem.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -49,7 +49,7 @@ impl TorqueForm {
     }
 }
 
-/// What a run records of the torque table that it writes.
+/// Record of the torque table that a run writes.
 #[derive(Debug, Clone, Copy)]
 pub struct TableRecord<'a> {
     /// The table.
@@ -60,9 +60,9 @@ pub struct TableRecord<'a> {
     pub form: TorqueForm,
     /// The arguments that made it, as the program takes them.
     pub arguments: &'a [String],
-    /// What playing it has found, where it is not the torque itself.
+    /// Error of the tip under the table, if the table differs from the torque.
     pub error: Option<&'a TableError>,
-    /// What the user must know of it.
+    /// Warning of the table.
     pub warning: Option<&'a Notice>,
 }
 
@@ -97,20 +97,20 @@ impl Summary {
     }
 }
 
-/// A torque table, and what its file says of it.
+/// A torque table, and its description in the file.
 #[derive(Debug, Clone, Copy)]
 pub struct TorqueFile<'a> {
     /// The table.
     pub table: &'a TorqueTable,
     /// The run, with its record of the table.
     pub summary: &'a Summary,
-    /// What was done to the torque, a line each.
+    /// Changes of the torque, a line each.
     pub notes: &'a [String],
     /// Digits of the torques.
     pub digits: Digits,
 }
 
-/// What stands before, between and after the numbers of a row.
+/// Signs before, between and after the numbers of a row.
 type Signs = [&'static str; 3];
 
 const C_NUMBER: Signs = ["    ", "", ",\n"];
@@ -121,7 +121,7 @@ impl TorqueFile<'_> {
     /// Writes the table; `stem`, the file's name without its ending, begins the names in C and MATLAB.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn write(
         &self,
         out: &mut (dyn Write + Send),
@@ -172,13 +172,13 @@ impl TorqueFile<'_> {
         );
         let (times, torques) = (self.times(C_NUMBER), self.torques(signs));
         let body = [head.as_bytes(), &times, middle.as_bytes(), &torques, b"};\n"].concat();
-        // Of two tables of one name a compiler refuses the second: a guard of the name alone would leave it out.
+        // A compiler refuses the second of two tables of one name; a guard of the name alone would omit it.
         let guard = format!("{macros}_H_{}", &sha256(&body)[..16].to_ascii_uppercase());
         let begin = format!("/*\n{comment} */\n#ifndef {guard}\n#define {guard}\n\n");
         [begin.as_bytes(), &body, b"\n#endif\n"].concat()
     }
 
-    /// The MATLAB script. Octave, which has no `timeseries`, runs it up to there.
+    /// The MATLAB script. Octave, which lacks `timeseries`, runs it up to that line.
     fn matlab(&self, stem: &str) -> Vec<u8> {
         let line = |line: String| format!("% {line}\n");
         let comment: String = self.comment().into_iter().map(line).collect();
@@ -213,7 +213,7 @@ impl TorqueFile<'_> {
         self.table.interpolation() == Interpolation::Zero
     }
 
-    /// What the columns beside the time are.
+    /// Description of the columns beside the time.
     fn what(&self) -> &'static str {
         match self.table.torques_n_m().len() {
             1 => "Torque at the hub in N m",
@@ -221,7 +221,7 @@ impl TorqueFile<'_> {
         }
     }
 
-    /// What the file says of itself, line by line.
+    /// Comment at the head of the file, line by line.
     fn comment(&self) -> Vec<String> {
         let origin = self.summary.origin();
         let mut lines = vec![origin.title];
@@ -253,7 +253,7 @@ fn rows(columns: &[&[f64]], format: NumberFormat, [before, between, after]: Sign
     text
 }
 
-/// A number as C reads one that is not whole.
+/// A number in the form of a C floating-point number.
 fn floating(value: f64) -> String {
     let text = plain(value);
     if text.contains(['.', 'e']) { text } else { text + ".0" }

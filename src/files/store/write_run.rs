@@ -16,8 +16,8 @@ use crate::csv::{Column, ColumnGroup, Digits, write_csv, write_nodal};
 use crate::inverse::{NodalTable, Watch};
 
 impl RunOutputs {
-    /// Writes the files of a run, and its `page` if there is one, into `folder`: all or none. `watch` gets the progress
-    /// of nodal tables that are computed on request.
+    /// Writes the files of a run, and its `page` if there is one, into `folder`: all or none. `watch` receives the
+    /// progress of nodal tables on request.
     ///
     /// # Errors
     /// [`FolderError`] names the file that cannot be written.
@@ -41,13 +41,13 @@ impl RunOutputs {
                 write_csv(out, &own.times, &[group], self.digits)
             })
         };
-        // The nodal tables take longest; threads that they leave idle write the others.
+        // The nodal tables take longest; idle threads write the others.
         let (requested, others) = rayon::join(
             || on_request.map_or(Ok(()), |table| self.write_on_request(&folder, table, watch)),
             || {
                 let written =
                     histories.par_iter().filter(|own| self.has(own.file.name(links), links));
-                // Collected first, so that of two errors always the same one is returned.
+                // Collects all results first, so that of two errors the first file's is always returned.
                 let written: Vec<_> =
                     written.map(history).chain(nodal.par_iter().map(column)).collect();
                 written.into_iter().collect::<Result<(), FolderError>>()
@@ -104,7 +104,8 @@ impl RunOutputs {
     }
 }
 
-/// `nodes.csv`: every node of every link. Positions have all digits: a run that is read back has its mesh from them.
+/// `nodes.csv`: every node of every link. Positions have all digits, because a run from a folder has its mesh from
+/// them.
 fn write_nodes(out: &mut (dyn Write + Send), links: &[LinkNodes]) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
     table.write_record(node_columns(links.len()))?;

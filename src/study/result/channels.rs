@@ -42,7 +42,7 @@ pub enum ComparisonError {
 }
 
 impl ComparisonError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::NoChannel => "record what a simulation has: hub angle, tip, torque",
@@ -61,21 +61,21 @@ const FEWEST: usize = 8;
 const OF_PERIOD: f64 = 0.25;
 const OF_RECORD: f64 = 0.1;
 
-/// Delays on each side of 0 that are tried before the best of them is improved.
+/// Delays on each side of 0 that the search tries before it improves the best one.
 const TRIED: i32 = 64;
 
 /// A simulation beside a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
-    /// First time in s that is compared.
+    /// First compared time in s.
     pub from_s: f64,
-    /// Last time in s that is compared.
+    /// Last compared time in s.
     pub until_s: f64,
-    /// Times of the recording that are compared.
+    /// Number of compared times.
     pub samples: usize,
-    /// Times of the recording outside the simulation, left out.
+    /// Number of times of the recording outside the simulation.
     pub left_out: usize,
-    /// Delays up to this one in s were searched, to both sides.
+    /// Longest delay in s, to both sides, that the search tried.
     pub longest_delay_s: f64,
     /// One for each channel of the recording.
     pub channels: Vec<ChannelComparison>,
@@ -88,19 +88,19 @@ pub struct ChannelComparison {
     pub channel: SimulatedChannel,
     /// Root mean square of the difference, in the channel's SI unit.
     pub rms: f64,
-    /// Root mean square of the recording about its mean: the zero of an absolute sensor is no part of it.
+    /// Root mean square of the recording about its mean; the zero of an absolute sensor does not count.
     pub recorded_deviation: f64,
     /// Root mean square of the simulation at the same times about its mean.
     pub simulated_deviation: f64,
-    /// `rms` over `recorded_deviation`; none where the recording is constant.
+    /// `rms` over `recorded_deviation`; absent if the recording is constant.
     pub share: Option<f64>,
-    /// Delay, gain and offset, if they are found.
+    /// Delay, gain and offset, if the fit succeeds.
     pub fit: Option<ChannelFit>,
-    /// Why they are not; none beside a fit.
+    /// Reason of a failed fit; absent beside a fit.
     pub no_fit: Option<NoFit>,
 }
 
-/// Why a channel has no delay, gain and offset.
+/// Reason for a channel without delay, gain and offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoFit {
@@ -108,28 +108,28 @@ pub enum NoFit {
     ConstantRecording,
     /// The simulation is constant.
     ConstantSimulation,
-    /// The best delay is the longest that was searched.
+    /// The best delay is the longest of the search.
     LongestDelay,
 }
 
 /// Least squares of `recording(t) = gain · simulation(t − delay) + offset`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ChannelFit {
-    /// By how much the recording lags the simulation in s.
+    /// Lag of the recording behind the simulation in s.
     pub delay_s: f64,
     /// Recording over simulation.
     pub gain: f64,
-    /// What the recording has more, in the channel's SI unit.
+    /// Recording less the scaled, delayed simulation, in the channel's SI unit.
     pub offset: f64,
-    /// Root mean square of the difference that is left, over that of the recording about its mean.
+    /// Root mean square of the remaining difference, over that of the recording about its mean.
     pub left: f64,
 }
 
 impl Comparison {
     /// Compares at the recording's times; a cubic spline interpolates the simulation.
     ///
-    /// The link rests before the simulation's first sample. Delays are searched up to a quarter of the
-    /// first mode's period, where the next wave would fit as well, and up to a tenth of the duration.
+    /// The link rests before the simulation's first sample. The search covers delays up to a quarter of the first
+    /// mode's period, where the next wave would fit as well, and up to a tenth of the duration.
     ///
     /// # Errors
     /// [`ComparisonError`]: a recording without channel or with too few times within the simulation.
@@ -146,7 +146,7 @@ impl Comparison {
         }
         let grid = &simulation.grid;
         let (start_s, end_s) = (grid.time_s(0), grid.end_s());
-        // A millionth of a step beside the last sample is that sample.
+        // A time within a millionth of a step of the last sample counts as that sample.
         let near_s = 1e-6 * grid.step_s;
         let first = recording.time_s.partition_point(|t| *t < start_s - near_s);
         let behind = recording.time_s.partition_point(|t| *t <= end_s + near_s);
@@ -205,7 +205,7 @@ struct SimulatedHistory {
 }
 
 impl SimulatedHistory {
-    /// Value and rate at a time, those of its ends beyond them.
+    /// Value and rate at a time; beyond the ends, the value and rate of the end.
     fn at(&self, time_s: f64) -> [f64; 2] {
         let x = (time_s - self.start_s) / self.step_s;
         let within = x.clamp(0.0, self.last);
@@ -225,7 +225,7 @@ struct Pair<'a> {
 /// One step of the iteration.
 struct Tried {
     fit: ChannelFit,
-    /// What the delay is to be changed by in s.
+    /// Change of the delay in s for the next step.
     change_s: f64,
 }
 
@@ -261,11 +261,11 @@ impl Pair<'_> {
         let delays = (-TRIED..=TRIED).map(|k| f64::from(k) * spacing_s);
         let smaller = |a: &Tried, b: &Tried| a.fit.left.total_cmp(&b.fit.left);
         let best = delays.filter_map(at).min_by(smaller);
-        // None: the simulation is constant as long as all delays leave it.
+        // Without a best delay the simulation is constant for every delay.
         let mut best = best.ok_or(NoFit::ConstantSimulation)?;
         for _ in 0..MOST_STEPS {
             let change_s = best.change_s.clamp(-spacing_s, spacing_s);
-            // Halved until it improves: noise and kinks mislead the derivative.
+            // Halves the change until it improves the fit: noise and kinks mislead the derivative.
             let mut halved = (0..HALVINGS).map(|k| change_s * 0.5_f64.powi(k));
             let better = halved.find_map(|by| {
                 at(best.fit.delay_s + by).filter(|tried| tried.fit.left < best.fit.left)
@@ -284,7 +284,7 @@ impl Pair<'_> {
 
     /// Gain and offset at a delay, by least squares with the linearised change of the delay.
     ///
-    /// The last samples, at which the delayed simulation may have ended, are left out for every delay.
+    /// Leaves out the last samples for every delay, since the delayed simulation may have ended there.
     fn tried(&self, delay_s: f64, recorded_deviation: f64, longest_s: f64) -> Option<Tried> {
         let end_s = self.simulated.start_s + self.simulated.last * self.simulated.step_s;
         let count = self.time_s.partition_point(|t| *t + longest_s <= end_s).max(FEWEST / 2);
@@ -321,8 +321,8 @@ impl Pair<'_> {
     }
 }
 
-/// Most steps of the iteration, most halvings of a step, and the change of the delay in steps of the
-/// simulation at which it has settled.
+/// Most steps of the iteration, most halvings of a step, and the largest change of a settled delay in steps of the
+/// simulation.
 const MOST_STEPS: usize = 30;
 const HALVINGS: i32 = 6;
 const SETTLED: f64 = 1e-6;

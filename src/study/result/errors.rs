@@ -5,11 +5,11 @@ use thiserror::Error;
 use crate::beam::Mesh;
 use crate::text::significant;
 
-/// Relative error above which the user is warned.
+/// Relative error above which the user gets a warning.
 const COARSE: f64 = 1e-2;
 
-/// Relative errors of values `found` on a mesh, measured on elements of half the length; NaN if these
-/// have no such value.
+/// Relative errors of values `found` on a mesh, measured on elements of half the length; NaN for values that these
+/// lack.
 pub fn mesh_errors(mesh: &Mesh, found: &[f64], on_halves: &[f64]) -> Vec<f64> {
     let halves = on_halves.iter().copied().chain(std::iter::repeat(f64::NAN));
     let per_change = mesh.error_per_change();
@@ -47,9 +47,9 @@ pub enum CoarseMesh {
     Numbered {
         /// Name of the values.
         what: &'static str,
-        /// Number of the first that is, from 1.
+        /// Number of the first value with a large error, from 1.
         first: usize,
-        /// Largest relative error of all.
+        /// Largest relative error.
         worst: f64,
         /// How it is measured.
         by: Refined,
@@ -68,7 +68,7 @@ pub enum CoarseMesh {
         by.how()
     )]
     Band {
-        /// Highest frequency in Hz up to which all errors are small; none if the first is not.
+        /// Highest frequency in Hz below all large errors; absent if the first error is large.
         below_hz: Option<f64>,
         /// Largest relative error.
         worst: f64,
@@ -82,7 +82,7 @@ pub enum CoarseMesh {
 impl CoarseMesh {
     /// A warning, if one of the `errors` of a numbered list is large.
     pub fn of(what: &'static str, errors: &[f64], by: Refined) -> Option<Self> {
-        // A mode that the lower orders do not have counts as wrong by all of it.
+        // A mode missing at the lower orders counts as wrong by all of its value.
         let known = |error: &f64| match by {
             Refined::Orders if error.is_nan() => 1.0,
             _ => *error,
@@ -97,7 +97,7 @@ impl CoarseMesh {
         "coarse_mesh"
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Numbered { by: Refined::Orders, .. } => "ask for fewer modes: --count",

@@ -15,22 +15,23 @@ use crate::text::{plain, significant};
 /// Most steps of a motion.
 const MOST_STEPS: usize = 1 << 18;
 
-/// Most steps of a path: an arm that exceeds its limits in a motion as slow as that does so by its weight.
+/// Most steps of a path. An arm that exceeds its limits in such a slow motion does so by its weight.
 const MOST_STEPS_OF_PATH: usize = 1 << 14;
 
-/// Up to this many steps every number is tried, of more at most this many.
+/// Most tried numbers of steps. The search tries every number up to this many steps.
 const TRIALS: usize = 1024;
 
-/// Coarser meshes, each of half the elements, on which an automatic mesh refuses far too fast trials.
+/// Number of coarser meshes, each of half the elements, that may refuse far too fast trials of an automatic mesh.
 const HALVINGS: u32 = 3;
 
-/// What holds a rigid link over a limit of the torque from which on no duration is tried: a link that sags takes less.
+/// Ratio of holding torque to `limits.torque` above which the search stops. It exceeds 1 because a sagging link needs
+/// less torque than a rigid one.
 const HEAVY: f64 = 1.3;
 
-/// Largest relative error with which a value is compared with its limit.
+/// Largest relative error of a value that the search compares with its limit.
 const TELLING: f64 = 0.25;
 
-/// A motion with all given but its duration.
+/// A motion with an open duration.
 #[derive(Debug, Clone, Copy)]
 pub struct OpenMotion<'a> {
     /// Its profile.
@@ -46,7 +47,7 @@ pub struct OpenMotion<'a> {
 pub enum Along<'a> {
     /// The tip of one link along its arc.
     Arc(&'a Course),
-    /// That of an arm along a curve, with the constant directions in rad of its links from the third on.
+    /// The tip of an arm along a curve, with the constant directions in rad of its links from the third on.
     Curve(&'a Curve, &'a [f64]),
 }
 
@@ -60,7 +61,7 @@ impl Along<'_> {
     }
 }
 
-/// Why no duration is found.
+/// Reason of a failed search for a duration.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
     /// Even slow motions exceed the limits.
@@ -72,19 +73,19 @@ pub enum FitError {
         unsolved(failed.as_ref())
     )]
     TooSlow {
-        /// How many durations were tried.
+        /// Number of tried durations.
         tried: usize,
         /// The shortest in s.
         shortest_s: f64,
         /// The longest in s.
         longest_s: f64,
-        /// How many of them cannot be solved, and why the longest of these cannot.
+        /// Number of unsolved durations, with the error of the longest.
         failed: Option<(usize, Box<FitError>)>,
     },
     /// The motion is invalid.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// A weight that takes more than the limit to hold.
+    /// A weight whose holding torque exceeds the limit.
     #[error(
         "limits.torque = {} N m, but must be at least {} N m, which a rigid link takes to hold its weight at rest",
         significant(*limit_n_m, 4),
@@ -93,10 +94,10 @@ pub enum FitError {
     TooHeavy {
         /// The limit in N m.
         limit_n_m: f64,
-        /// What holds the rigid link at its start or one of its stops, in N m.
+        /// Torque in N m that holds the rigid link at its start or one of its stops.
         held_n_m: f64,
     },
-    /// A joint of an arm that takes more than its limit at rest.
+    /// A joint of an arm whose holding torque exceeds its limit.
     #[error(
         "joint {}: limits.torque = {} N m, but must be at least {} N m, which holds the arm at an end of its path",
         joint + 1,
@@ -108,7 +109,7 @@ pub enum FitError {
         joint: usize,
         /// The limit in N m.
         limit_n_m: f64,
-        /// What holds the arm in N m.
+        /// Torque in N m that holds the arm.
         held_n_m: f64,
     },
     /// No path has this many steps.
@@ -128,23 +129,23 @@ fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
     })
 }
 
-/// The fewest steps found within the limits.
+/// The shortest motion within the limits.
 #[derive(Clone)]
 pub struct Fit {
     /// Steps of the motion.
     pub steps: usize,
     /// Its solution.
     pub solution: Solution,
-    /// The limit that it comes closest to; none if none is set.
+    /// The limit closest to its value; absent without limits.
     pub binding: Option<Reached>,
-    /// Why the motion of a step less is not solved; none where it exceeds a limit.
+    /// Error of the motion that is one step shorter; absent if this motion exceeds a limit.
     pub unsolved: Option<Box<FitError>>,
-    /// How many motions of fewer steps were tried; none of them is within the limits.
+    /// Number of tried motions with fewer steps; every one exceeds a limit or fails.
     pub shorter_tried: usize,
 }
 
 impl Fit {
-    /// The motion of so many steps if it is within the limits that it reaches.
+    /// The motion of this many steps, if its values keep their limits.
     fn within(steps: usize, solution: Solution, reached: Vec<Reached>) -> Option<Self> {
         let binding = reached.into_iter().max_by(|a, b| a.share().total_cmp(&b.share()));
         // A value with a larger error is not known to be within any limit.
@@ -163,7 +164,7 @@ impl Fit {
         self.shorter() == 0
     }
 
-    /// How many motions of fewer steps there are.
+    /// Number of motions with fewer steps.
     pub fn shorter(&self) -> usize {
         self.steps.saturating_sub(FEWEST_STEPS)
     }
@@ -174,9 +175,9 @@ impl Fit {
 pub struct FitProblem<'a> {
     /// The arm; one link is an arm of one.
     pub arm: &'a Arm,
-    /// How each link is meshed.
+    /// Mesh plan of each link.
     pub plans: &'a [MeshPlan],
-    /// How exact the answers must be.
+    /// Required accuracy of the answers.
     pub analysis: &'a Analysis,
     /// Memory in bytes that each trial may take; `None`: no limit.
     pub memory_bytes: Option<usize>,
@@ -188,12 +189,12 @@ pub struct FitProblem<'a> {
 
 /// The fewest steps of a motion within limits: the answer to how fast a link may move its tip.
 ///
-/// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises
-/// again where the link resonates. So one duration says nothing about another. The search doubles the
-/// duration until one fits; then it tries all shorter ones upward, or, of more than a thousand, a thousand of
-/// them, as many in each doubling, and all between the first of these that fits and the one before it. A
-/// motion fits if every value with its measured error is within its limit, and the error of the value nearest
-/// to its limit is below a quarter. A motion that cannot be solved does not fit.
+/// The torque does not simply fall as the duration grows: it jumps with the number of steps, and rises again where
+/// the link resonates. So one duration says nothing about another. The search doubles the duration until one fits;
+/// then it tries all shorter ones upward. Of more than a thousand it tries a thousand, evenly among the doublings,
+/// and then all between the first fit and the duration before it. A motion fits if every value with its measured
+/// error is within its limit, and the error of the value nearest to its limit is below a quarter. A motion that
+/// cannot be solved does not fit.
 ///
 /// # Errors
 /// [`FitError`] where no duration fits.
@@ -201,7 +202,7 @@ pub fn shortest_fit(problem: &FitProblem) -> Result<Fit, FitError> {
     problem.check_weight()?;
     let fit = problem.shortest()?;
     match problem.motion_of(fit.steps)? {
-        // A trial leaves out what warnings alone need.
+        // A trial omits the parts for warnings alone.
         motion @ Motion::Tip(_) => {
             Ok(Fit { solution: problem.inverted(problem.plans, &motion, false)?, ..fit })
         }
@@ -238,7 +239,7 @@ impl FitProblem<'_> {
         Ok(Fit { shorter_tried, unsolved: unsolved.map(Box::new), ..fit })
     }
 
-    /// The first of doubled durations that fits, and those before it.
+    /// The first of doubled durations that fits, and the shorter ones.
     fn doubled(&self) -> Result<(Vec<usize>, Fit), FitError> {
         let (mut refused, mut failed) = (Vec::new(), None);
         let mut steps = FEWEST_STEPS;
@@ -267,7 +268,7 @@ impl FitProblem<'_> {
         }
     }
 
-    /// Tries a number of steps, unless it was refused before; adds it to these if it does not fit.
+    /// Tries a number of steps, unless it was refused before; adds it to `refused` if it does not fit.
     fn tried_once(&self, steps: usize, refused: &mut Vec<usize>) -> Option<Fit> {
         if refused.contains(&steps) {
             return None;
@@ -279,7 +280,7 @@ impl FitProblem<'_> {
         fit
     }
 
-    /// The motion of this many steps with its torques. `None` where it exceeds a limit.
+    /// The motion of this many steps with its torques. `None` if it exceeds a limit.
     fn tried(&self, steps: usize) -> Result<Option<Fit>, FitError> {
         let motion = self.motion_of(steps)?;
         if self.exceeds_on_a_coarse_mesh(&motion) {
@@ -291,7 +292,7 @@ impl FitProblem<'_> {
         Ok(Fit::within(steps, solution, reached))
     }
 
-    /// Refuses a limit far below what holds a link before the motion or after it: no duration keeps it.
+    /// Refuses a limit far below the holding torque of a link before or after the motion: no duration keeps it.
     fn check_weight(&self) -> Result<(), FitError> {
         let (Along::Arc(course), [own], [limits]) =
             (self.motion.along, self.arm.links(), self.limits)
@@ -314,7 +315,7 @@ impl FitProblem<'_> {
         Ok(())
     }
 
-    /// Refuses a limit below what holds an arm at the ends of its path.
+    /// Refuses a limit below the holding torque of an arm at the ends of its path.
     fn refuse_heavy(&self, solution: &Solution) -> Result<(), FitError> {
         if let Along::Arc(_) = self.motion.along {
             return Ok(());
@@ -329,8 +330,8 @@ impl FitProblem<'_> {
         Ok(())
     }
 
-    /// True if a value of a link whose mesh is automatic exceeds its limit by more than four times its error on a coarser
-    /// mesh: then the plan's mesh is not needed.
+    /// True if a value of a link with an automatic mesh exceeds its limit by more than four times its error on a
+    /// coarser mesh. Then the trial does not need the plan's mesh.
     fn exceeds_on_a_coarse_mesh(&self, motion: &Motion) -> bool {
         let exceeds = |Reached { value, error }: &Reached| {
             *error <= TELLING && value.found > value.limit * (1.0 + 4.0 * error)
@@ -370,8 +371,7 @@ impl FitProblem<'_> {
     }
 }
 
-/// Steps below `end`, a power of two, to try, upward: all, or at most [`TRIALS`], as many in each
-/// doubling.
+/// Steps to try below `end`, a power of two, upward: all, or at most [`TRIALS`], evenly among the doublings.
 fn grid(end: usize) -> impl Iterator<Item = usize> {
     let doublings = (end / FEWEST_STEPS).ilog2() as usize;
     let next = move |steps: &usize| {

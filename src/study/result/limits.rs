@@ -12,7 +12,7 @@ use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
 use crate::text::{given, significant};
 
-/// How the keys of the motor's limits begin.
+/// Beginning of the keys of the motor's limits.
 const MOTOR: &str = "motor_";
 
 /// The largest values that a link and its motor may reach; `None` is no limit.
@@ -73,14 +73,14 @@ pub struct LimitedValue {
 }
 
 impl LimitedValue {
-    /// That the limit is exceeded.
+    /// Text of the exceeded limit.
     fn exceeded_text(&self) -> String {
         let Self { joint, key, limit, found, unit } = self;
         let (of, place) = joint
             .map_or((String::new(), "hub"), |joint| (format!("joint {}: ", joint + 1), "joint"));
         // The other keys say where the value acts.
         let at = if *key == "torque" { format!(" at the {place}") } else { String::new() };
-        // Five digits, or as many as are beyond the limit.
+        // At least five digits, and more until the text exceeds the limit.
         let shown = (5..=17).map(|digits| significant(*found, digits));
         let mut beyond = shown.filter(|text| text.parse().is_ok_and(|shown: f64| shown > *limit));
         let (limit, found) = (given(*limit), beyond.next().unwrap_or_else(|| given(*found)));
@@ -94,7 +94,7 @@ impl LimitedValue {
 pub struct Exceeded(pub LimitedValue);
 
 impl Exceeded {
-    /// Name of the kind of warning that it is, for machines.
+    /// Name of the kind of warning, for machines.
     pub const KIND: &'static str = "limit_exceeded";
 
     /// The same.
@@ -102,7 +102,7 @@ impl Exceeded {
         Self::KIND
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "a slower motion, a stronger motor or a stiffer link"
     }
@@ -112,7 +112,7 @@ impl Limits {
     /// Checks that every limit is finite and above 0, and that a limit of the motor has a motor.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first that is not.
+    /// [`ParameterError`] names the first wrong limit.
     pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
         self.check_numbers()?;
         if drive.is_none() {
@@ -126,7 +126,7 @@ impl Limits {
         self.refuse("must be finite and above 0", |_, limit| !limit.is_finite() || limit <= 0.0)
     }
 
-    /// Refuses the first limit of which `is_wrong`.
+    /// Refuses the first limit for which `is_wrong` is true.
     fn refuse(
         &self,
         must: &str,
@@ -140,7 +140,7 @@ impl Limits {
         Ok(())
     }
 
-    /// These values of a joint that have a limit, in the order of the link file.
+    /// The limited values of a joint, in the order of the link file.
     fn values(
         &self,
         joint: Option<usize>,
@@ -152,7 +152,7 @@ impl Limits {
         })
     }
 
-    /// The limits that are given, as they are stored; none without any.
+    /// The limits in the form of summary.json; absent without limits.
     pub(crate) fn stored(&self) -> Option<Value> {
         let Ok(Value::Object(mut keys)) = serde_json::to_value(self) else { return None };
         keys.retain(|_, limit| !limit.is_null());
@@ -199,23 +199,23 @@ pub struct Check {
     pub name: String,
     /// The measurement, for a person to read.
     pub what: String,
-    /// The size by which the number is divided.
+    /// Name of the size that divides the number.
     pub of: String,
     /// The number; `None` if it was not measured.
     pub found: Option<f64>,
     /// The largest number that passes.
     pub bound: Option<f64>,
-    /// Why it was not measured.
+    /// Reason for a missing number.
     pub reason: Option<String>,
     /// False if the number exceeds its bound or is NaN.
     pub passes: bool,
-    /// The remedy where it fails. A folder does not hold it.
+    /// The remedy for a failed check. A folder does not store it.
     #[serde(skip)]
     pub hint: &'static str,
 }
 
 impl Metrics {
-    /// The values that have a limit in those of their joints, in the order of the link file.
+    /// The limited values of all joints, in the order of the link file.
     pub fn limited(&self, limits: &[Limits]) -> Vec<LimitedValue> {
         let joints = self.joints.iter().zip(limits);
         joints.flat_map(|(joint, limits)| joint.limited(limits)).collect()
@@ -333,15 +333,14 @@ impl<'a> Errors<'a> {
             "bending_moment" => (torque, peak.max(value.found)),
             "motor_rms_torque" => (motor_torque, motor),
             "motor_power" => (motor_torque + motor_rate, motor_power),
-            // A value whose error nobody measures is not known to be within any limit.
+            // A value without a measured error may exceed any limit.
             _ => return f64::INFINITY,
         };
         if error == 0.0 { 0.0 } else { (error * of / value.found).min(f64::MAX) }
     }
 }
 
-/// The errors of all kinds of one quantity that are measured on the model; what the model itself leaves out is told beside
-/// them.
+/// Sum of all errors of a quantity except that of the model, which is shown beside it.
 fn all_kinds(errors: QuantityErrors) -> f64 {
     let QuantityErrors { mesh, window, step, iteration, modes, input, model: _ } = errors;
     [step, iteration, modes, input]

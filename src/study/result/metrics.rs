@@ -29,18 +29,18 @@ pub struct JointMetrics {
     pub joint: Option<usize>,
     /// Largest |T| in N m.
     pub peak_torque_n_m: Peak,
-    /// Root mean square of T in N m while it acts: from the first to the last |T| above 2 % of its
-    /// peak, so that the rest around the motion does not count. With gravity T acts while it differs from what
-    /// holds the link at rest by more than 2 % of its range. A periodic torque always acts.
+    /// Root mean square of T in N m while it acts: from the first to the last |T| above 2 % of its peak, so that the
+    /// rest around the motion does not count. With gravity T acts while it differs from the holding torque at rest by
+    /// more than 2 % of its range. A periodic torque always acts.
     pub rms_torque_n_m: f64,
     /// Largest |T| of the rigid link or arm in N m.
     pub peak_rigid_torque_n_m: Peak,
     /// Peak torque over that of the rigid link or arm.
     pub torque_ratio: f64,
-    /// How long before the tip's first motion T first acts, in s, interpolated
-    /// between samples; negative where it does so only afterwards. None of a periodic motion.
+    /// Time in s from T's first action to the tip's first motion, interpolated between samples; negative if T acts
+    /// later. `None` for a periodic motion.
     pub lead_s: Option<f64>,
-    /// How long after the tip's last motion T last acts, in s, likewise.
+    /// Time in s from the tip's last motion to T's last action, likewise.
     pub lag_s: Option<f64>,
     /// Angle at the beginning and at the end of the window in rad.
     pub end_angles_rad: [f64; 2],
@@ -54,7 +54,7 @@ pub struct JointMetrics {
     pub peak_root_moment_n_m: Peak,
     /// Largest deflection of the link's tip from the hub's tangent line in m.
     pub peak_deflection_m: Peak,
-    /// Values of the motor; none for a link without a drive.
+    /// Values of the motor; absent without a drive.
     pub motor: Option<MotorMetrics>,
 }
 
@@ -111,7 +111,7 @@ impl JointMetrics {
         };
         let mut peak_hub_angle_rad = turned(angle[0]);
         if is_cycle {
-            // A cycle begins anywhere: its hub turns by the range of the angle, both of whose ends lie between samples.
+            // A cycle begins anywhere: its hub turns by the range of the angle, whose ends lie between samples.
             let [low, high] = extremes(angle);
             peak_hub_angle_rad = turned(low);
             peak_hub_angle_rad.value += turned(high).value - (high - low);
@@ -147,7 +147,7 @@ pub struct PlayedMetrics {
     pub joints: Vec<PlayedJoint>,
     /// Largest distance of the tip from its start in m.
     pub farthest_m: f64,
-    /// Displacement of the tip at the last sample less that at the first, in m; of an arm the distance of the two places.
+    /// Displacement of the tip at the last sample less the first, in m; for an arm the distance of the two places.
     pub travel_m: f64,
     /// Velocity of the tip at the last sample in m/s; of an arm its speed.
     pub final_tip_velocity_m_s: f64,
@@ -162,7 +162,7 @@ pub struct PlayedJoint {
     pub joint: Option<usize>,
     /// Largest torque of the motor in N m, feedback included.
     pub peak_torque_n_m: Peak,
-    /// Torque that holds bent links where they start in N m.
+    /// Torque in N m that holds bent links at the start.
     pub holding_torque_n_m: Option<f64>,
     /// Angle at the first sample and at the last in rad.
     pub end_angles_rad: [f64; 2],
@@ -212,7 +212,7 @@ impl PlayedMetrics {
     }
 }
 
-/// A quantity of the tip along the arc of one link, with its sign, or its size along x and y.
+/// A quantity of the tip: with its sign along the arc of one link, or its size along x and y.
 fn along_or_apart(axes: impl Iterator<Item = f64>) -> f64 {
     axes.reduce(libm::hypot).unwrap_or_default()
 }
@@ -235,8 +235,8 @@ impl PlayedJoint {
     }
 }
 
-/// Errors of lead and lag in s where a torque is uncertain by `share` of its peak or range: how far its start and its end
-/// move if the level at which they are read, from which on `acting` tells when it acts, is as uncertain.
+/// Errors of lead and lag in s for a torque with an error of `share` of its peak or range. They are the changes of its
+/// start and end if the level of `acting` has the same error.
 pub(super) fn timing_errors_s(
     grid: &TimeGrid,
     share: f64,
@@ -254,8 +254,7 @@ pub(super) fn timing_errors_s(
     })
 }
 
-/// When a torque acts: the samples beyond a level, and the parts of the steps around them in which it is
-/// beyond the level.
+/// Action of a torque: the samples beyond a level, and the parts of the steps around them beyond the level.
 pub(super) struct Acting {
     /// The first sample beyond the level, and the last.
     pub(super) first: usize,
@@ -266,8 +265,8 @@ pub(super) struct Acting {
 }
 
 impl Acting {
-    /// When a torque of a solution with this peak acts, at a level that is a share of it. With gravity, or against friction,
-    /// the torque acts where it differs from what it is at the ends.
+    /// Action of a torque of a solution with this peak, at a level as a share of the peak. With gravity, or against
+    /// friction, the torque acts where it differs from its values at the ends.
     pub(super) fn in_solution(
         solution: &Solution,
         (torque, peak): (&[f64], Peak),
@@ -298,8 +297,8 @@ impl Acting {
         }
     }
 
-    /// Of a torque that holds a link at rest at its first and last sample: from where it leaves the first by more
-    /// than the level until it comes as near to the last.
+    /// Action of a torque that holds a link at rest at its first and last sample. It begins as the torque leaves the
+    /// first value by more than the level, and ends as the torque comes as near to the last.
     pub(super) fn beyond_rest(torque: &[f64], level: f64) -> Self {
         let less = |rest: f64| torque.iter().map(|t| t - rest).collect::<Vec<f64>>();
         let (from_first, from_last) = (less(torque[0]), less(torque[torque.len() - 1]));
@@ -339,7 +338,7 @@ impl MotorMetrics {
 mod tests {
     use super::*;
 
-    /// The times at which a bell of either sign crosses 2 % of its peak, by samples at a step.
+    /// The times when a bell of either sign crosses 2 % of its peak, by samples at a step.
     fn crossings_s(sign: f64, step_s: f64, len: usize) -> [f64; 2] {
         let grid = TimeGrid { origin_s: -4.0, step_s, first: 0, len };
         let bell = |k| sign * (-grid.time_s(k) * grid.time_s(k)).exp();

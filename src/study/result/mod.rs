@@ -1,5 +1,5 @@
-//! Numbers of a result that a person reads first, limits and the shortest motion within them, and
-//! results read back.
+//! Numbers of a result that a person reads first, limits and the shortest motion within them, and results from
+//! folders.
 
 mod channels;
 mod errors;

@@ -9,23 +9,23 @@ use crate::response::{ArmShapes, SettledModes};
 /// Modes of a link or an arm, and zeros of its links.
 #[derive(Debug, Clone)]
 pub struct ModesResult {
-    /// Where the links point, and which gravity counts.
+    /// Directions of the links, and the gravity that counts.
     pub setting: Setting,
-    /// With all joints free. In poses the first ones, as many as joints, are swings.
+    /// Modes with all joints free. In poses the first ones, one for each joint, are swings.
     pub free: SettledModes,
-    /// With the hub of a link held, or the rotor of each joint that has a drive.
+    /// Modes with the hub of a link held, or the rotor of each joint with a drive.
     pub held: SettledModes,
     /// Stiffness of each joint between rotor and hub in N m/rad, infinite where it is stiff or has no drive.
     pub joint_stiffnesses_n_m_rad: Vec<f64>,
-    /// Zeros of each link without gravity; empty where they are not asked for.
+    /// Zeros of each link without gravity; empty if not wanted.
     pub zeros: Vec<LinkZeros>,
-    /// Mesh of each link; empty where an arm is asked for its modes alone.
+    /// Mesh of each link; empty if only the modes of an arm are wanted.
     pub meshes: Vec<Mesh>,
-    /// Shapes in the plane, where they are asked for in a pose.
+    /// Shapes in the plane, if wanted in a pose.
     pub shapes: Option<ArmShapes>,
 }
 
-/// Where links point while they vibrate.
+/// Directions of vibrating links.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Setting {
     /// One link without gravity, in any direction.
@@ -62,8 +62,7 @@ pub struct LinkZeros {
 }
 
 impl LinkZeros {
-    /// Time in s before the motion at which the torque is 1 % of that at its start, with this zero alone:
-    /// ln(100)/z.
+    /// Time in s from 1 % of the torque to its value at the start of the motion, with this zero alone: ln(100)/z.
     pub fn leads_s(&self) -> Vec<f64> {
         self.zeros_per_s.iter().map(|zero| libm::log(100.0) / zero).collect()
     }

@@ -1,4 +1,4 @@
-//! Which remarks a link file, a motion and a solution give.
+//! Remarks on a link file, a motion and a solution.
 
 use std::f64::consts::TAU;
 
@@ -11,13 +11,13 @@ use crate::link::Link;
 use crate::modal::Thickness;
 use crate::motion::{ArmPath, TipMotion, Uncertainty};
 
-/// Share by which an acceleration that jumps must exceed its samples to be told.
+/// Least excess of a jumping acceleration over its samples that causes a remark, as a share.
 const OVERSHOOT: f64 = 0.05;
 
 /// Usual travel of the tip relative to the length: a full turn.
 const MOST_TRAVEL: f64 = TAU;
 
-/// Share of a lead or a lag that its error exceeds to be told.
+/// Share of a lead or a lag that its error must exceed to cause a remark.
 const SURE: f64 = 0.05;
 
 impl Remark {
@@ -56,7 +56,7 @@ impl Remark {
             .collect()
     }
 
-    /// Remarks on a motion that moves the tip by `travel_m`, of which it may stray by `tolerance`.
+    /// Remarks on a motion that moves the tip by `travel_m`; the tip may stray by the share `tolerance` of it.
     pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
         let length_m = link.length_m();
         let duration = Self::on_duration(motion);
@@ -74,7 +74,7 @@ impl Remark {
         (!is_usual).then_some(Self::Duration { duration_s })
     }
 
-    /// A remark on a solution whose tip, followed up to a frequency, is accelerated more than its motion.
+    /// A remark on a solution whose tip, followed up to a frequency, accelerates more than its motion.
     pub fn on_jumps(solution: &Solution) -> Option<Self> {
         let motion = solution.motion.tip().filter(|motion| motion.jumps())?;
         let cutoff_hz = solution.band.cutoff_hz?;
@@ -95,7 +95,7 @@ impl Remark {
             let [lead_s, lag_s] = timing_errors_s(&solution.grid, share, |level| {
                 Acting::in_solution(solution, torque, level)
             });
-            // Told where they are a share of lead and lag that counts.
+            // Errors count only above a considerable share of lead or lag.
             let is_noticed =
                 lead_s > SURE * metrics.lead_s?.abs() || lag_s > SURE * metrics.lag_s?.abs();
             let joint = metrics.joint.map(|number| number + 1);
@@ -105,7 +105,8 @@ impl Remark {
         joints.filter_map(of).collect()
     }
 
-    /// A remark on the digits of an arm's path that leads its tip over `way_m`, of which it may stray by `tolerance`.
+    /// A remark on the digits of an arm's path that leads its tip over `way_m`; the tip may stray by the share
+    /// `tolerance` of it.
     pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
         let (decimals, step_m) = path.rounded()?;
         let followed = step_m / way_m;
@@ -122,7 +123,7 @@ impl Remark {
         (samples > 0).then_some(Self::DroppedOutliers { samples })
     }
 
-    /// Remarks on what the samples of a motion are worth.
+    /// Remarks on the accuracy of the samples of a motion.
     fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
         let (grid, recording) = (motion.grid(), motion.recording());
         let jitter = recording.jitter.map(|steps| Self::Jitter { steps, step_s: grid.step_s });
@@ -134,7 +135,7 @@ impl Remark {
                 _ => uncertainty.tolerance_m(grid.len),
             };
             let followed = followed_m / travel_m;
-            // At 0 all frequencies are solved, whatever the samples are worth.
+            // At 0 the solver uses all frequencies, whatever the accuracy of the samples.
             let is_raised = tolerance > 0.0 && followed > tolerance;
             (is_raised && recording.lowpass_rad_s.is_none()).then_some(match uncertainty {
                 Uncertainty::Rounded { decimals, step_m } => {

@@ -8,25 +8,25 @@ use serde::{Deserialize, Serialize};
 use crate::inverse::Solution;
 use crate::numeric::{TimeGrid, dot, largest};
 
-/// Samples that are searched at a time.
+/// Number of samples in each part of the search.
 const PART: usize = 128;
 
-/// Number of parts of a step between which a history is interpolated.
+/// Number of parts of a step, for interpolation between them.
 const PARTS: usize = 16;
 
-/// Samples on either side that an interpolated value depends on.
+/// Number of samples on either side that contribute to an interpolated value.
 const SIDE: usize = 48;
 
-/// Shape β of the window exp(β √(1 − x²)) (A. H. Barnett, J. Magland, L. af Klinteberg, SIAM J. Sci. Comput.
-/// 41(5), 2019). A wave is right to 1e-6 of its amplitude up to 0.9 of the Nyquist frequency, and to 4e-2
-/// at 0.95 of it, where the roll-off has left a twentieth.
+/// Shape β of the window exp(β √(1 − x²)) (A. H. Barnett, J. Magland, L. af Klinteberg, SIAM J. Sci. Comput. 41(5),
+/// 2019). A wave is right to 1e-6 of its amplitude up to 0.9 of the Nyquist frequency, and to 4e-2 at 0.95 of it,
+/// where the roll-off leaves a twentieth.
 const WINDOW: f64 = 14.0;
 
 /// Samples per cycle above which a parabola through three of them places the largest value to within a
 /// part of a step.
 const MANY: f64 = 8.0;
 
-/// A largest value and when it occurs.
+/// A largest value and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// The value.
@@ -35,8 +35,8 @@ pub struct Peak {
     pub time_s: f64,
 }
 
-/// Weights of the samples from `SIDE − 1` before one to `SIDE` after it, for every part of the step after
-/// that one: the sinc function times the window.
+/// Weights of the samples from `SIDE − 1` before one to `SIDE` after it, for every part of the step after this
+/// sample: the sinc function times the window.
 static WEIGHTS: LazyLock<[[f64; 2 * SIDE]; PARTS]> = LazyLock::new(|| {
     std::array::from_fn(|part| {
         let at = part as f64 / PARTS as f64;
@@ -68,13 +68,13 @@ fn between(samples: &[f64], k: usize, part: usize) -> f64 {
 #[derive(Clone, Copy)]
 pub(super) struct Peaks<'a> {
     pub(super) grid: &'a TimeGrid,
-    /// Samples per cycle at the end of the band of histories without content above a frequency below
-    /// Nyquist's, which are interpolated; `None`: from the samples alone.
+    /// Samples per cycle at the end of the band, for interpolated histories without content above a frequency below
+    /// Nyquist's; `None` for peaks of the samples alone.
     pub(super) per_cycle: Option<f64>,
 }
 
 impl<'a> Peaks<'a> {
-    /// Those of the histories of a solution.
+    /// Search in the histories of a solution.
     pub(super) fn in_solution(Solution { grid, band, .. }: &'a Solution) -> Self {
         let per_cycle = band.cutoff_hz.map(|_| 1.0 / (band.highest_hz * grid.step_s));
         Self { grid, per_cycle }
@@ -107,7 +107,7 @@ impl<'a> Tops<'a> {
         Self { samples, largest: samples.chunks(PART).map(largest).collect(), grid }
     }
 
-    /// The first of the largest samples. Only the part that holds it is searched for its place.
+    /// The first of the largest samples. The function searches only the part that contains it.
     fn largest_sample(&self) -> Peak {
         let (mut value, mut first) = (0.0, 0);
         for (part, here) in self.largest.iter().enumerate() {
@@ -120,8 +120,8 @@ impl<'a> Tops<'a> {
         Peak { value, time_s: self.grid.time_s(first + within) }
     }
 
-    /// The larger of the samples' peak and of the values `at` gives around every sample that exceeds its
-    /// neighbours of the same sign and is not much smaller than the peak.
+    /// The larger of two peaks: the samples' peak, and the values `at` around every sample that exceeds its
+    /// neighbours of the same sign and is not much smaller than the samples' peak.
     fn peak(&self, per_cycle: Option<f64>, at: impl Fn(usize, usize) -> f64) -> Peak {
         let peak = self.largest_sample();
         let Some(per_cycle) = per_cycle.filter(|_| peak.value != 0.0) else { return peak };
@@ -149,7 +149,7 @@ impl<'a> Tops<'a> {
                 if here < before || here < after {
                     continue;
                 }
-                // The parabola through the three.
+                // The parabola through three samples.
                 let bend = 2.0 * here - before - after;
                 let shift = if bend > 0.0 { 0.5 * (after - before) / bend } else { 0.0 };
                 let value = here + 0.25 * shift * (after - before);
@@ -168,7 +168,7 @@ impl<'a> Tops<'a> {
         here * there <= 0.0 || here.abs() >= there.abs()
     }
 
-    /// Parts of a step after sample `k − 1` between which the largest value around sample `k` is.
+    /// The parts of a step after sample `k − 1` that enclose the largest value around sample `k`.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2 steps")]
     fn places(&self, k: usize, per_cycle: f64) -> [usize; 2] {
         let whole = [1, 2 * PARTS - 1];

@@ -5,15 +5,15 @@ use super::metrics::JointMetrics;
 /// A number of each joint, its link or its motor.
 #[derive(Debug, Clone, Copy)]
 pub struct JointQuantity {
-    /// Its name in two parts, between which the columns of arms have the joint's number: `peak_torque`, `_n_m`.
+    /// Its name in two parts; columns of arms insert the joint's number: `peak_torque`, `_n_m`.
     pub name: (&'static str, &'static str),
-    /// True of a number that only a joint with a motor has.
+    /// True for a number of the motor.
     pub is_of_motor: bool,
-    /// True where sweeps have a column for it.
+    /// True if sweeps have a column for it.
     pub is_swept: bool,
     /// Key of its limit in `[limits]`.
     pub limit: Option<&'static str>,
-    /// Reads it; none of a motion that has no such number.
+    /// Reads the number; `None` for a motion without it.
     pub of: fn(&JointMetrics) -> Option<f64>,
 }
 
@@ -69,7 +69,7 @@ impl JointQuantity {
         Self { is_swept: false, ..self }
     }
 
-    /// Its column in a sweep, of a joint by its number from 1: `peak_torque2_n_m`.
+    /// Its column in a sweep, for a joint with its number from 1: `peak_torque2_n_m`.
     pub fn column(&self, joint: Option<usize>) -> String {
         let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
         format!("{}{number}{}", self.name.0, self.name.1)
@@ -77,7 +77,7 @@ impl JointQuantity {
 }
 
 impl JointMetrics {
-    /// The numbers by the keys of summary.json; null where the motion has no such number.
+    /// The numbers by the keys of summary.json; null for a motion without the number.
     pub fn by_name(&self) -> serde_json::Map<String, serde_json::Value> {
         let quantities = QUANTITIES.iter().filter(|own| self.motor.is_some() || !own.is_of_motor);
         quantities.map(|own| (own.column(None), (own.of)(self).into())).collect()

@@ -1,4 +1,4 @@
-//! What is recorded of a link in motion, by the names of what is simulated.
+//! Recorded histories of a link in motion, by the names of the simulated ones.
 
 use serde::{Deserialize, Serialize};
 

@@ -26,7 +26,7 @@ pub(super) const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
 #[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Remark {
-    /// A density that no solid has.
+    /// A density outside the range of solids.
     #[error(
         "{parameter} = {kg_m3} kg/m^3, where solids have {} to {}: probably another unit",
         DENSITIES_KG_M3.start(),
@@ -38,7 +38,7 @@ pub enum Remark {
         /// The density in kg/m³.
         kg_m3: f64,
     },
-    /// A modulus that no solid has.
+    /// A modulus outside the range of solids.
     #[error(
         "{parameter} = {pa:?} Pa, where solids have {:e} to {:e}: probably another unit",
         MODULI_PA.start(),
@@ -94,7 +94,7 @@ pub enum Remark {
         DURATIONS_S.end()
     )]
     Duration {
-        /// From the last sample at rest to the first one at rest again, in s.
+        /// Time in s from the last sample at rest to the first one at rest again.
         duration_s: f64,
     },
     /// A travel of more than a full turn.
@@ -106,7 +106,7 @@ pub enum Remark {
     )]
     #[serde(rename = "way")]
     Travel {
-        /// Largest distance from where the tip starts, in m.
+        /// Largest distance of the tip from its start, in m.
         travel_m: f64,
         /// Length of the link in m.
         length_m: f64,
@@ -156,9 +156,9 @@ pub enum Remark {
         decimals: i32,
         /// Half of the last decimal in m.
         half_step_m: f64,
-        /// Share of its travel that the tip is followed to.
+        /// Accuracy of the followed tip, as a share of its travel.
         followed: f64,
-        /// The same for exact samples.
+        /// Accuracy for exact samples.
         tolerance: f64,
     },
     /// A velocity or an acceleration with few digits.
@@ -174,9 +174,9 @@ pub enum Remark {
         decimals: i32,
         /// Half of the last decimal in m/s or m/s².
         half_step: f64,
-        /// Share of its travel that the tip is followed to.
+        /// Accuracy of the followed tip, as a share of its travel.
         followed: f64,
-        /// The same for exact samples.
+        /// Accuracy for exact samples.
         tolerance: f64,
     },
     /// A path with few digits.
@@ -189,9 +189,9 @@ pub enum Remark {
         decimals: i32,
         /// Half of the last decimal in m.
         half_step_m: f64,
-        /// Share of its way that the tip is followed to.
+        /// Accuracy of the followed tip, as a share of its way.
         followed: f64,
-        /// The same for exact samples.
+        /// Accuracy for exact samples.
         tolerance: f64,
     },
     /// A displacement with noise.
@@ -204,12 +204,12 @@ pub enum Remark {
         deviation_m: f64,
         /// Largest distance of a rest from the data in m.
         moved_m: f64,
-        /// Share of its travel that the tip is followed to.
+        /// Accuracy of the followed tip, as a share of its travel.
         followed: f64,
-        /// The same for exact samples.
+        /// Accuracy for exact samples.
         tolerance: f64,
     },
-    /// An acceleration that jumps: what follows it in a band of frequencies overshoots.
+    /// An acceleration that jumps: the followed motion overshoots in its band of frequencies.
     #[error(
         "the acceleration jumps: followed to {} Hz it peaks at {} m/s², {:.0} % above its samples; that of the rigid link \
          has the same peak",
@@ -218,11 +218,11 @@ pub enum Remark {
         100.0 * share
     )]
     Jumps {
-        /// Frequency in Hz up to which the motion is followed.
+        /// Highest frequency in Hz of the followed motion.
         cutoff_hz: f64,
-        /// Largest acceleration of the motion that is followed in m/s².
+        /// Largest acceleration of the followed motion in m/s².
         peak_m_s2: f64,
-        /// By how much that is above the largest of the samples, as a share of it.
+        /// Excess over the largest sample, as a share of this sample.
         share: f64,
     },
     /// A torque whose start and end the samples of the motion hardly determine.
@@ -285,7 +285,7 @@ impl Remark {
         }
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
             Self::Density { .. } => "write the unit beside the number, as in \"2.7 g/cm^3\"",

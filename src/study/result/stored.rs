@@ -19,11 +19,11 @@ use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
 use crate::response::SimulationWarning;
 
-/// A result that was read back.
+/// A result from a folder or a file.
 #[derive(Debug, Clone)]
 pub enum StoredResult {
-    /// Folders of runs of `solve` or `simulate`. A page shows the first run. Runs of arms with as many links may stand
-    /// beside it, and are compared with it.
+    /// Folders of runs of `solve` or `simulate`. A page shows the first run. Runs of arms with equally many links may
+    /// stand beside it, for comparison.
     Runs(Vec<StoredRun>),
     /// The table of a sweep.
     Sweep(Box<StoredSweep>),
@@ -50,36 +50,37 @@ pub struct StoredRun {
     pub tip_m: [Vec<f64>; 2],
     /// The wanted tip of a simulation, if it had one.
     pub target: Option<StoredTarget>,
-    /// Quantity that the path of an arm prescribes; not set for a simulation or a single link.
+    /// Quantity that the path of an arm prescribes; absent for a simulation or a single link.
     pub prescribed: Option<Prescribed>,
-    /// Times in s between which the wanted motion moves; not set for a simulation.
+    /// Times in s of the start and end of the wanted motion; absent for a simulation.
     pub moving_s: Option<(f64, f64)>,
     /// Gravity along x and y in m/s²: 0 in a horizontal plane.
     pub gravity_m_s2: [f64; 2],
-    /// Numbers of the summary by name, which ends in the unit: `farthest_m`. Those of the joints of an arm are theirs.
+    /// Numbers of the summary by name with the unit at its end: `farthest_m`. Numbers of an arm's joints are in
+    /// `joints`.
     pub readings: Vec<(String, f64)>,
-    /// Results of verifying the answer; empty where it was not verified.
+    /// Checks of the answer; empty without verification.
     pub checks: Vec<Check>,
     /// Warnings.
     pub warnings: Vec<Notice>,
-    /// Remarks on what is possible but rare.
+    /// Remarks on unusual values.
     pub remarks: Vec<Notice>,
 }
 
 /// The motion of a single link, whose places are distances along the arc of a straight link.
 #[derive(Debug, Clone)]
 pub struct StoredArc {
-    /// The mesh that the answer was computed on.
+    /// The mesh of the answer.
     pub mesh: Mesh,
     /// Second-order terms that the solver counted; all of them in a simulation of the elastica.
     pub second_order: SecondOrder,
-    /// How many flexible modes the link was reduced to; not set where all are kept.
+    /// Number of flexible modes in a reduced link; absent if the link keeps all modes.
     pub kept_modes: Option<usize>,
     /// Direction of the chord in rad where the tip's displacement is 0: hub angles are absolute with gravity.
     pub origin_rad: f64,
     /// Motion of the tip.
     pub tip: TipMotionHistories,
-    /// Deflection w in m from the hub's tangent line, if all or some nodes were written.
+    /// Deflection w in m from the hub's tangent line, if the folder has it for all or some nodes.
     pub deflections_m: Option<StoredNodes>,
 }
 
@@ -90,17 +91,17 @@ pub struct StoredJoint {
     pub torque_n_m: Vec<f64>,
     /// Angle in rad of its link's root against the tip of the link before, of the first joint against x.
     pub angle_rad: Vec<f64>,
-    /// Rate of that angle in rad/s.
+    /// Rate of the joint angle in rad/s.
     pub rate_rad_s: Vec<f64>,
-    /// Torque in N m that the rigid link or arm would need; not set for a simulation.
+    /// Torque in N m that the rigid link or arm would need; absent for a simulation.
     pub rigid_torque_n_m: Option<Vec<f64>>,
-    /// Angle in rad of the rigid link's or arm's joint; not set for a simulation.
+    /// Angle in rad of the rigid link's or arm's joint; absent for a simulation.
     pub rigid_angle_rad: Option<Vec<f64>>,
-    /// Its motor, where it has a drive.
+    /// Its motor, if it has a drive.
     pub motor: Option<StoredMotor>,
-    /// Its numbers by name, which ends in the unit: `peak_torque_n_m`.
+    /// Its numbers by name with the unit at its end: `peak_torque_n_m`.
     pub readings: Vec<(String, f64)>,
-    /// For each quantity, `torque`, what it may be off by, by kind: `mesh`.
+    /// Errors of each quantity, such as `torque`, by kind, such as `mesh`.
     pub errors: Vec<(String, Vec<(String, f64)>)>,
     /// Its limits in the file.
     pub limits: Limits,
@@ -116,7 +117,7 @@ impl StoredJoint {
 /// One link.
 #[derive(Debug, Clone)]
 pub struct StoredLink {
-    /// Its name; its number where it has none.
+    /// Its name, or its number without a name.
     pub name: String,
     /// The link, of an arm with the next joint's body as its payload.
     pub link: Link,
@@ -124,11 +125,11 @@ pub struct StoredLink {
     pub nodes_m: Vec<f64>,
     /// x and y of the nodes in m, at `nodal_times_s` of the arm; empty for a single link.
     pub positions_m: Vec<[Vec<f64>; 2]>,
-    /// Bending moment in N m, if it was written.
+    /// Bending moment in N m, if the folder has it.
     pub moments_n_m: Option<StoredNodes>,
 }
 
-/// Who made a result, from what.
+/// Origin of a result: command, version and inputs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
     /// The command: `solve`, `simulate` or `sweep`.
@@ -147,7 +148,7 @@ pub struct Origin {
 /// An input file of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredInput {
-    /// What it is: `link`, `motion`, `torque`, `target`, `reference`.
+    /// Its role: `link`, `motion`, `torque`, `target`, `reference`.
     pub role: String,
     /// Its name without folders.
     pub name: String,
@@ -200,7 +201,7 @@ pub struct Notice {
 }
 
 impl Notice {
-    /// A warning of a kind, with its text and what the user can do.
+    /// A warning of a kind, with its text and a remedy.
     pub fn new(kind: &str, message: impl Display, hint: &str) -> Self {
         Self { kind: kind.to_owned(), message: message.to_string(), hint: hint.to_owned() }
     }
@@ -224,7 +225,7 @@ macro_rules! notices {
 
 pub(crate) use notices;
 
-// Everything that a user must know, or may want to, becomes a notice so.
+// Every remark or warning for the user becomes a notice here.
 notices!(CoarseMesh, Exceeded, LateTarget, Remark);
 notices!(SimulationWarning, SolutionWarning, ThickLink);
 
@@ -233,13 +234,13 @@ notices!(SimulationWarning, SolutionWarning, ThickLink);
 pub struct StoredSweep {
     /// Name of the file.
     pub name: String,
-    /// Command, version, files and arguments of the sweep; not set where the table has no record.
+    /// Command, version, files and arguments of the sweep; absent for a table without record.
     pub origin: Option<Origin>,
-    /// The link of the first case, or the links of its arm; empty where the table has no record.
+    /// The link of the first case, or the links of its arm; empty for a table without record.
     pub links: Vec<Link>,
-    /// SI units of the values varied, which the first columns of the table hold; empty where a key has none.
+    /// SI units of the varied values, in the first columns of the table; empty for a key without unit.
     pub units: Vec<String>,
-    /// All of it: a row a case.
+    /// The whole table: a row for each case.
     pub table: Table,
 }
 
@@ -260,9 +261,9 @@ pub struct RepeatedFile {
 pub enum Repeated {
     /// The run and its repetition have the same bytes.
     Same,
-    /// Both have it, with other bytes.
+    /// Both have the file, with other bytes.
     Differs(LineDifference),
-    /// It is missing from the run.
+    /// The run lacks the file.
     Missing,
     /// Only the run has it.
     Extra,
@@ -273,9 +274,9 @@ pub enum Repeated {
 pub struct LineDifference {
     /// Number of the first line that differs, from 1.
     pub line: u64,
-    /// The run's line with its line end; not set if the run's text has ended.
+    /// The run's line with its line end; absent after the end of the run's text.
     pub run: Option<Vec<u8>>,
-    /// The repetition's line; not set if its text has ended.
+    /// The repetition's line; absent after the end of its text.
     pub repetition: Option<Vec<u8>>,
     /// Number of lines that differ from the line of the same number.
     pub differing: u64,

@@ -30,7 +30,7 @@ const MOVED_BEFORE: f64 = 1e-2;
 pub struct TipError {
     /// Largest distance in m.
     pub worst_m: f64,
-    /// The same, relative to the largest distance of the wanted motion from its start.
+    /// Largest distance relative to the largest distance of the wanted motion from its start.
     pub share: f64,
     /// Time of the largest distance in s.
     pub time_s: f64,
@@ -42,8 +42,7 @@ pub struct TipError {
     pub late: Option<LateTarget>,
 }
 
-/// A target that begins after the tip has moved: its first displacement is taken as that of the link at
-/// rest.
+/// A target that begins after the tip has moved. Its first displacement counts as that of the link at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[error(
     "the target begins at {} s, when the tip has moved by {:?} m: its first displacement is taken as \
@@ -64,13 +63,13 @@ impl LateTarget {
         "late_target"
     }
 
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "a target that begins before the tip moves"
     }
 }
 
-/// Why a simulation is not compared with a target.
+/// Reason against a comparison with a target.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TargetError {
     /// The target ends after the simulation.
@@ -91,7 +90,7 @@ pub enum TargetError {
 }
 
 impl TargetError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::EndsLate { .. } => Some("simulate longer, or cut the target"),
@@ -100,16 +99,16 @@ impl TargetError {
     }
 }
 
-/// A wanted tip, and how far the simulated one is from it, at the target's times.
+/// A wanted tip, and the distance of the simulated one from it, at the target's times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FollowedTarget {
     /// Times of the target.
     pub grid: TimeGrid,
-    /// Where the tip should be in m: its displacement, or x and y of an arm's.
+    /// Wanted place of the tip in m: its displacement, or x and y of an arm's.
     pub wanted_m: Vec<Vec<f64>>,
-    /// Simulated less wanted displacement in m; of an arm the distance.
+    /// Simulated less wanted displacement in m; for an arm the distance.
     pub error_m: Vec<f64>,
-    /// The largest of it, and what else tells how far the tip strays.
+    /// Numbers of the error.
     pub tip_error: TipError,
 }
 
@@ -147,19 +146,19 @@ impl FollowedTarget {
     }
 }
 
-/// What a folder holds of a [`FollowedTarget`].
+/// A [`FollowedTarget`] as read back from a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredTarget {
     /// Times of the target in s.
     pub times_s: Vec<f64>,
-    /// Where the tip should be in m: its displacement, or x and y of an arm's.
+    /// Wanted place of the tip in m: its displacement, or x and y of an arm's.
     pub wanted_m: Vec<Vec<f64>>,
-    /// How far it is from there in m.
+    /// Distance of the tip from its wanted place in m.
     pub error_m: Vec<f64>,
 }
 
 impl TipError {
-    /// The largest of errors in m at the target's times, of a tip that has moved so far before them.
+    /// Numbers of the errors in m at the target's times, for a tip that moved by `moved_m` before them.
     pub(crate) fn among(errors: &[f64], (grid, travel_m): (&TimeGrid, f64), moved_m: f64) -> Self {
         let larger = |a: &usize, b: &usize| errors[*a].abs().total_cmp(&errors[*b].abs());
         let worst = (0..errors.len()).max_by(larger).unwrap_or(0);
@@ -199,7 +198,7 @@ impl Sampling {
         (self.target.time_s(sample) - self.own.time_s(0)) / self.own.step_s
     }
 
-    /// Place of a time of the target among the samples.
+    /// Position of a time of the target among the samples.
     fn place(&self, sample: usize) -> f64 {
         self.at(sample).clamp(0.0, (self.own.len - 1) as f64)
     }

@@ -1,4 +1,4 @@
-//! A torque for a controller to play: the rows that matter, and what a converter that holds its values puts out.
+//! A torque for a controller to play: the rows that matter, and the output of a converter that holds its values.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -16,16 +16,16 @@ use crate::response::Interpolation;
 pub struct TorqueTable {
     /// Times of the solution.
     grid: TimeGrid,
-    /// One column a joint, over the whole grid.
+    /// One column for each joint, over the whole grid.
     torques_n_m: Vec<Vec<f64>>,
     /// Rows of the table; outside them the torque is at rest.
     rows: Range<usize>,
-    /// Time in s of the solution at which the motion begins.
+    /// Time in s of the solution when the motion begins.
     moves_from_s: f64,
     interpolation: Interpolation,
-    /// Time in s of the first row, where it is given.
+    /// Time in s of the first row, if the user sets it.
     start_s: Option<f64>,
-    /// Share of its size below which each torque stays outside the rows, where it was cut.
+    /// Share of its size below which each torque stays outside the rows of a cut table.
     window: Option<f64>,
     /// Whether the torques hold a weight at rest.
     has_weight: bool,
@@ -47,10 +47,11 @@ impl TorqueTable {
         }
     }
 
-    /// The values that a converter must put out that holds each for a step, so that the torque up to the Nyquist
-    /// frequency is that of the table; its images above that remain.
+    /// Replaces the torques by the values for a converter that holds each for a step, so that the torque up to the
+    /// Nyquist frequency is that of the table. Its images above this frequency remain.
     ///
-    /// Holding for a step h multiplies an amplitude at ω by `sinc(ωh/2) e^{−iωh/2}`; each is divided by that.
+    /// Holding for a step h multiplies an amplitude at ω by `sinc(ωh/2) e^{−iωh/2}`; the correction divides by this
+    /// factor.
     #[must_use]
     pub fn held(mut self, ends: Ends) -> Self {
         let repeats = ends == Ends::Periodic;
@@ -60,9 +61,9 @@ impl TorqueTable {
         Self { interpolation: Interpolation::Zero, ..self }
     }
 
-    /// Cuts the rows before and after which every torque stays below a share of its own peak, with weight within that
-    /// share of its range of the torque that holds link or arm at rest. One row of the torques at rest remains on
-    /// either side.
+    /// Cuts the rows before and after which every torque stays below a share of its peak. With weight, the share
+    /// counts of the torque's range, from the torque that holds link or arm at rest. One row of the torques at rest
+    /// remains on either side.
     #[must_use]
     pub fn cut(mut self, share: f64) -> Self {
         let last = self.grid.len - 1;
@@ -99,27 +100,27 @@ impl TorqueTable {
         }
     }
 
-    /// Time in s of the table at which the motion begins.
+    /// Time in s of the table when the motion begins.
     pub fn moves_from_s(&self) -> f64 {
         self.time_s(self.moves_from_s)
     }
 
-    /// Time in s of the table for one of the solution.
+    /// Time in s of the table at a time of the solution.
     pub fn time_s(&self, solution_s: f64) -> f64 {
         self.grid().time_s(0) + (solution_s - self.grid.time_s(self.rows.start))
     }
 
-    /// Torques in N m of the rows, one column a joint.
+    /// Torques in N m of the rows, one column for each joint.
     pub fn torques_n_m(&self) -> Vec<&[f64]> {
         self.torques_n_m.iter().map(|torque| &torque[self.rows.clone()]).collect()
     }
 
-    /// The same over all times of the solution, outside the rows at rest.
+    /// Torques in N m at all times of the solution, at rest outside the rows.
     pub fn whole_n_m(&self) -> &[Vec<f64>] {
         &self.torques_n_m
     }
 
-    /// The share below which each torque stays outside the rows, where the table was cut.
+    /// Share of its size below which each torque stays outside the rows of a cut table.
     pub fn window(&self) -> Option<f64> {
         self.window
     }
@@ -129,12 +130,12 @@ impl TorqueTable {
         self.has_weight
     }
 
-    /// Time in s of the table at which the solution ends.
+    /// Time in s of the table when the solution ends.
     pub fn solved_until_s(&self) -> f64 {
         self.time_s(self.grid.end_s())
     }
 
-    /// What is between the rows.
+    /// Course of the torque between the rows.
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
@@ -142,19 +143,19 @@ impl TorqueTable {
 
 /// Samples that, each held for a step, have the amplitudes of these samples up to the Nyquist frequency.
 ///
-/// Unless they repeat, their differences are corrected and added up: these are zero at both ends also where the torque
-/// holds a weight there.
+/// Unless the samples repeat, the function corrects their differences and adds them up, because differences are zero
+/// at both ends even if the torque holds a weight there.
 pub(crate) fn for_hold(samples: &[f64], repeats: bool) -> Vec<f64> {
     let len = samples.len();
     if repeats {
-        // Two cycles: a number of samples that is even.
+        // Two cycles, because the number of samples must be even.
         let mut found = unheld(&[samples, samples].concat(), &FourierPair::new(2 * len));
         found.truncate(len);
         return found;
     }
     let differences: Vec<f64> = samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let found = unheld(&differences, &FourierPair::fast(2 * len));
-    // The second half of the period is before the first sample.
+    // The second half of the period lies before the first sample.
     let (after, before) = found.split_at(len);
     let mut sum = samples[0] + before.iter().sum::<f64>();
     let add = |difference: &f64| {

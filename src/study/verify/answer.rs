@@ -24,8 +24,8 @@ pub struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// Share of the tip's travel by which the solved tip may miss the wanted one. A path of angles is cut off by the arcs of
-    /// its links, which may be longer than the travel of the tip.
+    /// Tolerance of the solved tip against the wanted one, as a share of its travel. For a path of angles the arcs of
+    /// its links set the cut-off; they may be longer than the travel of the tip.
     pub(super) fn tip_tolerance(&self) -> f64 {
         let Solution { analysis, motion, tip_error, .. } = self.solution;
         match motion {
@@ -40,10 +40,10 @@ impl Answer<'_> {
     }
 }
 
-/// Why a solution is not verified.
+/// Reason for a missing verification.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum VerificationError {
-    /// The written samples are no torque.
+    /// The written samples are not a torque.
     #[error("the written torque: {0}")]
     Torque(#[from] HistoryError),
     /// The torque cannot be played.
@@ -58,7 +58,7 @@ pub enum VerificationError {
 }
 
 impl VerificationError {
-    /// What the user can do about it.
+    /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Torque(error) => error.hint(),
@@ -69,7 +69,7 @@ impl VerificationError {
     }
 }
 
-/// Why a solution is not played: a reason that its checks tell, or an error that ends all.
+/// Obstacle to playing a solution: a reason for its checks, or an error that ends the verification.
 pub(super) enum Unplayed {
     Reason(String),
     Error(VerificationError),

@@ -5,11 +5,11 @@ use crate::beam::MeshPlan;
 use crate::motion::Motion;
 use crate::result::Check;
 
-/// Bound on what elements, modes or a step of the user's own choice may change; no tolerance sets it.
+/// Bound on changes by the user's choice of elements, modes or step, which no tolerance sets.
 pub(super) const CHOSEN: f64 = 1e-2;
 
-/// How far the tip of a link with all terms of second order may stray, over its travel: what is claimed is up to three times
-/// the truth.
+/// Bound on the deviation of a link's tip with all terms of second order, over its travel. The claimed deviation is
+/// up to three times the true one.
 const STRAYS: f64 = 3e-2;
 
 /// Last of the ten digits of tip.csv, over the tip's travel.
@@ -18,7 +18,7 @@ const ROUNDED: f64 = 1e-10;
 /// Largest error of the played tip over its travel, unless the tolerance is looser.
 const TIP: f64 = 1e-3;
 
-/// Largest difference of the torque that the moved hub takes.
+/// Largest difference of the moved hub's torque.
 const TORQUE: f64 = 1e-3;
 
 /// Largest imbalance of energy over the largest energy, unless the tolerance is tighter.
@@ -30,10 +30,10 @@ const ENERGY_OF_ARM: f64 = 1e-4;
 /// Largest difference of a stiff arm's torques from the rigid one's.
 const RIGID: f64 = 1e-6;
 
-/// Largest relative difference where round-off does not spoil the dense solve.
+/// Largest relative difference if round-off does not spoil the dense solve.
 const AGREEMENT: f64 = 1e-9;
 
-/// The size by which errors of a quantity are divided.
+/// Name of the size that divides errors of a quantity.
 pub(super) const PEAK: &str = "its peak";
 pub(super) const RANGE: &str = "its range";
 
@@ -43,7 +43,7 @@ pub(super) struct Kind {
     name: &'static str,
     what: &'static str,
     of: &'static str,
-    /// The largest number that passes; two checks measure how much more or less they allow.
+    /// The largest number that passes. Two checks measure a tighter or looser bound.
     pub(super) bound: fn(&Answer) -> f64,
     hint: &'static str,
 }
@@ -75,7 +75,7 @@ impl Kind {
         hint: "analysis.second_order = \"full\", more elements, a shorter step or a smoother motion",
     };
     pub(super) const OF_HUB: [Self; 2] = [Self::TIP_OF_HUB, Self::TORQUE_OF_HUB];
-    /// Those of a link that is solved again with viscous damping.
+    /// Checks of a link, solved again with viscous damping.
     pub(super) const OF_HUB_VISCOUS: [Self; 2] = [
         Self {
             name: "tip_error_viscous",
@@ -182,7 +182,7 @@ impl Kind {
         bound: |_| STRAYS,
         hint: "analysis.second_order = \"full\", a slower motion or a stiffer link",
     };
-    /// Of a limit by its key in the link file.
+    /// Check of a limit by its key in the link file.
     pub(super) const LIMIT: Self = Self {
         name: "limit",
         what: "limits",
@@ -196,7 +196,7 @@ impl Kind {
         self.measured_to(found, (self.bound)(answer))
     }
 
-    /// The check with its number and a bound that was measured, too.
+    /// The check with its number and a measured bound.
     pub(super) fn measured_to(&self, found: f64, bound: f64) -> Check {
         let passes = found <= bound;
         let (found, bound, reason) = (Some(found), Some(bound), None);

@@ -1,4 +1,4 @@
-//! Checks every approximation of a solution by other means, in the order in which they are shown.
+//! Checks every approximation of a solution by other means, in the order of their display.
 
 mod answer;
 mod check;
@@ -25,34 +25,34 @@ use crate::result::{Check, Reached};
 use check::{Kind, PEAK, RANGE};
 use playback::{LEAST_SIZE, PlayedChecks, largest_range, played, range, torque_change};
 
-/// Number of frequencies at which the dense system is solved.
+/// Number of frequencies for the dense system.
 const FREQUENCIES: usize = 9;
 
-/// Round-off of the dense solve above which the comparison says nothing.
+/// Round-off of the dense solve above which the comparison is void.
 const SPOILT: f64 = 1e-3;
 
-/// Factor on the stiffness with which links do not bend.
+/// Factor on the stiffness that makes links rigid.
 const RIGID: f64 = 1e9;
 
 /// The checks of a solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verification {
-    /// The checks, in the order in which they are shown.
+    /// The checks, in the order of their display.
     pub checks: Vec<Check>,
 }
 
 /// Checks a solution by other means:
 ///
-/// - the written torque, played on the link with its damping law and with viscous damping; with weight, at large angles and
-///   for an arm the joints, moved as solved: where the tip goes and which torques that takes;
+/// - the written torque, played on the link with its damping law and with viscous damping;
+/// - with weight, at large angles and for an arm: the error of the tip and the torques of joints that move as solved;
 /// - the solved tip of a link against the wanted motion;
 /// - the torques with elements halved and with the step halved;
 /// - the rest of the torques at the window's edge;
-/// - the iteration of second-order terms, where they are counted;
-/// - the transfer of a link against the paper's dense system at sample frequencies, an arm whose links do not bend against
-///   the rigid one;
+/// - the iteration of second-order terms, if they count;
+/// - the transfer of a link against the paper's dense system at sample frequencies;
+/// - an arm with rigid links against the rigid arm;
 /// - the balance of energy;
-/// - the tip of a link with all terms of second order, unless these are counted;
+/// - the tip of a link with all terms of second order, unless these count;
 /// - the limits.
 ///
 /// # Errors
@@ -130,8 +130,8 @@ fn within(answer: &Answer, reached: &Reached) -> Check {
     Check { name, what: format!("{of_joint}{}.{key}", check.what), ..check }
 }
 
-/// Change of the torques with the motion sampled twice as often. A link is solved again, and its motor has a check besides;
-/// an arm has measured it where the step limits its band.
+/// Change of the torques with the motion sampled twice as often. A link is solved again, and its motor has a further
+/// check. For an arm the inversion has measured the change if the step limits its band.
 fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError> {
     let solution = answer.solution;
     let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };
@@ -151,9 +151,9 @@ fn with_the_step_halved(answer: &Answer) -> Result<Vec<Check>, VerificationError
 
 /// Largest change of the motor's torque over its peak. `None` without a drive.
 ///
-/// Taken at the worst sample, since the motor must turn its rotor through that spike too.
+/// The worst sample counts, since the motor must turn its rotor through each spike too.
 fn motor_change(solution: &Solution, finer: Option<&[f64]>) -> Option<f64> {
-    // The inversion has measured it where the step limits the band.
+    // The inversion has measured the change if the step limits the band.
     let measured = solution.hub().errors.motor_torque.and_then(|errors| errors.step);
     measured.or_else(|| {
         let (own, finer) = (&solution.hub().motor.as_ref()?.torque_n_m, finer?);
@@ -184,7 +184,7 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
     let (low, high) = (0.3 * first, 3.0 * modes.last().copied().unwrap_or(first));
     let (mut worst, mut bound) = (0.0_f64, (kind.bound)(answer));
     for k in 0..FREQUENCIES {
-        // The odd offset keeps these off the poles and zeros of an undamped link.
+        // The odd offset avoids the poles and zeros of an undamped link.
         let omega = low * libm::pow(high / low, (k as f64 + 0.37) / FREQUENCIES as f64);
         let exact = model.tip_transfer(omega).inertia_kg_m;
         let found = dense.tip_transfer(omega).inertia_kg_m;
@@ -195,11 +195,11 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
     if bound > SPOILT {
         return kind.not_measured(format!("its round-off may be {bound:.1e}"));
     }
-    // Round-off has other digits on every processor: a difference within the bound counts as the bound.
+    // Round-off differs between processors, so a difference within the bound counts as the bound.
     kind.measured_to(if worst <= bound { bound } else { worst }, bound)
 }
 
-/// The same path with links that do not bend, against the torques of the rigid arm.
+/// Torques of the same path with nearly rigid links against the torques of the rigid arm.
 fn rigid_arm(answer: &Answer, path: &ArmPath) -> Check {
     match rigid_arm_error((answer.solution, path), answer.memory_bytes) {
         Ok(apart) => Kind::RIGID_ARM.measured(answer, apart),
@@ -207,7 +207,7 @@ fn rigid_arm(answer: &Answer, path: &ArmPath) -> Check {
     }
 }
 
-/// Largest difference of a torque from that of the rigid arm, over the range of the latter.
+/// Largest difference of a torque from that of the rigid arm, over the range of the rigid arm's torque.
 fn rigid_arm_error(
     (solution, path): (&Solution, &ArmPath),
     memory_bytes: Option<usize>,

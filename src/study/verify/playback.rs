@@ -16,17 +16,17 @@ use crate::response::{
 use crate::result::Check;
 use crate::text::significant;
 
-/// Error of the integrals of work above which a balance of energy says nothing.
+/// Error of the integrals of work above which a balance of energy is void.
 const QUADRATURE: f64 = 1e-3;
 
-/// Number of times at which the energies are summed.
+/// Number of times for the sums of energy.
 const BALANCES: usize = 64;
 
-/// Factor by which an error of a joint's motion, over its range, may grow to an error of the tip, over its travel: the
-/// error that the solution states is that of the worst sample already.
+/// Largest ratio of the tip's error, over its travel, to the error of a joint's motion, over its range. The solution
+/// states the error of the worst sample already.
 const AMPLIFIED: f64 = 10.0;
 
-/// Least size by which errors of a joint's torque are divided, over the largest range of any joint's torque.
+/// Least divisor for errors of a joint's torque, over the largest range of any joint's torque.
 pub(super) const LEAST_SIZE: f64 = 1e-6;
 
 /// The checks that follow from playing the torque.
@@ -42,8 +42,8 @@ struct Moved {
     energy: Check,
 }
 
-/// Plays the written torque, or moves the joints as solved: errors of the tip, those of the solved tip included, and the
-/// balance of energy.
+/// Plays the written torque, or moves the joints as solved. Returns the errors of the tip, with those of the solved
+/// tip, and the balance of energy.
 pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError> {
     let solution = answer.solution;
     let (played, unplayed) = match &solution.motion {
@@ -58,7 +58,7 @@ pub(super) fn played(answer: &Answer) -> Result<PlayedChecks, VerificationError>
         },
         Err(Unplayed::Error(error)) => return Err(error),
     };
-    // Without a cut-off the tip is solved for at all frequencies of the samples.
+    // Without a cut-off the solver uses all frequencies of the samples.
     if let Some(motion) = solution.motion.tip().filter(|_| answer.tip_tolerance() > 0.0) {
         let wanted = wanted_tip(solution, motion);
         let error = tip_error(solution, &wanted, &solution.tip[0].displacement_m);
@@ -120,11 +120,11 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
     let error = |tip_m: &[f64]| tip_error(solution, &wanted, tip_m);
     let played_m = &simulation.tip[0].displacement_m;
     let tip = if let Some(ratio) = ratio {
-        // Under the viscous law the tip misses the wanted motion by far more than any useful bound,
-        // but by a computable amount; the tip less this amount must be the wanted motion.
+        // Under the viscous law the tip misses the wanted motion by far more than any useful bound. The amount is
+        // computable, and the tip less this amount must follow the wanted motion.
         let apart_m = modes.apart_m(ratio, &solution.tip[0].acceleration_m_s2);
         let is_cycle = ends == Ends::Periodic;
-        // Both begin where the tip does: the rigid rotation is another from law to law.
+        // Both start with the tip: the rigid rotation differs between the laws.
         let start_m = if is_cycle { apart_m[0] } else { 0.0 };
         let less = played_m.iter().zip(&apart_m).map(|(v, apart)| v - apart + start_m);
         let viscous = Kind::TIP_ERROR_VISCOUS.measured_to(error(&less.collect::<Vec<_>>()), bound);
@@ -154,9 +154,9 @@ fn energy(answer: &Answer, simulation: &Played) -> Check {
     }
 }
 
-/// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the hub of
-/// this solution. Viscous damping has an equation in time, so that weight and second order are played. The written torque is
-/// not played; its law of damping is in the transfer.
+/// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the
+/// hub of this solution. Viscous damping has an equation in time, so the play includes weight and second order. It
+/// omits the written torque, because the transfer contains its law of damping.
 fn played_viscous(
     answer: &Answer,
     motion: &TipMotion,
@@ -180,10 +180,10 @@ fn played_viscous(
     Ok(PlayedChecks { tip, energy: Check { name, what, ..energy } })
 }
 
-/// Moves the joints as solved, by other equations than the inversion has: error of the tip, the needed torques against the
-/// written ones, and the balance of energy.
+/// Moves the joints as solved, by other equations than the inversion's: error of the tip, the needed torques against
+/// the written ones, and the balance of energy.
 ///
-/// Torques would let a link or an arm with weight fall from an upright pose; joints that are moved do not.
+/// Torques would let a link or an arm with weight fall from an upright pose; moved joints do not.
 fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unplayed> {
     let solution = answer.solution;
     let Moved { tip_error, torques_n_m, energy } = match &solution.motion {
@@ -270,11 +270,11 @@ fn torques_n_m(played: Played) -> Vec<Vec<f64>> {
     played.joints.into_iter().map(|joint| joint.torque_n_m).collect()
 }
 
-/// Allowed error of the played tip over its travel.
+/// Allowed error of the played tip over its travel, at most 1e-3 or the tolerance.
 ///
-/// It is how far a constant torque of the tolerance times the peak drives the rigid link over the window,
-/// plus `between_m`, the difference between cubics and straight lines through the samples; at most 1e-3
-/// or the tolerance. The tip tolerance of the analysis is added.
+/// It adds three parts: the distance by which a constant torque of the tolerance times the peak drives the rigid link
+/// over the window; the difference `between_m` of cubics and straight lines through the samples; the tip tolerance of
+/// the analysis.
 fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
     let (link, analysis) = (solution.link(), &solution.analysis);
     let peak = largest(&solution.hub().torque_n_m);
@@ -306,7 +306,7 @@ fn tip_error(solution: &Solution, wanted: &TipTarget, tip_m: &[f64]) -> f64 {
 fn imbalance(simulation: &Played) -> (f64, f64) {
     let EnergyAccount { balances, start_j, quadrature_error_j } = simulation.energy(BALANCES);
     let held = |b: &EnergyBalance| b.kinetic_j + b.strain_j;
-    // What weight holds may be less than at the start.
+    // The energy of a link with weight may fall below its value at the start.
     let largest = balances.iter().fold(0.0_f64, |m, b| m.max(held(b).abs()).max(b.kinetic_j));
     let missing = balances.iter().map(|b| (b.work_j - (held(b) - start_j) - b.dissipated_j).abs());
     let missing = missing.fold(0.0, f64::max);
@@ -323,12 +323,12 @@ pub(super) fn largest_range<'a>(torques_n_m: impl IntoIterator<Item = &'a Vec<f6
     torques_n_m.into_iter().map(|torque_n_m| range(torque_n_m)).fold(0.0, Size::larger)
 }
 
-/// Change of the torque against one with `often` times the samples, root mean square over root mean square; a torque that
-/// hardly changes is divided by `least_n_m`.
+/// Change of the torque against one with `often` times the samples, root mean square over root mean square. For a
+/// torque that hardly changes, the divisor is `least_n_m`.
 ///
-/// The worst sample would not do: where the acceleration of a motion has a kink at its begin or end,
-/// the torque has a spike that becomes narrower with every shorter step, never converges, and hardly
-/// moves the link. The mean torque, which holds a weight, does not count.
+/// The worst sample would not do. Where the acceleration of a motion has a kink at its begin or end, the torque has a
+/// spike. The spike narrows with every shorter step, never converges, and hardly moves the link. The mean torque,
+/// which holds a weight, does not count.
 pub(super) fn torque_change(
     own: &[f64],
     finer: &[f64],

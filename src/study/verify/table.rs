@@ -16,7 +16,7 @@ use crate::result::{TipError, TorqueTable, for_hold};
 /// Share of the motion within which an arm that plays a table settles: a hundredth of the error that causes a warning.
 const SETTLED: f64 = 1e-5;
 
-/// Poses of an arm, spread over the window, that are looked at.
+/// Poses of an arm, spread over the window, that the search for a fall examines.
 const POSES: usize = 16;
 
 /// Damping ratio of the joints of a rigid arm under the feedback that holds it.
@@ -27,11 +27,11 @@ const DAMPING_RATIO: f64 = 0.7;
 pub struct TableError {
     /// Distance of the tip from the wanted motion; times are those of the solution.
     pub tip: TipError,
-    /// How far the last refinements of the simulations moved the tip in m: the error is known no better. 0 where modes are
-    /// played, whose equations are integrated exactly.
+    /// Distance in m that the last refinements of the simulations moved the tip, the uncertainty of the error. 0 for
+    /// modes, whose equations are integrated exactly.
     pub change_m: f64,
-    /// Gains in N m/rad and N m s/rad of a feedback around each joint as solved, with which an arm was played that falls from
-    /// a pose; empty where torques alone were played.
+    /// Gains in N m/rad and N m s/rad of a feedback around each joint as solved, for an arm that falls from a pose;
+    /// empty if torques alone act.
     pub feedback: Vec<[f64; 2]>,
 }
 
@@ -146,8 +146,8 @@ fn falls(solution: &Solution) -> bool {
         && (0..=POSES).any(|k| leaves(k * last / POSES))
 }
 
-/// Gains in N m/rad and N m s/rad, of two digits, that hold an arm in any pose: the stiffness of each joint exceeds what the weight of all links
-/// outward, stretched, takes away.
+/// Gains in N m/rad and N m s/rad, of two digits, that hold an arm in any pose. The stiffness of each joint exceeds
+/// the loss from the weight of all links outward, stretched.
 fn gains(arm: &Arm) -> Vec<[f64; 2]> {
     let [x, y] = arm.gravity_m_s2();
     let (gravity_m_s2, links) = ((x * x + y * y).sqrt(), arm.links());

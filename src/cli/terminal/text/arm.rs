@@ -9,7 +9,7 @@ use crate::text::{instant, plain, significant, visible};
 use super::layout::LABEL;
 use super::runs::{four, joint_lines, labelled, link_text, order_line, solution_errors};
 
-/// The summary of a solution; `written` says what was written where.
+/// The summary of a solution; `written` names its files.
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
     match &solution.motion {
         Motion::Tip(motion) => link_text((solution, motion), metrics, written),

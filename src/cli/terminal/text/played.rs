@@ -15,7 +15,7 @@ use super::arm::{gravity_line, size_line};
 use super::layout::LABEL;
 use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, turned};
 
-/// The summary of a simulation; `written` says where its files are.
+/// The summary of a simulation; `written` names its files.
 pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
     let lines = match run.arm.links() {
         [own] => link_lines(run, &own.link),
@@ -81,7 +81,7 @@ fn arm_lines(run: &PlayedRun<'_>) -> Vec<(String, String)> {
     lines.into_iter().chain(joints).chain(end).collect()
 }
 
-/// What is played in place of damping that has no equation in time.
+/// Viscous substitute for damping without an equation in time.
 fn arm_damping_line(arm: &Arm) -> String {
     if arm.links().iter().any(|own| is_hysteretic(&own.link)) {
         "hysteretic, played as viscous in every mode of a link clamped at its joint".to_owned()
@@ -130,8 +130,8 @@ fn measured_text(comparison: &Comparison) -> String {
     std::iter::once(head).chain([row(labels)]).chain(rows).collect::<Vec<_>>().join("\n")
 }
 
-/// Share of the recording about its mean, of the longest delay, or of the largest torque, below which no number is
-/// printed.
+/// Share of the recording about its mean, of the longest delay, or of the largest torque, below which the text omits
+/// a number.
 const NOTHING: f64 = 1e-6;
 
 fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
@@ -169,7 +169,7 @@ fn row([name, rms, share, delay, gain, left]: [String; 6]) -> String {
     format!("{name:<15}{rms:>16}{share:>10}{delay:>14}{gain:>10}{left:>11}")
 }
 
-/// The law, and what is played in its place where it has no equation in time.
+/// The damping law, and its substitute if it has no equation in time.
 fn played_damping(link: &Link, played: &Played, play: &Play<'_>) -> String {
     let modes = match play.input {
         Input::Torques(_) => "mode",
@@ -190,7 +190,7 @@ fn played_torque(play: &Play<'_>, metrics: &PlayedMetrics) -> String {
     format!("{times}, {between}; peak {peak} N m")
 }
 
-/// How a torque is played between its samples.
+/// Course of a torque between its samples.
 fn between(interpolation: Interpolation) -> &'static str {
     match interpolation {
         Interpolation::Cubic => "cubic spline",
@@ -199,13 +199,13 @@ fn between(interpolation: Interpolation) -> &'static str {
     }
 }
 
-/// Times of the samples that are played.
+/// Times of the played samples.
 fn times(grid: &TimeGrid) -> String {
     let [start, end] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
     format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
 }
 
-/// The hub's motion, where that is played.
+/// The hub's motion, if it is the input.
 fn played_hub(play: &Play<'_>) -> String {
     match play.input {
         Input::Torques(_) => String::new(),
@@ -219,12 +219,12 @@ fn feedback_line(play: &Play<'_>) -> String {
     format!("{kp} N m/rad, {kd} N m s/rad around the reference")
 }
 
-/// What holds a link with weight before it moves.
+/// Gravity, and the torque that holds a link with weight before it moves.
 fn weight_line(link: &Link, played: &Played) -> String {
     let acting = link.gravity().filter(|own| own.acts());
     let (Some(gravity), hub) = (acting, played.hub()) else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
-    // A link that hangs straight is held by round-off.
+    // Only round-off holds a link that hangs straight.
     let holding_n_m = hub.holding_n_m.unwrap_or_default();
     let is_held = holding_n_m.abs() > NOTHING * largest(&hub.torque_n_m);
     let holding_n_m = if is_held { holding_n_m } else { 0.0 };
@@ -232,7 +232,7 @@ fn weight_line(link: &Link, played: &Played) -> String {
     format!("{along_x}, {along_y} m/s²; at first {held} N m hold the hub at {angle} rad")
 }
 
-/// By what the link was played.
+/// Input of the simulation: its label and its text.
 fn played_by(played: &Played, play: &Play<'_>) -> (&'static str, String) {
     match &played.by {
         PlayedBy::Modes(modes) => ("modes", modes_line(modes, play)),
@@ -268,7 +268,7 @@ fn tip_line(metrics: &PlayedMetrics, is_cycle: bool) -> String {
     }
 }
 
-/// The vibration after the torque. A share of a travel that the tip had hardly begun says nothing.
+/// The vibration after the torque. For a tip that has hardly moved, its share of the travel is meaningless.
 fn residual_line(played: &Played) -> String {
     let Some(residual) = played.modes().and_then(|modes| modes.residual) else {
         return String::new();
@@ -281,7 +281,7 @@ fn residual_line(played: &Played) -> String {
     vibration + &share.unwrap_or_default() + &frequency.unwrap_or_default()
 }
 
-/// How long that takes to die down; empty where nothing vibrates.
+/// Time until the vibration dies down; empty without vibration.
 fn decay_line(played: &Played, play: &Play<'_>) -> String {
     let input = match play.input {
         Input::Torques(_) => "torque",
@@ -318,7 +318,7 @@ fn simulation_errors(error: Option<&PlayError>, played: &Played, play: &Play<'_>
     measured.unwrap_or_else(|| unknown.to_owned())
 }
 
-/// What the linear model leaves out.
+/// Error of the linear model.
 fn model_line(played: &Played) -> String {
     let Some(ModalPlay { model_error, .. }) = played.modes() else { return String::new() };
     let PlayedModelError { tip, deflection } = model_error;

@@ -1,4 +1,4 @@
-//! The summary that `solve` prints of a link, and the lines of it that arms and `simulate` have, too.
+//! The summary of a link by `solve`, and its lines for arms and `simulate`.
 
 use std::f64::consts::TAU;
 use std::fmt::{Display, Write as _};
@@ -26,7 +26,7 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// The summary of a link's solution; `written` says what was written where.
+/// The summary of a link's solution; `written` names its files.
 pub(super) fn link_text(
     (solution, motion): (&Solution, &TipMotion),
     metrics: &Metrics,
@@ -120,8 +120,8 @@ fn gravity_line(solution: &Solution) -> String {
     format!("{along_x}, {along_y} m/s²; the link moves from {start} to {last} rad")
 }
 
-/// The order of the second-order terms and the largest slope of each link; then the largest change of a torque, over its peak or range,
-/// and the number of iterations with their contraction.
+/// Terms of second order and their effect: order of the terms, largest slope of each link, largest change of a
+/// torque, over its peak or range, number of iterations and their contraction.
 pub(super) fn order_line(solution: &Solution) -> String {
     let Some(found) = &solution.second_order else { return String::new() };
     let Iteration { iterations, contraction, second_order_change: change, .. } = found.iteration;
@@ -144,7 +144,7 @@ pub(super) fn order_line(solution: &Solution) -> String {
     wrapped(parts.into_iter(), "")
 }
 
-/// The first natural frequencies with a free hub, and the zeros of torque → tip, as many as fit on a line.
+/// The first natural frequencies with a free hub, and the zeros of torque → tip, up to the end of the line.
 fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
     let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
     let zeros: Vec<String> =
@@ -197,7 +197,7 @@ fn motion_line((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -
     with_peaks(&format!("{travel} in {duration} s at {step} s"), solution, metrics)
 }
 
-/// A cycle: how far it leads, or turns, in what time.
+/// A cycle: its travel or its largest displacement, and its period.
 fn cycle_line(motion: &TipMotion, farthest_m: f64) -> String {
     let (grid, travel_m) = (motion.grid(), motion.travel_m());
     let [farthest, travel, period] = four([farthest_m, travel_m, grid.len as f64 * grid.step_s]);
@@ -250,7 +250,7 @@ pub(super) fn timing_text(metrics: &JointMetrics) -> String {
     times_s.map_or("one cycle, which the torque repeats".to_owned(), timing_line)
 }
 
-/// Times at which the torque exceeds 2 % of its peak. A slow motion begins and ends with less.
+/// Times when the torque exceeds 2 % of its peak. A slow motion begins and ends with less.
 fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     let [start, end] = [lead_s, lag_s].map(|time_s| significant(time_s.abs(), 3));
     if lead_s >= 0.0 && lag_s >= 0.0 {
@@ -299,12 +299,12 @@ const INPUT: &str = "input";
 /// A kind of error that a cycle lacks, because it is not cut out of a longer one.
 const WINDOW: &str = "window";
 
-/// The errors of the tip, then the worst error of each kind, with its quantity where that is not the torque, and its joint
-/// of several.
+/// The errors of the tip, then the worst error of each kind, with its quantity unless it is the torque, and its joint
+/// if there are several.
 pub(super) fn solution_errors(solution: &Solution) -> String {
     let errors: Vec<_> = solution.joints.iter().map(|joint| joint.errors).collect();
     let is_cycle = solution.motion.ends() == Ends::Periodic;
-    // The tip of one link that is solved at all frequencies of its samples is exact.
+    // The tip of one link is exact if the solution uses all frequencies of its samples.
     let has_error = errors.len() > 1 || solution.band.cutoff_hz.is_some();
     let of = if solution.arm.has_weight() { "of the range" } else { "of the peak" };
     let kinds: [(&str, Kind); 6] = [

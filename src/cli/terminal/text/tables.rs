@@ -64,7 +64,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     title(arm.title()) + &lines.join("\n") + "\n"
 }
 
-/// A heading, then a row for each zero, and a line for each frequency at which no torque moves the tip.
+/// A heading, then a row for each zero, and a line for each blocked frequency: no torque moves the tip there.
 fn zero_rows(found: &LinkZeros) -> Vec<String> {
     let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
     let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
@@ -186,7 +186,7 @@ fn check_line(check: &Check) -> String {
     }
 }
 
-/// How a duration was found among those that were tried, with all limits that it is within.
+/// Result of the search for a duration, with the number of trials and the kept limits.
 pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
@@ -204,7 +204,7 @@ fn of_joint(joint: Option<usize>) -> String {
     joint.map_or(String::new(), |joint| format!("joint {} ", joint + 1))
 }
 
-/// Which limit a motion comes closest to, and by how much.
+/// The limit closest to its value, and the distance.
 pub(crate) fn binding_text(fit: &Fit) -> String {
     if fit.has_fewest_steps() {
         return "; no limit binds: the profile has no fewer steps".to_owned();

@@ -88,7 +88,7 @@ fn a_failing_writer_leaves_the_folder_as_it_was() {
             Err(io::Error::from_raw_os_error(28))
         })
         .unwrap_err();
-    // Number 28 means another thing on Windows.
+    // On Windows number 28 has another meaning.
     let words = io::Error::from_raw_os_error(28).to_string().replace(" (os error 28)", "");
     let expected = format!("{}: cannot write torque.csv: {words}", dir.display());
     assert_eq!(error.to_string(), expected);

@@ -20,15 +20,15 @@ const COMMAND: &str = "sweep";
 
 const VARY: &str = "inputs.vary";
 
-/// What a sweep was given: its files, what is varied, each as the program takes it, `payload.mass=0,0.05`,
-/// and the other arguments that shape the rows or the files of the cases, in order.
+/// Inputs of a sweep: its files, the varied values, each as the program takes it, `payload.mass=0,0.05`, and the
+/// other arguments that shape the rows or the files of the cases, in order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepInputs {
     /// The link file.
     pub link: Fingerprint,
     /// The trajectory file.
     pub motion: Fingerprint,
-    /// The torque that is played on every case, if one is.
+    /// The torque that the sweep plays on every case, if there is one.
     pub torque: Option<Fingerprint>,
     /// What is varied.
     pub vary: Vec<String>,
@@ -36,7 +36,7 @@ pub struct SweepInputs {
     pub arguments: Vec<String>,
 }
 
-/// A sweep, and which of its cases a file holds.
+/// A sweep, and the share of its cases in a file.
 ///
 /// The first line of a file with a part of the rows is `# flexlink ` and the record as JSON.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,19 +53,19 @@ struct Record {
     flexlink: String,
     command: String,
     title: String,
-    /// The link of the first case, or those of its arm.
+    /// The link of the first case, or the links of its arm.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     links: Vec<LinkRecord>,
     inputs: SweepInputs,
     shard: String,
     cases: usize,
-    /// The table beside which the record lies; not in the first line of a table.
+    /// The table beside the record; absent in the first line of a table.
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<Fingerprint>,
 }
 
 impl SweepIdentity {
-    /// A share of the sweep of a link with this title; `plan` is what the `vary` of its inputs describes.
+    /// A share of the sweep of a link with this title; `plan` follows from the `vary` of its inputs.
     pub fn new(title: &str, inputs: SweepInputs, plan: SweepPlan, shard: Shard) -> Self {
         let record = Record {
             format: FORMAT,
@@ -81,14 +81,14 @@ impl SweepIdentity {
         Self { record: Box::new(record), plan, shard }
     }
 
-    /// The same with the link of the first case, or those of its arm.
+    /// The identity with the link of the first case, or the links of its arm.
     #[must_use]
     pub fn with_links<'a>(mut self, links: impl Iterator<Item = &'a Link>) -> Self {
         self.record.links = links.map(LinkRecord::of_parts).collect();
         self
     }
 
-    /// The link of the first case, or those of its arm; none that are damaged.
+    /// The undamaged links of the first case.
     pub(in crate::files::store) fn links(&self) -> Vec<Link> {
         let link = |record: &LinkRecord| record.clone().link(&self.record.title, None).ok();
         self.record.links.iter().filter_map(link).collect()
@@ -99,7 +99,7 @@ impl SweepIdentity {
         &self.plan
     }
 
-    /// The cases whose rows the file holds when it is complete.
+    /// The share of cases in the complete file.
     pub fn shard(&self) -> Shard {
         self.shard
     }
@@ -171,7 +171,7 @@ impl SweepIdentity {
         Ok(Self { record: Box::new(record), plan, shard })
     }
 
-    /// Refuses another sweep than `own`, which `of` holds, or one of another version.
+    /// Refuses a sweep other than `own`, whose file is `of`, and another version.
     pub(super) fn check_same(&self, own: &Self, place: Place, of: &str) -> Result<(), TableError> {
         let pairs = self.keys().into_iter().zip(own.keys());
         let differ = |((key, found), (_, must)): &((&str, String), (&str, String))| {
@@ -199,7 +199,7 @@ impl SweepIdentity {
         ]
     }
 
-    /// The table beside which the record lies.
+    /// The table beside the record.
     pub(super) fn table(&self) -> Option<&Fingerprint> {
         self.record.table.as_ref()
     }

@@ -22,34 +22,34 @@ use crate::csv::{Place, TableError, checked_header, checked_rows, without_checks
 use identity::PREFIX;
 use record::part_of;
 
-/// The file of a sweep while its rows come: `sweep.csv.part` beside `sweep.csv`.
+/// The file of a growing sweep: `sweep.csv.part` beside `sweep.csv`.
 ///
-/// It holds whole rows at every moment, so that an interrupted sweep can go on; it takes its own
-/// name when the last row is there. Its first line is its [`SweepIdentity`], which shards keep.
+/// It holds whole rows at every moment, so that an interrupted sweep can go on. With the last row it takes its final
+/// name. Its first line is its [`SweepIdentity`], which shards keep.
 #[derive(Debug)]
 pub struct SweepFile {
     path: PathBuf,
     part: PathBuf,
-    // Locked until the end: no other run writes the part or the table.
+    // Locked until the end, so that no other run writes the part or the table.
     file: File,
     identity: SweepIdentity,
 }
 
-/// A sweep that goes on where an earlier run ended.
+/// A sweep that continues an earlier run.
 #[derive(Debug)]
 pub enum Resumed {
-    /// From the first row on: there is nothing to go on with.
+    /// Start at the first row, because there is nothing to continue.
     Anew(SweepFile),
-    /// With the file, and the rows that it holds.
+    /// Continuation of the file and its rows.
     At(SweepFile, SweepRows),
-    /// With nothing to do: the shard is complete.
+    /// Nothing to do: the shard is complete.
     Complete(SweepRows),
 }
 
-/// How many rows of an interrupted run were overwritten.
+/// Number of overwritten rows of an interrupted run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeftRows {
-    /// Rows of the same sweep: [`SweepFile::resume`] goes on with them.
+    /// Rows of the same sweep: [`SweepFile::resume`] continues them.
     Own(usize),
     /// Rows that [`SweepFile::resume`] refuses.
     Other(usize),
@@ -70,7 +70,7 @@ impl SweepFile {
         Ok((file.begun(header)?, left))
     }
 
-    /// Goes on with the rows that an interrupted run left, or begins if it left none.
+    /// Continues the rows of an interrupted run, or begins if there are none.
     ///
     /// # Errors
     /// The outer ones as [`SweepFile::begin`]; the inner ones for rows of another sweep.
@@ -95,14 +95,14 @@ impl SweepFile {
         let mut file = Self::open(path, identity)?;
         let bytes = file.read()?;
         if line_ends(&bytes) < 2 {
-            // No run has written the first two lines to their end.
+            // No run has finished the first two lines.
             return Ok(Ok(Resumed::Anew(file.begun(header)?)));
         }
         let there = match rows(&file.part, &bytes, &file.identity) {
             Ok(there) => there,
             Err(error) => return Ok(Err(error)),
         };
-        // Without a row that was cut off in writing.
+        // Drops a row that an interruption cut off.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         file.file.set_len(whole as u64).map_err(|cause| file.error(cause))?;
         Ok(Ok(Resumed::At(file, there)))
@@ -116,8 +116,8 @@ impl SweepFile {
         self.write(&checked_rows(rows))
     }
 
-    /// Writes the table under its own name, and its record beside it, then removes the part. The table of a
-    /// whole sweep has neither first line nor checks.
+    /// Writes the table under its name, and its record beside it, then removes the part. The table of a whole sweep
+    /// has neither first line nor checks.
     ///
     /// # Errors
     /// [`FolderError`] if it cannot be written.
@@ -133,13 +133,13 @@ impl SweepFile {
             table = without_checks(&String::from_utf8_lossy(&table[first..])).into_bytes();
         }
         write_sweep(&self.path, named_by, &table, &self.identity, durability, on_wait)?;
-        // The lock is held until the part is gone, so that no other run goes on with it.
+        // The lock lasts until the part is gone, so that no other run continues it.
         fs::remove_file(&self.part).map_err(|cause| self.error(cause))
     }
 
-    /// Removes the file of a sweep that was refused before its first row.
+    /// Removes the file of a sweep that ended before its first row.
     pub fn discard(self) {
-        // A file that cannot be removed holds no row: the next run writes over it.
+        // An undeletable file holds no row: the next run writes over it.
         let _ = fs::remove_file(&self.part);
     }
 
@@ -155,10 +155,10 @@ impl SweepFile {
         if table.is_dir() || table.file_name().is_none() {
             return Err(FolderError::of_file(table, io::Error::other(TAKEN)));
         }
-        // Links in a circle take no table: that is to be told before the first case.
+        // Links in a circle take no table; the sweep reports them before the first case.
         followed(table).map_err(|cause| FolderError::of_file(table, cause))?;
         let refused = |cause| FolderError::of_file(&part, cause);
-        // Who may write beside the table must not have another file cut off by this.
+        // A link beside the table must not let this run cut off another file.
         if part.is_symlink() {
             return Err(refused(io::Error::other("it is a symbolic link")));
         }
@@ -193,7 +193,7 @@ impl SweepFile {
     }
 }
 
-/// Whole rows that an interrupted run left, if there are any.
+/// Whole rows of an interrupted run, if there are any.
 fn left(bytes: &[u8], own: &SweepIdentity, header: &str) -> Option<LeftRows> {
     let rows = line_ends(bytes).saturating_sub(2);
     if rows == 0 || !bytes.starts_with(PREFIX.as_bytes()) {
@@ -300,7 +300,7 @@ mod tests {
         let (error, hint) = refusal(&path, identity("1,2", "1/1"));
         assert!(error.contains("sweep.csv.part:1: inputs.vary = \"x=1,2,3\""), "{error}");
         assert_eq!(hint, "remove the file, or leave --resume out to begin anew");
-        // Killed before the first line was written to its end.
+        // Killed during the first line.
         fs::write(part_of(&path), "# flexl").unwrap();
         let (_, rows) = resumed(&path, identity("1,2", "1/1"));
         assert_eq!(rows, 0);

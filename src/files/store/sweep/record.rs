@@ -16,30 +16,29 @@ use crate::result::StoredSweep;
 use crate::spec::unit_of_key;
 use crate::sweep::SweepKind;
 
-/// The first column after those of the values varied: of a link, and of an arm.
+/// The first column after the varied values: of a link, and of an arm.
 const FIRST: &str = "period_1_s";
 const FIRST_OF_ARM: &str = "zero_1_per_s";
 
-/// Hint for a file that is no table of a sweep.
+/// Hint for a file other than the table of a sweep.
 const THE_FOLDER: &str = "of a run of solve or simulate, give the folder";
 
-/// Bytes of the longest row of names that is read.
+/// Bytes of the longest readable row of names.
 const LONGEST_HEADER: u64 = 1 << 20;
 
-/// Where the record of a table lies.
+/// Path of the record of a table.
 pub(super) fn record_of(table: &Path) -> PathBuf {
     record_beside(table, "csv")
 }
 
-/// Path of the file that holds the rows of a table until they are complete.
+/// Path of the file with the rows of an incomplete table.
 pub(super) fn part_of(table: &Path) -> PathBuf {
     let mut name = table.as_os_str().to_owned();
     name.push(".part");
     name.into()
 }
 
-/// The files that a sweep writes for a table: itself, its record, and the rows until they are
-/// complete.
+/// The files of a sweep for a table: the table, its record, and the rows until they are complete.
 pub fn sweep_files(table: &Path) -> [PathBuf; 3] {
     [table.to_owned(), record_of(table), part_of(table)]
 }
@@ -49,12 +48,12 @@ pub fn sweep_files(table: &Path) -> [PathBuf; 3] {
 pub struct ForeignRecord {
     /// Where it lies.
     pub path: PathBuf,
-    /// What it is, for messages.
+    /// Kind of the file, for messages.
     pub what: String,
 }
 
 impl ForeignRecord {
-    /// The file in the place of the record of `table`, if it is not an earlier one of the same table.
+    /// The file in the place of the record of `table`, unless it is an earlier record of the same table.
     pub fn beside(table: &Path) -> Option<Self> {
         let path = record_of(table);
         path.symlink_metadata().ok()?;
@@ -65,17 +64,16 @@ impl ForeignRecord {
         let record = SweepIdentity::read(&file.bytes, place).ok()?;
         let own = &record.table()?.name;
         let other = table.with_file_name(own);
-        // A table that was renamed with its record is no other one.
+        // A table that was renamed with its record remains the same.
         let is_other = other.file_name() != table.file_name() && record_of(&other) == path;
         (is_other && other.exists()).then(|| Self { path, what: format!("the record of {own}") })
     }
 }
 
-/// Writes the table of a sweep, and its record beside it; a device or a pipe has none.
+/// Writes the table of a sweep, and its record beside it, except beside a device or a pipe.
 ///
 /// # Errors
-/// [`FolderError`] if one of them cannot be written. Neither is if another file has the place of the
-/// record.
+/// [`FolderError`] if one of them cannot be written. If another file has the place of the record, writes neither.
 pub fn write_sweep(
     path: &Path,
     named_by: NamedBy,
@@ -104,7 +102,7 @@ fn record_file(path: &Path) -> Option<InputFile> {
     file.filter(|file| is_record(&file.bytes))
 }
 
-/// The record beside a table that was read; none where there is none.
+/// The record beside a table; `None` without a record.
 ///
 /// # Errors
 /// [`TableError`] for a record that is damaged, of another version's format, or of another table.
@@ -129,7 +127,7 @@ pub(super) fn read_record(
 /// Reads the table of a sweep at `path`, and the record beside it.
 ///
 /// # Errors
-/// [`TableError`] names what is missing in the table, damaged, or not that of its record.
+/// [`TableError`] names the missing or damaged part of the table, or its difference from the record.
 pub(in crate::files::store) fn read_sweep(path: &Path) -> Result<StoredSweep, TableError> {
     let file = &InputFile::read(path).map_err(|error| unreadable(&error))?;
     let table = read_table(&file.shown, &file.bytes);
@@ -153,7 +151,7 @@ pub(in crate::files::store) fn read_sweep(path: &Path) -> Result<StoredSweep, Ta
     Ok(StoredSweep { name: file.name.clone(), origin, links, units, table })
 }
 
-/// Number of the columns of values varied.
+/// Number of the columns of varied values.
 fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     let place_of = |first: &str| names.iter().position(|name| *name == first);
     let varied = place_of(FIRST).or_else(|| place_of(FIRST_OF_ARM)).unwrap_or(0);
@@ -172,7 +170,7 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     if known.iter().any(|known| known == found) {
         return Ok(varied);
     }
-    // Of the kinds of sweep the one that shares more names is meant.
+    // The error names the kind of sweep that shares more names.
     let is_known = |known: &[String], name: &str| known.iter().any(|own| own == name);
     let shared = |known: &&Vec<String>| found.iter().filter(|name| is_known(known, name)).count();
     let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);
@@ -188,7 +186,7 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     }
 }
 
-/// How many joints these columns are of.
+/// Number of joints with these columns.
 fn joints_of(names: &[&str]) -> usize {
     let joints = (1..).take_while(|joint| {
         let first = format!("peak_torque{joint}_n_m");
@@ -201,7 +199,7 @@ fn quoted_all<S: Borrow<str>>(names: &[S]) -> String {
     format!("\"{}\"", names.join(","))
 }
 
-/// Refuses a field behind the values varied that is neither empty nor a finite number.
+/// Refuses a field behind the varied values that is neither empty nor a finite number.
 fn check_cells(table: &Table, varied: usize, place: Place) -> Result<(), TableError> {
     for column in &table.columns[varied..table.columns.len() - 2] {
         for (row, line) in table.lines.iter().enumerate() {

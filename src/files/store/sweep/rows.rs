@@ -11,8 +11,7 @@ use crate::csv::{CHECK, InputFile, Place, TableError, check_content, quoted, utf
 /// Hint for a row that does not fit its case.
 const NOT_AS_WRITTEN: &str = "a row was removed, doubled, moved or changed since it was written";
 
-/// The rows of a shard, or of a sweep that was interrupted, as read from its file: each is that of
-/// its own case.
+/// The rows of a shard, or of an interrupted sweep, from its file. Each row matches its case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepRows {
     /// The file, as the user named it.
@@ -20,7 +19,7 @@ pub struct SweepRows {
     identity: SweepIdentity,
     /// The row that names the columns, without its line end.
     header: String,
-    /// The other rows, likewise; one that was cut off in writing is left out.
+    /// The other rows, likewise, without a row that an interruption cut off.
     rows: Vec<String>,
 }
 
@@ -31,12 +30,12 @@ pub struct SweptCase {
     pub number: usize,
     /// The kinds of its warnings.
     pub warnings: Vec<String>,
-    /// Why it has no numbers, if it has none.
+    /// Error of a case without numbers.
     pub error: Option<String>,
 }
 
 impl SweepRows {
-    /// Reads a shard. One that was copied without the record beside it is taken as it is.
+    /// Reads a shard. A copy without its record is accepted.
     ///
     /// # Errors
     /// [`TableError`] as [`SweepRows::read`], and for a shard that has changed since its record was written.
@@ -50,11 +49,11 @@ impl SweepRows {
     /// Reads the file of this name.
     ///
     /// # Errors
-    /// [`TableError`] for a file that no sweep has written, one with more rows than it may have, or
-    /// a row that is not that of its case.
+    /// [`TableError`] for a file that no sweep has written, one with too many rows, or a row that does not match its
+    /// case.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Self, TableError> {
         let place = |line| Place { file: name, line: Some(line) };
-        // The last line may have been cut off in writing, even within a letter.
+        // An interruption may have cut off the last line, even within a letter.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let text = utf8(name, &bytes[..whole])?;
         let mut lines = text.lines();
@@ -92,18 +91,17 @@ impl SweepRows {
         })
     }
 
-    /// The sweep whose rows they are.
+    /// The sweep of the rows.
     pub fn identity(&self) -> &SweepIdentity {
         &self.identity
     }
 
-    /// How many rows are there.
+    /// Number of rows.
     pub(super) fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Refuses rows of another sweep than `own`, or with other columns than those of `header`; `of` tells
-    /// whose these are.
+    /// Refuses rows of another sweep than `own`, or with other columns than `header`; `of` names the source of both.
     pub(super) fn check_same(
         &self,
         own: &SweepIdentity,
@@ -128,8 +126,7 @@ impl SweepRows {
 /// Joins the shards of a sweep to its table: every row of every shard, in the order of the cases.
 ///
 /// # Errors
-/// [`TableError`] names a shard that is of another sweep, that is there twice, that is not finished,
-/// or those that are missing.
+/// [`TableError`] names a shard of another sweep, a duplicate or unfinished shard, or the missing ones.
 pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
     let Some(first) = shards.first() else {
         let place = Place { file: "shards", line: None };
@@ -163,7 +160,7 @@ pub fn merge_shards(shards: &[SweepRows]) -> Result<String, TableError> {
     Ok(lines.flat_map(|line| [line, "\n"]).collect())
 }
 
-/// Refuses a shard of another sweep than that of the `first`, and one that is not finished.
+/// Refuses a shard of another sweep than the `first` one, and an unfinished shard.
 fn check_shard(shard: &SweepRows, first: &SweepRows) -> Result<(), TableError> {
     shard.check_same(&first.identity, &first.header, &format!("in {}", first.name))?;
     let (own, of) = (shard.identity.shard(), first.identity.shard().of());
@@ -204,7 +201,7 @@ mod tests {
         identity.line() + &checked_header(HEADER) + &checked_rows(rows)
     }
 
-    /// Why the second shard of three of ten cases, 2, 5, 8, is refused with these rows.
+    /// Error of the second shard of three of ten cases, 2, 5, 8, with these rows.
     fn row_refusal(rows: &str) -> (String, Option<String>) {
         let error = SweepRows::read("s", file("2/3", 10, rows).as_bytes()).unwrap_err();
         (error.to_string(), error.hint().map(str::to_owned))

@@ -1,4 +1,4 @@
-//! The table of a sweep: a row for every case, as it is written and as it is checked when it is read.
+//! The table of a sweep: writes and checks a row for every case.
 
 use csv::ReaderBuilder;
 
@@ -7,14 +7,13 @@ use crate::csv::{NumberFormat, Place, TableError, quoted};
 use crate::numeric::rounded;
 use crate::sweep::{CaseNumbers, CaseValues, SweepKind, SweepPlan, Variation};
 
-/// Significant digits of a number in the table. Rows are written as they come, before the peak of
-/// their column is known.
+/// Significant digits of a number in the table. Rows are written at once, before the peak of their column is known.
 const DIGITS: usize = 12;
 
 /// The column of the kinds of a case's warnings, with `;` between them.
 pub(super) const WARNINGS: &str = "warnings";
 
-/// The last column: why a case has no numbers.
+/// The last column: the error of a case without numbers.
 pub(super) const ERROR: &str = "error";
 
 /// The row that names the columns, with its line end.
@@ -23,8 +22,7 @@ pub fn sweep_header(plan: &SweepPlan, kind: SweepKind) -> String {
     line(varied.chain(kind.names()).chain([WARNINGS, ERROR].map(str::to_owned)))
 }
 
-/// The row of a case, with its line end: its values, its numbers or why it has none, and the kinds of
-/// its warnings.
+/// The row of a case, with its line end: its values, its numbers or its error, and the kinds of its warnings.
 pub fn sweep_row(
     case: &CaseValues,
     outcome: &Result<CaseNumbers, String>,
@@ -63,7 +61,7 @@ fn field(text: &str) -> String {
     if plain { text } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
 
-/// Refuses a row of names that is not that of the sweep.
+/// Refuses a row of names unless it is the sweep's.
 pub(super) fn check_names(
     identity: &SweepIdentity,
     names: &[String],
@@ -83,8 +81,7 @@ pub(super) fn check_names(
     Err(place.refuse("columns", quoted(&names.join(",")), must))
 }
 
-/// Refuses row `k` where it is not that of its case: its values those of the case, then numbers, or
-/// none where it failed.
+/// Refuses row `k` unless it matches its case: the values of the case, then numbers, or empty fields after a failure.
 pub(super) fn check_row(
     identity: &SweepIdentity,
     names: &[String],
@@ -117,7 +114,7 @@ pub(super) fn check_row(
     Ok(())
 }
 
-/// The fields of one row; none if it is no CSV.
+/// The fields of one row; empty if the row is not CSV.
 pub(super) fn fields(row: &str) -> Vec<String> {
     let mut reader = ReaderBuilder::new().has_headers(false).from_reader(row.as_bytes());
     let record = reader.records().next().and_then(Result::ok);
