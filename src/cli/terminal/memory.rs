@@ -21,7 +21,7 @@ const ARENA_SHARE: usize = 512 << 20;
 /// Ratio of the share to an allocation above which it is not checked, because the check takes as long as a small run.
 const SMALL: usize = 16;
 
-/// Available memory in bytes without [`OWN_BYTES`]; `None` if the system does not state it.
+/// Free memory in bytes, less the memory of the program itself. `None` if the system does not state it.
 pub fn available() -> Option<usize> {
     available_memory().map(|bytes| size(bytes).saturating_sub(OWN_BYTES))
 }
