@@ -218,8 +218,7 @@ impl Shared {
         let source = self.source.changed(case.link.clone());
         let run = SolvedRun::of(problem, &resources, (source, arguments))?;
         let Solved { solution, metrics, exceeded, .. } = &run.solved;
-        let first_rad_s = solution.natural_frequencies_rad_s(1).first().copied();
-        let numbers = self.kind.solved(&SolvedCase { solution, metrics, first_rad_s });
+        let numbers = self.kind.solved(&SolvedCase::of(solution, metrics));
         let own = solution.warnings.iter().map(Notice::from);
         let notices = own.chain(exceeded.iter().map(of_limit)).collect();
         if let Some(folder) = folder {

@@ -92,8 +92,7 @@ impl Cases<'_> {
         let solved = problem.solved_within(&resources)?;
         let (of_file, dropped) = (&problem.specification.remarks, problem.dropped());
         let Solved { solution, metrics, exceeded, .. } = &solved;
-        let first_rad_s = solution.natural_frequencies_rad_s(1);
-        let found = SolvedCase { solution, metrics, first_rad_s: first_rad_s.first().copied() };
+        let found = SolvedCase::of(solution, metrics);
         let numbers = self.kind.solved(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
@@ -111,7 +110,7 @@ impl Cases<'_> {
         // The tally alone does not need a link's modes above the first.
         let remarks = match &solution.motion {
             Motion::Tip(motion) => {
-                let of_link = remarks_on_link((solution, motion), &first_rad_s);
+                let of_link = remarks_on_link((solution, motion), found.first_rad_s.as_slice());
                 let of_timing = Remark::on_timing(solution);
                 of_file.iter().cloned().chain(of_link).chain(of_timing).collect()
             }

@@ -23,14 +23,6 @@ impl Motion {
         }
     }
 
-    /// The path of an arm. `None` for one link.
-    pub fn path(&self) -> Option<&ArmPath> {
-        match self {
-            Self::Tip(_) => None,
-            Self::Path(path) => Some(path),
-        }
-    }
-
     /// Its ends. A path begins and ends at rest.
     pub fn ends(&self) -> Ends {
         self.tip().map_or(Ends::AtRest, TipMotion::ends)

@@ -15,8 +15,17 @@ pub struct SolvedCase<'a> {
     pub solution: &'a Solution,
     /// Metrics of the solution.
     pub metrics: &'a Metrics,
-    /// First natural frequency in rad/s; `None` if nothing vibrates.
+    /// First natural frequency of one link in rad/s; `None` if nothing vibrates, and for an arm, which has no column for
+    /// it.
     pub first_rad_s: Option<f64>,
+}
+
+impl<'a> SolvedCase<'a> {
+    /// A case with its solution.
+    pub fn of(solution: &'a Solution, metrics: &'a Metrics) -> Self {
+        let link = solution.motion.tip().map(|_| solution.natural_frequencies_rad_s(1));
+        Self { solution, metrics, first_rad_s: link.and_then(|own| own.first().copied()) }
+    }
 }
 
 /// A case with a played torque.

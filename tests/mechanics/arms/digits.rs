@@ -13,7 +13,7 @@ use flexlink::beam::ElementCount;
 use flexlink::csv::{TableFormat, read_path_table};
 use flexlink::inverse::{Analysis, JointMotion, PerQuantity, QuantityErrors, Solution};
 use flexlink::link::{Arm, Damping, Hub, LinkParts, Payload, Segment};
-use flexlink::motion::ArmPath;
+use flexlink::motion::{ArmPath, Motion};
 use flexlink::result::{JointMetrics, Metrics, Remark};
 
 use super::inversion::{arm, largest, solved};
@@ -207,7 +207,8 @@ fn the_start_and_the_end_of_an_arms_torques_have_their_errors() {
         let metrics = Metrics::of(&found);
         let remarks = Remark::on_timing(&found);
         // Rounded samples leave their rest later than exact ones.
-        let (first, last) = found.motion.path().unwrap().moving_samples();
+        let Motion::Path(path) = &found.motion else { panic!("a path") };
+        let (first, last) = path.moving_samples();
         let [from_s, until_s] = [first, last].map(|sample| found.motion.grid().time_s(sample));
         let times_s = metrics
             .joints
