@@ -8,6 +8,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use flexlink::result::QUANTITIES;
 use flexlink::spec::read_specification;
 use trycmd::schema::Bin;
 use walkdir::WalkDir;
@@ -72,6 +73,18 @@ fn commands_of_readme_book_help_texts_and_refusals_print_what_is_shown() {
     run(&["README.md", "docs/*.md"]);
     // Windows removes no folder that a process is in.
     env::set_current_dir(repository("")).unwrap();
+}
+
+#[test]
+fn the_book_lists_every_number_of_a_joint() {
+    let rows = QUANTITIES.iter().map(|quantity| {
+        let key = quantity.limit_key().map(|key| format!("`{key}`")).unwrap_or_default();
+        format!("| `{}` | {key} | {} |\n", quantity.column(None), quantity.what)
+    });
+    let table =
+        format!("| number | limit | meaning |\n|---|---|---|\n{}", rows.collect::<String>());
+    let page = fs::read_to_string(repository("docs/files.md")).unwrap();
+    assert!(page.contains(&table), "docs/files.md lacks this table:\n{table}");
 }
 
 #[test]

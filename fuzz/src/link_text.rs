@@ -1,6 +1,7 @@
 use std::fmt::Write as _;
 
 use flexlink::link::{Damping, Link, Segment, Taper};
+use flexlink::result::{JointQuantity, QUANTITIES};
 use flexlink::spec::Specification;
 
 /// A link file in SI that says all that a specification holds, but for its mesh.
@@ -25,19 +26,8 @@ pub fn link_text(specification: &Specification) -> String {
         ];
         table("drive", &entries.map(|(key, value)| (key, Some(value))));
     }
-    let limits = [
-        ("torque", limits.torque_n_m),
-        ("rms_torque", limits.rms_torque_n_m),
-        ("hub_rate", limits.hub_rate_rad_s),
-        ("power", limits.power_w),
-        ("deflection", limits.deflection_m),
-        ("bending_moment", limits.bending_moment_n_m),
-        ("motor_torque", limits.motor_torque_n_m),
-        ("motor_rms_torque", limits.motor_rms_torque_n_m),
-        ("motor_rate", limits.motor_rate_rad_s),
-        ("motor_power", limits.motor_power_w),
-    ];
-    table("limits", &limits);
+    let keys = QUANTITIES.iter().filter_map(JointQuantity::limit_key);
+    table("limits", &keys.map(|key| (key, limits.of(key))).collect::<Vec<_>>());
     let times = [
         ("tolerance", Some(analysis.tolerance())),
         ("lead", analysis.lead_s()),

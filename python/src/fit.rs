@@ -8,7 +8,6 @@ use flexlink::cli::fit::{Problem, Unfitted, check_output};
 use flexlink::cli::options::common::option;
 use flexlink::cli::terminal::{Failure, console};
 use flexlink::fit::{FitOutcome, Replaced};
-use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
 use crate::arm::Arm;
@@ -42,7 +41,7 @@ pub(crate) fn fit(
         Err(_) => &described_by::<Link>(link)?.get().source,
     };
     let fit = until_pressed(py, || fitted(source, &measured, &free))?;
-    warn(py, &fit.warnings())?;
+    warn(py, &fit.outcome.warnings())?;
     Ok(fit)
 }
 
@@ -81,7 +80,7 @@ impl Fit {
     /// What the user must know: warnings that were given to Python's filters, too.
     #[getter(warnings)]
     fn warning_objects<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.warnings())
+        objects(py, &self.outcome.warnings())
     }
 
     /// The text of the link file with the fitted values, comments and all else kept.
@@ -103,11 +102,6 @@ impl Fit {
 }
 
 impl Fit {
-    fn warnings(&self) -> Vec<Notice> {
-        let warnings = self.outcome.warnings().into_iter();
-        warnings.map(Notice::from).collect()
-    }
-
     fn write_to(&self, path: &Path) -> Result<(), Failure> {
         if let Some(misfit) = &self.outcome.misfit {
             return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));

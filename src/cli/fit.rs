@@ -384,8 +384,7 @@ fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<()
     for undetermined in &outcome.undetermined {
         console::plain(&undetermined.to_string());
     }
-    let warnings = outcome.warnings();
-    console::warnings(&warnings);
+    console::warnings(outcome.warnings());
     if outcome.is_from_other_start {
         console::note("a better fit was found from another start than the file's own values");
     }

@@ -208,9 +208,9 @@ mod tests {
         };
         let read = read_specification("link.toml", &uncommented(LINK), &[]).expect("a link file");
         assert_eq!(read.link.masses().len(), 1);
-        assert!(read.link.drive().is_some() && read.limits.torque_n_m.is_some());
+        assert!(read.link.drive().is_some() && read.limits.of("torque").is_some());
         let arm = LinkDocument::read("arm.toml", &uncommented(ARM)).expect("TOML");
         let Ok(Described::Arm(arm)) = arm.described("arm.toml", &[]) else { panic!("no arm") };
-        assert!(arm.limits.iter().all(|limits| limits.torque_n_m.is_some()));
+        assert!(arm.limits.iter().all(|limits| limits.of("torque").is_some()));
     }
 }

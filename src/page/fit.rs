@@ -62,8 +62,7 @@ pub fn fit_page(report: &FitReport) -> String {
 /// Reason why no link file is written, and all warnings.
 fn warnings(outcome: &FitOutcome) -> Option<Markup> {
     let misfit = outcome.misfit.as_ref().map(|misfit| (misfit.to_string(), misfit.hint()));
-    let others = outcome.warnings();
-    let others = others.iter().map(|other| (other.to_string(), other.hint().to_owned()));
+    let others = outcome.warnings().into_iter().map(|other| (other.message, other.hint));
     let all = misfit.into_iter().chain(others);
     let all: Vec<_> = all.map(|(message, hint)| (sentence(&message), hint)).collect();
     advice(&all, true)

@@ -11,7 +11,7 @@ use super::view::{COLOURS, View, peak_words};
 use super::words::{cited, formula};
 use crate::elastica::SecondOrder;
 use crate::numeric::largest;
-use crate::result::{Limits, StoredJoint, StoredNodes};
+use crate::result::{StoredJoint, StoredNodes};
 use crate::text::significant;
 
 /// A quantity of a joint of the flexible and of the rigid arm.
@@ -46,7 +46,7 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
     }
     let line = (joint, flexible(view, "torque"));
     let mut curves = of_joint(view, line, |j| (&j.torque_n_m, j.rigid_torque_n_m.as_ref()));
-    caption.push_str(&Curve::add_limit(&mut curves, own.limits.torque_n_m, ("", "N m"), 1));
+    caption.push_str(&Curve::add_limit(&mut curves, own.limits.of("torque"), ("", "N m"), 1));
     let id = view.id("torque", joint);
     let title = format!("Torque {} {}", view.pick("at", "of"), view.joint_words(joint));
     let figure = view.figure(id, &title, caption, ("torque", "N m"), curves);
@@ -136,7 +136,7 @@ pub(super) struct Limited {
     /// Title without the name of hub, joint or motor.
     title: &'static str,
     quantity: (&'static str, &'static str),
-    limit: fn(&Limits) -> Option<f64>,
+    limit: &'static str,
     of: fn(&StoredJoint) -> Option<Cow<[f64]>>,
     formula: &'static str,
 }
@@ -150,7 +150,7 @@ pub(super) const MOTOR_TORQUE: Limited = Limited {
     reading: "peak_motor_torque_n_m",
     title: "Torque of the motor of",
     quantity: ("torque", "N m"),
-    limit: |limits| limits.motor_torque_n_m,
+    limit: "motor_torque",
     of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.torque_n_m)),
     formula: formula::MOTOR,
 };
@@ -162,7 +162,7 @@ pub(super) const LIMITED: [Limited; 4] = [
         reading: "peak_hub_rate_rad_s",
         title: "Rate of",
         quantity: ("rate", "rad/s"),
-        limit: |limits| limits.hub_rate_rad_s,
+        limit: "hub_rate",
         of: |joint| Some(Cow::Borrowed(&joint.rate_rad_s)),
         formula: formula::RATE,
     },
@@ -171,7 +171,7 @@ pub(super) const LIMITED: [Limited; 4] = [
         reading: "peak_power_w",
         title: "Power at",
         quantity: ("power", "W"),
-        limit: |limits| limits.power_w,
+        limit: "power",
         of: |joint| Some(power_w(&joint.torque_n_m, &joint.rate_rad_s)),
         formula: formula::POWER,
     },
@@ -180,7 +180,7 @@ pub(super) const LIMITED: [Limited; 4] = [
         reading: "peak_motor_rate_rad_s",
         title: "Rate of the motor of",
         quantity: ("rate", "rad/s"),
-        limit: |limits| limits.motor_rate_rad_s,
+        limit: "motor_rate",
         of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.rate_rad_s)),
         formula: formula::MOTOR_RATE,
     },
@@ -189,7 +189,7 @@ pub(super) const LIMITED: [Limited; 4] = [
         reading: "peak_motor_power_w",
         title: "Power of the motor of",
         quantity: ("power", "W"),
-        limit: |limits| limits.motor_power_w,
+        limit: "motor_power",
         of: |joint| joint.motor.as_ref().map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
         formula: formula::MOTOR_POWER,
     },
@@ -214,7 +214,7 @@ impl Limited {
         let name = view.pick(of_link, "flexible arm");
         let caption = if is_of_motor { OF_MOTOR } else { AT_MOST };
         let curves = view.of_runs(name, |arm| Some((&arm.times_s, (self.of)(&arm.joints[joint])?)));
-        let lines = (curves, (self.limit)(&first.limits));
+        let lines = (curves, first.limits.of(self.limit));
         let title = format!("{} {}", self.title, view.joint_words(joint));
         let known = first.reading(self.reading);
         let figure =
@@ -243,12 +243,12 @@ fn figure(
 /// Figures of all quantities with a limit, except torques, of a joint, its motor and its link.
 pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> {
     let limits = &view.first().joints[joint].limits;
-    let has_limit = |topic: &&Limited| (topic.limit)(limits).is_some();
+    let has_limit = |topic: &&Limited| limits.of(topic.limit).is_some();
     let turning = LIMITED.iter().filter(has_limit);
     let turning = turning.filter_map(|topic| topic.figure(view, joint)).map(Ok);
-    let deflected = limits.deflection_m.map(|limit| deflection(view, joint, limit));
+    let deflected = limits.of("deflection").map(|limit| deflection(view, joint, limit));
     // The moments of all links of an arm are in one figure.
-    let limit = limits.bending_moment_n_m.filter(|_| !view.is_arm());
+    let limit = limits.of("bending_moment").filter(|_| !view.is_arm());
     let moment = limit.map(|limit| root_moment(view, limit));
     turning.chain(deflected).chain(moment).collect()
 }
@@ -321,7 +321,7 @@ pub(super) fn root_moments(view: &View) -> Result<Figure, String> {
     let mut caption =
         "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
     for (link, joint) in view.first().joints.iter().enumerate() {
-        let (whose, limit) = (format!("link {}:", link + 1), joint.limits.bending_moment_n_m);
+        let (whose, limit) = (format!("link {}:", link + 1), joint.limits.of("bending_moment"));
         let colour = 1 + link % COLOURS;
         caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
     }
@@ -334,6 +334,7 @@ mod tests {
     use super::*;
     use crate::page::Figures;
     use crate::page::tests::{run, solution};
+    use crate::result::Limits;
     use crate::result::{StoredMotor, StoredResult, StoredRun};
 
     /// A peak between samples exceeds all samples.
@@ -345,8 +346,7 @@ mod tests {
             rate_rad_s: run.joints[0].rate_rad_s.clone(),
         };
         run.joints[0].motor = Some(motor);
-        run.joints[0].limits.hub_rate_rad_s = Some(2.0);
-        run.joints[0].limits.deflection_m = Some(0.2);
+        run.joints[0].limits = Limits::new([("hub_rate", 2.0), ("deflection", 0.2)]).unwrap();
         let moment_n_m = 1.01 * largest(&solution().links[0].root_moment_n_m);
         let moment_words = format!("reaches {} N m", significant(moment_n_m, 4));
         let peaks = [
@@ -376,35 +376,38 @@ mod tests {
         });
         let drawn = |run: &StoredRun| Figures::of(&StoredResult::Runs(vec![run.clone()])).drawn;
         assert!(!drawn(&run).iter().any(|figure| figure.id == "hub-power"), "there is no limit");
-        let half = |history: &[f64]| Some(0.5 * largest(history));
         let power: Vec<f64> = run.joints[0]
             .torque_n_m
             .iter()
             .zip(&run.joints[0].rate_rad_s)
             .map(|(torque, rate)| torque * rate)
             .collect();
-        run.joints[0].limits = Limits {
-            torque_n_m: half(&run.joints[0].torque_n_m),
-            hub_rate_rad_s: half(&run.joints[0].rate_rad_s),
-            power_w: half(&power),
-            deflection_m: half(run.bent().histories.last().unwrap()),
-            bending_moment_n_m: half(&solution().links[0].root_moment_n_m),
-            motor_torque_n_m: half(&run.joints[0].motor.as_ref().unwrap().torque_n_m),
-            motor_rate_rad_s: half(&run.joints[0].motor.as_ref().unwrap().rate_rad_s),
-            motor_power_w: half(&power),
-            ..Limits::default()
-        };
+        let half = |history: &[f64]| 0.5 * largest(history);
+        let deflection = half(run.bent().histories.last().unwrap());
+        let (joint, motor) = (&run.joints[0], run.joints[0].motor.as_ref().unwrap());
+        let limits = Limits::new([
+            ("torque", half(&joint.torque_n_m)),
+            ("hub_rate", half(&joint.rate_rad_s)),
+            ("power", half(&power)),
+            ("deflection", deflection),
+            ("bending_moment", half(&solution().links[0].root_moment_n_m)),
+            ("motor_torque", half(&motor.torque_n_m)),
+            ("motor_rate", half(&motor.rate_rad_s)),
+            ("motor_power", half(&power)),
+        ]);
+        run.joints[0].limits = limits.unwrap();
         let figures = drawn(&run);
-        for (id, line, limit) in [
-            ("torque", "flexible link", run.joints[0].limits.torque_n_m),
-            ("motor-torque", "motor", run.joints[0].limits.motor_torque_n_m),
-            ("hub-rate", "flexible link", run.joints[0].limits.hub_rate_rad_s),
-            ("hub-power", "flexible link", run.joints[0].limits.power_w),
-            ("motor-rate", "motor", run.joints[0].limits.motor_rate_rad_s),
-            ("motor-power", "motor", run.joints[0].limits.motor_power_w),
-            ("tip-deflection", "flexible link", run.joints[0].limits.deflection_m),
-            ("hub-moment", "flexible link", run.joints[0].limits.bending_moment_n_m),
+        for (id, line, key) in [
+            ("torque", "flexible link", "torque"),
+            ("motor-torque", "motor", "motor_torque"),
+            ("hub-rate", "flexible link", "hub_rate"),
+            ("hub-power", "flexible link", "power"),
+            ("motor-rate", "motor", "motor_rate"),
+            ("motor-power", "motor", "motor_power"),
+            ("tip-deflection", "flexible link", "deflection"),
+            ("hub-moment", "flexible link", "bending_moment"),
         ] {
+            let limit = run.joints[0].limits.of(key);
             let figure = figures.iter().find(|figure| figure.id == id).unwrap();
             let curve = figure.curves.iter().find(|curve| curve.name == line).unwrap();
             let peak = curve.points.iter().fold(0.0_f64, |peak, (_, value)| peak.max(value.abs()));

@@ -27,7 +27,7 @@ fn torques_of_an_arm_are_played_with_feedback_and_written() {
     let text = stdout(&output);
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     for begins in
-        ["arm      2 links, 1.300 m", "feedback 50 N m/rad, 1 N m s/rad", "joint 2  peak "]
+        ["arm      2 links, 1.300 m", "feedback 50.00 N m/rad, 1.000 N m s/rad", "joint 2  peak "]
     {
         assert!(text.lines().any(|line| line.starts_with(begins)), "{text}");
     }

@@ -34,7 +34,7 @@ fn every_documented_key_is_there() {
             "/results",
             "lag_s lead_s peak_deflection_m peak_hub_angle_rad peak_hub_rate_rad_s peak_power_w \
              peak_rigid_torque_n_m peak_root_moment_n_m peak_torque_n_m peak_torque_time_s \
-             rms_torque_n_m torque_ratio",
+             rms_power_w rms_torque_n_m torque_ratio",
         ),
         (
             "/errors",

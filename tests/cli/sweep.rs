@@ -33,7 +33,7 @@ fn every_row_holds_what_solve_finds_for_its_values() {
     let header = "segments.*.EI*,payload.mass [g],period_1_s,zero_1_per_s,peak_torque_n_m,\
                   rms_torque_n_m,peak_rigid_torque_n_m,torque_ratio,lead_s,lag_s,\
                   peak_hub_rate_rad_s,peak_power_w,peak_root_moment_n_m,peak_deflection_m,\
-                  band_hz,tip_error,torque_mesh_error,torque_window_error,\
+                  rms_power_w,band_hz,tip_error,torque_mesh_error,torque_window_error,\
                   torque_model_error,tip_model_error,warnings,error";
     assert_eq!(rows[0].join(","), header);
     let values: Vec<_> = rows[1..].iter().map(|row| row[..2].join(" ")).collect();

@@ -1,7 +1,7 @@
 use serde::Deserialize;
 
 use super::error::{Fault, USUAL_RATIO, listed};
-use super::raw::{Model, RawAnalysis, RawDamping, RawLimits, RawSpecification, Theory};
+use super::raw::{Model, RawAnalysis, RawDamping, RawSpecification, Theory};
 use super::segment::segment;
 use super::tree::Node;
 use super::value::{AlongAxes, Count, Elements, Si};
@@ -105,7 +105,7 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     let tolerance = raw.mesh.tolerance.unwrap_or(MeshPlan::DEFAULT_TOLERANCE);
     let mesh = MeshPlan::new(&link, &own_elements, count, tolerance)?;
     let analysis = analysis(&raw.analysis)?;
-    let limits = limits(&raw.limits).check(link.drive())?;
+    let limits = Limits::new(raw.limits.0.iter().copied())?.check(link.drive())?;
     Ok(Specification { link, mesh, analysis, limits, remarks })
 }
 
@@ -121,21 +121,6 @@ fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {
     match raw.modes {
         Some(Count(modes)) => Ok(analysis.keeping_modes(modes)?),
         None => Ok(analysis),
-    }
-}
-
-fn limits(raw: &RawLimits) -> Limits {
-    Limits {
-        torque_n_m: raw.torque.map(Si::si),
-        rms_torque_n_m: raw.rms_torque.map(Si::si),
-        hub_rate_rad_s: raw.hub_rate.map(Si::si),
-        power_w: raw.power.map(Si::si),
-        deflection_m: raw.deflection.map(Si::si),
-        bending_moment_n_m: raw.bending_moment.map(Si::si),
-        motor_torque_n_m: raw.motor_torque.map(Si::si),
-        motor_rms_torque_n_m: raw.motor_rms_torque.map(Si::si),
-        motor_rate_rad_s: raw.motor_rate.map(Si::si),
-        motor_power_w: raw.motor_power.map(Si::si),
     }
 }
 

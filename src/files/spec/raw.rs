@@ -1,16 +1,22 @@
 //! The link file key by key, as written, and the keys that exclude, replace or need each other. The types of the keys,
 //! their comments and ranges make the JSON Schema.
 
-use schemars::{JsonSchema, Schema};
-use serde::Deserialize;
+use std::borrow::Cow;
+use std::fmt;
+use std::sync::LazyLock;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error as _, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use super::value::{
-    AlongAxes, Angle, Area, BendingStiffness, Count, Density, Elements, Length, Mass,
-    MassPerLength, Power, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
-    ShearStiffness, Time, Torque, Unbounded, ViscousFriction, above_zero, at_least_zero, tables,
+    AlongAxes, Angle, Area, BendingStiffness, Count, Density, Elements, Ends, Length, Mass,
+    MassPerLength, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
+    ShearStiffness, Time, Unbounded, ViscousFriction, above_zero, at_least_zero, quantity, tables,
 };
 use crate::elastica::SecondOrder;
+use crate::result::JointQuantity;
 
 /// Link file of flexlink.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -217,41 +223,53 @@ pub(super) struct RawDrive {
     pub(super) gear_ratio: Option<f64>,
 }
 
-/// `[limits]`
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default, expecting = "a table")]
-pub(super) struct RawLimits {
-    /// Peak torque at the hub, on the link's side of a drive.
-    #[schemars(transform = above_zero)]
-    pub(super) torque: Option<Torque>,
-    /// Root mean square of the torque at the hub while it acts.
-    #[schemars(transform = above_zero)]
-    pub(super) rms_torque: Option<Torque>,
-    /// Peak rate of the hub, an angle per time.
-    #[schemars(transform = above_zero)]
-    pub(super) hub_rate: Option<Rate>,
-    /// Peak mechanical power at the hub.
-    #[schemars(transform = above_zero)]
-    pub(super) power: Option<Power>,
-    /// Peak deflection of the tip from the hub's tangent line.
-    #[schemars(transform = above_zero)]
-    pub(super) deflection: Option<Length>,
-    /// Peak bending moment at the link's root.
-    #[schemars(transform = above_zero)]
-    pub(super) bending_moment: Option<Torque>,
-    /// Peak torque of the motor, on its own side of the gear; needs a [drive], as all limits of the
-    /// motor.
-    #[schemars(transform = above_zero)]
-    pub(super) motor_torque: Option<Torque>,
-    /// Root mean square of the motor's torque while it acts.
-    #[schemars(transform = above_zero)]
-    pub(super) motor_rms_torque: Option<Torque>,
-    /// Peak rate of the rotor, an angle per time.
-    #[schemars(transform = above_zero)]
-    pub(super) motor_rate: Option<Rate>,
-    /// Peak mechanical power of the motor.
-    #[schemars(transform = above_zero)]
-    pub(super) motor_power: Option<Power>,
+/// `[limits]`: the keys of [`QUANTITIES`](crate::result::QUANTITIES) with their values in SI.
+#[derive(Debug, Default)]
+pub(super) struct RawLimits(pub(super) Vec<(&'static str, f64)>);
+
+impl<'de> Deserialize<'de> for RawLimits {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        static KEYS: LazyLock<Vec<&str>> =
+            LazyLock::new(|| JointQuantity::with_limit().map(|(key, _)| key).collect());
+        struct Table;
+        impl<'de> Visitor<'de> for Table {
+            type Value = RawLimits;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a table")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawLimits, A::Error> {
+                let mut limits = Vec::new();
+                while let Some(written) = map.next_key::<String>()? {
+                    let known = JointQuantity::with_limit().find(|(key, _)| *key == written);
+                    let (key, of) =
+                        known.ok_or_else(|| A::Error::unknown_field(&written, &KEYS))?;
+                    let quantity = Ends { dimension: of.unit.dimension, takes_two: false };
+                    limits.push((key, map.next_value_seed(quantity)?.inner));
+                }
+                Ok(RawLimits(limits))
+            }
+        }
+        deserializer.deserialize_struct("RawLimits", &[], Table)
+    }
+}
+
+impl JsonSchema for RawLimits {
+    fn schema_name() -> Cow<'static, str> {
+        "RawLimits".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let keys = JointQuantity::with_limit().map(|(key, of)| {
+            let mut schema = quantity(of.unit.dimension);
+            above_zero(&mut schema);
+            schema.insert("description".into(), of.what.into());
+            (key.to_owned(), schema.into())
+        });
+        let keys: Map<String, Value> = keys.collect();
+        json_schema!({ "type": "object", "additionalProperties": false, "properties": keys })
+    }
 }
 
 /// `[mesh]`

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor,
+};
 use serde_json::{Value, json};
 
 use crate::link::Taper;
@@ -23,7 +25,6 @@ pub(super) type Density = Si<1, -3, 0>;
 pub(super) type Pressure = Si<1, -1, -2>;
 pub(super) type Torque = Si<1, 2, -2>;
 pub(super) type ViscousFriction = Si<1, 2, -1>;
-pub(super) type Power = Si<1, 2, -3>;
 pub(super) type Time = Si<0, 0, 1>;
 pub(super) type Rate = Si<0, 0, -1>;
 pub(super) type Acceleration = Si<0, 1, -2>;
@@ -47,11 +48,20 @@ pub(super) type SecondMoment = Tapered<0, 4, 0>;
 pub(super) type Area = Tapered<0, 2, 0>;
 
 /// Reads a quantity, or two if `takes_two`.
-struct Ends<const M: i8, const L: i8, const T: i8> {
-    takes_two: bool,
+pub(super) struct Ends {
+    pub(super) dimension: Dimension,
+    pub(super) takes_two: bool,
 }
 
-impl<'de, const M: i8, const L: i8, const T: i8> Visitor<'de> for Ends<M, L, T> {
+impl<'de> DeserializeSeed<'de> for Ends {
+    type Value = Taper;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Taper, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Ends {
     type Value = Taper;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -71,7 +81,7 @@ impl<'de, const M: i8, const L: i8, const T: i8> Visitor<'de> for Ends<M, L, T> 
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Taper, E> {
-        let dimension = Dimension::new(M, L, T);
+        let dimension = self.dimension;
         let value = parse_quantity(text, dimension).map_err(|error| {
             let wanted = || {
                 let name = dimension.name().unwrap_or("a number");
@@ -93,9 +103,12 @@ impl<'de, const M: i8, const L: i8, const T: i8> Visitor<'de> for Ends<M, L, T> 
         if !self.takes_two {
             return Err(A::Error::invalid_type(Unexpected::Seq, &self));
         }
-        let mut next = || items.next_element::<Si<M, L, T>>();
+        let dimension = self.dimension;
+        let mut next = || items.next_element_seed(Self { dimension, takes_two: false });
         match (next()?, next()?, next()?) {
-            (Some(Si(inner)), Some(Si(outer)), None) => Ok(Taper { inner, outer }),
+            (Some(inner), Some(outer), None) => {
+                Ok(Taper { inner: inner.inner, outer: outer.inner })
+            }
             _ => Err(A::Error::invalid_length(0, &self)),
         }
     }
@@ -103,14 +116,15 @@ impl<'de, const M: i8, const L: i8, const T: i8> Visitor<'de> for Ends<M, L, T> 
 
 impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Si<M, L, T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = deserializer.deserialize_any(Ends::<M, L, T> { takes_two: false })?;
-        Ok(Self(value.inner))
+        let dimension = Dimension::new(M, L, T);
+        Ok(Self(Ends { dimension, takes_two: false }.deserialize(deserializer)?.inner))
     }
 }
 
 impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Tapered<M, L, T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(Ends::<M, L, T> { takes_two: true }).map(Self)
+        let dimension = Dimension::new(M, L, T);
+        Ends { dimension, takes_two: true }.deserialize(deserializer).map(Self)
     }
 }
 
@@ -189,8 +203,13 @@ impl<const M: i8, const L: i8, const T: i8> JsonSchema for Si<M, L, T> {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": ["number", "string"], UNIT: Dimension::new(M, L, T).si_unit() })
+        quantity(Dimension::new(M, L, T))
     }
+}
+
+/// Schema of a quantity.
+pub(super) fn quantity(dimension: Dimension) -> Schema {
+    json_schema!({ "type": ["number", "string"], UNIT: dimension.si_unit() })
 }
 
 impl<const M: i8, const L: i8, const T: i8> JsonSchema for Tapered<M, L, T> {

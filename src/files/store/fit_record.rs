@@ -76,7 +76,5 @@ struct FitRecord<'a> {
 pub fn fit_json(inputs: &FitInputs, replaced: &[Replaced], outcome: &FitOutcome) -> String {
     let (flexlink, command) = (env!("CARGO_PKG_VERSION"), COMMAND);
     let warnings = outcome.warnings();
-    let stored = warnings.iter().map(Notice::from);
-    let warnings = stored.collect();
     json(&FitRecord { format: FORMAT, flexlink, command, inputs, replaced, outcome, warnings })
 }

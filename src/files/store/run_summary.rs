@@ -19,7 +19,7 @@ use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
 use crate::response::{Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink};
 use crate::result::{
     Comparison, Exceeded, FollowedTarget, JointMetrics, Limits, Metrics, Notice, PlayedJoint,
-    PlayedMetrics, Remark, TipError,
+    PlayedMetrics, Remark, TipError, by_name,
 };
 use crate::verify::Verification;
 
@@ -463,19 +463,16 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
 
 /// The results of a simulation's joint.
 fn played_joint(joint: &PlayedJoint) -> Map<String, Value> {
-    let [start_rad, end_rad] = joint.end_angles_rad;
-    let ends = joint.joint.and(Some([start_rad, end_rad]));
-    let numbers = [
-        ("peak_torque_n_m", Some(joint.peak_torque_n_m.value)),
-        ("holding_torque_n_m", joint.joint.and(joint.holding_torque_n_m)),
-        ("start_angle_rad", ends.map(|ends| ends[0])),
-        ("end_angle_rad", ends.map(|ends| ends[1])),
-        ("peak_hub_angle_rad", Some(joint.peak_hub_angle_rad.value)),
-        ("peak_hub_rate_rad_s", Some(joint.peak_hub_rate_rad_s.value)),
-        ("peak_power_w", Some(joint.peak_power_w.value)),
-        ("peak_deflection_m", joint.peak_deflection_m.map(|peak| peak.value)),
-    ];
-    numbers.into_iter().filter_map(|(key, own)| Some((key.to_owned(), own?.into()))).collect()
+    let mut numbers: Vec<_> = by_name(|quantity| (quantity.of_played)(joint)).collect();
+    if joint.joint.is_some() {
+        let [start_rad, end_rad] = joint.end_angles_rad;
+        let holding = joint.holding_torque_n_m.map(|torque| ("holding_torque_n_m", torque));
+        let ends = [("start_angle_rad", start_rad), ("end_angle_rad", end_rad)];
+        let of_arm = holding.into_iter().chain(ends);
+        // The torques stand first.
+        numbers.splice(1..1, of_arm.map(|(key, number)| (key.to_owned(), number.into())));
+    }
+    numbers.into_iter().collect()
 }
 
 pub(super) fn tip_numbers(error: &TipError) -> Value {

@@ -121,17 +121,21 @@ impl Histories {
     ) -> Result<MotorHistories, InversionError> {
         let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = *drive;
         let friction = hub.friction(friction_n_m_s_rad, &self.grid);
-        let acceleration = hub.on(&self.grid, answer.excess(2), &self.tip.acceleration_m_s2, 2);
-        let hub = [&self.hub_angle_rad, &self.hub_rate_rad_s, &acceleration];
+        let hub_acceleration = hub.on(&self.grid, answer.excess(2), &self.tip.acceleration_m_s2, 2);
+        let hub_motions = [&self.hub_angle_rad, &self.hub_rate_rad_s, &hub_acceleration];
         let [angle_rad, rate_rad_s, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
-            let mut twist = match order {
+            let mut torque = match order {
                 0 => cut(&answer.torque_n_m, &self.grid),
                 _ => cut(&answer.derivative(&answer.hub.torque_n_m, order), &self.grid),
             };
-            if let Some(friction) = &friction {
-                add(&friction[order], &mut twist);
+            // Friction follows the hub's rate, which contains the images. Each derivative makes them smaller.
+            if order < 2 {
+                hub.take_images_off(&self.grid, order + 1, friction_n_m_s_rad, &mut torque);
             }
-            let motions = hub[order].iter().zip(twist);
+            if let Some(friction) = &friction {
+                add(&friction[order], &mut torque);
+            }
+            let motions = hub_motions[order].iter().zip(torque);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()
         });
         let pairs = self.torque_n_m.iter().zip(&acceleration);

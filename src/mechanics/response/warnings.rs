@@ -50,7 +50,7 @@ fn of_link(
     // Bent links move until the end, so that the step always matters.
     let step_s = play.input.grid().step_s;
     let coarse = SimulationWarning::coarse_step(step_s, period_s);
-    own.into_iter().chain([coarse]).flatten().collect()
+    own.into_iter().chain([coarse, imbalance(motion)]).flatten().collect()
 }
 
 /// A warning of a torque that does not begin with the holding torque.

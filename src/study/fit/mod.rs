@@ -28,7 +28,6 @@ mod response;
 mod specimen;
 mod vibrations;
 
-pub use advice::FitWarning;
 pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
 pub use instruments::{Channel, Gain, Motor, RecordError, RecordInput, RecordedInput};
 pub use least_squares::fit;

@@ -301,7 +301,7 @@ impl FitProblem<'_> {
         };
         let link = &own.link;
         let gravity = link.gravity().and_then(|own| own.start_angle_rad.zip(Some(own)));
-        let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(limits.torque_n_m) else {
+        let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(limits.of("torque")) else {
             return Ok(());
         };
         let held_n_m = |stop_m: &f64| {
@@ -323,7 +323,7 @@ impl FitProblem<'_> {
         for (joint, (own, limits)) in solution.joints.iter().zip(self.limits).enumerate() {
             let ends = own.torque_n_m.first().into_iter().chain(own.torque_n_m.last());
             let held_n_m = ends.fold(0.0, |most: f64, torque| most.max(torque.abs()));
-            if let Some(limit_n_m) = limits.torque_n_m.filter(|limit| held_n_m > *limit) {
+            if let Some(limit_n_m) = limits.of("torque").filter(|limit| held_n_m > *limit) {
                 return Err(FitError::TooHeavyArm { joint, limit_n_m, held_n_m });
             }
         }

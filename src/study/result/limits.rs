@@ -1,59 +1,52 @@
 //! Limits of a link and its motor, how near a solution comes to them, and checks of other numbers against bounds.
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::Value;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
-use super::quantities::QUANTITIES;
+use super::peak::Peak;
+use super::quantities::{JointQuantity, QUANTITIES};
 use crate::inverse::{MotorHistories, QuantityErrors, Solution};
 use crate::link::{Drive, ParameterError};
 use crate::numeric::largest;
 use crate::text::{given, significant};
 
-/// Beginning of the keys of the motor's limits.
-const MOTOR: &str = "motor_";
+/// A limited quantity: its key in the link file, and the error of its value in its unit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
+    pub(super) key: &'static str,
+    pub(super) error: fn(&Errors) -> f64,
+}
 
-/// The largest values that a link and its motor may reach; `None` is no limit.
+/// The largest values that a joint, its link and its motor may reach, in SI, by the keys of [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(remote = "Self", default, deny_unknown_fields)]
-pub struct Limits {
-    /// Torque at the hub, on the link's side of a drive, in N m.
-    pub torque_n_m: Option<f64>,
-    /// Root mean square of the torque at the hub in N m while it acts.
-    pub rms_torque_n_m: Option<f64>,
-    /// Hub rate in rad/s.
-    pub hub_rate_rad_s: Option<f64>,
-    /// Mechanical power at the hub in W.
-    pub power_w: Option<f64>,
-    /// Deflection of the tip from the hub's tangent line in m.
-    pub deflection_m: Option<f64>,
-    /// Moment at the link's root in N m.
-    pub bending_moment_n_m: Option<f64>,
-    /// Torque of the motor in N m, on its own side of the gear, as the other limits of the motor.
-    pub motor_torque_n_m: Option<f64>,
-    /// Root mean square of the motor's torque in N m while it acts.
-    pub motor_rms_torque_n_m: Option<f64>,
-    /// Rate of the rotor in rad/s.
-    pub motor_rate_rad_s: Option<f64>,
-    /// Mechanical power of the motor in W.
-    pub motor_power_w: Option<f64>,
-}
+#[serde(try_from = "BTreeMap<String, f64>", into = "Map<String, Value>")]
+pub struct Limits([Option<f64>; QUANTITIES.len()]);
 
-impl Serialize for Limits {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
+impl From<Limits> for Map<String, Value> {
+    fn from(limits: Limits) -> Self {
+        limits.entries().map(|(own, key, limit)| (stored_key(own, key), limit.into())).collect()
     }
 }
 
-impl<'de> Deserialize<'de> for Limits {
-    /// Refuses a limit that is not finite and above 0.
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let limits = Self::deserialize(deserializer)?;
-        limits.check_numbers().map_err(D::Error::custom)?;
-        Ok(limits)
+impl TryFrom<BTreeMap<String, f64>> for Limits {
+    type Error = ParameterError;
+
+    fn try_from(stored: BTreeMap<String, f64>) -> Result<Self, ParameterError> {
+        let key_of = |name: &str| {
+            JointQuantity::with_limit().find(|(key, own)| stored_key(own, key) == name)
+        };
+        let key = |name| key_of(name).map_or(name, |(key, _)| key);
+        Self::new(stored.iter().map(|(name, limit)| (key(name), *limit)))
     }
+}
+
+/// Key of a limit in summary.json.
+fn stored_key(quantity: &JointQuantity, key: &str) -> String {
+    format!("{key}{}", quantity.unit.suffix)
 }
 
 /// The value of a solution that has a limit.
@@ -109,70 +102,69 @@ impl Exceeded {
 }
 
 impl Limits {
-    /// Checks that every limit is finite and above 0, and that a limit of the motor has a motor.
+    /// Limits in SI by their keys in the link file: `[("torque", 5.0), ("motor_rate", 300.0)]`.
     ///
     /// # Errors
-    /// [`ParameterError`] names the first wrong limit.
-    pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
-        self.check_numbers()?;
-        if drive.is_none() {
-            let must = "must come with a [drive], the motor's side of the hub";
-            self.refuse(must, |key, _| key.starts_with(MOTOR))?;
+    /// [`ParameterError`] names a limit that is not finite and above 0, and an unknown key.
+    pub fn new<'a>(
+        limits: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Self, ParameterError> {
+        let mut all = Self::default();
+        for (key, limit) in limits {
+            let refused = |unit, must: &str| {
+                Err(ParameterError::new(format!("limits.{key}"), limit, unit, must))
+            };
+            let Some(at) = QUANTITIES.iter().position(|own| own.limit_key() == Some(key)) else {
+                let keys: Vec<&str> = JointQuantity::with_limit().map(|(key, _)| key).collect();
+                return refused("", &format!("must be one of {}", keys.join(", ")));
+            };
+            if !limit.is_finite() || limit <= 0.0 {
+                return refused(QUANTITIES[at].unit.text, "must be finite and above 0");
+            }
+            all.0[at] = Some(limit);
         }
-        Ok(self)
+        Ok(all)
     }
 
-    fn check_numbers(&self) -> Result<(), ParameterError> {
-        self.refuse("must be finite and above 0", |_, limit| !limit.is_finite() || limit <= 0.0)
-    }
-
-    /// Refuses the first limit for which `is_wrong` is true.
-    fn refuse(
-        &self,
-        must: &str,
-        is_wrong: impl Fn(&str, f64) -> bool,
-    ) -> Result<(), ParameterError> {
-        for (key, limit, unit) in self.entries() {
-            if let Some(limit) = limit.filter(|limit| is_wrong(key, *limit)) {
-                return Err(ParameterError::new(format!("limits.{key}"), limit, unit, must));
+    /// Checks that a limit of the motor has a motor.
+    ///
+    /// # Errors
+    /// [`ParameterError`] names the first limit without one.
+    pub fn check(self, drive: Option<&Drive>) -> Result<Self, ParameterError> {
+        match self.entries().find(|(own, ..)| own.is_of_motor && drive.is_none()) {
+            None => Ok(self),
+            Some((own, key, limit)) => {
+                let must = "must come with a [drive], the motor's side of the hub";
+                Err(ParameterError::new(format!("limits.{key}"), limit, own.unit.text, must))
             }
         }
-        Ok(())
     }
 
-    /// The limited values of a joint, in the order of the link file.
+    /// The limit of a key in SI, such as `torque`.
+    pub fn of(&self, key: &str) -> Option<f64> {
+        self.entries().find(|(_, own, _)| *own == key).map(|(.., limit)| limit)
+    }
+
+    /// The limits that are set, with their quantities and keys, in the order of [`QUANTITIES`].
+    fn entries(self) -> impl Iterator<Item = (&'static JointQuantity, &'static str, f64)> {
+        let set = QUANTITIES.iter().zip(self.0);
+        set.filter_map(|(own, limit)| Some((own, own.limit_key()?, limit?)))
+    }
+
+    /// The limited values of a joint, in the order of [`QUANTITIES`].
     fn values(
-        &self,
+        self,
         joint: Option<usize>,
-        found: impl Fn(&'static str) -> Option<f64>,
+        read: impl Fn(&JointQuantity) -> Option<f64>,
     ) -> impl Iterator<Item = LimitedValue> {
-        let entries = self.entries().into_iter();
-        entries.filter_map(move |(key, limit, unit)| {
-            Some(LimitedValue { joint, key, limit: limit?, found: found(key)?, unit })
+        self.entries().filter_map(move |(own, key, limit)| {
+            Some(LimitedValue { joint, key, limit, found: read(own)?, unit: own.unit.text })
         })
     }
 
     /// The limits in the form of summary.json; absent without limits.
     pub(crate) fn stored(&self) -> Option<Value> {
-        let Ok(Value::Object(mut keys)) = serde_json::to_value(self) else { return None };
-        keys.retain(|_, limit| !limit.is_null());
-        (!keys.is_empty()).then_some(Value::Object(keys))
-    }
-
-    /// Key in the link file, limit and unit of each, in the order of the link file.
-    pub(crate) fn entries(&self) -> [(&'static str, Option<f64>, &'static str); 10] {
-        [
-            ("torque", self.torque_n_m, "N m"),
-            ("rms_torque", self.rms_torque_n_m, "N m"),
-            ("hub_rate", self.hub_rate_rad_s, "rad/s"),
-            ("power", self.power_w, "W"),
-            ("deflection", self.deflection_m, "m"),
-            ("bending_moment", self.bending_moment_n_m, "N m"),
-            ("motor_torque", self.motor_torque_n_m, "N m"),
-            ("motor_rms_torque", self.motor_rms_torque_n_m, "N m"),
-            ("motor_rate", self.motor_rate_rad_s, "rad/s"),
-            ("motor_power", self.motor_power_w, "W"),
-        ]
+        (*self != Self::default()).then(|| Value::Object((*self).into()))
     }
 }
 
@@ -232,13 +224,7 @@ impl PlayedMetrics {
     pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
         let joints = self.joints.iter().zip(limits);
         let values = joints.flat_map(|(own, limits)| {
-            limits.values(own.joint, |key| match key {
-                "torque" => Some(own.peak_torque_n_m.value),
-                "hub_rate" => Some(own.peak_hub_rate_rad_s.value),
-                "power" => Some(own.peak_power_w.value),
-                "deflection" => own.peak_deflection_m.map(|peak| peak.value),
-                _ => None,
-            })
+            limits.values(own.joint, |quantity| (quantity.of_played)(own))
         });
         exceeded(values.collect())
     }
@@ -263,30 +249,29 @@ pub fn reached(solution: &Solution, limits: &[Limits]) -> Vec<Reached> {
 
 impl JointMetrics {
     fn limited(&self, limits: &Limits) -> impl Iterator<Item = LimitedValue> {
-        limits.values(self.joint, |key| {
-            let quantity = QUANTITIES.iter().find(|own| own.limit == Some(key))?;
-            // Without a motor no value is within its limits.
-            Some((quantity.of)(self).unwrap_or(f64::INFINITY))
-        })
+        // Without a motor no value is within its limits.
+        limits.values(self.joint, |quantity| Some((quantity.of)(self).unwrap_or(f64::INFINITY)))
     }
 }
 
-/// Measured errors of the values of a joint that have limits, relative to the peaks of the values.
+/// Measured errors of the values of a joint that have limits, in the units of the values.
 ///
 /// A root mean square has the error of the peak. Power has the errors of torque and rate, deflection that of the hub angle,
 /// the root's moment that of the torque.
-struct Errors<'a> {
-    metrics: &'a JointMetrics,
-    torque: f64,
-    rate: f64,
-    /// Error of the hub angle, times the turn and the length, in m.
-    deflection_m: f64,
-    motor_torque: f64,
-    motor_rate: f64,
+pub(super) struct Errors {
+    pub(super) torque_n_m: f64,
+    pub(super) rate_rad_s: f64,
+    pub(super) power_w: f64,
+    /// Error of the hub angle times the length.
+    pub(super) deflection_m: f64,
+    pub(super) moment_n_m: f64,
+    pub(super) motor_torque_n_m: f64,
+    pub(super) motor_rate_rad_s: f64,
+    pub(super) motor_power_w: f64,
 }
 
-impl<'a> Errors<'a> {
-    fn of(solution: &Solution, number: usize, metrics: &'a JointMetrics) -> Self {
+impl Errors {
+    fn of(solution: &Solution, number: usize, metrics: &JointMetrics) -> Self {
         let (joint, has_weight) = (&solution.joints[number], solution.arm.has_weight());
         let errors = joint.errors.of_kind(all_kinds);
         // With gravity errors are shares of ranges.
@@ -302,41 +287,37 @@ impl<'a> Errors<'a> {
         } else {
             metrics.peak_hub_angle_rad.value
         };
+        let (torque, rate) = (
+            per_peak(errors.torque, &joint.torque_n_m),
+            per_peak(errors.hub_rate, &joint.rate_rad_s),
+        );
+        let motor_torque = of_motor(errors.motor_torque, |motor| &motor.torque_n_m);
+        let motor_rate = of_motor(errors.motor_rate, |motor| &motor.rate_rad_s);
+        let peaks = |peak: [Peak; 2]| peak.map(|peak| peak.value);
+        let [peak_n_m, peak_rad_s] = peaks([metrics.peak_torque_n_m, metrics.peak_hub_rate_rad_s]);
+        let motor =
+            metrics.motor.map(|motor| peaks([motor.peak_torque_n_m, motor.peak_rate_rad_s]));
+        let [motor_n_m, motor_rad_s] = motor.unwrap_or_default();
         Self {
-            metrics,
-            torque: per_peak(errors.torque, &joint.torque_n_m),
-            rate: per_peak(errors.hub_rate, &joint.rate_rad_s),
+            torque_n_m: torque * peak_n_m,
+            rate_rad_s: rate * peak_rad_s,
+            power_w: (torque + rate) * (peak_n_m * peak_rad_s),
             deflection_m: errors.hub_angle
                 * (solution.links[number].link().length_m() * turned_rad),
-            motor_torque: of_motor(errors.motor_torque, |motor| &motor.torque_n_m),
-            motor_rate: of_motor(errors.motor_rate, |motor| &motor.rate_rad_s),
+            moment_n_m: torque * peak_n_m.max(metrics.peak_root_moment_n_m.value),
+            motor_torque_n_m: motor_torque * motor_n_m,
+            motor_rate_rad_s: motor_rate * motor_rad_s,
+            motor_power_w: (motor_torque + motor_rate) * (motor_n_m * motor_rad_s),
         }
     }
 
-    /// The error of a value, relative to it.
+    /// The error of a value, relative to it. A value without a measured error may exceed any limit.
     fn of_value(&self, value: &LimitedValue) -> f64 {
-        let Self { metrics, torque, rate, deflection_m, motor_torque, motor_rate } = *self;
-        let peak = metrics.peak_torque_n_m.value;
-        let power = peak * metrics.peak_hub_rate_rad_s.value;
-        let [motor, motor_power] = metrics.motor.map_or([0.0; 2], |motor| {
-            let peak = motor.peak_torque_n_m.value;
-            [peak, peak * motor.peak_rate_rad_s.value]
-        });
-        let (error, of) = match value.key {
-            "torque" => return torque,
-            "hub_rate" => return rate,
-            "motor_torque" => return motor_torque,
-            "motor_rate" => return motor_rate,
-            "rms_torque" => (torque, peak),
-            "power" => (torque + rate, power),
-            "deflection" => (deflection_m, 1.0),
-            "bending_moment" => (torque, peak.max(value.found)),
-            "motor_rms_torque" => (motor_torque, motor),
-            "motor_power" => (motor_torque + motor_rate, motor_power),
-            // A value without a measured error may exceed any limit.
-            _ => return f64::INFINITY,
-        };
-        if error == 0.0 { 0.0 } else { (error * of / value.found).min(f64::MAX) }
+        let limit = QUANTITIES.iter().filter_map(|own| own.limit).find(|own| own.key == value.key);
+        match limit.map_or(f64::INFINITY, |limit| (limit.error)(self)) {
+            0.0 => 0.0,
+            error => (error / value.found).min(f64::MAX),
+        }
     }
 }
 
@@ -367,27 +348,28 @@ mod tests {
 
     #[test]
     fn stored_limits_are_those_written_and_checked() {
-        let limits = Limits { torque_n_m: Some(3.5), ..Limits::default() };
+        let limits = Limits::new([("torque", 3.5), ("motor_rate", 2.0)]).unwrap();
         let stored = serde_json::to_string(&limits).unwrap();
         assert_eq!(serde_json::from_str::<Limits>(&stored).unwrap(), limits);
         assert_eq!(serde_json::from_str::<Limits>("{}").unwrap(), Limits::default());
-        assert_eq!(limits.stored().unwrap().to_string(), r#"{"torque_n_m":3.5}"#);
+        let text = limits.stored().unwrap().to_string();
+        assert_eq!(text, r#"{"torque_n_m":3.5,"motor_rate_rad_s":2.0}"#);
         assert_eq!(Limits::default().stored(), None);
-        for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"power": 2.0}"#] {
+        for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"powers": 2.0}"#] {
             assert!(serde_json::from_str::<Limits>(wrong).is_err(), "{wrong}");
         }
+        let error = Limits::new([("torqe", 1.0)]).unwrap_err().to_string();
+        assert!(
+            error.starts_with("limits.torqe = 1, but must be one of torque, rms_torque,"),
+            "{error}"
+        );
     }
 
     #[test]
     fn every_limit_is_of_one_quantity() {
-        let limits = Limits::default();
-        let keys: Vec<&str> = limits.entries().iter().map(|(key, ..)| *key).collect();
-        let mut of_quantities: Vec<&str> = QUANTITIES.iter().filter_map(|own| own.limit).collect();
-        assert_eq!(of_quantities.len(), keys.len());
-        of_quantities.retain(|key| !keys.contains(key));
-        assert!(of_quantities.is_empty(), "{of_quantities:?}");
-        for (key, ..) in limits.entries() {
-            assert_eq!(QUANTITIES.iter().filter(|own| own.limit == Some(key)).count(), 1, "{key}");
+        let keys: Vec<&str> = JointQuantity::with_limit().map(|(key, _)| key).collect();
+        for key in &keys {
+            assert_eq!(keys.iter().filter(|own| *own == key).count(), 1, "{key}");
         }
     }
 }

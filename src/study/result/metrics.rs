@@ -50,6 +50,8 @@ pub struct JointMetrics {
     pub peak_hub_rate_rad_s: Peak,
     /// Largest mechanical power |T θ̇| in W.
     pub peak_power_w: Peak,
+    /// Root mean square of T θ̇ in W over the samples while T acts.
+    pub rms_power_w: f64,
     /// Largest moment of the hub on the link's root in N m.
     pub peak_root_moment_n_m: Peak,
     /// Largest deflection of the link's tip from the hub's tangent line in m.
@@ -121,6 +123,8 @@ impl JointMetrics {
         let acts =
             |torque: &[f64], peak| Acting::in_solution(solution, (torque, peak), TIMING_LEVEL);
         let acting = acts(torque, peak_torque_n_m);
+        let power_w: Vec<f64> =
+            torque.iter().zip(&joint.rate_rad_s).map(|(torque, rate)| torque * rate).collect();
         Self {
             joint: solution.number_of(number),
             peak_torque_n_m,
@@ -133,6 +137,7 @@ impl JointMetrics {
             peak_hub_angle_rad,
             peak_hub_rate_rad_s: peaks.of(&joint.rate_rad_s),
             peak_power_w: peaks.of_product(torque, &joint.rate_rad_s),
+            rms_power_w: acting.rms(&power_w),
             peak_root_moment_n_m: peaks.of(&link.root_moment_n_m),
             peak_deflection_m: peaks.of(&solution.tip_deflection_m(number)),
             motor: joint.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks, acts)),

@@ -23,10 +23,10 @@ pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
 pub use metrics::{JointMetrics, Metrics, MotorMetrics, PlayedJoint, PlayedMetrics, TIMING_LEVEL};
 pub use modes::{LinkZeros, ModesResult, Setting};
 pub use peak::Peak;
-pub use quantities::{JointQuantity, QUANTITIES};
+pub(crate) use quantities::by_name;
+pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
 pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
-pub(crate) use stored::notices;
 pub use stored::{
     LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredInput, StoredJoint,
     StoredLink, StoredMotor, StoredNodes, StoredResult, StoredRun, StoredSweep, line_difference,

@@ -1,79 +1,205 @@
-//! The quantities of a joint: the one list that summary.json, sweeps and limits read.
+//! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read.
 
-use super::metrics::JointMetrics;
+use super::limits::{Errors, Limit};
+use super::metrics::{JointMetrics, PlayedJoint};
+use crate::numeric::Dimension;
+use crate::text::{instant, significant};
 
 /// A number of each joint, its link or its motor.
 #[derive(Debug, Clone, Copy)]
 pub struct JointQuantity {
-    /// Its name in two parts; columns of arms insert the joint's number: `peak_torque`, `_n_m`.
-    pub name: (&'static str, &'static str),
+    /// Its name without the unit; columns of arms insert the joint's number after it: `peak_torque`.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// Its meaning in a sentence, for the schema of link files and for the docs.
+    pub what: &'static str,
     /// True for a number of the motor.
     pub is_of_motor: bool,
     /// True if sweeps have a column for it.
     pub is_swept: bool,
-    /// Key of its limit in `[limits]`.
-    pub limit: Option<&'static str>,
-    /// Reads the number; `None` for a motion without it.
+    /// Its limit in `[limits]`.
+    pub(super) limit: Option<Limit>,
+    /// Its place on the terminal.
+    pub shown: Option<Shown>,
+    /// Reads the number of a solution; `None` for a motion without it.
     pub of: fn(&JointMetrics) -> Option<f64>,
+    /// Reads the number of a simulation.
+    pub of_played: fn(&PlayedJoint) -> Option<f64>,
 }
 
+/// The SI unit of a quantity.
+#[derive(Debug, Clone, Copy)]
+pub struct Unit {
+    /// End of names: `_n_m`.
+    pub suffix: &'static str,
+    /// In text: `N m`.
+    pub text: &'static str,
+    /// The dimension of values in a link file.
+    pub dimension: Dimension,
+}
+
+const TORQUE: Unit = Unit { suffix: "_n_m", text: "N m", dimension: Dimension::TORQUE };
+const RATE: Unit = Unit { suffix: "_rad_s", text: "rad/s", dimension: Dimension::RATE };
+const POWER: Unit = Unit { suffix: "_w", text: "W", dimension: Dimension::POWER };
+const LENGTH: Unit = Unit { suffix: "_m", text: "m", dimension: Dimension::LENGTH };
+const ANGLE: Unit = Unit { suffix: "_rad", text: "rad", dimension: Dimension::NONE };
+const TIME: Unit = Unit { suffix: "_s", text: "s", dimension: Dimension::TIME };
+const RATIO: Unit = Unit { suffix: "", text: "", dimension: Dimension::NONE };
+
+/// Place of a number in a line on the terminal.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown {
+    /// The label of the line.
+    pub line: &'static str,
+    /// Text with `{}` for the number and `{link}` for the word link or arm. The text that opens a line has no separator.
+    pub text: &'static str,
+    /// Writes the number.
+    pub number: fn(f64) -> String,
+}
+
+const THREE: fn(f64) -> String = |number| significant(number, 3);
+const FOUR: fn(f64) -> String = |number| significant(number, 4);
+
 /// All quantities of a joint, in the order of summary.json.
-pub const QUANTITIES: [JointQuantity; 17] = [
-    of_joint(("peak_torque", "_n_m"), |own| Some(own.peak_torque_n_m.value)).limited("torque"),
-    of_joint(("peak_torque_time", "_s"), |own| Some(own.peak_torque_n_m.time_s)).not_swept(),
-    of_joint(("rms_torque", "_n_m"), |own| Some(own.rms_torque_n_m)).limited("rms_torque"),
-    of_joint(("peak_rigid_torque", "_n_m"), |own| Some(own.peak_rigid_torque_n_m.value)),
-    of_joint(("torque_ratio", ""), |own| Some(own.torque_ratio)),
-    of_joint(("lead", "_s"), |own| own.lead_s),
-    of_joint(("lag", "_s"), |own| own.lag_s),
-    of_joint(("peak_hub_angle", "_rad"), |own| Some(own.peak_hub_angle_rad.value)).not_swept(),
-    of_joint(("peak_hub_rate", "_rad_s"), |own| Some(own.peak_hub_rate_rad_s.value))
-        .limited("hub_rate"),
-    of_joint(("peak_power", "_w"), |own| Some(own.peak_power_w.value)).limited("power"),
-    of_joint(("peak_root_moment", "_n_m"), |own| Some(own.peak_root_moment_n_m.value))
-        .limited("bending_moment"),
-    of_joint(("peak_deflection", "_m"), |own| Some(own.peak_deflection_m.value))
-        .limited("deflection"),
-    of_motor(("peak_motor_torque", "_n_m"), |own| Some(own.motor?.peak_torque_n_m.value))
-        .limited("motor_torque"),
-    of_motor(("peak_motor_torque_time", "_s"), |own| Some(own.motor?.peak_torque_n_m.time_s))
+pub const QUANTITIES: [JointQuantity; 18] = [
+    of_joint("peak_torque", TORQUE, |own| Some(own.peak_torque_n_m.value))
+        .is("Peak torque at the hub, on the link's side of a drive.")
+        .limited("torque", |own| own.torque_n_m)
+        .shown(("torque", "peak {} N m"), FOUR)
+        .played(|own| Some(own.peak_torque_n_m.value)),
+    of_joint("peak_torque_time", TIME, |own| Some(own.peak_torque_n_m.time_s))
+        .is("Time of the peak torque.")
+        .shown(("torque", " at {} s"), |time_s| instant(time_s, 3))
         .not_swept(),
-    of_motor(("rms_motor_torque", "_n_m"), |own| Some(own.motor?.rms_torque_n_m))
-        .limited("motor_rms_torque"),
-    of_motor(("peak_motor_rate", "_rad_s"), |own| Some(own.motor?.peak_rate_rad_s.value))
-        .limited("motor_rate"),
-    of_motor(("peak_motor_power", "_w"), |own| Some(own.motor?.peak_power_w.value))
-        .limited("motor_power"),
+    of_joint("rms_torque", TORQUE, |own| Some(own.rms_torque_n_m))
+        .is("Root mean square of the torque at the hub while it acts.")
+        .limited("rms_torque", |own| own.torque_n_m)
+        .shown(("torque", ", rms {}"), THREE),
+    of_joint("peak_rigid_torque", TORQUE, |own| Some(own.peak_rigid_torque_n_m.value))
+        .is("Peak torque of the rigid link or arm.")
+        .shown(("torque", ", rigid {link} {}"), FOUR),
+    of_joint("torque_ratio", RATIO, |own| Some(own.torque_ratio))
+        .is("Peak torque over that of the rigid link or arm.")
+        .shown(("torque", ", ratio {}"), THREE),
+    of_joint("lead", TIME, |own| own.lead_s)
+        .is("Time from the torque's first action to the tip's first motion."),
+    of_joint("lag", TIME, |own| own.lag_s)
+        .is("Time from the tip's last motion to the torque's last action."),
+    of_joint("peak_hub_angle", ANGLE, |own| Some(own.peak_hub_angle_rad.value))
+        .is("Largest turn of the hub from its start; of a cycle the range of its angle.")
+        .not_swept()
+        .played(|own| Some(own.peak_hub_angle_rad.value)),
+    of_joint("peak_hub_rate", RATE, |own| Some(own.peak_hub_rate_rad_s.value))
+        .is("Peak rate of the hub, an angle per time.")
+        .limited("hub_rate", |own| own.rate_rad_s)
+        .shown(("hub", "; peaks {} rad/s"), FOUR)
+        .played(|own| Some(own.peak_hub_rate_rad_s.value)),
+    of_joint("peak_power", POWER, |own| Some(own.peak_power_w.value))
+        .is("Peak mechanical power at the hub.")
+        .limited("power", |own| own.power_w)
+        .shown(("hub", ", {} W"), FOUR)
+        .played(|own| Some(own.peak_power_w.value)),
+    of_joint("peak_root_moment", TORQUE, |own| Some(own.peak_root_moment_n_m.value))
+        .is("Peak bending moment at the link's root.")
+        .limited("bending_moment", |own| own.moment_n_m)
+        .shown(("bending", ", root moment up to {} N m"), FOUR),
+    of_joint("peak_deflection", LENGTH, |own| Some(own.peak_deflection_m.value))
+        .is("Peak deflection of the tip from the hub's tangent line.")
+        .limited("deflection", |own| own.deflection_m)
+        .shown(("bending", "tip deflects by up to {} m"), FOUR)
+        .played(|own| own.peak_deflection_m.map(|peak| peak.value)),
+    of_joint("rms_power", POWER, |own| Some(own.rms_power_w))
+        .is("Root mean square of the mechanical power at the hub while the torque acts.")
+        .limited("rms_power", |own| own.power_w)
+        .shown(("hub", ", rms {} W"), THREE),
+    of_motor("peak_motor_torque", TORQUE, |own| Some(own.motor?.peak_torque_n_m.value))
+        .is("Peak torque of the motor, on its side of the gear; as all limits of the motor, needs a [drive].")
+        .limited("motor_torque", |own| own.motor_torque_n_m)
+        .shown(("motor", "peak {} N m"), FOUR),
+    of_motor("peak_motor_torque_time", TIME, |own| Some(own.motor?.peak_torque_n_m.time_s))
+        .is("Time of the motor's peak torque.")
+        .shown(("motor", " at {} s"), |time_s| instant(time_s, 3))
+        .not_swept(),
+    of_motor("rms_motor_torque", TORQUE, |own| Some(own.motor?.rms_torque_n_m))
+        .is("Root mean square of the motor's torque while it acts.")
+        .limited("motor_rms_torque", |own| own.motor_torque_n_m)
+        .shown(("motor", ", rms {} N m"), THREE),
+    of_motor("peak_motor_rate", RATE, |own| Some(own.motor?.peak_rate_rad_s.value))
+        .is("Peak rate of the rotor, an angle per time.")
+        .limited("motor_rate", |own| own.motor_rate_rad_s)
+        .shown(("motor", "; {} rad/s"), FOUR),
+    of_motor("peak_motor_power", POWER, |own| Some(own.motor?.peak_power_w.value))
+        .is("Peak mechanical power of the motor.")
+        .limited("motor_power", |own| own.motor_power_w)
+        .shown(("motor", ", {} W"), FOUR),
 ];
 
 const fn of_joint(
-    name: (&'static str, &'static str),
+    name: &'static str,
+    unit: Unit,
     of: fn(&JointMetrics) -> Option<f64>,
 ) -> JointQuantity {
-    JointQuantity { name, is_of_motor: false, is_swept: true, limit: None, of }
+    let of_played: fn(&PlayedJoint) -> Option<f64> = |_| None;
+    let (is_of_motor, is_swept, what, limit, shown) = (false, true, "", None, None);
+    JointQuantity { name, unit, what, is_of_motor, is_swept, limit, shown, of, of_played }
 }
 
 const fn of_motor(
-    name: (&'static str, &'static str),
+    name: &'static str,
+    unit: Unit,
     of: fn(&JointMetrics) -> Option<f64>,
 ) -> JointQuantity {
-    JointQuantity { is_of_motor: true, ..of_joint(name, of) }
+    JointQuantity { is_of_motor: true, ..of_joint(name, unit, of) }
 }
 
 impl JointQuantity {
-    const fn limited(self, key: &'static str) -> Self {
-        Self { limit: Some(key), ..self }
+    const fn is(self, what: &'static str) -> Self {
+        Self { what, ..self }
+    }
+
+    const fn limited(self, key: &'static str, error: fn(&Errors) -> f64) -> Self {
+        Self { limit: Some(Limit { key, error }), ..self }
+    }
+
+    const fn shown(
+        self,
+        (line, text): (&'static str, &'static str),
+        number: fn(f64) -> String,
+    ) -> Self {
+        Self { shown: Some(Shown { line, text, number }), ..self }
+    }
+
+    const fn played(self, of_played: fn(&PlayedJoint) -> Option<f64>) -> Self {
+        Self { of_played, ..self }
     }
 
     const fn not_swept(self) -> Self {
         Self { is_swept: false, ..self }
     }
 
+    /// Key of its limit in `[limits]`; `None` for a quantity without a limit.
+    pub fn limit_key(&self) -> Option<&'static str> {
+        self.limit.map(|limit| limit.key)
+    }
+
+    /// The quantities that may have a limit, with its key.
+    pub fn with_limit() -> impl Iterator<Item = (&'static str, &'static Self)> {
+        QUANTITIES.iter().filter_map(|own| Some((own.limit_key()?, own)))
+    }
+
     /// Its column in a sweep, for a joint with its number from 1: `peak_torque2_n_m`.
     pub fn column(&self, joint: Option<usize>) -> String {
         let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
-        format!("{}{number}{}", self.name.0, self.name.1)
+        format!("{}{number}{}", self.name, self.unit.suffix)
     }
+}
+
+/// The numbers that `of` reads, by the keys of summary.json; a motion lacks some.
+pub(crate) fn by_name(
+    of: impl Fn(&JointQuantity) -> Option<f64>,
+) -> impl Iterator<Item = (String, serde_json::Value)> {
+    QUANTITIES.iter().filter_map(move |own| Some((own.column(None), of(own)?.into())))
 }
 
 impl JointMetrics {

@@ -209,21 +209,19 @@ impl Notice {
 
 macro_rules! notices {
     ($($of:ty),*) => {
-        $(impl From<&$of> for $crate::result::Notice {
+        $(impl From<&$of> for Notice {
             fn from(own: &$of) -> Self {
                 Self::new(own.kind(), own, own.hint())
             }
         }
 
-        impl From<$of> for $crate::result::Notice {
+        impl From<$of> for Notice {
             fn from(own: $of) -> Self {
                 Self::from(&own)
             }
         })*
     };
 }
-
-pub(crate) use notices;
 
 // Every remark or warning for the user becomes a notice here.
 notices!(CoarseMesh, Exceeded, LateTarget, Remark);

@@ -120,13 +120,13 @@ fn the_whole_example_is_read_in_si() {
     let stiff_joint =
         Drive { joint_stiffness_n_m_rad: f64::INFINITY, rotor_inertia_kg_m2: 0.0, gear_ratio: 1.0 };
     assert_eq!(link.drive(), Some(&stiff_joint));
-    assert_eq!((limits.torque_n_m, limits.hub_rate_rad_s), (Some(5.0), Some(6.0)));
-    assert_eq!((limits.deflection_m, limits.bending_moment_n_m), (Some(0.1), Some(20.0)));
-    assert_eq!((limits.power_w, limits.rms_torque_n_m), (None, None));
-    assert_eq!((limits.motor_torque_n_m, limits.motor_rms_torque_n_m), (Some(0.5), Some(0.2)));
-    let rate = limits.motor_rate_rad_s.unwrap();
+    assert_eq!((limits.of("torque"), limits.of("hub_rate")), (Some(5.0), Some(6.0)));
+    assert_eq!((limits.of("deflection"), limits.of("bending_moment")), (Some(0.1), Some(20.0)));
+    assert_eq!((limits.of("power"), limits.of("rms_torque")), (None, None));
+    assert_eq!((limits.of("motor_torque"), limits.of("motor_rms_torque")), (Some(0.5), Some(0.2)));
+    let rate = limits.of("motor_rate").unwrap();
     assert!((rate - 100.0 * std::f64::consts::PI).abs() < 1e-12, "{rate}");
-    assert_eq!(limits.motor_power_w, Some(100.0));
+    assert_eq!(limits.of("motor_power"), Some(100.0));
     let total = Some(ElementCount::Total(10));
     let plan = MeshPlan::new(&link, &[Some(1), Some(9)], total, 1e-6);
     assert_eq!(mesh, plan.unwrap());

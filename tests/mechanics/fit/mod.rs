@@ -60,11 +60,11 @@ fn fitted_along(
 }
 
 fn torque(limit_n_m: f64) -> Limits {
-    Limits { torque_n_m: Some(limit_n_m), ..Limits::default() }
+    Limits::new([("torque", limit_n_m)]).unwrap()
 }
 
 fn motor_torque(limit_n_m: f64) -> Limits {
-    Limits { motor_torque_n_m: Some(limit_n_m), ..Limits::default() }
+    Limits::new([("motor_torque", limit_n_m)]).unwrap()
 }
 
 fn solved(link: &Specification, motion: Open, steps: usize) -> Option<Solution> {
@@ -226,12 +226,8 @@ fn of_two_limits_the_one_that_binds_is_told() {
     let link = link(&[]);
     let motion = open(Profile::Septic, 0.5, 0.01);
     let both = |torque_n_m, deflection_m| {
-        let limits = Limits {
-            torque_n_m: Some(torque_n_m),
-            deflection_m: Some(deflection_m),
-            ..Limits::default()
-        };
-        fitted(&link, limits, motion).unwrap().binding.unwrap()
+        let limits = Limits::new([("torque", torque_n_m), ("deflection", deflection_m)]);
+        fitted(&link, limits.unwrap(), motion).unwrap().binding.unwrap()
     };
     let [tight, loose] = [both(1.0, 10.0), both(100.0, 0.1)];
     assert_eq!((tight.value.key, loose.value.key), ("torque", "deflection"));
@@ -277,7 +273,7 @@ fn the_shortest_cycle_within_a_torque_in_the_mean_is_found() {
         with_errors(mean.sqrt(), solution.hub().errors.torque)
     };
     let limit = 1.001 * rms(&course, 40);
-    let limits = Limits { rms_torque_n_m: Some(limit), ..Limits::default() };
+    let limits = Limits::new([("rms_torque", limit)]).unwrap();
     let mut found = Vec::new();
     for course in [&course, &rest] {
         let fit = fitted_along(&link, limits, motion, course).unwrap();

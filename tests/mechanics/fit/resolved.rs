@@ -27,8 +27,8 @@ const GEARED: &[&str] =
     &["drive={joint_stiffness=1000, rotor_inertia='2 kg cm^2', gear_ratio=100}"];
 
 fn cases() -> [Case; 7] {
-    let deflection = Limits { deflection_m: Some(0.1), ..Limits::default() };
-    let rate = Limits { motor_rate_rad_s: Some(80.0), ..Limits::default() };
+    let deflection = Limits::new([("deflection", 0.1)]).unwrap();
+    let rate = Limits::new([("motor_rate", 80.0)]).unwrap();
     let case = |name, settings, limits, profile| Case { name, settings, limits, profile };
     [
         case("torque", &[], torque(2.0), Profile::Septic),

@@ -2,9 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::fit::{
-    Channel, FitOutcome, FitWarning, Gain, Measurements, Misfit, Motor, Record, RecordInput,
-};
+use flexlink::fit::{Channel, FitOutcome, Gain, Measurements, Misfit, Motor, Record, RecordInput};
 use flexlink::model::Sensor;
 use flexlink::response::Interpolation;
 use num_complex::Complex64;
@@ -255,8 +253,8 @@ fn sensors_without_uncertainties_weigh_by_what_they_show() {
 /// What a user must know of a record, and what makes it none to believe.
 #[test]
 fn lost_samples_large_uncertainties_and_clipped_sensors_are_told() {
-    let warned = |found: &FitOutcome| -> Vec<&str> {
-        found.warnings().iter().map(FitWarning::kind).collect()
+    let warned = |found: &FitOutcome| -> Vec<String> {
+        found.warnings().into_iter().map(|warning| warning.kind).collect()
     };
     let mut random = Random(39);
     let own = channel(Sensor::HubAngle, (1.0, 0.0), 0.0, &mut random);
@@ -268,7 +266,7 @@ fn lost_samples_large_uncertainties_and_clipped_sensors_are_told() {
         fitted(&link, &measured, &["segments.*.EI"]).unwrap()
     };
     let clean = true_link(own.clone());
-    assert_eq!(warned(&clean), Vec::<&str>::new(), "{clean:?}");
+    assert_eq!(warned(&clean), Vec::<String>::new(), "{clean:?}");
     let mut lost = Channel { uncertainty: None, ..own.clone() };
     lost.samples[300] = 10.0 * lost.samples[120];
     assert_eq!(warned(&true_link(lost)), ["stray_sample"]);

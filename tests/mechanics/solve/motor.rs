@@ -1,8 +1,11 @@
 //! What the motor does behind a gear and an elastic joint, and limits on what the link does.
 
+use std::f64::consts::TAU;
+
 use super::{Smooth, link, mesh_of, solved};
 use flexlink::inverse::{Analysis, InversionError, Solution, invert};
-use flexlink::link::Drive;
+use flexlink::link::{Damping, Drive, Taper};
+use flexlink::motion::Profile;
 use flexlink::result::{JointMetrics, Limits, Metrics, Peak};
 use flexlink::text::significant;
 
@@ -34,6 +37,24 @@ fn a_stiff_light_drive_without_a_gear_is_the_hub_itself() {
     assert_eq!(motor.peak_torque_n_m, metrics.peak_torque_n_m);
     assert_eq!((motor.peak_rate_rad_s, motor.peak_power_w), hub_peaks(&metrics));
     assert!((motor.rms_torque_n_m / metrics.rms_torque_n_m - 1.0).abs() < 1e-15);
+}
+
+/// A stiff link that begins and ends at rest turns at (A/ω)(1 − cos ωt) with the torque J A sin ωt. Their product has
+/// the mean square (J A²/ω)² · 5/8 over the period, and acts while the torque exceeds 2 % of its peak.
+#[test]
+fn the_rms_power_of_a_stiff_link_is_that_of_a_sine() {
+    let stiff = link(|parts| parts.segments[0].bending_stiffness_n_m2 = Taper::constant(1e9));
+    let (travel_m, samples) = (0.5, 4000);
+    let motion = Profile::Sine.motion(travel_m, 0.88, samples).unwrap();
+    let solution = solved(&stiff, 4, &motion);
+    let metrics = *Metrics::of(&solution).hub();
+    let omega = TAU / 0.88;
+    // Travel of the arc in radians: A (2π/ω)/ω.
+    let amplitude = travel_m / stiff.length_m() * omega * omega / TAU;
+    let outside = 2.0 * 0.02_f64.asin() / TAU;
+    let power = stiff.rigid_inertia_kg_m2() * amplitude * amplitude / omega;
+    let expected = power * (0.625 / (1.0 - outside)).sqrt();
+    assert!((metrics.rms_power_w / expected - 1.0).abs() < 1e-3, "{metrics:?} {expected}");
 }
 
 fn hub_peaks(metrics: &JointMetrics) -> (Peak, Peak) {
@@ -70,13 +91,17 @@ fn a_gear_trades_torque_for_angle_and_keeps_the_power() {
     close(&motor.power_w, power.map(|(t, rate)| t * rate), 1e-12);
 }
 
+/// Friction and the slow tails of hysteretic damping included.
 #[test]
 fn the_joint_twists_by_torque_over_stiffness_and_the_rotor_takes_its_share() {
-    let solution = driven(Drive {
-        joint_stiffness_n_m_rad: 20.0,
-        rotor_inertia_kg_m2: 0.003,
-        gear_ratio: 5.0,
+    let drive =
+        Drive { joint_stiffness_n_m_rad: 20.0, rotor_inertia_kg_m2: 0.003, gear_ratio: 5.0 };
+    let driven = link(|parts| {
+        parts.drive = Some(drive);
+        parts.damping = Damping::Hysteretic { ratio: 0.02 };
+        parts.hub.viscous_friction_n_m_s_rad = 5.0;
     });
+    let solution = solved(&driven, 10, &Smooth::SHORT.motion());
     let motor = solution.hub().motor.as_ref().unwrap();
     let twisted = solution.hub().angle_rad.iter().zip(&solution.hub().torque_n_m);
     close(&motor.angle_rad, twisted.map(|(a, t)| 5.0 * (a + t / 20.0)), 1e-12);
@@ -98,12 +123,12 @@ fn only_exceeded_limits_are_told_with_their_numbers() {
     let found = Metrics::of(&solution);
     let metrics = found.hub();
     let torque = metrics.peak_torque_n_m.value;
-    let limits = Limits {
-        torque_n_m: Some(0.5 * torque),
-        hub_rate_rad_s: Some(2.0 * metrics.peak_hub_rate_rad_s.value),
-        power_w: Some(0.9 * metrics.peak_power_w.value),
-        ..Limits::default()
-    };
+    let limits = Limits::new([
+        ("torque", 0.5 * torque),
+        ("hub_rate", 2.0 * metrics.peak_hub_rate_rad_s.value),
+        ("power", 0.9 * metrics.peak_power_w.value),
+    ]);
+    let limits = limits.unwrap();
     let exceeded = found.exceeded(&[limits]);
     let keys: Vec<&str> = exceeded.iter().map(|limit| limit.0.key).collect();
     assert_eq!(keys, ["torque", "power"]);

@@ -229,12 +229,15 @@ fn every_limit_is_a_check_and_the_error_counts() {
     let (torque, power) = (metrics.peak_torque_n_m.value, motor.peak_power_w.value);
     let errors = run.solution.hub().errors.torque;
     let error = errors.mesh + errors.window;
-    run.limits.torque_n_m = Some(torque * (1.0 + 0.5 * error));
-    run.limits.motor_power_w = Some(1.01 * power);
+    let limits = |share: f64| {
+        let torque = torque * (1.0 + share * error);
+        Limits::new([("torque", torque), ("motor_power", 1.01 * power)]).unwrap()
+    };
+    run.limits = limits(0.5);
     let verification = run.as_computed();
     assert_eq!(failed(&verification), ["limit_torque"], "{verification:?}");
     assert!((found(&verification, "limit_motor_power") - 1.0 / 1.01).abs() < 1e-3);
-    run.limits.torque_n_m = Some(torque * (1.0 + 1.5 * error));
+    run.limits = limits(1.5);
     assert_eq!(failed(&run.as_computed()), [""; 0]);
 }
 

@@ -3,46 +3,54 @@
 use crate::inverse::Solution;
 use crate::link::Arm;
 use crate::motion::{ArmPath, Motion, Prescribed};
-use crate::result::Metrics;
+use crate::result::{JointMetrics, Metrics};
 use crate::text::{instant, plain, significant, visible};
 
 use super::layout::LABEL;
-use super::runs::{four, joint_lines, labelled, link_text, order_line, solution_errors};
+use super::runs::{four, joint_lines, labelled, link_lines, order_line, solution_errors};
 
 /// The summary of a solution; `written` names its files.
 pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
-    match &solution.motion {
-        Motion::Tip(motion) => link_text((solution, motion), metrics, written),
-        Motion::Path(path) => arm_text((solution, path), metrics, written),
-    }
+    let before = match &solution.motion {
+        Motion::Tip(motion) => link_lines((solution, motion), metrics),
+        Motion::Path(path) => arm_lines(solution, path),
+    };
+    let joints = metrics.joints.iter().flat_map(|joint| match joint.joint {
+        None => joint_lines(joint).map(|(label, line)| (label.to_owned(), line)).to_vec(),
+        Some(number) => vec![(numbered("joint", number), below_each_other(joint))],
+    });
+    let end = [("errors", solution_errors(solution)), ("written", written)];
+    let end = end.map(|(label, line)| (label.to_owned(), line));
+    labelled(solution.arm.title(), before.into_iter().chain(joints).chain(end))
 }
 
-fn arm_text((solution, path): (&Solution, &ArmPath), metrics: &Metrics, written: String) -> String {
+fn numbered(what: &str, number: usize) -> String {
+    format!("{what} {}", number + 1)
+}
+
+/// The lines of an arm's joint. All but the motor's contain their subject.
+fn below_each_other(joint: &JointMetrics) -> String {
+    let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
+    let lines = lines.map(|(label, line)| match label {
+        "motor" => format!("motor {line}"),
+        _ => line,
+    });
+    lines.collect::<Vec<_>>().join(&format!("\n{:LABEL$}", ""))
+}
+
+fn arm_lines(solution: &Solution, path: &ArmPath) -> Vec<(String, String)> {
     let arm = &solution.arm;
-    let numbered = |what: &str, number: usize| format!("{what} {}", number + 1);
     let links = (0..solution.links.len())
         .map(|number| (numbered("link", number), arm_link_line(solution, number)));
-    let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
-        let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
-        // The other lines contain their subject.
-        let lines = lines.map(|(label, line)| match label {
-            "motor" => format!("motor {line}"),
-            _ => line,
-        });
-        let lines: Vec<String> = lines.collect();
-        (numbered("joint", number), lines.join(&format!("\n{:LABEL$}", "")))
-    });
-    let own = |label: &str, line: String| (label.to_owned(), line);
-    let lines = [own("arm", size_line(arm))].into_iter().chain(links);
-    let fallback = solution.second_order.and_then(|found| found.fallback);
+    let fallback = solution.second_order.and_then(|terms| terms.fallback);
     let fallback = fallback.map_or("", |_| "; all terms do not converge");
-    let lines = lines.chain([
-        own("gravity", gravity_line(arm)),
-        own("path", path_line(solution, path)),
-        own("order", order_line(solution) + fallback),
-    ]);
-    let end = [own("errors", solution_errors(solution)), own("written", written)];
-    labelled(arm.title(), lines.chain(joints).chain(end))
+    let motion = [
+        ("gravity", gravity_line(arm)),
+        ("path", path_line(solution, path)),
+        ("order", order_line(solution) + fallback),
+    ];
+    let motion = motion.map(|(label, line)| (label.to_owned(), line));
+    [("arm".to_owned(), size_line(arm))].into_iter().chain(links).chain(motion).collect()
 }
 
 fn arm_link_line(solution: &Solution, number: usize) -> String {

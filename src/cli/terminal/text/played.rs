@@ -1,6 +1,6 @@
 //! Summary from `simulate`.
 
-use crate::link::{Arm, Damping, Link};
+use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::numeric::{TimeGrid, largest};
 use crate::response::{
     Input, Interpolation, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedModelError,
@@ -13,72 +13,59 @@ use crate::text::{instant, plain, significant};
 
 use super::arm::{gravity_line, size_line};
 use super::layout::LABEL;
-use super::runs::{damping_line, deflection, four, hub_line, labelled, link_line, turned};
+use super::runs::{damping_line, four, joint_line, labelled, link_line, turned};
 
 /// The summary of a simulation; `written` names its files.
 pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
-    let lines = match run.arm.links() {
-        [own] => link_lines(run, &own.link),
-        _ => arm_lines(run),
+    let PlayedRun { arm, play, played, metrics, .. } = *run;
+    let (size, damping, gravity) = match arm.links() {
+        [ArmLink { link, .. }] => (
+            ("link", link_line(link, played.mesh())),
+            played_damping(link, played, play),
+            weight_line(link, played),
+        ),
+        _ => (("arm", size_line(arm)), arm_damping_line(arm), gravity_line(arm)),
     };
-    let measured = run.comparison.map(measured_text).unwrap_or_default();
-    let end = [("measured", measured), ("written", written)];
-    let end = end.map(|(label, line)| (label.to_owned(), line));
-    labelled(run.arm.title(), lines.into_iter().chain(end))
-}
-
-fn link_lines(run: &PlayedRun<'_>, link: &Link) -> Vec<(String, String)> {
-    let PlayedRun { play, played, metrics, .. } = *run;
-    let own = metrics.hub();
-    let turns = turned(None, own.peak_hub_angle_rad);
-    let lines = [
-        ("link", link_line(link, played.mesh())),
-        ("damping", played_damping(link, played, play)),
-        ("gravity", weight_line(link, played)),
-        ("input", played_hub(play)),
+    let before = [
+        size,
+        ("damping", damping),
+        ("gravity", gravity),
+        ("input", played_angles(play, metrics.joints.len())),
         ("torque", played_torque(play, metrics)),
         ("feedback", feedback_line(play)),
         played_by(played, play),
         ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
-        ("hub", hub_line(&turns, [own.peak_hub_rate_rad_s, own.peak_power_w])),
-        ("bending", own.peak_deflection_m.map(deflection).unwrap_or_default()),
+    ];
+    let joints = metrics.joints.iter().flat_map(|joint| joint_lines(joint, arm.has_weight()));
+    let after = [
         ("after", residual_line(played)),
         ("decay", decay_line(played, play)),
         ("error", tip_error_line(run)),
-        ("errors", simulation_errors(run.error, played, play)),
+        ("errors", simulation_errors(run)),
         ("model", model_line(played)),
+        ("measured", run.comparison.map(measured_text).unwrap_or_default()),
+        ("written", written),
     ];
-    lines.map(|(label, line)| (label.to_owned(), line)).to_vec()
+    let own = |(label, line): (&str, String)| (label.to_owned(), line);
+    let lines = before.map(own).into_iter().chain(joints).chain(after.map(own));
+    labelled(run.arm.title(), lines)
 }
 
-fn arm_lines(run: &PlayedRun<'_>) -> Vec<(String, String)> {
-    let PlayedRun { arm, play, played, metrics, .. } = *run;
-    let own = |label: &str, line: String| (label.to_owned(), line);
-    let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
-        (format!("joint {}", number + 1), joint_text(joint, arm.has_weight()))
-    });
-    let torques = format!("{}, {}", times(&played.grid), between(play.interpolation));
-    let [tip_m, joint_rad] = played.change();
-    let errors = [tip_m, joint_rad, played.imbalance()].map(|own| significant(own, 2));
-    let [tip, joint, energy] = errors;
-    let lines = [
-        own("arm", size_line(arm)),
-        own("damping", arm_damping_line(arm)),
-        own("gravity", gravity_line(arm)),
-        own("torques", torques),
-        own("feedback", gains_line(play)),
-    ];
-    let end = [
-        own("tip", tip_line(metrics, false)),
-        own("error", tip_error_line(run)),
-        own(
-            "errors",
-            format!(
-                "tip {tip} m, joints {joint} rad (half the step, finer polynomials);\n         energy {energy} of the largest"
-            ),
-        ),
-    ];
-    lines.into_iter().chain(joints).chain(end).collect()
+/// The lines of a hub, or the numbered ones of an arm's joint.
+fn joint_lines(joint: &PlayedJoint, has_weight: bool) -> Vec<(String, String)> {
+    let line =
+        |label, start: &str| joint_line(label, start, joint.joint, |own| (own.of_played)(joint));
+    let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
+    let Some(number) = joint.joint else {
+        let lines = [("hub", line("hub", &turns)), ("bending", line("bending", ""))];
+        return lines.map(|(label, line)| (label.to_owned(), line)).to_vec();
+    };
+    let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
+    let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
+    let holding =
+        if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
+    let text = format!("peak {peak} N m{holding}\n{:LABEL$}{}", "", line("hub", &turns));
+    vec![(format!("joint {}", number + 1), text)]
 }
 
 /// Viscous substitute for damping without an equation in time.
@@ -92,27 +79,6 @@ fn arm_damping_line(arm: &Arm) -> String {
 
 fn is_hysteretic(link: &Link) -> bool {
     matches!(link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0)
-}
-
-/// The gains of an arm's joints.
-fn gains_line(play: &Play<'_>) -> String {
-    let gains = play.feedback.iter().map(|own| {
-        let [kp, kd] = [own.stiffness_n_m_rad(), own.damping_n_m_s_rad()].map(plain);
-        format!("{kp} N m/rad, {kd} N m s/rad")
-    });
-    let mut gains: Vec<String> = gains.collect();
-    gains.dedup();
-    gains.join("; ")
-}
-
-fn joint_text(joint: &PlayedJoint, has_weight: bool) -> String {
-    let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
-    let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
-    let holding =
-        if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
-    let turns = turned(Some(joint.end_angles_rad), joint.peak_hub_angle_rad);
-    let turns = hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w]);
-    format!("peak {peak} N m{holding}\n{:LABEL$}{turns}", "")
 }
 
 /// A line for the compared times, then one for each channel.
@@ -181,13 +147,19 @@ fn played_damping(link: &Link, played: &Played, play: &Play<'_>) -> String {
         + if is_hysteretic(link) { &as_viscous } else { "" }
 }
 
+/// The played torque, with its peak for one link; the peaks of an arm are in the lines of its joints.
 fn played_torque(play: &Play<'_>, metrics: &PlayedMetrics) -> String {
     let peak = significant(metrics.hub().peak_torque_n_m.value, 4);
-    if let Input::Angles(_) = play.input {
-        return format!("peak {peak} N m, as the hub's motion takes it");
+    let is_link = metrics.joints.len() == 1;
+    match play.input {
+        Input::Angles(_) if is_link => format!("peak {peak} N m, as the hub's motion takes it"),
+        Input::Angles(_) => String::new(),
+        Input::Torques(_) => {
+            let (times, between) = (times(&play.input.grid()), between(play.interpolation));
+            let peak = if is_link { format!("; peak {peak} N m") } else { String::new() };
+            format!("{times}, {between}{peak}")
+        }
     }
-    let (times, between) = (times(&play.input.grid()), between(play.interpolation));
-    format!("{times}, {between}; peak {peak} N m")
 }
 
 /// Course of a torque between its samples.
@@ -205,18 +177,24 @@ fn times(grid: &TimeGrid) -> String {
     format!("{start} … {end} s at {} s", significant(grid.step_s, 3))
 }
 
-/// The hub's motion, if it is the input.
-fn played_hub(play: &Play<'_>) -> String {
+/// The motion of the hub or of the joints, if it is the input.
+fn played_angles(play: &Play<'_>, joints: usize) -> String {
+    let angle = if joints == 1 { "hub angle" } else { "joint angles" };
     match play.input {
         Input::Torques(_) => String::new(),
-        Input::Angles(_) => format!("hub angle, {}, quintic spline", times(&play.input.grid())),
+        Input::Angles(_) => format!("{angle}, {}, quintic spline", times(&play.input.grid())),
     }
 }
 
+/// The different gains of the feedback, the inner joint first.
 fn feedback_line(play: &Play<'_>) -> String {
-    let Some(feedback) = play.feedback.first() else { return String::new() };
-    let [kp, kd] = four([feedback.stiffness_n_m_rad(), feedback.damping_n_m_s_rad()]);
-    format!("{kp} N m/rad, {kd} N m s/rad around the reference")
+    let gains = play.feedback.iter().map(|own| {
+        let [kp, kd] = four([own.stiffness_n_m_rad(), own.damping_n_m_s_rad()]);
+        format!("{kp} N m/rad, {kd} N m s/rad")
+    });
+    let mut gains: Vec<String> = gains.collect();
+    gains.dedup();
+    if gains.is_empty() { String::new() } else { gains.join("; ") + " around the reference" }
 }
 
 /// Gravity, and the torque that holds a link with weight before it moves.
@@ -300,7 +278,16 @@ fn decay_line(played: &Played, play: &Play<'_>) -> String {
 }
 
 /// The errors of the simulation itself.
-fn simulation_errors(error: Option<&PlayError>, played: &Played, play: &Play<'_>) -> String {
+fn simulation_errors(run: &PlayedRun<'_>) -> String {
+    let PlayedRun { error, played, play, metrics, .. } = *run;
+    if metrics.joints.len() > 1 {
+        let [tip_m, joint_rad] = played.change();
+        let [tip, joint, energy] =
+            [tip_m, joint_rad, played.imbalance()].map(|number| significant(number, 2));
+        return format!(
+            "tip {tip} m, joints {joint} rad (half the step, finer polynomials);\n         energy {energy} of the largest"
+        );
+    }
     let measured = error.map(|PlayError { tip, hub_angle }| match (&played.by, play.input) {
         (PlayedBy::Elastica(_), _) => {
             format!(

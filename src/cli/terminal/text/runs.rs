@@ -10,7 +10,7 @@ use crate::link::{Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{Ends, TipMotion};
 use crate::numeric::ThinnedGrid;
-use crate::result::{JointMetrics, Metrics, MotorMetrics, Peak};
+use crate::result::{JointMetrics, JointQuantity, Metrics, Peak, QUANTITIES};
 use crate::text::{gigabytes, instant, plain, significant, visible};
 
 use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
@@ -26,15 +26,14 @@ pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
     format!("the motion of the nodes takes about {gigabytes} of memory{more}")
 }
 
-/// The summary of a link's solution; `written` names its files.
-pub(super) fn link_text(
+/// The lines of a link's solution before those of its hub.
+pub(super) fn link_lines(
     (solution, motion): (&Solution, &TipMotion),
     metrics: &Metrics,
-    written: String,
-) -> String {
+) -> Vec<(String, String)> {
     let (link, law) = (solution.link(), solution.law());
     let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
-    let before = [
+    let lines = [
         ("link", link_line(link, solution.mesh())),
         ("damping", damping_line(link, law, &frequencies)),
         ("gravity", gravity_line(solution)),
@@ -42,20 +41,40 @@ pub(super) fn link_text(
         ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
         ("motion", motion_line((solution, motion), metrics)),
     ];
-    let after = [("errors", solution_errors(solution)), ("written", written)];
-    labelled(link.title(), before.into_iter().chain(joint_lines(metrics.hub())).chain(after))
+    lines.map(|(label, line)| (label.to_owned(), line)).to_vec()
 }
 
 /// Lines of a joint, its link and its motor.
 pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
     let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
+    let line = |label, start| joint_line(label, start, joint.joint, |own| (own.of)(joint));
     [
-        ("torque", torque_line(joint)),
+        ("torque", line("torque", "")),
         ("timing", timing_text(joint)),
-        ("hub", hub_line(&turns, [joint.peak_hub_rate_rad_s, joint.peak_power_w])),
-        ("motor", joint.motor.as_ref().map(motor_line).unwrap_or_default()),
-        ("bending", bending_line(joint)),
+        ("hub", line("hub", &turns)),
+        ("motor", line("motor", "")),
+        ("bending", line("bending", "")),
     ]
+}
+
+/// The line of a label after its `start`, with all quantities that are shown there; empty without numbers.
+pub(super) fn joint_line(
+    label: &str,
+    start: &str,
+    joint: Option<usize>,
+    of: impl Fn(&JointQuantity) -> Option<f64>,
+) -> String {
+    let whole = if joint.is_some() { "arm" } else { "link" };
+    let part = |own: &JointQuantity| {
+        let shown = own.shown.filter(|shown| shown.line == label)?;
+        let number = (shown.number)(of(own)?);
+        Some(shown.text.replace("{link}", whole).replace("{}", &number))
+    };
+    let mut parts: Vec<String> = QUANTITIES.iter().filter_map(part).collect();
+    // The part that opens the line has no separator.
+    parts.sort_by_key(|part| part.starts_with([',', ';', ' ']));
+    let text = start.to_owned() + &parts.concat();
+    wrapped(text.split(", ").map(str::to_owned), "")
 }
 
 /// A title, then a line for each label with content.
@@ -223,28 +242,6 @@ fn with_peaks(motion: &str, solution: &Solution, metrics: &Metrics) -> String {
     wrapped(peaks.into_iter(), "")
 }
 
-/// Torque of hub or motor.
-fn acting(peak_n_m: Peak, rms_n_m: f64) -> String {
-    let peak = significant(peak_n_m.value, 4);
-    let (time, rms) = (instant(peak_n_m.time_s, 3), significant(rms_n_m, 3));
-    format!("peak {peak} N m at {time} s, rms {rms} N m")
-}
-
-/// The hub's torque, with that of a rigid link.
-fn torque_line(metrics: &JointMetrics) -> String {
-    let [peak, rigid] = four([metrics.peak_torque_n_m.value, metrics.peak_rigid_torque_n_m.value]);
-    let time = instant(metrics.peak_torque_n_m.time_s, 3);
-    let [rms, ratio] =
-        [metrics.rms_torque_n_m, metrics.torque_ratio].map(|number| significant(number, 3));
-    let parts = [
-        format!("peak {peak} N m at {time} s"),
-        format!("rms {rms}"),
-        format!("rigid {} {rigid}", if metrics.joint.is_some() { "arm" } else { "link" }),
-        format!("ratio {ratio}"),
-    ];
-    wrapped(parts.into_iter(), "")
-}
-
 pub(super) fn timing_text(metrics: &JointMetrics) -> String {
     let times_s = metrics.lead_s.zip(metrics.lag_s);
     times_s.map_or("one cycle, which the torque repeats".to_owned(), timing_line)
@@ -267,27 +264,6 @@ pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String
         Some([from, to]) => format!("turns from {from} to {to} rad"),
         None => format!("turns by up to {} rad", significant(peak_rad.value, 4)),
     }
-}
-
-/// Turn of a hub, its largest rate and its largest power.
-pub(super) fn hub_line(turns: &str, [rate_rad_s, power_w]: [Peak; 2]) -> String {
-    let [rate, power] = four([rate_rad_s.value, power_w.value]);
-    format!("{turns}; peaks {rate} rad/s, {power} W")
-}
-
-/// Torque, rate and power of the motor, on its side of the gear.
-fn motor_line(motor: &MotorMetrics) -> String {
-    let [rate, power] = four([motor.peak_rate_rad_s.value, motor.peak_power_w.value]);
-    acting(motor.peak_torque_n_m, motor.rms_torque_n_m) + &format!("; {rate} rad/s, {power} W")
-}
-
-pub(super) fn deflection(peak_m: Peak) -> String {
-    format!("tip deflects by up to {} m", significant(peak_m.value, 4))
-}
-
-fn bending_line(metrics: &JointMetrics) -> String {
-    let moment = significant(metrics.peak_root_moment_n_m.value, 4);
-    deflection(metrics.peak_deflection_m) + &format!(", root moment up to {moment} N m")
 }
 
 /// One kind of error of a quantity, if measured.
