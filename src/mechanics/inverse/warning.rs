@@ -355,7 +355,7 @@ impl Warning {
             Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
             Self::NearNyquist { .. } => "a smoother motion or a shorter step",
             Self::NearlyStretched { .. } => {
-                "a path that stays away from the stretched arm and from the first joint"
+                "use a path that keeps away from the stretched arm and from the first joint"
             }
             Self::FellBack { .. } => {
                 "a slower or smoother motion, or stiffer links; analysis.second_order = \"full\" refuses instead"

@@ -160,7 +160,7 @@ pub enum ModelError {
     },
     /// No torque moves the tip at this frequency, or numbers exceed double precision.
     #[error(
-        "the torque at {} Hz = not a finite number, but must be one",
+        "the torque at {} Hz is not a finite number",
         significant(*frequency_hz, 6)
     )]
     NotFinite {
@@ -179,9 +179,8 @@ impl ModelError {
                 "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
             }
             Self::NotFinite { .. } => {
-                "no torque moves the tip there (a payload's inertia without damping, or damping that \
-                 no wave survives), the mesh is far too coarse, or the inputs are too large for \
-                 double precision"
+                "look for a payload's inertia without damping, damping that absorbs every wave, a mesh far too \
+                 coarse, or inputs too large for double precision"
             }
         }
     }

@@ -113,7 +113,7 @@ pub enum CycleError {
         jump_rad: f64,
     },
     /// A cycle with its first sample again as the last one.
-    #[error("the last row of the cycle = the first one again, but must be the one before it")]
+    #[error("the last row of the cycle repeats the first one, but must be the row before it")]
     Repeats,
     /// A vibration of an undamped link that grows or is not finite.
     #[error("the cycle = in step with a vibration that is not damped, but must not be")]

@@ -25,7 +25,7 @@ pub enum SimulationError {
     #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
     MasslessHub,
     /// A link without equations for weight or large angles.
-    #[error("{what}, but weight and second-order terms are played on links {known}")]
+    #[error("{what}, but weight and second-order terms need a link {known}")]
     NotDerived {
         /// Unsupported property of the link.
         what: &'static str,
@@ -33,7 +33,7 @@ pub enum SimulationError {
         known: &'static str,
     },
     /// A link with gravity but without a direction.
-    #[error("start_angle is missing, but must be given: with gravity the direction matters")]
+    #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
     /// A state that does not suit the link, or that comes with a prescribed motion of the hub.
     #[error("the state = {found}, but must {must}")]
@@ -113,13 +113,13 @@ pub enum SimulationError {
         allowed: usize,
     },
     /// Steps too long for the motion.
-    #[error("the motion up to {} s does not converge, but must", rounded(*time_s, 12))]
+    #[error("the motion does not converge at {} s", rounded(*time_s, 12))]
     NotConverged {
         /// The time in s.
         time_s: f64,
     },
     /// Numbers beyond double precision.
-    #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
+    #[error("the motion at {} s is not a finite number", rounded(*time_s, 12))]
     NotFinite {
         /// The time in s.
         time_s: f64,
@@ -130,7 +130,7 @@ impl SimulationError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Plan(_) => "make the plan of the mesh from the link that it is for",
+            Self::Plan(_) => "make the plan of the mesh from this link",
             Self::Damping(error) => error.hint(),
             Self::Cycle(error) => error.hint(),
             Self::OtherTimes { .. } => "take hub_angle.csv and torque.csv of one run of solve",
@@ -144,7 +144,7 @@ impl SimulationError {
                 "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link"
             }
             Self::NoStartAngle => {
-                "--set 'start_angle=\"-90 deg\"' is the direction of a link that hangs, where gravity is along -y"
+                "set start_angle: --set 'start_angle=\"-90 deg\"' is a hanging link where gravity is along -y"
             }
             Self::State { .. } => "--save-state of a run of the same link writes it",
             Self::NoRest => "a stiffer link, or another start_angle",

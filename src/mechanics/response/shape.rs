@@ -331,7 +331,7 @@ pub(super) fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), Simula
         return refused("the damping drags every mass (alpha)", "with alpha = 0");
     }
     if law.is_modal() {
-        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
+        return refused("the damping is set mode by mode", "with hysteretic or rayleigh damping");
     }
     Ok(())
 }

@@ -86,7 +86,7 @@ fn numbers_beyond_double_precision() {
     assert!((periods_s * 256.0 - (periods_s * 256.0).round()).abs() < 1e-6, "{periods_s} s");
     let message = error.to_string();
     let expected = format!(
-        "the torque at {} Hz = not a finite number, but must be one",
+        "the torque at {} Hz is not a finite number",
         significant(frequency_hz, 6)
     );
     assert_eq!(message, expected);
