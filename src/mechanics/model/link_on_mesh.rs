@@ -149,8 +149,8 @@ pub enum ModelError {
     },
     /// Damping by modes needs all modes of a mesh that is too large.
     #[error(
-        "the mesh = {elements} elements, but must be at most {limit} for modal damping: it needs \
-         all modes, and dense algebra grows with the cube of their number"
+        "the mesh has {elements} elements, but must have at most {limit} for modal damping, which needs all modes: \
+         dense algebra grows with the cube of their number"
     )]
     TooManyElements {
         /// Number of elements of the mesh.
@@ -176,7 +176,7 @@ impl ModelError {
             Self::Damping(error) => error.hint(),
             Self::NotSoManyModes { .. } => "keep fewer modes, or give the mesh more elements",
             Self::TooManyElements { .. } => {
-                "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
+                "use fewer elements, or hysteretic or rayleigh damping, which have no such limit"
             }
             Self::NotFinite { .. } => {
                 "look for a payload's inertia without damping, damping that absorbs every wave, a mesh far too \

@@ -140,7 +140,7 @@ impl Kind {
         what: "with further iterations",
         of: PEAK,
         bound: |answer| answer.solution.analysis.tolerance(),
-        hint: "a slower motion or a stiffer link",
+        hint: "use a slower motion or a stiffer link",
     };
     pub(super) const STEP: Self = Self {
         name: "step_halving",
