@@ -273,8 +273,7 @@ impl Motion {
         let tip = match link {
             Some(link) => options.resample.motion_in(table, link)?,
             None if is_of_angle => {
-                let message =
-                    "link = nothing, but must be given for angles: they are arcs of its length";
+                let message = "link is missing: angles are arcs of its length";
                 return Err(usage(&message, None));
             }
             None => options.resample.motion_in_plane(table)?,

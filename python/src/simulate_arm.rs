@@ -48,8 +48,8 @@ fn arm_moves(
         given.map(|given| columns(name, &given, (time_s.len(), links))).transpose()
     };
     let Some(torques) = of_joints("torque")? else {
-        let must = "must be given, a column for each joint";
-        return Err(usage(&format!("torque = nothing, but {must}"), None).into());
+        let must = "an arm needs a column for each joint";
+        return Err(usage(&format!("torque is missing: {must}"), None).into());
     };
     let torques = torques.into_iter().map(|own| Torque::new(&time_s, own));
     let torques: Vec<Torque> = torques.collect::<Result<_, _>>().map_err(|e| history(&e))?;

@@ -76,7 +76,7 @@ fn written<'a>(
     what: &str,
     hint: &str,
 ) -> Result<&'a StoredNodes, Failure> {
-    let message = format!("{what} = nothing, but must have been written");
+    let message = format!("{what} is missing: the run did not write it");
     of.ok_or_else(|| Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 

@@ -75,11 +75,11 @@ def test_stations_of_arrays_are_read_back(command: Command, tmp_path: Path) -> N
     assert 0.5 in nodes and 0.7 in nodes
     repeated = command("solve", "--repeat", tmp_path / "s")
     assert repeated.returncode == 3  # an input is refused
-    assert "inputs.link = nothing, but must be there" in repeated.stderr
+    assert "inputs.link is missing" in repeated.stderr
     assert "a program wrote this run without input files" in repeated.stderr
     with pytest.raises(flexlink.InputError, match="stations = 0.123 m, but must be a node") as told:
         solution.write(tmp_path / "t", stations=[0.123])
-    assert told.value.hint == "what is solved with stations has nodes there"
+    assert told.value.hint == "solve with --stations to have nodes there"
     with pytest.raises(flexlink.InputError, match="unexpected keyword `node`") as told:
         solution.write(tmp_path / "t", node=[1])  # type: ignore[call-arg]
     assert told.value.hint == "did you mean `nodes`?"
@@ -127,7 +127,7 @@ def test_a_motion_is_read_once_and_gives_the_same_bytes(tmp_path: Path) -> None:
 
 def test_angles_are_arcs_of_one_link() -> None:
     link, angle = strip(), MOVED / 1.5
-    with pytest.raises(flexlink.InputError, match="link = nothing, but must be given for angles"):
+    with pytest.raises(flexlink.InputError, match="link is missing: angles are arcs of its length"):
         flexlink.Motion(TIME, angle=angle)
     motion = flexlink.Motion(TIME, angle=angle, link=link)
     by_call = flexlink.solve(link, TIME, angle=angle)

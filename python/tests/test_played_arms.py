@@ -149,8 +149,8 @@ def test_what_cannot_be_played_is_refused_in_words() -> None:
     assert refused(torque=torque[:, 0]) == (
         "torque: shape = (101,), but must have the shape (101, 2)"
     )
-    assert refused(torque=None).startswith("torque = nothing, but must be given")
-    assert refused(at=None).startswith("at = nothing, but must say where the arm starts")
+    assert refused(torque=None).startswith("torque is missing")
+    assert refused(at=None).startswith("at is missing: nothing states where the arm starts")
     assert refused(at=[0.1]).startswith("at = 1 directions, but must be 2 directions")
     assert refused(feedback=GAINS).startswith("one of feedback and reference")
     assert refused(reference_rate=torque).startswith("one of feedback and reference")

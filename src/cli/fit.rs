@@ -251,7 +251,7 @@ impl Fit {
         });
         console::deliver_all(&files.collect::<Vec<_>>())?;
         if let Some(output) = self.output.as_deref().filter(|file| !is_believed && file.exists()) {
-            console::note(&format!("{} is not of this fit", output.display()));
+            console::note(&format!("{} belongs to another fit", output.display()));
         }
         let written = page.map(|page| format!("written  {}\n", shown_path(&page)));
         Ok((replaced, written.unwrap_or_default()))
@@ -261,11 +261,11 @@ impl Fit {
 /// Refuses a link file whose record has no place beside it.
 pub fn check_output(output: &Path) -> Result<(), Failure> {
     let (but, hint) = if console::is_standard_output(output) {
-        ("must be a file".to_owned(), "its record is written beside it")
+        ("must be a file".to_owned(), "name a file: its record is written beside it")
     } else if let Some(record) = foreign_fit_record(output) {
         let but =
             format!("its record {} would replace a file that no fit has written", record.display());
-        (but, "another name for the link file, or for that file")
+        (but, "use another name for the link file, or for that file")
     } else {
         return Ok(());
     };
@@ -293,7 +293,7 @@ impl Problem {
             let value: FreeValue = text.parse().map_err(usage)?;
             let bounds = document.free(&value, &changes).map_err(usage)?;
             if free.iter().any(|(_, earlier): &(_, Free)| earlier.path == bounds.path) {
-                let message = format!("--free {} is given twice", bounds.path);
+                let message = format!("--free {} appears twice", bounds.path);
                 return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
             }
             free.push((value, bounds));

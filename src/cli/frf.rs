@@ -205,8 +205,8 @@ impl Frf {
         if !are_possible || (from_hz >= to_hz && self.points != 1) {
             let [from, to] = [from_hz, to_hz].map(given);
             let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
-            let must = format!("but must rise within {least:e} … {most:e} Hz");
-            let message = format!("--from {from} --to {to} = no range, {must}");
+            let must = format!("must rise within {least:e} … {most:e} Hz");
+            let message = format!("--from {from} --to {to}: the frequencies {must}");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
         let bytes = self.points.saturating_mul(row_bytes).saturating_add(OWN_BYTES);
@@ -251,12 +251,12 @@ impl Frf {
             }
         }
         if falls {
-            let words = format!("{}: only under control does it respond so", falling(arm, "free"));
+            let words = format!("{}: it responds so only under control", falling(arm, "free"));
             let hint = match arm.links() {
                 [_] => {
-                    "modes --at tells how fast the straight link falls; here its sag counts, too"
+                    "modes --at prints how fast the straight link falls; here its sag counts, too"
                 }
-                _ => "modes --at tells how fast it falls",
+                _ => "modes --at prints how fast it falls",
             };
             console::warning(words, hint);
         }

@@ -192,8 +192,8 @@ fn straight(
     wanted: Wanted,
 ) -> Result<ModesResult, Failure> {
     let Some(gravity) = link.gravity() else {
-        let message = "--at = an angle, but the link file has no gravity";
-        let hint = "give it as --set 'gravity=[0, -9.81]'";
+        let message = "--at needs gravity, but the link file has none";
+        let hint = "add it: --set 'gravity=[0, -9.81]'";
         return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     };
     let is_resolved = plan.is_automatic() || wanted == Wanted::Tables;
@@ -221,8 +221,8 @@ fn straight(
     let settled = |hub: PoseHub, count| {
         let on = |mesh: &Mesh| {
             pose_modes(mesh, outward_m_s2, hub, count).ok_or_else(|| {
-                let message = "a motion of the link moves no mass, but must move some for --at";
-                let hint = "give the segments and the hub mass";
+                let message = "a motion of the link moves no mass, but must with --at";
+                let hint = "add mass to the segments and inertia to the hub";
                 Failure::new(Exit::NotSolvable, &message, Some(hint))
             })
         };
@@ -316,9 +316,9 @@ fn warn_of_fall(arm: &Arm, [free, held]: [bool; 2]) -> usize {
         console::warning(words, hint);
     };
     if held {
-        warn("held", "a stiffer link, or less mass at its tip: the weight buckles it");
+        warn("held", "use a stiffer link, or less mass at its tip: the weight buckles the link");
     } else if free {
-        warn("free", "the table tells how fast; a controller that holds the pose changes that");
+        warn("free", "the table shows how fast; a controller that holds the pose changes this");
     }
     usize::from(free || held)
 }

@@ -151,7 +151,11 @@ fn a_sign_that_may_stand_between_thousands_needs_the_option() {
     let rows = (0..=100).map(row).collect::<Vec<_>>().concat();
     bench.write("um.csv", &format!("Zeit (ms);Weg (um)\n{rows}"));
     let arguments = ["solve", &repository(LINK), "um.csv", "--decimal", "point"];
-    bench.refuses(3, &arguments[..3], "hint: --decimal point says that decimals follow; nothing");
+    bench.refuses(
+        3,
+        &arguments[..3],
+        "hint: use --decimal point if decimals follow it; write nothing",
+    );
     bench.done(&arguments);
 }
 

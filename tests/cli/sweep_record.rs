@@ -78,7 +78,7 @@ fn a_file_in_the_place_of_the_record_is_kept() {
     let bench = Bench::new();
     bench.write("sweep.json", "{\"mine\": true}\n");
     let message = "error: --output = sweep.csv, but its record sweep.json would replace a file that \
-                   no sweep has written\nhint: another name for the table, or for that file\n";
+                   no sweep has written\nhint: use another name for the table, or for that file\n";
     let output = sweep(&bench, &VARY);
     assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(2), message));
     assert_eq!(bench.names("."), ["sweep.json"]);

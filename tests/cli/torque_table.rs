@@ -90,7 +90,7 @@ fn a_cut_that_moves_the_tip_off_is_warned_of() {
     let (text, warned) = (stdout(&output), stderr(&output));
     assert!(warned.contains("warning: the torque table moves the tip off by "), "{warned}");
     assert!(
-        warned.contains("hint: a smaller --window, or feedback of the hub's angle\n"),
+        warned.contains("hint: use a smaller --window, or feedback of the hub's angle\n"),
         "{warned}"
     );
     // 2 % of the peak are reached 0.305 s before the motion.

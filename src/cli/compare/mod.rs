@@ -163,13 +163,12 @@ impl Compare {
             return 0;
         }
         let message = format!(
-            "{}: is not the table of the summary.json beside it any more: solve --repeat of the \
-             folder finds a difference",
+            "{}: no longer matches the summary.json beside it: solve --repeat of the folder finds a difference",
             self.expected.display()
         );
         console::warning(
             message,
-            "compare the two folders with --bless, and the whole run is taken",
+            "compare the two folders with --bless, which copies the whole run",
         );
         1
     }
@@ -199,7 +198,7 @@ impl Compare {
         for inner in &sides.unread_tolerances {
             let path = self.expected.join(inner);
             let message = format!("{}: is not read", path.display());
-            console::warning(message, "only that of the folder EXPECTED is, with paths in `file`");
+            console::warning(message, "move its entries to tolerances.toml of EXPECTED");
         }
         idle.len() + sides.unread_tolerances.len()
     }

@@ -111,7 +111,7 @@ pub(crate) fn warn_of_gravity(link: &Link) -> usize {
     let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
     console::warning(
         left_out,
-        "modes --at ANGLE has those of one direction; --set 'gravity=[0, 0]' is a horizontal plane",
+        "compute those of one direction with modes --at ANGLE; --set 'gravity=[0, 0]' is a horizontal plane",
     );
     1
 }

@@ -63,9 +63,9 @@ impl HoldArgs {
         if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
             return Ok(());
         }
-        let must = "must be uniform for --hold zero or linear";
-        let message = format!("{}: times = off a uniform step, but {must}", file.shown);
-        let hint = "write times with more decimals, or --hold cubic";
+        let must = "must be for --hold zero or linear";
+        let message = format!("{}: the times are not uniform, but {must}", file.shown);
+        let hint = "write times with more decimals, or use --hold cubic";
         Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
     }
 
@@ -281,10 +281,9 @@ impl PlayArgs {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
         };
         match &self.feedback {
-            _ if self.at.is_some() => refused(
-                "--at = directions of chords",
-                "must not be given for one link, whose start_angle says it",
-            ),
+            _ if self.at.is_some() => {
+                refused("--at sets the directions of an arm", "one link starts at its start_angle")
+            }
             Some(gains) if gains.len() > 1 => {
                 refused("--feedback = several pairs", "must be one, KP,KD, for one link")
             }

@@ -233,7 +233,7 @@ pub fn refusal(error: &SimulationError, is_arm: bool) -> (String, Option<&'stati
             "use rayleigh damping of the links, such as beta = 1e-3, torques that are smaller or have a shorter \
              step, or smaller gains",
         ),
-        SimulationError::State { .. } => Some("use a state that --save-state of the same arm wrote"),
+        SimulationError::State { .. } => Some("use a state that --save-state of this arm wrote"),
         _ => error.hint(),
     };
     (error.to_string(), hint)

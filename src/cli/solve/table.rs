@@ -117,8 +117,8 @@ impl WriteArgs {
         };
         let [start, most, step] = [start_s, most_s, step_s].map(|time_s| significant(time_s, 3));
         let message = format!(
-            "--start-at = {start} s, but must lie from -{most} to {most} s: farther out, times a step of {step} s \
-             apart are not told apart to a thousandth of it"
+            "--start-at = {start} s, but must lie from -{most} to {most} s: farther out, double precision does not \
+             separate times {step} s apart to a thousandth of a step"
         );
         Err(Failure::new(Exit::Usage, &message, None))
     }
@@ -231,7 +231,7 @@ impl WriteArgs {
         );
         let hint = match self.window {
             Some(_) => words.smaller,
-            None => "a motion with a shorter step",
+            None => "use a motion with a shorter step",
         };
         Some(Notice::new("table_moves_tip", &message, hint))
     }
@@ -294,14 +294,14 @@ struct Words {
 const OF_LINK: Words = Words {
     of_torque: "the ",
     drift: "; a free hub drifts on after a cut",
-    smaller: "a smaller --window, or feedback of the hub's angle",
+    smaller: "use a smaller --window, or feedback of the hub's angle",
     motor: "torque at the hub, beyond the gear; with -o the motor's own is in motor.csv",
 };
 
 const OF_ARM: Words = Words {
     of_torque: "every ",
     drift: "; free joints drift on after a cut",
-    smaller: "a smaller --window, or feedback of the joints",
+    smaller: "use a smaller --window, or feedback of the joints",
     motor: "torques at the joints, beyond gears; motor.csv of -o has the motors'",
 };
 
@@ -315,7 +315,7 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     if *change_m > KNOWN * tip.worst_m {
         let change = significant(*change_m, 1);
         lines.push(format!(
-            "that is known to {change} m, what the simulations' last refinements change"
+            "known to {change} m, the change by the last refinements of the simulations"
         ));
     }
     if !feedback.is_empty() {

@@ -234,7 +234,7 @@ impl Sweep {
             return Ok(plan);
         }
         let message = format!("--vary: {cases} cases, but must be at most {MOST_CASES} in one run");
-        Err(Failure::new(Exit::Usage, &message, Some("fewer values, or a part of them by --shard")))
+        Err(Failure::new(Exit::Usage, &message, Some("use fewer values, or a part: --shard")))
     }
 
     /// Prints that an earlier run has completed the sweep.

@@ -147,7 +147,7 @@ impl From<VerificationError> for Failure {
 impl From<FitError> for Failure {
     fn from(error: FitError) -> Self {
         let hint = match &error {
-            FitError::TooSlow { .. } => Some("use a higher limit, a shorter travel or a longer step"),
+            FitError::TooSlow { .. } => Some("use a higher limit, shorter travel or longer step"),
             FitError::TooHeavy { .. } | FitError::TooHeavyArm { .. } => {
                 Some("use a higher limit, or a lighter link")
             }

@@ -241,15 +241,15 @@ impl Trajectory {
         } else {
             return Ok(());
         };
-        let message = format!("{option} is given, but has an effect only with {needs}");
+        let message = format!("{option} has an effect only with {needs}");
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
     /// Returns an error without a duration, unless a link has limits that decide.
     fn check_duration(&self) -> Result<(), Failure> {
         let message = match (&self.duration, &self.link, self.profile) {
-            (None, None, Choice::Best) => "--link is missing, but must be given with best",
-            (None, None, _) => "--duration is missing, but must be given without --link",
+            (None, None, Choice::Best) => "PROFILE = best, but needs --link",
+            (None, None, _) => "--duration is missing: without --link nothing limits the motion",
             _ => return Ok(()),
         };
         let hint = "--link LINK finds the shortest motion within the limits of the link file and of --fit-limit";
@@ -282,7 +282,7 @@ impl Trajectory {
         for ((option, _), (from_m, to_m)) in self.travels().zip(before.zip(&stops_m)) {
             if (to_m - from_m).abs() < *DISTANCES_M.start() {
                 let (from, to) = (plain(*from_m), plain(*to_m));
-                let must = format!("but must differ from {from} m, where the tip is before");
+                let must = format!("but must differ from {from} m, the place before it");
                 return Err(Failure::new(Exit::Usage, &format!("{option} = {to} m, {must}"), None));
             }
         }
@@ -298,7 +298,7 @@ impl Trajectory {
             Described::Arm(arm) => Ok(arm),
             Described::Link(_) => {
                 let message = format!(
-                    "--link = {}, a file of one link, but must be that of an arm with --path",
+                    "--link = {}, a file of one link, but must be a file of an arm with --path",
                     file.shown
                 );
                 let hint = "--distance makes the motion of one link's tip";
@@ -338,15 +338,13 @@ fn displacement_m(
         (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link.length_m(),
         (Travel::Angle(angle_rad), None) => {
             let angle = given(angle_rad);
-            let message =
-                format!("{option} = {angle} rad, but must be a length unless --link is given");
-            let hint = "--link LINK gives the length of the link that turns";
+            let message = format!("{option} = {angle} rad, but must be a length without --link");
+            let hint = "name the link that turns: --link LINK";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         }
         (Travel::Place(_), _) => {
-            let message = format!(
-                "{option} = x and y, but must be the travel of the tip unless --path is given"
-            );
+            let message =
+                format!("{option} = x and y, but must be the travel of the tip without --path");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
     };

@@ -42,8 +42,8 @@ impl Travel {
         if let Self::Place(place) = self {
             return Ok(*place);
         }
-        let message = "--via = a travel, but must be a place, x and y, where --path is given";
-        Err(Failure::new(Exit::Usage, &message, Some("it reads like --via 0.5,0.2")))
+        let message = "--via = a travel, but must be a place, x and y, with --path";
+        Err(Failure::new(Exit::Usage, &message, Some("write it like --via 0.5,0.2")))
     }
 }
 
@@ -165,8 +165,7 @@ impl PathArgs {
                 Kind::Line => ("line", "arc"),
                 Kind::Arc => ("arc", "line"),
             };
-            let message =
-                format!("{option} is given, but belongs to --path {other}, not to --path {own}");
+            let message = format!("{option} belongs to --path {other}, not to --path {own}");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
         let curve = match kind {

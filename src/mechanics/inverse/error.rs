@@ -15,10 +15,7 @@ pub enum InversionError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A frequency where every torque moves the tip by rounding alone.
-    #[error(
-        "no torque moves the tip at {} Hz",
-        significant(*frequency_hz, 6)
-    )]
+    #[error("no torque moves the tip at {} Hz", significant(*frequency_hz, 6))]
     BlockedTip {
         /// The frequency in Hz.
         frequency_hz: f64,
@@ -49,9 +46,7 @@ pub enum InversionError {
         tolerance: f64,
     },
     /// A link with gravity but without a direction.
-    #[error(
-        "start_angle is missing: with gravity the direction of the link matters"
-    )]
+    #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
     /// Ends of the motion that do not suit this link or the analysis.
     #[error("{0}")]
@@ -99,7 +94,9 @@ pub enum RefusedEnds {
     #[error("analysis.lead and analysis.lag have no meaning for a periodic motion")]
     Edges,
     /// A cycle under gravity that ends in another direction.
-    #[error("the cycle does not make whole turns, but with gravity it must end in its first direction")]
+    #[error(
+        "the cycle does not make whole turns, but with gravity it must end in its first direction"
+    )]
     Turned,
 }
 

@@ -322,8 +322,8 @@ impl Warning {
             Self::TipMissed { shortfall: Shortfall::Noise, .. } => {
                 "use an analysis.tip_tolerance above the noise, or write the motion with more digits"
             }
-            Self::InexactWindow { .. } => "use a longer analysis.lead and analysis.lag, or a looser tolerance",
-            Self::CoarseStep { .. } => "use an analysis.tip_tolerance above 0, or a smoother motion",
+            Self::InexactWindow { .. } => "use longer analysis.lead and lag, or a looser tolerance",
+            Self::CoarseStep { .. } => "use analysis.tip_tolerance above 0, or a smoother motion",
             Self::UnsettledTorque { .. } => {
                 "use a smoother motion or a larger analysis.tip_tolerance, or write the motion with more digits"
             }
@@ -331,12 +331,12 @@ impl Warning {
                 "use a displacement with more digits or less noise, the acceleration instead, or a slower or \
                  smoother motion"
             }
-            Self::TorqueCut { .. } => "use a longer analysis.lead and analysis.lag, or leave both out",
-            Self::WrapAround { .. } => "use a longer analysis.lag, more damping or a looser tolerance",
+            Self::TorqueCut { .. } => "use longer analysis.lead and lag, or leave both out",
+            Self::WrapAround { .. } => "lengthen analysis.lag, add damping or loosen the tolerance",
             Self::LongWindow { .. } => {
                 "add damping; analysis.lead and analysis.lag limit the window, --every the rows of the nodal tables"
             }
-            Self::FewModes { .. } => "use a larger analysis.modes, or leave it out to keep all modes",
+            Self::FewModes { .. } => "raise analysis.modes, or leave it out to keep all modes",
             Self::InexactModel { .. } => {
                 "use analysis.second_order = \"full\", a slower motion or a stiffer link"
             }
@@ -346,10 +346,8 @@ impl Warning {
             Self::SecondOrderLeftOut { .. } => {
                 "use analysis.second_order = \"full\", which includes them or states why it cannot"
             }
-            Self::ThickLink { .. } => {
-                "set theory = \"timoshenko\" in the link file"
-            }
-            Self::BlockedTip { .. } => "use a smoother or slower motion, which avoids the frequency",
+            Self::ThickLink { .. } => "set theory = \"timoshenko\" in the link file",
+            Self::BlockedTip { .. } => "use a smoother or slower motion to avoid the frequency",
             Self::NearNyquist { .. } => "use a smoother motion or a shorter step",
             Self::NearlyStretched { .. } => {
                 "use a path that keeps away from the stretched arm and from the first joint"

@@ -159,10 +159,7 @@ pub enum ModelError {
         limit: usize,
     },
     /// No torque moves the tip at this frequency, or numbers exceed double precision.
-    #[error(
-        "the torque at {} Hz is not a finite number",
-        significant(*frequency_hz, 6)
-    )]
+    #[error("the torque at {} Hz is not a finite number", significant(*frequency_hz, 6))]
     NotFinite {
         /// The frequency in Hz.
         frequency_hz: f64,

@@ -184,12 +184,10 @@ impl MotionError {
             Self::AddsVelocity { .. } => {
                 Some("give one whole cycle, without the row that begins the next one")
             }
-            Self::UnknownVelocity => {
-                Some("add a column of the velocity or the displacement")
-            }
-            Self::Steady => {
-                Some("change the motion: a constant velocity needs only the torque of the hub's friction")
-            }
+            Self::UnknownVelocity => Some("add a column of the velocity or the displacement"),
+            Self::Steady => Some(
+                "change the motion: a constant velocity needs only the torque of the hub's friction",
+            ),
             Self::Unclosed { .. } => Some("add a velocity column if each cycle ends farther on"),
             Self::AcceleratingEnd { .. } => {
                 Some("begin and end with rows at constant velocity, or at rest")
@@ -292,9 +290,7 @@ impl PathError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Column { error: MotionError::MovingAtEnd { .. }, .. }
-            | Self::TurnsAtEnd { .. } => {
-                Some("add the samples that bring the arm to rest")
-            }
+            | Self::TurnsAtEnd { .. } => Some("add the samples that bring the arm to rest"),
             Self::Column { error, .. } | Self::Motion(error) => error.hint(),
             Self::Jump { .. } => Some("add or subtract 2π, or 360 deg, from there on"),
             Self::TooMany { .. } => Some("leave the column out, or add the link to the arm file"),
@@ -396,7 +392,9 @@ impl CurveError {
             Self::FewSteps { .. } => Some(
                 "use a longer duration or a shorter step; on the path of an arm, --corner avoids the stops",
             ),
-            Self::TurnsAtOnce { .. } => Some("use --dwell TIME, or a profile without jumps: sine, min-jerk or septic"),
+            Self::TurnsAtOnce { .. } => {
+                Some("use --dwell TIME, or a profile without jumps: sine, min-jerk or septic")
+            }
         }
     }
 }

@@ -149,7 +149,7 @@ impl CycleError {
                 "leave the last row out: the first row follows the last one, a step later"
             }
             Self::Resonance => "add damping to the link",
-            Self::Free => "set hub.viscous_friction, or use --feedback; a free hub keeps the rate of its start: --state",
+            Self::Free => "set hub.viscous_friction, or use --feedback or --state",
         }
     }
 }

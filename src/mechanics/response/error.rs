@@ -36,7 +36,7 @@ pub enum SimulationError {
     #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
     /// A state that does not suit the link, or that comes with a prescribed motion of the hub.
-    #[error("the state = {found}, but must {must}")]
+    #[error("the state {found}, but must {must}")]
     State {
         /// Invalid content of the state, in words.
         found: String,
@@ -44,9 +44,7 @@ pub enum SimulationError {
         must: String,
     },
     /// A link too soft for its weight.
-    #[error(
-        "the link has no shape at rest under its weight where it starts"
-    )]
+    #[error("the link has no shape at rest under its weight where it starts")]
     NoRest,
     /// No cycle that repeats.
     #[error(transparent)]
@@ -136,7 +134,7 @@ impl SimulationError {
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
                 "use an earlier end, or a torque with a longer step"
             }
-            Self::NotConverged { .. } => "use damping, such as beta = 2e-3, hub.inertia or a shorter step",
+            Self::NotConverged { .. } => "use damping (beta = 2e-3), hub.inertia or a shorter step",
             Self::NotFinite { .. } => "the inputs are too large for double precision",
             Self::EndsEarly { .. } => "leave it out to end with the torque",
             Self::NotDerived { .. } => {
@@ -145,7 +143,7 @@ impl SimulationError {
             Self::NoStartAngle => {
                 "set start_angle: --set 'start_angle=\"-90 deg\"' is a hanging link where gravity is along -y"
             }
-            Self::State { .. } => "use a state that --save-state of the same link wrote",
+            Self::State { .. } => "use a state that --save-state of this link wrote",
             Self::NoRest => "use a stiffer link, or another start_angle",
             Self::MasslessHub => "set hub.inertia above 0, however small",
             Self::NoTorque | Self::NoTurn => return None,
@@ -358,8 +356,7 @@ impl SimulationWarning {
                 "use torques that end at zero, as those of solve do unless the window is cut"
             }
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
-                "use a torque that begins and ends at zero, as that of solve does unless its window is cut or its \
-                 tip does not rest"
+                "use a torque that begins and ends at zero, as that of solve for an uncut window and a tip at rest"
             }
             Self::HubBeginsMoving { .. } => "use a recording that begins at rest",
             Self::RoughTorque { .. } => {
@@ -381,15 +378,13 @@ impl SimulationWarning {
             Self::ReferenceApart { .. } => {
                 "set start_angle to that of the run: hub_angle.csv of solve begins there"
             }
-            Self::StateCut { .. } => "use the mesh of the run that wrote the state, and a shorter step",
+            Self::StateCut { .. } => "use the mesh of the earlier run, and a shorter step",
             Self::Unsettled { is_arm: true, .. } => {
-                "use feedback if the arm falls from its pose; use torques without jumps, or damping and hub.inertia \
-                 if they jump"
+                "use feedback if the arm falls from its pose; else torques without jumps, or damping and hub.inertia"
             }
             Self::Imbalance { .. } => "use a shorter step of the torques, or smaller gains",
             Self::Unsettled { .. } => {
-                "use feedback if the link falls from its pose; use an input without jumps, or damping and \
-                 hub.inertia if it jumps"
+                "use feedback if the link falls from its pose; else an input without jumps, or damping and hub.inertia"
             }
             Self::CoarseMesh { .. } => {
                 "use more elements, mesh.elements = \"auto\", or a torque without jumps and corners"

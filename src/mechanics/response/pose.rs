@@ -77,7 +77,7 @@ impl PoseError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Directions { .. } => Some("as in --at '30 deg,75 deg', the inner link first"),
+            Self::Directions { .. } => Some("write --at '30 deg,75 deg', the inner link first"),
             Self::Shear { .. } => Some("set theory = \"euler-bernoulli\""),
             Self::Damping { .. } => Some("set damping = { model = \"rayleigh\", beta = … }"),
             Self::NoShape => Some("use stiffer links, or a pose in which they carry less"),

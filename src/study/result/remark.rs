@@ -297,9 +297,7 @@ impl Remark {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
             Self::Jitter { .. } => "--resample STEP interpolates at another step",
-            Self::DroppedOutliers { .. } => {
-                "leave --drop-outliers out to see the first of them"
-            }
+            Self::DroppedOutliers { .. } => "leave --drop-outliers out to see the first of them",
             Self::MovingEnds { .. } => {
                 "confirm it with --moving-ends, or add the rows that bring the tip to rest"
             }

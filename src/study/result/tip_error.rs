@@ -65,7 +65,7 @@ impl LateTarget {
 
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
-        "a target that begins before the tip moves"
+        "use a target that begins before the tip moves"
     }
 }
 

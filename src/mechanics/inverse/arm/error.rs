@@ -28,9 +28,7 @@ pub enum ArmError {
         links: usize,
     },
     /// A motion along an arc for several links, or a path for one.
-    #[error(
-        "the motion does not suit {links} links: one link needs an arc, several need a path"
-    )]
+    #[error("the motion does not suit {links} links: one link needs an arc, several need a path")]
     OtherMotion {
         /// Links of the arm.
         links: usize,
@@ -119,7 +117,9 @@ impl ArmError {
         Some(match self {
             Self::Inversion(error) => return error.hint(),
             Self::Finer(error) => return error.hint(),
-            Self::NoElbow => "set elbow = \"left\" if the second link turns left from the first, else \"right\"",
+            Self::NoElbow => {
+                "set elbow = \"left\" if the second link turns left from the first, else \"right\""
+            }
             Self::Plans { .. } | Self::OtherMotion { .. } => return None,
             Self::OutOfReach { distance_m, least_m, .. } if distance_m < least_m => {
                 "use a path that keeps away from the first joint, or links whose lengths differ less"
