@@ -42,19 +42,19 @@ const RESPONSE_BYTES: usize = 64 + 80;
 /// Bytes of a run besides its rows.
 const OWN_BYTES: usize = 16 << 20;
 
-/// Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip
+/// Frequency response of a link or an arm: torque per tip acceleration, hub angle per tip displacement, tip
 /// displacement per torque.
 ///
 /// Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a file,
-/// and the mesh error of each row: by how much elements of half the length change it, over its magnitude.
+/// and the mesh error of each row: its change by elements of half the length, over its magnitude.
 /// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows
 /// the highest frequency to mesh.tolerance.
 ///
-/// With --at, the response is about the shape at rest where the links point in these directions, bent by the weight
-/// (modes --at of one link leaves this sag out):
-/// displacement of the tip along x and y, in 1/N, and angle of each joint, in rad/(N m), per torque of each joint. The mesh
-/// error is then by how much polynomials of higher order change the displacement and the angles, over their size. All modes
-/// count: analysis.modes is refused, and so are shear, alpha and modal damping. An arm of several links needs --at.
+/// With --at, the response is that of small motions about the shape at rest in these directions, bent by the weight
+/// (modes --at of one link leaves this sag out). Its columns are the displacement of the tip along x and y, in 1/N,
+/// and the angle of each joint, in rad/(N m), per torque of each joint. The mesh error is then their change by
+/// polynomials of higher order, over their size. All modes count: analysis.modes is refused, and so are shear, alpha
+/// and modal damping. An arm of several links needs --at.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link or an arm", after_help = EXAMPLE)]
 pub struct Frf {

@@ -221,7 +221,7 @@ fn the_tables_of_an_arm_without_weight_move_its_tip_off_as_a_simulation_says() {
     let held_m = simulated_arm_m(&bench, "held.csv", &held);
     let samples_m = simulated_arm_m(&bench, "out/torques.csv", &held);
     assert!(held_m < 1e-3 * samples_m, "{held_m} of {samples_m}");
-    // Printed with what the solved tip is off by, a millionth of its way.
+    // Printed with what the solved tip is off by, a millionth of its travel.
     let printed_m = printed_m(&text);
     assert!((held_m..held_m + 1e-6).contains(&printed_m), "{held_m}: {text}");
 }

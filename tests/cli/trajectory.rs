@@ -288,7 +288,7 @@ fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
     assert!((mean.sqrt() - rms).abs() < 1e-3 * rms, "{} {rms}", mean.sqrt());
     let largest = torque.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
     assert!((largest - peak).abs() < 1e-2 * peak, "{largest} {peak}");
-    // Within a limit of the torque in the mean: the cycle's, not that of the way there.
+    // Within a limit of the torque in the mean: the cycle's, not that of the outward motion.
     let fit = bench.run(&[&cycle[..], &["--fit-limit", "rms_torque=0.5"]].concat());
     let told = stderr(&fit);
     assert!(told.contains("within rms_torque=0.5 N m; limits.rms_torque binds: 0.49"), "{told}");

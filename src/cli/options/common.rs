@@ -20,13 +20,13 @@ use crate::cli::terminal::{Exit, Failure, console};
 /// Which part of the nodal tables to write.
 #[derive(Debug, Args)]
 pub struct NodeArgs {
-    /// Nodes to write, numbered from 0 at the root [default: all]. Of an arm that is solved those of each
-    /// link: a link that has fewer writes those that it has.
+    /// Nodes to write, numbered from 0 at the root [default: all]. For an arm the numbers apply to each link; a link
+    /// with fewer nodes writes those that it has.
     #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',', value_parser = node)]
     pub(crate) list: Option<Vec<usize>>,
 
-    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); of an arm that is solved
-    /// from each link's joint. The mesh gets a node there, unless it has one.
+    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); for an arm from each link's
+    /// joint. The mesh gets a node there, unless it has one.
     #[arg(long = "stations", value_name = "LIST", value_delimiter = ',', value_parser = metres)]
     #[arg(allow_negative_numbers = true)]
     pub(crate) stations_m: Vec<f64>,

@@ -42,7 +42,7 @@ pub(crate) struct HoldArgs {
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
     hold: Hold,
 
-    /// The same as --hold linear.
+    /// Short for --hold linear.
     #[arg(long, conflicts_with = "hold")]
     linear: bool,
 }
@@ -85,8 +85,8 @@ pub(crate) struct PlayArgs {
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
-    /// What TORQUE holds: the torque, or the hub angle: the hub follows it exactly, and the torque is
-    /// computed. The hub rests before the first sample and turns on at its rate after the last.
+    /// Quantity in TORQUE: the torque, or the hub angle, which the hub follows exactly while the torque is computed.
+    /// The hub rests before the first sample and keeps its rate after the last.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
     input: InputKind,
 
@@ -104,12 +104,12 @@ pub(crate) struct PlayArgs {
     hold: HoldArgs,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
-    /// link starts at its first displacement, but with --input hub-angle where its hub points to.
+    /// link starts at its first displacement, but with --input hub-angle where its hub points.
     #[arg(long, value_name = "FILE")]
     target: Option<PathBuf>,
 
     /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
-    /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at times of its own.
+    /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at any times.
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
 
@@ -117,8 +117,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
 
-    /// TORQUE is one cycle of a torque, or of a hub angle, that repeats, its first row a step after the last
-    /// one: play the motion that repeats with it, to which the link settles.
+    /// Play the repeating motion to which the link settles. TORQUE is one cycle of a torque or of a hub angle; its
+    /// first row follows the last one, a step later.
     #[arg(long, conflicts_with = "state")]
     periodic: bool,
 
@@ -127,8 +127,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) save_state: Option<PathBuf>,
 
-    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad; of an arm for all joints, or
-    /// a pair for each.
+    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad; for an arm one pair for all joints,
+    /// or a pair for each.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,

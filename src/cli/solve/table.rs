@@ -32,8 +32,8 @@ const TIME: f64 = 1e-3;
 /// The torque in a file of its own.
 #[derive(Debug, Args)]
 pub(super) struct WriteArgs {
-    /// Write the torque at the hub, or the joints, alone; results go to a folder only with -o. The ending is
-    /// the form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
+    /// Write only the torque at the hub, or the joints; results go to a folder only with -o. The ending chooses the
+    /// form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
     #[arg(long, value_name = "FILE")]
     pub(super) write: Option<PathBuf>,
 
@@ -42,13 +42,13 @@ pub(super) struct WriteArgs {
     #[arg(allow_hyphen_values = true)]
     start_at: Option<f64>,
 
-    /// Leave out rows of FILE before and after which every torque stays below this share of its peak, `2%`
-    /// or 0.02. What that costs is measured: the table is played, and the tip's error printed.
+    /// Cut the rows at both ends of FILE where every torque stays below this share of its peak, `2%` or 0.02. The
+    /// table is then played, and the tip's error printed.
     #[arg(long, value_name = "SHARE", requires = "write", value_parser = share)]
     window: Option<f64>,
 
-    /// FILE has the values of a converter that holds each until the next row (zero), so that the link
-    /// moves as wanted. The tip's error that remains is measured and printed.
+    /// FILE has values for a converter that holds each until the next row (zero), corrected so that the link moves as
+    /// wanted. The remaining error of the tip is printed.
     #[arg(long, value_name = "KIND", requires = "write", value_enum)]
     hold: Option<Hold>,
 }

@@ -359,14 +359,14 @@ mod tests {
             ),
             (
                 format!("{WHOLE}theory = 'timoshenko'\n"),
-                "link.toml:5: segments.0 gives none, but theory = \"timoshenko\" needs the shear stiffness in one \
+                "link.toml:5: segments.0 gives no key for it, but theory = \"timoshenko\" needs the shear stiffness in one \
                  way: shear_stiffness, or shear_modulus with section, or poisson_ratio \
                  with E and section",
             ),
             (
                 format!("{WHOLE}theory = 'timoshenko'\nshear_stiffness = 1000\n"),
-                "link.toml:5: segments.0.rotary_inertia_per_length is missing, but must be given where \
-                 neither section nor I with area is",
+                "link.toml:5: segments.0.rotary_inertia_per_length is missing: it is needed without section, and without I \
+                 with area",
             ),
             (
                 format!("theory = 'timoshenko'\n{BAR}poisson_ratio = 0.7\n"),

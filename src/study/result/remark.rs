@@ -189,7 +189,7 @@ pub enum Remark {
         decimals: i32,
         /// Half of the last decimal in m.
         half_step_m: f64,
-        /// Accuracy of the followed tip, as a share of its way.
+        /// Accuracy of the followed tip, as a share of its travel.
         followed: f64,
         /// Accuracy for exact samples.
         tolerance: f64,
