@@ -129,7 +129,7 @@ def test_a_run_goes_on_from_the_state_of_another(tmp_path: Path) -> None:
     for state in (first, tmp_path / "state.json"):
         rest = flexlink.simulate(arm, time[100:], torque=torque[100:], state=state)
         assert abs(rest.joint_angle - whole.joint_angle[100:]).max() < 1e-6
-    with pytest.raises(flexlink.InputError, match="at must not be given with state"):
+    with pytest.raises(flexlink.InputError, match="at must not stand beside state"):
         flexlink.simulate(arm, time, torque=torque, at=[0.1, 0.5], state=first)
     with pytest.raises(TypeError, match="state = <class 'int'>, but must be an earlier"):
         flexlink.simulate(arm, time, torque=torque, state=3)  # type: ignore[call-overload]

@@ -58,7 +58,7 @@ fn beside_a_table_lies_what_it_is_of() {
             || shown.contains("--vary 'hub.inertia*=1,2'")
     );
     std::fs::remove_file(bench.path("a/stiffness.json")).unwrap();
-    assert!(page("a/stiffness.csv").contains("No record lies beside the table"));
+    assert!(page("a/stiffness.csv").contains("The table has no record beside it"));
 }
 
 #[test]
