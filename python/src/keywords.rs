@@ -152,7 +152,7 @@ pub(crate) fn refused<T: clap::Args>(
         },
         ErrorKind::ArgumentConflict => {
             let other = name(ContextKind::PriorArg).unwrap_or_default();
-            format!("{argument} must not be given with {other}")
+            format!("{argument} must not stand beside {other}")
         }
         ErrorKind::MissingRequiredArgument => format!("{argument} must be given"),
         _ => {

@@ -70,7 +70,7 @@ fn a_slip_beside_a_known_column_is_remarked() {
     bench.write("slip.csv", &rows);
     let found = told(&bench, &["verify", &repository(LINK), "slip.csv"]);
     let remark = "remark: slip.csv: columns not read: 3 \"acelleration\"\n\
-                  hint: did you mean acceleration by \"acelleration\"?\n";
+                  hint: did you write acceleration as \"acelleration\"?\n";
     assert!(found.starts_with(remark), "{found}");
 }
 

@@ -357,7 +357,7 @@ pub fn feedback(
         Some(others) => {
             let found = others.len();
             let message = format!(
-                "--feedback = {found} pairs, but must be one for all joints, or one for each of {links}"
+                "--feedback = {found} pairs, but must be 1, for all joints, or {links}, one for each"
             );
             let hint = "KP1,KD1,KP2,KD2, from the inner joint on";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));

@@ -93,7 +93,7 @@ impl WriteArgs {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
         if TorqueForm::of(file).is_some_and(|form| !form.takes(&stem)) {
             let must = "must have a name of letters, digits and `_`, a letter first";
-            return refuse(must, "names in C and MATLAB begin with it");
+            return refuse(must, "choose another name: names in C and MATLAB begin with it");
         }
         let is_result = file.file_name().is_some_and(is_result_file);
         let folder = placed(file.parent().unwrap_or(Path::new("")));

@@ -258,7 +258,7 @@ fn columns(
         columns.require(*quantity, header).map_err(|error| error.with_hint(hint.to_owned()))?;
     }
     if let Some(beyond) = each[links..].iter().find(|quantity| columns.has(**quantity)) {
-        let must = format!("must not be there: the arm has {links} links");
+        let must = format!("must be left out: the arm has {links} links");
         return Err(header.place.refuse(beyond.word, "a column", must));
     }
     Ok(columns)

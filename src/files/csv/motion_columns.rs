@@ -139,7 +139,7 @@ pub(super) fn unread(
     unread.extend((more > 0).then(|| format!("and {more} more")));
     let slip = columns.unread.iter().find_map(|&index| {
         let word = absent_by(vocabulary, columns, fields[index])?;
-        Some(format!("did you mean {word} by {}?", quoted(fields[index])))
+        Some(format!("did you write {word} as {}?", quoted(fields[index])))
     });
     let hint = slip.unwrap_or_else(|| other.to_owned());
     (!unread.is_empty()).then(|| (format!("columns not read: {}", unread.join(", ")), hint))

@@ -194,7 +194,7 @@ impl RawFrequency {
                 let beside =
                     [("hub", hub.is_some()), ("joints", joints.is_some()), ("at", at.is_some())];
                 if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {
-                    let must = "must not stand beside zero, which is one of torque → hub angle";
+                    let must = "must not stand beside zero, a zero of torque → hub angle";
                     return Err(Fault::on(format!("{path}.{key}"), must));
                 }
                 Observable::Zero { zero }

@@ -74,7 +74,7 @@ impl LateTarget {
 pub enum TargetError {
     /// The target ends after the simulation.
     #[error(
-        "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
+        "the target ends at {} s, but must not outlast the simulation, which ends at {} s",
         rounded(*end_s, 12),
         rounded(*simulated_s, 12)
     )]
