@@ -102,9 +102,11 @@ fn a_foreign_or_damaged_summary_is_refused() {
     let command = summary("{\"flexlink\": \"0.1.0\", \"command\": \"modes\"}");
     let known = "must be \"solve\" or \"simulate\"";
     assert_eq!(command, format!("out/summary.json: command = \"modes\", but {known}"));
-    for (format, found) in [("", "nothing"), ("\"format\": 1,", "1"), ("\"format\": 3,", "3")] {
+    for (format, found) in
+        [("", "is missing"), ("\"format\": 1,", "= 1"), ("\"format\": 3,", "= 3")]
+    {
         let other = format!("{{{format} \"flexlink\": \"0.1.0\", \"command\": \"solve\"}}");
-        assert_eq!(summary(&other), format!("out/summary.json: format = {found}, but must be 2"));
+        assert_eq!(summary(&other), format!("out/summary.json: format {found}, but must be 2"));
     }
     for (text, expected) in [
         ("", "out/summary.json:1: content = EOF while parsing a value, but must be the summary"),
