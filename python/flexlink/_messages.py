@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class FlexlinkError(Exception):
-    """What the command prints as an error: ``message``, and ``hint`` if there is something to do about it."""
+    """An error of the command: ``message``, and ``hint`` with a remedy, or None."""
 
     message: str
     hint: str | None
@@ -32,7 +32,7 @@ class WriteError(FlexlinkError):
 
 
 class FlexlinkWarning(UserWarning):
-    """What the user must know to judge a result: ``message``, ``hint``, and ``kind``, its name in summary.json."""
+    """A warning or a remark on a result: ``message``, ``hint``, and ``kind``, its name in summary.json."""
 
     message: str
     hint: str

@@ -118,7 +118,7 @@ impl GivenPath {
         keywords::refuse_commands(keywords)?;
         if time.is_instance_of::<Motion>() {
             let message = "a Motion is of one link, and the arm has several";
-            return Err(usage(&message, Some("give time, x and y")).into());
+            return Err(usage(&message, Some("pass time, x and y")).into());
         }
         let take = |name: &str| -> Result<Option<PathColumn>, Raised> {
             let Some(given) = keywords.get_item(name)? else { return Ok(None) };
@@ -132,14 +132,14 @@ impl GivenPath {
         if let Some(path) = path_of(time)? {
             if x.is_some() || y.is_some() || angles.iter().any(Option::is_some) {
                 let hint = Some("leave one of them out");
-                return Err(usage(&"samples are given beside a file", hint).into());
+                return Err(usage(&"samples stand beside a file", hint).into());
             }
             return Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?));
         }
         let tip = match (x, y) {
             (Some(x), Some(y)) => Some([x, y]),
             (None, None) => None,
-            _ => return Err(usage(&"one of x and y, but must be both or none", None).into()),
+            _ => return Err(usage(&"x and y must come together", None).into()),
         };
         let columns = PathColumns { time_s: column("time", time)?, tip, angles };
         Ok(Self::Samples(Box::new(columns)))
@@ -230,7 +230,7 @@ impl ArmSolution {
         PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
     }
 
-    /// Torque in N m of each joint: it turns its link, and the link before the other way.
+    /// Torque in N m of each joint. It turns its link, and the link before in the opposite direction.
     #[getter]
     fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.of_joints(py, |joint| &joint.torque_n_m)
@@ -288,25 +288,25 @@ impl ArmSolution {
         Ok(rows(py, &histories, solution.grid.len)?.reshape(shape)?)
     }
 
-    /// What summary.json of a run holds.
+    /// Content of a run's summary.json.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         Ok(py.import("json")?.call_method1("loads", (self.run.summary(self.given.file())?,))?)
     }
 
-    /// How exact the answer is, as in summary.json.
+    /// Errors of the answer, as in summary.json.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.summary(py)?.get_item("errors")
     }
 
-    /// What the user must know: warnings that were given to Python's filters, too.
+    /// Warnings, which Python's filters received, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.run.warnings)
     }
 
-    /// What is possible but rare, often a slip of units.
+    /// Remarks on values that are possible but rare, often a slip of units.
     #[getter]
     fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.run.remarks().iter().map(Notice::from).collect::<Vec<_>>())

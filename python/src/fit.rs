@@ -26,7 +26,7 @@ pub(crate) struct Fit {
     record: String,
 }
 
-/// Fits free values of a link or an arm to the measured ones in a file, as ``flexlink fit``: ``free`` are paths as for
+/// Fits free values of a link or an arm to measurements in a file, as ``flexlink fit``. ``free`` lists paths as for
 /// changes, ``"hub.inertia"`` or with bounds ``"hub.inertia=0.01:1"``.
 #[pyfunction]
 #[pyo3(signature = (link, measured, free))]
@@ -65,7 +65,8 @@ impl Fit {
         self.outcome.values.iter().map(|value| (value.path.clone(), value.factor)).collect()
     }
 
-    /// What the record of ``flexlink fit`` holds: values with their standard errors and intervals, residuals, what the data do not determine.
+    /// Content of the record of ``flexlink fit``: values with their standard errors and intervals, residuals, and the
+    /// values that the data do not determine.
     #[getter]
     fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?.call_method1("loads", (&self.record,))
@@ -77,7 +78,7 @@ impl Fit {
         self.outcome.misfit.is_none()
     }
 
-    /// What the user must know: warnings that were given to Python's filters, too.
+    /// Warnings, which Python's filters received, too.
     #[getter(warnings)]
     fn warning_objects<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.outcome.warnings())
@@ -89,7 +90,8 @@ impl Fit {
         &self.text
     }
 
-    /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused where the fit is not to be believed.
+    /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused if the fit is not
+    /// credible.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
         Ok(py.detach(|| self.write_to(&path))?)
     }

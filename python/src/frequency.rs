@@ -22,8 +22,9 @@ use crate::messages::{Raised, usage, warn};
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
 ///
-/// With ``at``, the direction of a link under gravity in rad, or those of all links of an arm, the frequencies are those of
-/// small motions there: ``free_hz`` and ``held_hz``, of free joints and of held rotors, imaginary ones as negative numbers.
+/// ``at`` is the direction of a link under gravity in rad, or those of all links of an arm. The frequencies are then
+/// those of small motions there: ``free_hz`` with free joints and ``held_hz`` with held rotors, imaginary ones as
+/// negative numbers.
 ///
 /// >>> import flexlink
 /// >>> strip = {"length": 1.0, "EI": 10.0, "mass_per_length": 0.5}
@@ -132,8 +133,8 @@ struct Keywords {
     frf: Frf,
 }
 
-/// Frequency response, as a dictionary of the columns that ``flexlink frf`` writes: of a link torque per tip acceleration,
-/// hub angle per tip displacement, tip displacement per torque.
+/// Frequency response, as a dictionary of the columns that ``flexlink frf`` writes: for a link torque per tip
+/// acceleration, hub angle per tip displacement, tip displacement per torque.
 ///
 /// Keywords are the options ``start``, ``stop`` (``--from`` and ``--to``, in Hz), ``points``, ``linear`` and ``at``, the
 /// directions of the links in rad, which an arm needs. With ``at`` the columns are tip displacement and joint angles per

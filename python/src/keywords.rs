@@ -152,7 +152,7 @@ pub(crate) fn refused<T: clap::Args>(
         },
         ErrorKind::ArgumentConflict => {
             let other = name(ContextKind::PriorArg).unwrap_or_default();
-            format!("{argument} must not be given with {other}")
+            format!("{argument} must not stand beside {other}")
         }
         ErrorKind::MissingRequiredArgument => format!("{argument} must be given"),
         _ => {
@@ -205,7 +205,7 @@ fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<Stri
     let Some(inner) = depth.checked_sub(1) else {
         let key = key.split('.').next().unwrap_or_default();
         let must = format!("must be at most {DEEPEST} deep");
-        let message = format!("{key} = lists or dictionaries in each other, but {must}");
+        let message = format!("{key} = nested lists or dictionaries, but {must}");
         return Err(usage(&message, Some("a value that holds itself has no end")).into());
     };
     if let Ok(flag) = value.cast::<PyBool>() {

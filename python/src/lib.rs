@@ -8,11 +8,11 @@
 //! | `pool`, `interrupt` | threads that survive a fork; Ctrl-C |
 //! | `link` | a link and its file |
 //! | `motion`, `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
-//! | `solved` | what solutions of links and arms share |
+//! | `solved` | common parts of the solutions of links and arms |
 //! | `arm` | arms, their paths and their solutions |
 //! | `frequency`, `trajectory` | modes and responses; motions by profile |
-//! | `simulate`, `simulate_arm`, `play` | torques played on links and arms, and what a call says of them |
-//! | `sweep`, `sweep_work`, `fit` | what the commands of these names do |
+//! | `simulate`, `simulate_arm`, `play` | torques played on links and arms, and their keywords |
+//! | `sweep`, `sweep_work`, `fit` | the commands of these names |
 //! | `stored` | results read back |
 //!
 //! The command is that of the program, out of the library with its feature `cli`.

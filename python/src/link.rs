@@ -154,7 +154,7 @@ impl Link {
         self.specification.link.length_m()
     }
 
-    /// Inertia about the axis in kg m² of the link that does not bend.
+    /// Inertia about the axis in kg m² of the rigid link.
     #[getter]
     fn rigid_inertia(&self) -> f64 {
         self.specification.link.rigid_inertia_kg_m2()

@@ -46,7 +46,7 @@ impl Given {
         }
         if let Some(path) = path_of(time)? {
             if let Some(at) = samples.iter().position(Option::is_some) {
-                let message = format!("{} is given beside a file", COLUMNS[at]);
+                let message = format!("{} stands beside a file", COLUMNS[at]);
                 return Err(usage(&message, Some("leave one of them out")).into());
             }
             return Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?));
@@ -57,7 +57,7 @@ impl Given {
             [_, _, _, Some(_)] => {
                 let hint =
                     Some("an angle stands for the displacement, and has no columns beside it");
-                return Err(usage(&"angle is given beside another column", hint).into());
+                return Err(usage(&"angle stands beside another column", hint).into());
             }
             [acceleration_m_s2, velocity_m_s, displacement_m, None] => {
                 let columns =
@@ -210,7 +210,7 @@ impl<'a> Call<'a> {
         };
         if let Some(name) = beside {
             let name = name.split('=').next().unwrap_or_default();
-            let message = format!("{name} is given beside a Motion, but must be given to it");
+            let message = format!("{name} stands beside a Motion, but must be passed to it");
             return Err(usage(&message, None).into());
         }
         let arguments = motion.arguments.iter().cloned().chain(own).collect();
@@ -226,10 +226,9 @@ fn of_motion(options: &SolveOptions) -> Vec<String> {
 /// The motion of a tip, read once and solved for many links: :func:`solve` and :func:`sweep` take it in place of time and
 /// columns, with the same results.
 ///
-/// It takes the arrays or the file of :func:`solve`, and the keywords that say what the motion is, from ``resample`` to
-/// ``decimal``. Angles are arcs of a link's length: they need ``link``, and are those of links of that length. The object
-/// keeps the cut-off and the last two spectra that were computed of the motion, so that a loop over links does not compute
-/// them again.
+/// It takes the arrays or the file of :func:`solve`, and the keywords of the motion, from ``resample`` to
+/// ``decimal``. Angles are arcs of a link's length: they need ``link``, and serve links of that length. The object
+/// keeps the cut-off and the last two spectra of the motion, so that a loop over links does not compute them again.
 ///
 /// >>> import flexlink, numpy
 /// >>> time = numpy.linspace(0, 0.88, 881)
@@ -264,7 +263,7 @@ impl Motion {
         let is_other = |option: &String| option.starts_with("--") && !own.contains(option);
         if let Some(option) = options.arguments().into_iter().find(is_other) {
             return Err(usage(
-                &format!("{option} is given to a Motion, but must be given to solve"),
+                &format!("{option} is passed to a Motion, but must be passed to solve"),
                 None,
             ));
         }
@@ -273,8 +272,7 @@ impl Motion {
         let tip = match link {
             Some(link) => options.resample.motion_in(table, link)?,
             None if is_of_angle => {
-                let message =
-                    "link = nothing, but must be given for angles: they are arcs of its length";
+                let message = "link is missing: angles are arcs of its length";
                 return Err(usage(&message, None));
             }
             None => options.resample.motion_in_plane(table)?,

@@ -93,7 +93,7 @@ pub(crate) fn history(error: &HistoryError) -> Failure {
 pub(crate) fn refuse_both(given: [(&str, bool); 2]) -> Result<(), Failure> {
     match given {
         [(one, true), (other, true)] => {
-            Err(usage(&format!("{one} must not be given with {other}"), None))
+            Err(usage(&format!("{one} must not stand beside {other}"), None))
         }
         _ => Ok(()),
     }
@@ -205,7 +205,7 @@ pub(crate) fn link_moves(
         (None, Some(angle), rate) => Moving::Angles(vec![hub(angle, rate)?]),
         _ => {
             let must = "must be torque alone, or hub_angle with or without hub_rate";
-            return Err(usage(&format!("what is played, but {must}"), None).into());
+            return Err(usage(&format!("the input {must}"), None).into());
         }
     };
     let gains = keywords.take("feedback")?.map(|given| given.extract::<(f64, f64)>());
@@ -223,7 +223,7 @@ pub(crate) fn link_moves(
         let hint = "a hub that moves as prescribed needs neither";
         for (name, is_given) in [("hold", hold.is_some()), ("feedback", !feedback.is_empty())] {
             if is_given {
-                let message = format!("{name} is given with hub_angle, but must be with torque");
+                let message = format!("{name} stands beside hub_angle, but must come with torque");
                 return Err(usage(&message, Some(hint)).into());
             }
         }

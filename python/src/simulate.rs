@@ -21,15 +21,15 @@ type Array<'py> = Bound<'py, PyArray1<f64>>;
 ///
 /// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
-/// ``feedback``, a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with ``reference_rate``;
-/// ``periodic``; ``target``, the wanted :class:`Motion` with which the tip is compared. The link starts where the target or
-/// the reference does, or with its tip at ``initial_tip`` in m, or as ``state`` says: an earlier simulation, or the file
-/// that its ``save_state`` wrote.
+/// ``periodic``. ``feedback`` is a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with
+/// ``reference_rate``. ``target`` is the wanted :class:`Motion` with which the tip is compared. The link starts where
+/// the target or the reference does, or with its tip at ``initial_tip`` in m, or from ``state``: an earlier
+/// simulation, or the file that its ``save_state`` wrote.
 ///
-/// Of an arm ``torque``, ``reference`` and ``reference_rate`` have a column for each joint, as those of its solution, and
-/// ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each time. It starts at
-/// rest where the reference does, or with its chords in the directions ``at`` in rad, or where the target does, or from a
-/// ``state``. Ctrl-C ends it.
+/// For an arm ``torque``, ``reference`` and ``reference_rate`` have a column for each joint, as those of its
+/// solution. ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each
+/// time. The arm starts at rest where the reference does, or with its chords in the directions ``at`` in rad, or
+/// where the target does, or from a ``state``. Ctrl-C ends it.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -165,13 +165,13 @@ impl PlayedLink {
         self.summary_of(py)?.get_item("tip_error")
     }
 
-    /// What summary.json of a run holds.
+    /// Content of a run's summary.json.
     #[getter(summary)]
     fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         self.0.summary_of(py)
     }
 
-    /// What the user must know: warnings that were given to Python's filters, too.
+    /// Warnings, which Python's filters received, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.0.warnings)

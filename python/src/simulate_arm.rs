@@ -48,8 +48,8 @@ fn arm_moves(
         given.map(|given| columns(name, &given, (time_s.len(), links))).transpose()
     };
     let Some(torques) = of_joints("torque")? else {
-        let must = "must be given, a column for each joint";
-        return Err(usage(&format!("torque = nothing, but {must}"), None).into());
+        let must = "an arm needs a column for each joint";
+        return Err(usage(&format!("torque is missing: {must}"), None).into());
     };
     let torques = torques.into_iter().map(|own| Torque::new(&time_s, own));
     let torques: Vec<Torque> = torques.collect::<Result<_, _>>().map_err(|e| history(&e))?;
@@ -216,7 +216,7 @@ impl ArmSimulation {
         Ok(PyArray1::from_slice(py, &self.bent()?.work_j))
     }
 
-    /// What damping and friction have dissipated in J.
+    /// Energy in J that damping and friction have dissipated.
     #[getter]
     fn dissipated<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         Ok(PyArray1::from_slice(py, &self.bent()?.lost_j))
@@ -251,7 +251,7 @@ impl ArmSimulation {
         Ok(rows(py, &histories, samples)?.reshape([samples, found[link].len(), 2])?)
     }
 
-    /// What summary.json of a run holds.
+    /// Content of a run's summary.json.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         self.0.summary_of(py)
@@ -263,8 +263,7 @@ impl ArmSimulation {
         self.summary(py)?.get_item("results")
     }
 
-    /// How exact the motion is, as in summary.json: what the last refinement changes, and the share of energy that is
-    /// missing.
+    /// Errors of the motion, as in summary.json: its change by the last refinement, and the missing share of energy.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.summary(py)?.get_item("errors")
@@ -277,7 +276,7 @@ impl ArmSimulation {
         self.summary(py)?.get_item("tip_error")
     }
 
-    /// What the user must know: warnings that were given to Python's filters, too.
+    /// Warnings, which Python's filters received, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.0.warnings)

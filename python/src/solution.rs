@@ -40,7 +40,8 @@ const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
-/// What the hub must do so that the tip moves as wanted. Arrays are views that cannot be written to, one value for each of
+/// Torque and motion of the hub that move the tip as wanted. Arrays are views that cannot be written to, one value
+/// for each of
 /// ``time``; units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Solution {
@@ -84,7 +85,7 @@ impl Solution {
         view(slf, |own| &own.solution().hub().torque_n_m)
     }
 
-    /// Torque in N m that the same link would need, were it rigid.
+    /// Torque in N m that a rigid link would need.
     #[getter]
     fn rigid_torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
         view(slf, |own| &own.solution().hub().rigid_torque_n_m)
@@ -184,7 +185,7 @@ impl Solution {
         })
     }
 
-    /// The same of the deflections in m from the hub's tangent line.
+    /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn deflections<'py>(
         &self,
@@ -197,7 +198,7 @@ impl Solution {
         })
     }
 
-    /// The same of the bending moments in N m.
+    /// Bending moments at nodes in N m, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn moments<'py>(
         &self,
@@ -208,8 +209,8 @@ impl Solution {
         self.nodal(py, (nodes, every), |own, nodes| Ok(own.moments(nodes, every.0)?.histories()))
     }
 
-    /// How exact the answer is, as in summary.json: ``errors["tip"]`` is the tip's distance from its motion over its
-    /// travel, ``errors["torque"]["mesh"]`` what elements of half the length change, over the peak, and so on.
+    /// Errors of the answer, as in summary.json: ``errors["tip"]`` is the tip's distance from its motion over its
+    /// travel, ``errors["torque"]["mesh"]`` the change by elements of half the length over the peak, and so on.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.summary_of(py)?.get_item("errors")
@@ -221,20 +222,20 @@ impl Solution {
         self.summary_of(py)?.get_item("results")
     }
 
-    /// What summary.json of a run holds.
+    /// Content of a run's summary.json.
     #[getter(summary)]
     fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
         let text = py.detach(|| pool::install(|| self.run.summary(self.given.file())));
         Ok(py.import("json")?.call_method1("loads", (text?,))?)
     }
 
-    /// What the user must know: warnings that were given to Python's filters, too.
+    /// Warnings, which Python's filters received, too.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.run.warnings)
     }
 
-    /// What is possible but rare, often a slip of units.
+    /// Remarks on values that are possible but rare, often a slip of units.
     #[getter]
     fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let found = self.run.remarks();

@@ -21,7 +21,8 @@ use crate::solved::SolvedRun;
 ///
 /// The motion is arrays over ``time`` in s, evenly spaced: ``acceleration`` in m/s², ``displacement`` along the arc in
 /// m, ``velocity`` in m/s, or ``angle`` in rad; or a file, whose path is in place of the time, or a :class:`Motion`. An array
-/// counts as a file that holds its numbers: few decimals say how far it is to be trusted. Other keywords are the options of ``flexlink solve``: ``resample``, ``noise``, ``lowpass``, ``periodic``, ``moving_ends``,
+/// counts as a file that holds its numbers: few decimals limit its accuracy. Other keywords are the options of
+/// ``flexlink solve``: ``resample``, ``noise``, ``lowpass``, ``periodic``, ``moving_ends``,
 /// ``scale_distance``, ``scale_duration``, ``moments``, ``stations``; for a file ``columns``, ``time_unit``, ``unit``, ``scale``,
 /// ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y`` of its tip in m, or the directions ``angle1``,
 /// ``angle2``, … of its links in rad.

@@ -18,8 +18,8 @@ use crate::pool;
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
-/// Reads a result: the folder of a run of ``solve`` or ``simulate`` as a `Run`, that of an arm as an `ArmRun`, the file of a
-/// sweep as a dictionary of its columns.
+/// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run` or, for an arm, an `ArmRun`; the
+/// file of a sweep becomes a dictionary of its columns.
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Raised> {
     match py.detach(|| pool::install(|| Ok(read_result(&path)?)))? {
@@ -76,7 +76,7 @@ fn written<'a>(
     what: &str,
     hint: &str,
 ) -> Result<&'a StoredNodes, Failure> {
-    let message = format!("{what} = nothing, but must have been written");
+    let message = format!("{what} is missing: the run did not write it");
     of.ok_or_else(|| Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 
@@ -177,7 +177,7 @@ impl Run {
         view(slf, |own| &own.arc.tip.acceleration_m_s2)
     }
 
-    /// Torque in N m of the rigid link; None of a simulation.
+    /// Torque in N m of the rigid link; None for a simulation.
     #[getter]
     fn rigid_torque<'py>(slf: &Bound<'py, Self>) -> Option<Array<'py>> {
         slf.get().hub().rigid_torque_n_m.as_ref()?;
@@ -196,7 +196,7 @@ impl Run {
         self.nodal().map(|own| own.nodes.clone()).unwrap_or_default()
     }
 
-    /// Times in s of the nodes' histories: every so-many-th of ``time``, as they were written.
+    /// Times in s of the nodes' histories: those of ``time`` that were written.
     #[getter]
     fn nodal_time<'py>(&self, py: Python<'py>) -> Array<'py> {
         PyArray1::from_slice(py, self.nodal().map_or(&[], |own| &own.times_s))
@@ -214,7 +214,7 @@ impl Run {
         self.histories(py, own, (nodes, |x_m, angle_rad| x_m * angle_rad))
     }
 
-    /// The same of the deflections in m from the hub's tangent line.
+    /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None))]
     fn deflections<'py>(
         &self,
@@ -225,7 +225,7 @@ impl Run {
         self.histories(py, own, (nodes, |_, _| 0.0))
     }
 
-    /// The same of the bending moments in N m, which a run with ``moments`` has written.
+    /// Bending moments at nodes in N m, written by a run with ``moments``, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None))]
     fn moments<'py>(
         &self,
@@ -242,7 +242,7 @@ impl Run {
         numbers(py, &self.run.readings)
     }
 
-    /// What the user must know.
+    /// Warnings of the run.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.run.warnings)
@@ -310,7 +310,7 @@ impl ArmRun {
         numbers(py, &self.0.readings)
     }
 
-    /// What the user must know.
+    /// Warnings of the run.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         objects(py, &self.0.warnings)

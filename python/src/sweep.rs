@@ -21,19 +21,22 @@ use crate::motion::Call;
 use crate::pool;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
 
-/// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary:
-/// the values of each key that cases change, then arrays of numbers, not a number where a case has none, and the lists
-/// ``warnings``, the kinds of each case, and ``error``, why it has no numbers, or None. Each kind of warning is given to
-/// Python's filters once, with the number of cases and the first of them.
+/// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a
+/// dictionary. It has the values of each key that cases change, then arrays of numbers, with not a number where a
+/// case has none. The list ``warnings`` has the kinds of each case; the list ``error`` has the reason why a case has
+/// no numbers, or None. Python's filters receive each kind of warning once, with the number of cases and the first of
+/// them.
 ///
 /// A case is a dictionary of changes as those of :meth:`Link.changed`; ``distance*`` and ``duration*`` scale the motion.
 /// Values that are all numbers are an array, not a number where a case does not change the key; others are a list, with
 /// None there.
-/// The motion is given as to ``solve``. Cases run on ``threads``, by default as many as cores; Ctrl-C ends the sweep after
+/// The motion is passed as to ``solve``. Cases run on ``threads``, by default as many as cores; Ctrl-C ends the sweep
+/// after
 /// the cases at work.
 ///
-/// ``outputs`` is a folder into which the files of each case go, as ``write`` leaves them: into ``1``, ``2``, … in it, as many
-/// digits as the number of cases has. ``moments``, ``stations`` and the keywords of ``write`` choose what is written.
+/// ``outputs`` is a folder for the files of each case, as ``write`` writes them, in subfolders ``1``, ``2``, … with
+/// as many digits as the number of cases has. ``moments``, ``stations`` and the keywords of ``write`` choose what is
+/// written.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(

@@ -76,8 +76,8 @@ impl Outputs {
         if folder.is_none()
             && let Some(option) = names.into_iter().find(|name| WRITTEN.contains(name))
         {
-            let must = "must be given with outputs: the table of a sweep holds no histories";
-            let hint = "outputs=FOLDER writes the results of each case into a folder of its own";
+            let must = "must come with outputs: the table of a sweep holds no histories";
+            let hint = "outputs=FOLDER writes the results of each case into a separate folder";
             return Err(usage(&format!("{option} without outputs, but {must}"), Some(hint)));
         }
         Ok(Self { arguments, options, folder, cases })

@@ -30,12 +30,12 @@ const RENAMED: [(&str, &str); 1] = [("from", "start")];
 /// Columns by name.
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// The motion of a tip over a distance, or the path of an arm's tip, as a dictionary of the arrays that `solve` takes:
+/// The motion of a tip, or the path of an arm's tip, as a dictionary of the arrays that `solve` takes:
 /// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``.
 ///
 /// Keywords are the options of ``flexlink trajectory``: ``distance``, ``duration``, ``step``, ``rest_before``,
 /// ``rest_after``, ``via``, ``dwell``, ``cycle``, ``link``, ``set`` and ``fit_limit``; ``path``, ``to``, ``corner``, ``center``, ``angle``, ``angles``,
-/// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` gives the option several times.
+/// and ``start`` for ``--from``. A list of ``via``, ``set`` or ``fit_limit`` repeats the option.
 ///
 /// >>> import flexlink
 /// >>> motion = flexlink.trajectory("sine", distance=0.5, duration=0.8, step=0.01)

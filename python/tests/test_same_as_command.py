@@ -98,7 +98,7 @@ def test_a_case_that_fails_says_why_and_the_others_are_solved() -> None:
     assert table["error"][0] is None and table["error"][2] is None
     assert "hub.inertia = -1 kg m^2, but must be" in table["error"][1]
     assert np.isnan(table["peak_torque_n_m"][1])
-    # Twice the way in half the time: eight times the acceleration.
+    # Twice the travel in half the time: eight times the acceleration.
     slow, fast = table["peak_rigid_torque_n_m"][[0, 2]]
     assert fast == pytest.approx(8 * slow, rel=1e-9)
 

@@ -68,7 +68,7 @@ measured.toml holds any of
   resistance = 8.4         # ohm
   gear_ratio = 70          # default 1
 
-that of an arm, in poses
+measured.toml of an arm, in poses
   at = [\"30 deg\", \"75 deg\"]  # of all entries without one
   [[frequency]]
   mode = 3                 # as `modes --at` numbers them
@@ -78,26 +78,26 @@ that of an arm, in poses
   [[damping]]              # mode, joints, at, ratio
   [[decay]]                # file, mode, joints, at";
 
-/// The link or the arm that was measured: values of its file from frequencies, damping ratios, responses and records.
+/// Fit values of a link or an arm to measured frequencies, damping ratios, responses and records.
 ///
-/// Changes the free values until the link's natural frequencies, zeros, damping ratios, frequency responses
-/// and recorded histories fit the measured ones best: least squares of the relative differences, of a record
-/// the differences of its samples, over their uncertainties.
-/// Prints each value with its standard error and the factors between which 95 of 100 true ones lie, each
-/// measurement beside the fitted link's value, and what the data do not determine; -o writes the link file
-/// with the values replaced, comments and all else kept, and its record NAME.json beside NAME.toml.
+/// Changes the free values until natural frequencies, zeros, damping ratios, frequency responses and recorded
+/// histories fit the measured ones best. The fit minimises the squares of the relative differences, for a record of
+/// the differences of its samples, over their uncertainties. Prints each value with its standard error and the
+/// factors of its 95 % interval, each measurement beside the value of the fitted link, and the values that the data
+/// do not determine. -o writes the link file NAME.toml with the fitted values and all else kept, and its record
+/// NAME.json.
 ///
-/// Where other values fit about as well, they are printed, a warning says so, and the 95 % cover them all.
+/// If other values fit about as well, they are printed with a warning, and the 95 % intervals cover them all.
 ///
-/// Without uncertainties the standard errors follow from the differences that remain; of few differences the
-/// 95 % are wide, by Student's distribution. Where the data do not determine all free values, or do not fit
-/// the link, no link file is written, and the exit code is 4.
+/// Without uncertainties the standard errors follow from the remaining differences; with few differences the 95 %
+/// intervals are wide, by Student's distribution. If the data do not determine all free values, or do not fit the
+/// link, no link file is written, and the exit code is 4.
 ///
 /// An arm of several links is fitted to frequencies and damping ratios of small motions about its shape at rest in poses,
-/// bent by its weight, its joints free or their rotors held. They have the numbers of `modes --at`: with free joints the
-/// first ones, as many as links, are swings.
+/// bent by its weight, with free joints or held rotors. The modes have the numbers of `modes --at`: with free joints
+/// the first ones, one for each link, are swings.
 #[derive(Debug, Args)]
-#[command(about = "The link or the arm that was measured", after_help = EXAMPLE)]
+#[command(about = "Fit values of a link or an arm to measurements", after_help = EXAMPLE)]
 pub(crate) struct Fit {
     #[command(flatten)]
     link: LinkArgs,
@@ -115,11 +115,11 @@ pub(crate) struct Fit {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Where other values fit about as well, write no link file, and end with exit code 4.
+    /// If other values fit about as well, write no link file and end with exit code 4.
     #[arg(long)]
     strict: bool,
 
-    /// Write a page with measured and fitted over each other, even where no link file is written
+    /// Write a page that overlays measured and fitted values, even if no link file is written
     /// [default FILE: NAME.html beside the link file NAME.toml of -o, else fit.html].
     #[arg(long, value_name = "FILE")]
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
@@ -251,7 +251,7 @@ impl Fit {
         });
         console::deliver_all(&files.collect::<Vec<_>>())?;
         if let Some(output) = self.output.as_deref().filter(|file| !is_believed && file.exists()) {
-            console::note(&format!("{} is not of this fit", output.display()));
+            console::note(&format!("{} belongs to another fit", output.display()));
         }
         let written = page.map(|page| format!("written  {}\n", shown_path(&page)));
         Ok((replaced, written.unwrap_or_default()))
@@ -261,11 +261,11 @@ impl Fit {
 /// Refuses a link file whose record has no place beside it.
 pub fn check_output(output: &Path) -> Result<(), Failure> {
     let (but, hint) = if console::is_standard_output(output) {
-        ("must be a file".to_owned(), "its record is written beside it")
+        ("must be a file".to_owned(), "name a file: its record is written beside it")
     } else if let Some(record) = foreign_fit_record(output) {
         let but =
             format!("its record {} would replace a file that no fit has written", record.display());
-        (but, "another name for the link file, or for that file")
+        (but, "use another name for the link file, or for that file")
     } else {
         return Ok(());
     };
@@ -293,7 +293,7 @@ impl Problem {
             let value: FreeValue = text.parse().map_err(usage)?;
             let bounds = document.free(&value, &changes).map_err(usage)?;
             if free.iter().any(|(_, earlier): &(_, Free)| earlier.path == bounds.path) {
-                let message = format!("--free {} is given twice", bounds.path);
+                let message = format!("--free {} appears twice", bounds.path);
                 return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));
             }
             free.push((value, bounds));

@@ -42,19 +42,19 @@ const RESPONSE_BYTES: usize = 64 + 80;
 /// Bytes of a run besides its rows.
 const OWN_BYTES: usize = 16 << 20;
 
-/// Frequency response of a link: torque per tip acceleration, hub angle per tip displacement, tip
+/// Frequency response of a link or an arm: torque per tip acceleration, hub angle per tip displacement, tip
 /// displacement per torque.
 ///
 /// Writes a CSV with real and imaginary part, magnitude and phase of each, to standard output or a file,
-/// and the mesh error of each row: by how much elements of half the length change it, over its magnitude.
+/// and the mesh error of each row: its change by elements of half the length, over its magnitude.
 /// The largest mesh error is printed, above 1 % as a warning. An automatic mesh is refined until it follows
 /// the highest frequency to mesh.tolerance.
 ///
-/// With --at, the response is about the shape at rest where the links point in these directions, bent by the weight
-/// (modes --at of one link leaves this sag out):
-/// displacement of the tip along x and y, in 1/N, and angle of each joint, in rad/(N m), per torque of each joint. The mesh
-/// error is then by how much polynomials of higher order change the displacement and the angles, over their size. All modes
-/// count: analysis.modes is refused, and so are shear, alpha and modal damping. An arm of several links needs --at.
+/// With --at, the response is that of small motions about the shape at rest in these directions, bent by the weight
+/// (modes --at of one link leaves this sag out). Its columns are the displacement of the tip along x and y, in 1/N,
+/// and the angle of each joint, in rad/(N m), per torque of each joint. The mesh error is then their change by
+/// polynomials of higher order, over their size. All modes count: analysis.modes is refused, and so are shear, alpha
+/// and modal damping. An arm of several links needs --at.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link or an arm", after_help = EXAMPLE)]
 pub struct Frf {
@@ -205,8 +205,8 @@ impl Frf {
         if !are_possible || (from_hz >= to_hz && self.points != 1) {
             let [from, to] = [from_hz, to_hz].map(given);
             let (least, most) = (FREQUENCIES_HZ.start(), FREQUENCIES_HZ.end());
-            let must = format!("but must rise within {least:e} … {most:e} Hz");
-            let message = format!("--from {from} --to {to} = no range, {must}");
+            let must = format!("must rise within {least:e} … {most:e} Hz");
+            let message = format!("--from {from} --to {to}: the frequencies {must}");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
         let bytes = self.points.saturating_mul(row_bytes).saturating_add(OWN_BYTES);
@@ -251,12 +251,12 @@ impl Frf {
             }
         }
         if falls {
-            let words = format!("{}: only under control does it respond so", falling(arm, "free"));
+            let words = format!("{}: it responds so only under control", falling(arm, "free"));
             let hint = match arm.links() {
                 [_] => {
-                    "modes --at tells how fast the straight link falls; here its sag counts, too"
+                    "modes --at prints how fast the straight link falls; here its sag counts, too"
                 }
-                _ => "modes --at tells how fast it falls",
+                _ => "modes --at prints how fast it falls",
             };
             console::warning(words, hint);
         }

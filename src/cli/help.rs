@@ -7,13 +7,13 @@ use crate::cli::terminal::{Failure, console};
 
 /// Pages of the book by topic, with the content of each.
 const PAGES: [(&str, &str, &str); 18] = [
-    ("index", "What the book holds", include_str!("../../docs/index.md")),
+    ("index", "Contents of the book", include_str!("../../docs/index.md")),
     ("install", "Install and test", include_str!("../../docs/install.md")),
     ("first_uses", "Six first uses", include_str!("../../docs/first_uses.md")),
     ("cookbook", "Recipes", include_str!("../../docs/cookbook.md")),
     ("files", "Link files, motions, measured tables, results", include_str!("../../docs/files.md")),
-    ("commands", "What every command does", include_str!("../../docs/commands.md")),
-    ("limits", "The method, and where it ends", include_str!("../../docs/limits.md")),
+    ("commands", "The commands", include_str!("../../docs/commands.md")),
+    ("limits", "The method and its limits", include_str!("../../docs/limits.md")),
     (
         "recordings",
         "Times, digits and noise of recorded motions",
@@ -27,7 +27,7 @@ const PAGES: [(&str, &str, &str); 18] = [
     ("many", "Many cases, many machines", include_str!("../../docs/many.md")),
     ("python", "The Python package", include_str!("../../docs/python.md")),
     ("golden", "Golden files", include_str!("../../docs/golden.md")),
-    ("speed", "What is fast, and how it is measured", include_str!("../../docs/speed.md")),
+    ("speed", "Speed, and how it is measured", include_str!("../../docs/speed.md")),
     ("paper", "Comparison with the paper", include_str!("../../docs/paper.md")),
 ];
 
@@ -65,7 +65,7 @@ fn topics() -> PossibleValuesParser {
     pages.into_iter().chain(COMMANDS.map(PossibleValue::new)).collect::<Vec<_>>().into()
 }
 
-/// Print the help of a command, or a page of the book, as `files` and `limits`.
+/// Print the help of a command, or a page of the book, such as `files` or `limits`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Help {

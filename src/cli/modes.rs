@@ -42,22 +42,21 @@ const BYTES_PER_DISPLACEMENT: usize = 16;
 /// Natural frequencies, mode shapes and zeros of a link or an arm.
 ///
 /// Prints tables; with -o, writes modes.csv, mode_shapes.csv, zeros.csv and held_modes.csv into a folder. Modes are
-/// those of a hub that is free to turn, and, without shapes, of a hub that is held; shapes are mass-normalised and
-/// positive at the tip. Zeros are those of
-/// the transfer from hub torque to tip: they set how long before the tip the torque must start. An
+/// computed with a free hub and, without shapes, with a held hub; shapes are mass-normalised and positive at the tip.
+/// The zeros of the transfer from hub torque to tip set how long before the tip the torque must start. An
 /// automatic mesh is refined until the frequencies are exact to mesh.tolerance. The mesh error of each
-/// number is measured on elements of half the length; above 1 % there is a warning. Damping ratios are those of
-/// the complex modes: the damping of the link, friction of its hub and the spring of its joint together.
+/// number is measured on elements of half the length; above 1 % there is a warning. Damping ratios are those of the
+/// complex modes, with the damping of the link, the friction of its hub and the spring of its joint.
 ///
-/// Of a link file with a [drive] the rotor is held, not the hub: the hub is then on the joint's spring or, if the joint is
+/// With a [drive] the rotor is held instead of the hub: the hub is then on the joint's spring or, if the joint is
 /// stiff, clamped.
 ///
-/// Gravity changes frequencies with the direction of the link: --at gives those of one direction, hub free and
-/// held, by the weight that pulls along the straight link: its sag is left out, and its zeros are without gravity.
+/// Gravity changes frequencies with the direction of the link. --at computes those of one direction, hub free and
+/// held, from the weight that pulls along the straight link. The sag is left out, and the zeros are without gravity.
 ///
-/// For an arm of several links --at is needed, with a direction for each: the frequencies are those of small motions about
-/// the arm's shape at rest there, bent by its weight, all joints free and all rotors held; the zeros are those of each
-/// link. The bending of the links is refined until the frequencies are exact to mesh.tolerance.
+/// An arm of several links needs --at, with a direction for each link. The frequencies are those of small motions
+/// about the arm's shape at rest there, bent by its weight, with all joints free and with all rotors held; the zeros
+/// are those of each link. The bending of the links is refined until the frequencies are exact to mesh.tolerance.
 ///
 /// With --at and -o, mode_shapes.csv has x and y of each node, at rest and moved by the modes with free joints,
 /// mass-normalised and with the joint that turns most turning counterclockwise; modes that leave the pose have a growth
@@ -68,13 +67,13 @@ pub(crate) struct Modes {
     #[command(flatten)]
     link: LinkArgs,
 
-    /// How many modes and zeros, at most 1000.
+    /// Number of modes and zeros, at most 1000.
     #[arg(long, value_name = "N", default_value_t = 10)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
 
-    /// The frequencies with gravity where the link points this way: an angle in rad, or with its unit, as
-    /// in '-90 deg'. For an arm the directions of all its links, from joint to joint, the inner one first.
+    /// Direction of the link, for frequencies with gravity: an angle in rad, or with its unit, as in '-90 deg'. For
+    /// an arm the directions of all its links, from joint to joint, the inner one first.
     #[arg(long, value_name = "ANGLE", value_parser = angle_rad, allow_hyphen_values = true)]
     #[arg(value_delimiter = ',')]
     at: Option<Vec<f64>>,
@@ -192,8 +191,8 @@ fn straight(
     wanted: Wanted,
 ) -> Result<ModesResult, Failure> {
     let Some(gravity) = link.gravity() else {
-        let message = "--at = an angle, but the link file has no gravity";
-        let hint = "give it as --set 'gravity=[0, -9.81]'";
+        let message = "--at needs gravity, but the link file has none";
+        let hint = "add it: --set 'gravity=[0, -9.81]'";
         return Err(Failure::new(Exit::Usage, &message, Some(hint)));
     };
     let is_resolved = plan.is_automatic() || wanted == Wanted::Tables;
@@ -221,8 +220,8 @@ fn straight(
     let settled = |hub: PoseHub, count| {
         let on = |mesh: &Mesh| {
             pose_modes(mesh, outward_m_s2, hub, count).ok_or_else(|| {
-                let message = "a motion of the link moves no mass, but must move some for --at";
-                let hint = "give the segments and the hub mass";
+                let message = "a motion of the link moves no mass, but must with --at";
+                let hint = "add mass to the segments and inertia to the hub";
                 Failure::new(Exit::NotSolvable, &message, Some(hint))
             })
         };
@@ -316,9 +315,9 @@ fn warn_of_fall(arm: &Arm, [free, held]: [bool; 2]) -> usize {
         console::warning(words, hint);
     };
     if held {
-        warn("held", "a stiffer link, or less mass at its tip: the weight buckles it");
+        warn("held", "use a stiffer link, or less mass at its tip: the weight buckles the link");
     } else if free {
-        warn("free", "the table tells how fast; a controller that holds the pose changes that");
+        warn("free", "the table shows how fast; a controller that holds the pose changes this");
     }
     usize::from(free || held)
 }

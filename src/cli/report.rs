@@ -23,7 +23,7 @@ Example:
 RESULT is a folder of `solve` or `simulate`, or the table of `sweep`. BESIDE are folders of other runs \
 of the same arm of several links, which the page of the first shows beside it.";
 
-/// Turn a result into a page to look at.
+/// Write a result as a page with figures.
 ///
 /// The page is one HTML file that needs nothing else, neither network nor server: figures, waves, an
 /// animation, all warnings and numbers. With --svg or --png the figures are written instead; add -o to

@@ -27,7 +27,7 @@ Example:
 #[derive(Debug, Args)]
 #[command(after_help = INIT_EXAMPLE)]
 pub(crate) struct Init {
-    /// Folder for the three files; none of them may exist yet.
+    /// Folder for the three files, which must not exist yet.
     #[arg(value_name = "DIR", default_value = ".")]
     folder: PathBuf,
 

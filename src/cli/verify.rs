@@ -22,16 +22,16 @@ Example:
 
 One of LINK and MOTION may be `-`, standard input. An arm of several links and its path: docs/arms.md.";
 
-/// Measure the torque of `solve` by other means: is the answer right?
+/// Check the torque of `solve` by independent methods.
 ///
-/// Prints a table. Each line holds an error against its bound: the tip when the torque is played as it is
-/// written, with the link's own damping law; the same with viscous damping, less what is predicted for it;
-/// the tip that is solved; the torque of hub and motor with the step halved; the quantity that halved
-/// elements change most; the quantity that is largest at the window's edge; the transfer of the paper's
-/// dense system; the balance of energy. Two more kinds of lines: the deflection of the tip, which must be
-/// small, and every limit of the link file. Exit code 4 if a number is out of its bound.
+/// Prints a table. Each line compares an error with its bound: the tip when the torque is played as it is written,
+/// with the damping law of the link; the same with viscous damping, less the predicted difference; the solved tip;
+/// the torque of hub and motor with the step halved; the quantity that halved elements change most; the quantity that
+/// is largest at the window's edge; the transfer of the paper's dense system; the balance of energy. Further lines
+/// hold the deflection of the tip, which must be small, and every limit of the link file. Exit code 4 if a number is
+/// out of its bound.
 #[derive(Debug, Args)]
-#[command(about = "Measure the torque of `solve` by other means", after_help = EXAMPLE)]
+#[command(about = "Check the torque of `solve` by independent methods", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print the checks as JSON instead of the table")))]
 pub(crate) struct Verify {
     #[command(flatten)]

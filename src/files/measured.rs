@@ -127,8 +127,8 @@ pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, Measured
 }
 
 /// Advice for values without uncertainty beside the values of a decay.
-const OF_DECAYS: &str = "the values of a [[decay]] have the uncertainties that its samples show: give one to all others, \
-                         or write the values of the decay as [[frequency]] and [[damping]] without";
+const OF_DECAYS: &str = "the values of a [[decay]] have uncertainties from its samples: add one to every other \
+                         value, or write those of the decay as [[frequency]] and [[damping]] without";
 
 /// The modes of a decay, its values for the fit, and how the program read it.
 fn decay_of(
@@ -181,7 +181,7 @@ fn zeros_of(
 ) -> Result<Vec<Measured>, MeasuredError> {
     let zeros = response.zeros(first);
     if zeros.is_empty() {
-        let must = "dips = none, but a closed loop is fitted by them: at least one must be 6 dB deep \
+        let must = "no dips, but a closed loop is fitted to its dips: at least one must be 6 dB deep \
                     (12 dB beside an uncertainty of 0.12), its phase rising";
         return Err(MeasuredError::refused(table, &must));
     }
@@ -211,7 +211,7 @@ fn record_of(
         && of.hold != Interpolation::Cubic
         && read.reading.jitter().is_some()
     {
-        let must = "times = off a uniform step, but must be uniform where hold is not \"cubic\"";
+        let must = "the times are not uniform, but must be unless hold = \"cubic\"";
         return Err(refused(&must));
     }
     let channels = of.channels.iter().zip(read.channels).zip(read.units);
@@ -304,7 +304,7 @@ mod tests {
         }
         fs::write(folder.path().join("loop.csv"), table(&[])).unwrap();
         let refused = read_measured(&path, &any_link()).unwrap_err().to_string();
-        assert!(refused.contains("loop.csv: dips = none"), "{refused}");
+        assert!(refused.contains("loop.csv: no dips"), "{refused}");
     }
 
     #[test]
@@ -321,6 +321,6 @@ mod tests {
         assert!(read_measured(&path, &any_link()).unwrap().readings[0].1.jitter().is_some());
         fs::write(&path, text.replace("'torque'\n", "'torque'\nhold = 'zero'\n")).unwrap();
         let refused = read_measured(&path, &any_link()).unwrap_err().to_string();
-        assert!(refused.contains("log.csv: times = off a uniform step"), "{refused}");
+        assert!(refused.contains("log.csv: the times are not uniform"), "{refused}");
     }
 }

@@ -147,8 +147,8 @@ const QUIET: f64 = 5.0;
 /// A recording that moves from its first sample on or up to its last one.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "the recording rests for {samples} samples at its {}, within {QUIET} standard deviations of the noise, but \
-     must for {FEWEST}",
+    "the recording rests for {samples} samples at its {}, within {QUIET} standard deviations of the noise, but must \
+     rest for {FEWEST}",
     if *at_end { "end" } else { "start" }
 )]
 pub struct NoRest {

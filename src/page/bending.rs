@@ -213,8 +213,8 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
         format!("{waves}, since {why}")
     };
     let few = view.pick(
-        "no node between root and tip was written, or but one moment",
-        "but one moment was written",
+        "no node between root and tip was written, or only one moment",
+        "only one moment was written",
     );
     let (quantity, mut nodes) = match view.moments(link) {
         Some(Moments { nodes, .. }) if is_arm => (ARM_MOMENT, nodes),
@@ -230,7 +230,7 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
         return Err(omitted(few));
     }
     if is_extreme(nodes.peak()) {
-        return Err(omitted("what bends is too large or too small to be drawn"));
+        return Err(omitted("the bending is too large or too small to be drawn"));
     }
     for history in nodes.histories.iter_mut().filter(|_| is_arm) {
         let rest = history[0];
@@ -238,21 +238,19 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
             *value -= rest;
         }
     }
-    let rest = if is_arm && view.has_weight() { ", less what it is at rest at first," } else { "" };
+    let rest = if is_arm && view.has_weight() { ", less its value at rest at first," } else { "" };
     let root = view.pick("the root", "its joint");
-    let beside = view.pick("displacement", "distance from where it begins");
+    let beside = view.pick("displacement", "distance from its start");
     let story = if !is_arm && view.is_solved() && name == "moment" {
-        " Before the tip moves a wave runs out to it: the colours begin earlier the nearer to the \
-         hub. After the tip has stopped what is left runs back to the hub, where the torque takes it \
-         up."
+        " Before the tip moves, a wave runs out to it: near the hub the colours begin earlier. After the tip has \
+         stopped, the rest of the wave runs back to the hub, where the torque absorbs it."
     } else {
         ""
     };
     let peak = peak_words(known_peak(view, name, &nodes), &[nodes.peak()]);
     let caption = format!(
         "The {what}{rest} over time (to the right) and along the link (up, from {root}), below the tip's \
-         {beside}; it reaches {peak} {unit}. Colours go by the square root, so that weak waves are seen \
-         too.{story}"
+         {beside}; it reaches {peak} {unit}. Colours show the square root, so that weak waves are visible, too.{story}"
     );
     let (of_tip, travel_m) = match view.link {
         Some(run) => ("tip displacement", Cow::Borrowed(&run.arc.tip.displacement_m)),
@@ -264,7 +262,7 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
     let id = view.id("waves", link);
     let figure = Figure::new(id, &format!("Waves along {place}"), caption, view.time_axis(), x);
     let colour =
-        format!(" Colour: sign({letter}) √(|{letter}| / max |{letter}|) of what is drawn.");
+        format!(" Colour: sign({letter}) √(|{letter}| / max |{letter}|) of the drawn quantity.");
     let marks = view.start_and_stop();
     Ok(Figure { map: Some(map), strip: Some((tip, above)), marks, ..figure }
         .by(formula.to_owned() + &colour))

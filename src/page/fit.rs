@@ -174,8 +174,8 @@ fn correlations(outcome: &FitOutcome) -> Markup {
         } }
     };
     html! {
-        p { "Errors of two values with a correlation near 1 or −1 go together: the data know a product or a \
-             quotient of the two better than either." }
+        p { "Errors of two values with a correlation near 1 or −1 go together: the data determine a product or a \
+             quotient of the two better than either value." }
         (table(&head, &rows))
     }
 }

@@ -141,14 +141,14 @@ fn caption(marks: &[Mark], has_spectrum: bool) -> String {
     };
     let spectrum = if has_spectrum {
         format!(
-            " Grey: the motion's spectrum over {DECADES} decades, so the part of the curve that matters."
+            " Grey: the motion's spectrum over {DECADES} decades, the part of the curve that matters."
         )
     } else {
         String::new()
     };
     format!(
-        "How much torque an acceleration of the tip takes at each frequency, of this link and were it \
-         rigid. Natural frequencies f, and zeros ±z of torque → tip, drawn at z/2π.{blocked}{spectrum}"
+        "Torque that an acceleration of the tip needs at each frequency, of this link and of a rigid one. Natural \
+         frequencies f, and zeros ±z of torque → tip, drawn at z/2π.{blocked}{spectrum}"
     )
 }
 

@@ -87,13 +87,13 @@ fn timing_words([lead_s, lag_s]: [Option<f64>; 2]) -> String {
 pub(super) fn angle(view: &View, joint: usize) -> Figure {
     let against = if joint == 0 { "x" } else { "the tip of the link before" };
     let mut caption = view.pick(
-        "What an encoder at the hub sees.".to_owned(),
-        format!("Angle that an encoder sees: of the link's root against {against}."),
+        "Angle that an encoder at the hub measures.".to_owned(),
+        format!("Angle that an encoder measures: of the link's root against {against}."),
     );
     if view.is_solved() && !view.is_arm() {
         caption = format!(
-            "What an encoder at the hub sees; the hub of a rigid link would turn as the tip does{}. What lies between the two \
-             curves is bending.",
+            "Angle that an encoder at the hub measures; the hub of a rigid link would turn as the tip does{}. The \
+             gap between the two curves is bending.",
             cited(view, [Some(6), None])
         );
     }
@@ -119,8 +119,8 @@ pub(super) fn bent_angles(view: &View) -> Result<Figure, String> {
     });
     let weight = if view.has_weight() { " and sag" } else { "" };
     let caption = format!(
-        "By how much each joint turns beyond the rigid arm's, so that the tip is where it should be although \
-         the links bend{weight}."
+        "Turn of each joint beyond that of the rigid arm, which keeps the tip in its place although the links \
+         bend{weight}."
     );
     let title = "What bending adds to the joint angles";
     let figure = view.figure("bending-angles", title, caption, ("angle", "mrad"), curves);

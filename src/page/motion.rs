@@ -182,7 +182,7 @@ const POSES: usize = 6;
 const ARROW: f64 = 26.0;
 
 impl Motion {
-    /// Poses of an arm, with the ways of the tips of all runs, and the wanted way.
+    /// Poses of an arm, with the paths of the tips of all runs, and the wanted path.
     pub(super) fn drawing(&self, view: &View) -> Markup {
         let arm = view.first();
         let rows = self.along_the_way(arm);
@@ -237,7 +237,7 @@ impl Motion {
         }
     }
 
-    /// Rows at which the tip has covered even parts of its way.
+    /// Rows at which the tip has covered even parts of its path.
     fn along_the_way(&self, arm: &StoredRun) -> Vec<usize> {
         let places = arm.links.last().and_then(|link| link.positions_m.last());
         let Some([x, y]) = places else { return Vec::new() };
@@ -257,7 +257,7 @@ impl Motion {
     }
 }
 
-/// The way of a tip.
+/// The path of a tip.
 struct Way {
     name: String,
     /// Classes in the style sheet.
@@ -265,24 +265,24 @@ struct Way {
     places_m: Vec<[f64; 2]>,
 }
 
-/// Number of points of a way.
+/// Number of points of a path.
 const POINTS: usize = 400;
 
-/// The ways of the tips of all runs in the shown time, with the wanted way on top.
+/// The paths of the tips of all runs in the shown time, with the wanted path on top.
 fn ways(view: &View) -> Vec<Way> {
     let way = |name: String, class: String, (times_s, [x, y]): (&[f64], &[Vec<f64>; 2])| {
         let samples = inside(times_s, view.span_s.0, view.span_s.1);
         let kept = evenly(samples.len(), POINTS).into_iter().map(|k| samples.start + k);
         Way { name, class, places_m: kept.map(|k| [x[k], y[k]]).collect() }
     };
-    let runs = view.named("way of the tip").enumerate().map(|(k, (arm, name))| {
+    let runs = view.named("path of the tip").enumerate().map(|(k, (arm, name))| {
         let class = if k == 0 { "way reached s4".to_owned() } else { run_stroke(k).classes() };
         way(name, class, (&arm.times_s, &arm.tip_m))
     });
     let rigid = view.rigid().filter(|arm| arm.prescribed == Some(Prescribed::Tip));
     let wanted = rigid.and_then(|arm| Some((arm, rigid_tip_m(arm)?)));
     let wanted = wanted.map(|(arm, tip_m)| {
-        way("wanted way".to_owned(), "line s6 dashed".to_owned(), (&arm.times_s, &tip_m))
+        way("wanted path".to_owned(), "line s6 dashed".to_owned(), (&arm.times_s, &tip_m))
     });
     runs.chain(wanted).collect()
 }

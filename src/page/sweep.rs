@@ -300,7 +300,7 @@ const TOPICS: [Topic; 8] = [
         title: "Lead",
         quantity: ("lead", "s"),
         columns: &[(["lead", "_s"], "lead")],
-        caption: "How long before the tip moves the torque begins, at the 2 % level.",
+        caption: "Time by which the torque begins before the tip moves, at the 2 % level.",
         formula: "Start of the tip's motion less the first t with |T(t)| > 0.02 max |T|; of an \
                   arm and under gravity with |T(t) − T(start)| > 0.02 (max T − min T).",
     },
@@ -309,7 +309,7 @@ const TOPICS: [Topic; 8] = [
         title: "Lag",
         quantity: ("lag", "s"),
         columns: &[(["lag", "_s"], "lag")],
-        caption: "How long the torque goes on after the tip has stopped, at the 2 % level.",
+        caption: "Time by which the torque outlasts the motion of the tip, at the 2 % level.",
         formula: "The last t with |T(t)| > 0.02 max |T| less the end of the tip's motion; of an \
                   arm and under gravity with |T(t) − T(end)| > 0.02 (max T − min T).",
     },
@@ -327,15 +327,14 @@ const TOPICS: [Topic; 8] = [
         quantity: ("torque", "N m"),
         columns: &[(["peak_motor_torque", "_n_m"], "motor")],
         caption: "Largest torque of the motor, on its own side of the gear.",
-        formula: "max |T_m(t)|; T_m: what the hub's torque and the rotor's inertia take, over \
-                  the gear.",
+        formula: "max |T_m(t)|; T_m: torque of the hub and of the rotor's inertia, over the gear.",
     },
     Topic {
         id: "residual",
         title: "Vibration left behind",
         quantity: ("amplitude", "m"),
         columns: &[(["residual", "_m"], "residual")],
-        caption: "How far the tip vibrates after the torque's last sample.",
+        caption: "Amplitude of the tip's vibration after the torque's last sample.",
         formula: "max |v(t) − mean of v| after the last sample of the torque.",
     },
     Topic {
@@ -343,7 +342,7 @@ const TOPICS: [Topic; 8] = [
         title: "Error of the tip",
         quantity: ("error", "m"),
         columns: &[(["tip_error", "_m"], "largest error")],
-        caption: "How far the tip strays from the wanted motion, at most.",
+        caption: "Largest distance of the tip from the wanted motion.",
         formula: "max |v(t) − v_wanted(t)|.",
     },
     Topic {
@@ -479,7 +478,7 @@ fn cases_table(sweep: &StoredSweep) -> Markup {
             "The column " code { "warnings" } " holds the kinds of the warnings; their full text is in \
              summary.json of the case, which " code { "sweep --outputs" } " writes."
             @if sweep.origin.is_none() {
-                " No record lies beside the table, so link, motion and arguments are not known."
+                " The table has no record beside it, so link, motion and arguments are not known."
             }
         }
         @if shown < cases {

@@ -160,7 +160,7 @@ pub(super) fn errors(view: &View) -> Option<Markup> {
         } }
     };
     let content = html! {
-        p { "What each quantity may be off by, as a share" @if is_arm { " of its own " (size) } "." }
+        p { "Possible error of each quantity, as a share" @if is_arm { " of its own " (size) } "." }
         (table(&head, &rows))
     };
     (!all.is_empty()).then_some(content)
@@ -191,7 +191,7 @@ pub(super) fn checks(checks: &[Check]) -> Option<Markup> {
         } }
     };
     let content = html! {
-        p { "The answer, measured by other means." }
+        p { "The answer, checked by independent methods." }
         (table(&["check", "found", "at most", "of", "verdict"], &rows))
     };
     (!checks.is_empty()).then_some(content)

@@ -55,8 +55,8 @@ pub(super) fn motion_formula(view: &View, solved: &'static str) -> &'static str 
 pub(super) fn place(view: &View) -> Figure {
     let names = ["x", "y"].map(str::to_owned);
     let mut curves = view.each(&names, |arm, axis| Some((&arm.times_s, arm.tip_m[axis].clone())));
-    let way_m = view.peak("farthest_m", &from_start_m(view.first()));
-    let mut caption = format!("Place of the tip; it gets up to {way_m} m away from its start.");
+    let travel_m = view.peak("farthest_m", &from_start_m(view.first()));
+    let mut caption = format!("Place of the tip; it gets up to {travel_m} m away from its start.");
     if let Some(target) = &view.first().target {
         for (axis, history) in names.iter().zip(&target.wanted_m) {
             let name = format!("wanted {axis}");
@@ -152,8 +152,8 @@ pub(super) fn under_rigid_torque(view: &View, run: Single) -> Result<Figure, Str
     };
     let strays_m = significant(strays_m, 3);
     let caption = format!(
-        "What a controller gets that takes the link for rigid: its torque, played on the flexible \
-         link{damping}{}. After the motion the tip still strays by up to \
+        "Result of a controller that assumes a rigid link: its torque, played on the flexible link{damping}{}. After \
+         the motion the tip still strays by up to \
          {strays_m} m{of_travel}.",
         cited(view, [Some(8), Some(9)])
     );

@@ -21,15 +21,14 @@ const GLOSSARY: [(&str, &str); 4] = [
     ),
     (
         "lead",
-        "How long before the tip sets out the torque acts: from when it first exceeds 2 % of its peak or, of an arm and \
-         under gravity, differs from what it is at rest by more than 2 % of its range.",
+        "Time by which the torque acts before the tip sets out: from when it first exceeds 2 % of its peak or, of an \
+         arm and under gravity, differs from its value at rest by more than 2 % of its range.",
     ),
-    ("lag", "How long after the tip has stopped the torque acts: until it last does so."),
+    ("lag", "Time by which the torque acts after the tip has stopped: until it last does so."),
     (
         "hysteretic",
         "Damping that takes the same share of a vibration's energy in each cycle, whatever its frequency: the \
-         stiffness is K(1 + 2iξ) with the ratio ξ, and a cycle takes about 4πξ. It is defined at one frequency \
-         at a time; what is integrated over time has ξ as the viscous ratio of every mode instead.",
+         stiffness is K(1 + 2iξ) with the ratio ξ, and a cycle takes about 4πξ. It is defined at one frequency at a time; an integration over time uses ξ as the viscous ratio of every mode instead.",
     ),
 ];
 
@@ -65,14 +64,13 @@ pub(super) mod formula {
         inertia J and the stiffness k of the joint.";
     /// Additions to the formulas of a solution with second order or weight.
     pub(in crate::page) const SECOND_ORDER: &str = "\
-        What large slopes, axial and centripetal forces and the weight add acts as further loads, repeated until \
-        the torque no longer changes.";
+        Large slopes, axial and centripetal forces and the weight act as further loads, repeated until the torque no longer changes.";
     pub(in crate::page) const RIGID_TORQUE_PLAYED: &str = "\
         M d²u/dt² + C du/dt + K u = T(t) e with the torque T of the rigid link, from rest, each mode by its \
         exact solution between two samples.";
     /// Formulas of a simulation.
     pub(in crate::page) const TORQUE_PLAYED: &str =
-        "T(t): what is played, or what moves the hub as it is played.";
+        "T(t): the played torque, or the torque that moves the hub as played.";
     pub(in crate::page) const MODES_PLAYED: &str = "\
         M d²u/dt² + C du/dt + K u = T(t) e, where e is 1 at the hub's angle and 0 elsewhere; v = u at the tip, θ \
         = u at the hub, a = d²v/dt².";
@@ -138,12 +136,15 @@ pub(super) mod formula {
 const WARNINGS: [(&str, &str); 33] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
-    ("end_velocity_corrected", "The samples leave the tip moving at the end, which was taken out."),
+    (
+        "end_velocity_corrected",
+        "The samples leave the tip moving at the end; this velocity was removed.",
+    ),
     ("tip_missed", "The samples of the motion do not bring the tip within its tolerance."),
     ("inexact_window", "The time computed is too short for the tolerance."),
     (
         "coarse_step",
-        "The step is too long: a shorter one would change the answer, or show vibration that this hides.",
+        "The step is too long: a shorter one would change the answer, or show hidden vibration.",
     ),
     (
         "unsettled_torque",
@@ -159,7 +160,7 @@ const WARNINGS: [(&str, &str); 33] = [
     ("blocked_tip", "The motion contains a frequency at which no torque moves the tip."),
     ("near_nyquist", "The motion has jumps or noise that its step does not resolve."),
     ("above_mesh", "The torque has frequencies above those that the mesh resolves."),
-    ("inexact_model", "The link bends or turns more than the linear model holds for."),
+    ("inexact_model", "The link bends or turns more than the linear model allows."),
     ("slow_iteration", "The second-order terms hardly converge."),
     ("inexact_iteration", "The second-order terms are not as exact as the tolerance asks."),
     ("second_order_left_out", "Second-order terms, which are left out, would change the torque."),
@@ -181,9 +182,12 @@ const WARNINGS: [(&str, &str); 33] = [
         "rough_torque",
         "The torque that moves the hub is rough: digits or noise of the hub's angle make it.",
     ),
-    ("begins_unheld", "The torque does not begin with what holds the link where it starts."),
+    (
+        "begins_unheld",
+        "The torque does not begin with the torque that holds the link where it starts.",
+    ),
     ("reference_apart", "The reference does not begin where the hub stands."),
-    ("state_cut", "The modes leave out a part of the state from which the link goes on."),
+    ("state_cut", "The modes leave out a part of the state from which the link starts."),
     ("unsettled", "A finer computation still changes the answer."),
     ("imbalance", "Work and energy do not balance."),
     ("late_target", "The target begins after the tip has begun to move."),

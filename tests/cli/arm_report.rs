@@ -229,7 +229,7 @@ fn what_is_missing_or_damaged_in_an_arms_folder_is_refused_by_its_name() {
         let text = bench.read(&format!("out/{file}"));
         fs::remove_file(bench.path("out").join(file)).unwrap();
         let told = refused(&bench, &["report", "out"]);
-        assert!(told.contains(&format!("{file} = nothing, but must be there")), "{told}");
+        assert!(told.contains(&format!("{file} is missing")), "{told}");
         bench.write(&format!("out/{file}"), &text);
     }
     let damaged = |file: &str, from: &str, to: &str, words: &str| {

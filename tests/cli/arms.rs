@@ -251,7 +251,7 @@ fn a_path_of_few_digits_is_told_with_what_that_does() {
     let told =
         bench.run(&[&["solve", "arm.toml", "rounded.csv", "-o", "few"][..], &within].concat());
     let words =
-        "remark: the path has 3 decimals, ±5.0e-4 m: the tip is followed to 1.7e-3 of its way";
+        "remark: the path has 3 decimals, ±5.0e-4 m: the tip is followed to 1.7e-3 of its travel";
     assert!(stderr(&told).contains(words), "{}", stderr(&told));
     bench.done(&[&["solve", "arm.toml", "path.csv"][..], &within].concat());
     let of = |out: &str, name: &str| column(&bench, &format!("{out}/torques.csv"), name);

@@ -61,7 +61,7 @@ result   1 equal, 1 different, 1 missing, 1 new; not compared: 2 files, neither 
 fn a_folder_without_tables_proves_nothing() {
     let bench = folders(&[("a.csv", EXPECTED)], &[]);
     assert!(different(&compared(&bench, &[])).starts_with("missing  a.csv: only in EXPECTED\n"));
-    let message = "error: out: CSV files = none, but must be one or more\n";
+    let message = "error: out: the folder holds no CSV files\n";
     refused(&compared(&bench, &["--bless"]), 3, message);
     assert_eq!(bench.names("golden"), ["a.csv"]);
 }
@@ -156,7 +156,7 @@ result   1 equal, 1 different
     equal(&bench.run(&one));
 
     let bench = run("garbage");
-    let message = "error: out/run/summary.json: results = none, but must be those of a run\n";
+    let message = "error: out/run/summary.json: the summary holds no results of a run\n";
     refused(&compared(&bench, &[]), 3, message);
     let golden = [("run/a.csv", EXPECTED), ("run/summary.json", own.as_str())];
     let bench = folders(&golden, &[("run/a.csv", EXPECTED)]);

@@ -148,7 +148,7 @@ fn a_velocity_column_says_that_the_tip_moves_on() {
     let text = stdout(&output);
     assert!(text.contains(" of it at changing velocity, at 0.0125 s;\n"), "{text}");
     assert!(text.contains("\n         from 0.200 to 0.200 m/s; peaks"), "{text}");
-    let remark = "remark: the velocity says that the tip moves at 0.200 m/s before its motion and at 0.200 m/s after";
+    let remark = "remark: the tip moves at 0.200 m/s before its motion and at 0.200 m/s after";
     assert!(stderr(&output).contains(remark), "{}", stderr(&output));
     let asked = bench.run(&["solve", "strip.toml", "passing.csv", "--moving-ends"]);
     assert!(!stderr(&asked).contains("remark"), "{}", stderr(&asked));

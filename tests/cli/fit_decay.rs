@@ -90,7 +90,7 @@ fn values_without_uncertainty_beside_a_decay_are_refused() {
         format!("{DECAY}from = 0.4\n[[frequency]]\nmode = 3\nhub = 'held'\nvalue = 60\n");
     let out = ended(3, fit(&bench, &measured, &[]));
     let told = "frequency 3, hub held: uncertainty is missing, but others have one\nhint: the values of a \
-                [[decay]] have the uncertainties that its samples show";
+                [[decay]] have uncertainties from its samples";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
 }
 
@@ -102,7 +102,7 @@ fn a_record_of_a_decay_is_led_to_the_right_entry() {
                   sensor = 'tip_deflection'\ngain = 'free'\n";
     let record = record.replace("input", "columns = ['deflection=tip']\ninput");
     let out = ended(3, fit(&bench, &record, &[]));
-    let told = "pluck.csv: the input = the same value in all samples, but must change\nhint: [[decay]] with file";
+    let told = "pluck.csv: the input is the same in all samples, but must change\nhint: [[decay]] with file";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
 }
 

@@ -78,7 +78,7 @@ fn a_model_that_lacks_something_is_told_by_its_differences() {
     // The payload of the file is not the true one.
     let wrong = ["--set", "payload.mass=0.045", "--free", "segments.0.EI"];
     let out = bench.run(&[&["fit", "link.toml", "measured.toml"], &wrong[..]].concat());
-    let told = "log.csv: the differences of hub_angle are no noise, each is like the one before: the \
+    let told = "log.csv: the differences of hub_angle are not noise, each resembles the one before: the \
                 standard errors are about";
     assert!(stderr(&out).contains(told), "{}", stderr(&out));
 }

@@ -70,8 +70,8 @@ fn a_golden_folder_has_three_nodes_and_every_fifth_row_and_is_repeated() {
         stderr(&output)
     );
     let output = bench.run(&["report", "small"]);
-    let told = "error: small/summary.json: inputs.arguments = --golden, but must be a run without it: \
-                a golden folder has not all tables\n";
+    let told = "error: small/summary.json: inputs.arguments = --golden, but must be a run without it: a golden \
+                folder lacks some tables\n";
     assert_eq!((output.status.code(), &*stderr(&output)), (Some(3), told));
 }
 

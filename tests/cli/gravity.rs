@@ -167,7 +167,7 @@ fn the_torque_of_a_link_with_weight_is_played() {
     );
     let tip = "time,acceleration\n0,0\n0.1,1\n0.2,0\n0.3,-1\n0.4,0\n";
     bench.write("tip.csv", tip);
-    bench.refuses(3, &["solve", "nowhere.toml", "tip.csv"], "start_angle = nothing");
+    bench.refuses(3, &["solve", "nowhere.toml", "tip.csv"], "start_angle is missing");
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn the_response_in_a_direction_is_that_without_gravity_and_has_the_poles_of_its_
     }
     let up =
         bench.ends(4, &["frf", "strip.toml", "--at", "90 deg", "--points", "2", "--deny-warnings"]);
-    let words = "warning: the link falls from this pose if its hub is free: only under control";
+    let words = "warning: the link falls from this pose if its hub is free: it responds so only under control";
     assert!(stderr(&up).contains(words), "{}", stderr(&up));
 }
 
@@ -366,7 +366,7 @@ fn a_run_goes_on_from_the_state_that_another_left() {
     // That of the level strip is linear.
     let other = ["simulate", "strip.toml", "second.csv", "--state", "state.json"];
     let message = stderr(&bench.ends(3, &other));
-    let must = "error: state.json: the state = of a linear link, but must be one at large angles";
+    let must = "error: state.json: the state is of a linear link, but must be one at large angles";
     assert!(message.starts_with(must), "{message}");
     bench.write("state.json", "{\"command\": \"fit\"}");
     let message = stderr(&bench.run(&other));

@@ -50,7 +50,8 @@ fn a_thick_link_is_told_with_the_share_of_its_frequencies_wherever_they_are_used
     let modes = bench.run(&["modes", "bar.toml", "--count", "2"]);
     assert!(stdout(&modes).contains("4007.6"), "{}", stdout(&modes));
     let told = format!(
-        "{lower} to 41 % (mode 2)\nhint: theory = \"timoshenko\" computes them; solve tells what a torque feels of it\n"
+        "{lower} to 41 % (mode 2)\nhint: set theory = \"timoshenko\" to include them; solve reports their effect on \
+         the torque\n"
     );
     assert!(stderr(&modes).ends_with(&told), "{}", stderr(&modes));
     for arguments in [
@@ -240,7 +241,7 @@ fn a_strip_that_lies_on_its_edge_is_told() {
     assert_eq!(
         told(&[]),
         [
-            "remark: segments.0.section: thickness = 0.0400000 m, which is above width = 0.00300000 m: the link \
+            "remark: segments.0.section: thickness = 0.0400000 m is above width = 0.00300000 m: the link \
           bends across its stiffer side"
         ]
     );

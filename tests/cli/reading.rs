@@ -70,7 +70,7 @@ fn a_slip_beside_a_known_column_is_remarked() {
     bench.write("slip.csv", &rows);
     let found = told(&bench, &["verify", &repository(LINK), "slip.csv"]);
     let remark = "remark: slip.csv: columns not read: 3 \"acelleration\"\n\
-                  hint: did you mean acceleration by \"acelleration\"?\n";
+                  hint: did you write acceleration as \"acelleration\"?\n";
     assert!(found.starts_with(remark), "{found}");
 }
 
@@ -151,7 +151,11 @@ fn a_sign_that_may_stand_between_thousands_needs_the_option() {
     let rows = (0..=100).map(row).collect::<Vec<_>>().concat();
     bench.write("um.csv", &format!("Zeit (ms);Weg (um)\n{rows}"));
     let arguments = ["solve", &repository(LINK), "um.csv", "--decimal", "point"];
-    bench.refuses(3, &arguments[..3], "hint: --decimal point says that decimals follow; nothing");
+    bench.refuses(
+        3,
+        &arguments[..3],
+        "hint: use --decimal point if decimals follow it; write nothing",
+    );
     bench.done(&arguments);
 }
 
@@ -205,7 +209,7 @@ fn a_bad_sample_is_refused_and_on_request_replaced_and_counted() {
         assert!(text.contains("--drop-outliers"), "{text}");
         let dropped = ["solve", &file, "bad.csv", "--drop-outliers", "-o", "dropped"];
         let text = told(&bench, &dropped);
-        let remark = "remark: 1 sample was replaced by what its neighbours lead to\n";
+        let remark = "remark: 1 sample was replaced by the values that its neighbours predict\n";
         assert!(text.contains(remark), "{text}");
         let summary = bench.json("dropped/summary.json");
         let kinds = summary["remarks"].as_array().unwrap().iter();
@@ -288,7 +292,7 @@ fn a_torque_that_leaves_its_neighbours_for_a_sample_is_told_and_played() {
     let pulsed = |k: u32| if k == 150 { wave(k) + 0.3 } else { wave(k) };
     let found = torque(&pulsed);
     assert!(found.contains("line 152: torque = 0.97"), "{found}");
-    assert!(found.contains(" N m does not follow its neighbours, which lead to 0.67"), "{found}");
+    assert!(found.contains(" N m does not follow its neighbours, which predict 0.67"), "{found}");
     // Commands that jump are none of it.
     let steps = |k: u32| if (k / 50).is_multiple_of(2) { 1.0 } else { -1.0 };
     let bits = |k: u32| if (k.wrapping_mul(2_654_435_761) >> 20) & 1 == 0 { 1.0 } else { -1.0 };

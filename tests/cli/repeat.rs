@@ -123,7 +123,7 @@ fn one_byte_of_a_table_is_found_and_its_line_told() {
         .write("out/torque.csv", &text.replacen(&format!("\n{row}\n"), &format!("\n{other}\n"), 1));
     let place = format!("line 3800, 1 of {rows} in all");
     let line = format!("differs  torque.csv: {place}: was \"{other}\", now \"{row}\"\n");
-    differs(&bench, &line, 1, "hint: -o DIR keeps the new results, for flexlink compare\n");
+    differs(&bench, &line, 1, "hint: keep the new results for flexlink compare with -o DIR\n");
     let kept = ended(1, repeat(&bench, &["out", "-o", "again"]));
     assert_eq!(stderr(&kept), "hint: flexlink compare out again says by how much\n");
     bench.ends(1, &["compare", "out", "again"]);
@@ -171,7 +171,7 @@ fn another_version_is_warned_of_and_its_line_differs() {
     let (was, now) = (shown("9.1.0"), shown(version));
     let warning = format!(
         "warning: out/summary.json: flexlink = 9.1.0, but this is {version}\n\
-         hint: what differs may come from that\n"
+         hint: differences may come from the other version\n"
     );
     differs(
         &bench,
@@ -280,7 +280,7 @@ fn the_case_of_a_sweep_is_repeated_as_a_run_of_solve() {
     let told = refused(&bench, &["all"]);
     let hint =
         "hint: --repeat takes the folder of a run of `solve`, or of a case of `sweep --outputs`\n";
-    let error = "error: all: summary.json = nothing, but must be there: the folder of a run";
+    let error = "error: all: summary.json is missing: this is not the folder of a run";
     assert!(told.starts_with(error) && told.ends_with(hint), "{told}");
 }
 
@@ -294,7 +294,7 @@ fn a_simulation_and_what_is_no_run_are_refused() {
     assert_eq!(refused(&bench, &["simulated"]), format!("{error}{hint}"));
     for other in ["nowhere", "link.toml"] {
         let told = refused(&bench, &[other]);
-        let error = format!("error: {other}: summary.json = nothing, but must be there");
+        let error = format!("error: {other}: summary.json is missing");
         assert!(told.starts_with(&error) && told.ends_with(hint), "{told}");
     }
 }
@@ -344,7 +344,7 @@ fn a_damaged_record_is_refused_and_leads_nowhere() {
     let folder = after("\"tip.csv\"", "\"/etc/tip.csv\"");
     assert_eq!(folder, format!("error: out/summary.json: files = \"/etc/tip.csv\", {must}\n"));
     let cut = after("\"arguments\"", "\"changes\"");
-    assert!(cut.contains("arguments = nothing, but must be there"), "{cut}");
+    assert!(cut.contains("arguments is missing"), "{cut}");
     bench.write("out/summary.json", &summary[..300]);
     let half = refused(&bench, &["out"]);
     assert!(half.contains("but must be the summary of a run, in JSON"), "{half}");
@@ -389,7 +389,7 @@ fn a_folder_of_the_system_that_takes_no_file_is_told_with_the_way_out() {
     let bench = solved(&[]);
     let mut program = bench.program(&["solve", "--repeat", "out"]);
     let told = stderr(&ended(5, program.env("TMPDIR", bench.path("none")).output().unwrap()));
-    let hint = "hint: -o DIR takes another folder\n";
+    let hint = "hint: choose another folder with -o DIR\n";
     assert!(
         told.contains("/none: cannot write into the folder: ") && told.ends_with(hint),
         "{told}"

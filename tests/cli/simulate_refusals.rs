@@ -65,8 +65,7 @@ fn a_dash_reads_the_torque_from_standard_input() {
 #[test]
 fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     let bench = bench();
-    let jump = "hint: a torque of solve begins and ends at zero, unless its window is cut or its \
-                tip does not rest";
+    let jump = "hint: use a torque that begins and ends at zero, as that of solve for an uncut window and a tip at rest";
     bench.write("step.csv", "time,torque\n0,1\n0.01,-2\n0.02,1\n0.03,0.5\n");
     let output = simulated(&bench, &["step.csv"]);
     let expected = format!(
@@ -77,15 +76,15 @@ fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     assert!(stderr(&output).starts_with(&expected), "{}", stderr(&output));
     bench.write("coarse.csv", "time,torque\n0,0\n0.1,0.01\n0.2,0.01\n0.3,0\n");
     let output = simulated(&bench, &["coarse.csv"]);
-    let expected = "warning: the step = 0.1 s leaves 5.3 steps to a period of the first mode, \
-                    0.5264 s: the rows do not show its vibration\n\
-                    hint: a torque with a shorter step\n";
+    let expected = "warning: the step of 0.1 s leaves 5.3 steps to a period of the first mode, 0.5264 s: the rows do \
+                    not show its vibration\n\
+                    hint: use a torque with a shorter step\n";
     assert_eq!(stderr(&output), expected);
     bench.write("late.csv", "time,displacement\n0.2,1e-3\n0.3,2e-3\n0.4,3e-3\n0.5,4e-3\n");
     let output = simulated(&bench, &["torque.csv", "--target", "late.csv"]);
     let error = stderr(&output);
     assert!(error.starts_with("warning: the target begins at 0.2 s, when the tip has moved by"));
-    assert!(error.ends_with("hint: a target that begins before the tip moves\n"), "{error}");
+    assert!(error.ends_with("hint: use a target that begins before the tip moves\n"), "{error}");
     let warnings = &bench.json("simulated/summary.json")["warnings"];
     assert_eq!(warnings[0]["kind"], "late_target");
 }

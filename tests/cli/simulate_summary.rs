@@ -129,7 +129,7 @@ fn a_coarse_step_hides_the_vibration_in_the_rows_only() {
     let bench = Bench::new();
     bench.write("t.csv", "time,torque\n0,0\n0.5,1\n1,1\n1.5,0\n");
     let output = simulated(&bench, &["t.csv"]);
-    assert!(stderr(&output).starts_with("warning: the step = 0.5 s leaves 1.1 steps"));
+    assert!(stderr(&output).starts_with("warning: the step of 0.5 s leaves 1.1 steps"));
     let summary = bench.json("simulated/summary.json");
     let first = 1.0 / number(&summary, "/periods_s/0");
     let vibrates = number(&summary, "/residual/frequency_hz");

@@ -111,10 +111,7 @@ fn a_warning_and_its_hint_go_to_standard_error_and_the_run_succeeds() {
     let error = stderr(&output);
     let mut lines = error.lines();
     assert!(lines.next().unwrap().starts_with("warning: the torque outside the written window"));
-    assert_eq!(
-        lines.next(),
-        Some("hint: a longer analysis.lead and analysis.lag, or neither of them")
-    );
+    assert_eq!(lines.next(), Some("hint: use longer analysis.lead and lag, or leave both out"));
     assert_eq!(lines.next(), None);
     assert!(stdout(&output).starts_with("Bayo (1987), example 1"));
 }

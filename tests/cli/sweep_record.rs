@@ -58,7 +58,7 @@ fn beside_a_table_lies_what_it_is_of() {
             || shown.contains("--vary 'hub.inertia*=1,2'")
     );
     std::fs::remove_file(bench.path("a/stiffness.json")).unwrap();
-    assert!(page("a/stiffness.csv").contains("No record lies beside the table"));
+    assert!(page("a/stiffness.csv").contains("The table has no record beside it"));
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_file_in_the_place_of_the_record_is_kept() {
     let bench = Bench::new();
     bench.write("sweep.json", "{\"mine\": true}\n");
     let message = "error: --output = sweep.csv, but its record sweep.json would replace a file that \
-                   no sweep has written\nhint: another name for the table, or for that file\n";
+                   no sweep has written\nhint: use another name for the table, or for that file\n";
     let output = sweep(&bench, &VARY);
     assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(2), message));
     assert_eq!(bench.names("."), ["sweep.json"]);

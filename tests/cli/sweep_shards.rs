@@ -91,7 +91,8 @@ fn a_sweep_that_is_stopped_keeps_its_rows_and_goes_on_to_the_same_table() {
             );
             assert!(stderr(&output).ends_with(&error), "{}", stderr(&output));
             assert!(
-                stderr(&output).contains("\nfinishing the cases that have begun; once more ends")
+                stderr(&output)
+                    .contains("\nfinishing the cases that have begun; a second signal ends")
             );
         }
         if signal == "-KILL" {
@@ -122,7 +123,7 @@ fn a_sweep_started_to_ignore_ctrl_c_and_hangup_goes_on_but_ends_when_the_system_
         wait_for_rows(&bench, 10);
         send(heard, &child);
         let output = ended(130, child.wait_with_output().unwrap());
-        let words = "finishing the cases that have begun; once more ends at once";
+        let words = "finishing the cases that have begun; a second signal ends at once";
         assert_eq!(stderr(&output).matches(words).count(), 1, "{}", stderr(&output));
         assert_eq!(bench.names("."), ["sweep.csv.part"], "{heard}");
     }

@@ -90,7 +90,7 @@ fn a_cut_that_moves_the_tip_off_is_warned_of() {
     let (text, warned) = (stdout(&output), stderr(&output));
     assert!(warned.contains("warning: the torque table moves the tip off by "), "{warned}");
     assert!(
-        warned.contains("hint: a smaller --window, or feedback of the hub's angle\n"),
+        warned.contains("hint: use a smaller --window, or feedback of the hub's angle\n"),
         "{warned}"
     );
     // 2 % of the peak are reached 0.305 s before the motion.
@@ -221,7 +221,7 @@ fn the_tables_of_an_arm_without_weight_move_its_tip_off_as_a_simulation_says() {
     let held_m = simulated_arm_m(&bench, "held.csv", &held);
     let samples_m = simulated_arm_m(&bench, "out/torques.csv", &held);
     assert!(held_m < 1e-3 * samples_m, "{held_m} of {samples_m}");
-    // Printed with what the solved tip is off by, a millionth of its way.
+    // Printed with what the solved tip is off by, a millionth of its travel.
     let printed_m = printed_m(&text);
     assert!((held_m..held_m + 1e-6).contains(&printed_m), "{held_m}: {text}");
 }

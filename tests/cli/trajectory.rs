@@ -263,7 +263,7 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     // Limits that no profile keeps.
     let none = [&fixed[..7], &["torque=1e-9"]].concat();
     let none = stderr(&bench.ends(4, &[&["trajectory", "best"], &none[..]].concat()));
-    let message = "the durations within the limits = none of the 17 tried";
+    let message = "no duration from 0.04 to 2621.44 s keeps the limits (17 tried)";
     assert!(none.starts_with(&format!("note: sine       none: {message}")), "{none}");
     assert!(none.contains(&format!("\nerror: {message}")), "{none}");
 }
@@ -288,7 +288,7 @@ fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
     assert!((mean.sqrt() - rms).abs() < 1e-3 * rms, "{} {rms}", mean.sqrt());
     let largest = torque.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
     assert!((largest - peak).abs() < 1e-2 * peak, "{largest} {peak}");
-    // Within a limit of the torque in the mean: the cycle's, not that of the way there.
+    // Within a limit of the torque in the mean: the cycle's, not that of the outward motion.
     let fit = bench.run(&[&cycle[..], &["--fit-limit", "rms_torque=0.5"]].concat());
     let told = stderr(&fit);
     assert!(told.contains("within rms_torque=0.5 N m; limits.rms_torque binds: 0.49"), "{told}");

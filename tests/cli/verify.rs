@@ -62,8 +62,7 @@ fn a_number_out_of_its_bound_ends_the_program_with_four() {
     assert_eq!(stdout(&output).matches("  FAILS").count(), 3, "{}", stdout(&output));
     let failed = "error: out of bounds: tip, the link's own damping; tip, viscous damping, as \
                   predicted; torque at the window's edge\n\
-                  hint: a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or \
-                  more --digits\n";
+                  hint: use a tighter analysis.tolerance or more --digits, or leave analysis.lead and analysis.lag out\n";
     assert!(stderr(&output).ends_with(failed), "{}", stderr(&output));
 }
 

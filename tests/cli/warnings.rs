@@ -177,8 +177,8 @@ fn warnings_of_compare_repeat_and_sweep_are_errors_where_they_are_denied() {
     let vary = ["--vary", "payload.mass=0,0.01", "--shard", "1/1"];
     swept(&bench, &[&vary[..], &["-o", "whole.csv"]].concat());
     for (values, hint) in [
-        ("0,0.01", "--resume would have gone on with them"),
-        ("0,0.02", "they were of another sweep: another -o keeps them"),
+        ("0,0.01", "--resume continues an interrupted sweep"),
+        ("0,0.02", "use another -o to keep rows of another sweep"),
     ] {
         let stopped =
             sweep(&bench, &["--vary", "payload.mass=0,0.01", "-o", "-", "--shard", "1/2"]);
@@ -188,7 +188,7 @@ fn warnings_of_compare_repeat_and_sweep_are_errors_where_they_are_denied() {
         let output = sweep(&bench, &["--vary", &vary, "--deny-warnings"]);
         let told = stderr(&output);
         let warning =
-            "warning: sweep.csv.part held 1 row of an interrupted sweep, begun anew\nhint: ";
+            "warning: sweep.csv.part held 1 row of an interrupted sweep, which begins anew\nhint: ";
         assert_eq!(output.status.code(), Some(4), "{told}");
         assert!(told.starts_with(&format!("{warning}{hint}\n")), "{told}");
     }
@@ -201,8 +201,7 @@ fn one_table_of_a_run_that_is_accepted_alone_is_warned_of() {
     bench.solve(&["-q", "-o", "other", "--set", "payload.mass=0.1"]);
     let one = ["compare", "out/torque.csv", "other/torque.csv", "--bless", "-q"];
     let blessed = bench.done(&one);
-    let warning =
-        "warning: out/torque.csv: is not the table of the summary.json beside it any more";
+    let warning = "warning: out/torque.csv: no longer matches the summary.json beside it";
     assert!(stderr(&blessed).starts_with(warning), "{}", stderr(&blessed));
     assert_eq!(stderr(&bench.run(&one)), "", "nothing is left to accept");
     let whole = bench.run(&["compare", "out", "other", "--bless", "-q"]);
@@ -281,7 +280,7 @@ fn what_a_shard_warned_of_is_told_when_it_is_joined_or_was_complete() {
         swept(&bench, &[&VARY[..], &["--shard", shard]].concat());
     }
     let warning = "1 of 2 cases, the first is case 2: inexact_model\n\
-                   hint: flexlink solve tells more of a single case\n";
+                   hint: solve the case alone with flexlink solve for more\n";
     let names = ["sweep-1-of-2.csv", "sweep-2-of-2.csv"];
     bench.refuses_first(
         4,

@@ -26,7 +26,7 @@ fn refused(bench: &Bench, file: &str, messages: [&str; 5]) {
 fn an_empty_file_is_told_what_is_missing() {
     let bench = Bench::new();
     bench.write("empty", "");
-    let samples = ": content = nothing, but must hold a row of names and 4 samples or more\n";
+    let samples = ": has no rows, but must hold a row of names and 4 samples or more\n";
     refused(
         &bench,
         "empty",
@@ -34,7 +34,7 @@ fn an_empty_file_is_told_what_is_missing() {
             ": must hold at least one [[segments]]\n",
             samples,
             samples,
-            ": content = nothing, but must hold a row of names or of numbers\n",
+            ": has no rows, but must hold a row of names or of numbers\n",
             ":1: first line = \"\", but must be that of a shard",
         ],
     );
@@ -54,7 +54,7 @@ fn a_directory_is_no_file() {
     let bench = Bench::new();
     fs::create_dir(bench.path("folder")).unwrap();
     let words = ": cannot read: Is a directory\n";
-    let run = ": summary.json = nothing, but must be there";
+    let run = ": summary.json is missing";
     refused(&bench, "folder", [words, words, words, run, words]);
 }
 

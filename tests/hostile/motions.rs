@@ -67,7 +67,7 @@ fn motions_beyond_what_can_be_squared_are_refused_and_smaller_ones_solved() {
         refused(&scaled(by), NOT_SOLVABLE, range);
     }
     let small =
-        "m/s^2, but must reach 1e-120 m/s^2: what is smaller cannot be squared\nhint: check";
+        "m/s^2, but must reach 1e-120 m/s^2: squares of smaller numbers vanish\nhint: check";
     for by in [1e-125, 1e-310, 5e-324] {
         refused(&scaled(by), REFUSED, small);
     }

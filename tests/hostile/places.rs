@@ -314,7 +314,7 @@ fn damage_of_a_record_is_told_by_key_and_in_plain_words() {
     let mut forged = record;
     forged.as_object_mut().unwrap().remove("title");
     bench.write("out/summary.json", forged.to_string());
-    bench.refuses_soon(&["report", "out"], REFUSED, "title = nothing, but must be there");
+    bench.refuses_soon(&["report", "out"], REFUSED, "title is missing");
 }
 
 #[test]

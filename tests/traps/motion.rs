@@ -165,7 +165,7 @@ impl Samples {
         text
     }
 
-    /// What the way is, in m.
+    /// Travel of the tip in m.
     pub(crate) fn way_m(&self) -> f64 {
         if self.is_displacement {
             let last = self.values.len() - 1;

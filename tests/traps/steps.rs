@@ -112,7 +112,7 @@ pub(crate) fn compared(case: &Case) -> Steps {
     steps
 }
 
-/// Distances over the way: of the tips of two runs, and of the tips that their files want.
+/// Distances over the travel: of the tips of two runs, and of the tips that their files want.
 struct Apart {
     tips: f64,
     files: f64,

@@ -237,7 +237,7 @@ impl Truth {
             (1..band).into_par_iter().map(|k| exact.at(spectrum.omega(k))).collect();
         // Simpson's rule over frequency.
         let simpson = |k: usize| if k.is_multiple_of(2) { 2.0 / 3.0 } else { 4.0 / 3.0 };
-        // At ω = 0 the acceleration is iω times the way, and what friction and Rayleigh's α take from
+        // At ω = 0 the acceleration is iω times the travel, and what friction and Rayleigh's α take from
         // the tip's velocity is left.
         let low = 1e-4 * spectrum.omega(1);
         let lowest = exact.at(low);

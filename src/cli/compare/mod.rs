@@ -33,20 +33,19 @@ tolerances.toml; every key is optional:
   column = \"torque_*\"          # all of the file if left out
   rtol = 1e-6                  # and/or atol; or ignore = true
 
-A first row of nothing but numbers is data; the columns are then called `column 1` and so on.
+A first row that holds only numbers is data; the columns are then called `column 1` and so on.
 `-` as EXPECTED or ACTUAL reads standard input. Exit code 1 if the two differ.";
 
 const QUIET: &str = "Print nothing but warnings and errors; the exit code says if they differ";
 
 /// Compare tables column by column, within a tolerance of the column's peak.
 ///
-/// EXPECTED and ACTUAL are two CSV files, or two folders whose CSV files are compared by name, those in
-/// their subfolders, too, and the results and the kinds of warnings in the summary.json of runs. A number may
-/// differ by atol + rtol x the largest absolute value that its column has in EXPECTED; words and empty fields may
-/// not differ. Columns are matched by name, rows by the first
-/// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and
-/// files that only one side has are differences, too. Any CSV will do: a row of names, commas, # before
-/// comments.
+/// EXPECTED and ACTUAL are two CSV files or two folders. In folders and their subfolders, CSV files are compared by
+/// name; of runs also the results and the kinds of warnings in summary.json. A number may differ by atol + rtol x the
+/// largest absolute value of its column in EXPECTED; words and empty fields may not differ. Columns are matched by
+/// name, rows by the first
+/// column where it increases on both sides (time_s, frequency_hz), otherwise by number. Columns, rows and files that
+/// only one side has are differences, too. A CSV file has a row of names, commas, and # before comments.
 #[derive(Debug, Args)]
 #[command(about = "Compare tables column by column", after_help = EXAMPLE)]
 #[command(mut_arg("json", |json| json.help("Print everything as JSON instead of the table")))]
@@ -60,12 +59,12 @@ pub(crate) struct Compare {
     #[arg(value_name = "ACTUAL")]
     actual: PathBuf,
 
-    /// Difference allowed, as a share of the column's peak [default: from the file of tolerances,
+    /// Allowed difference, as a share of the column's peak [default: from the file of tolerances,
     /// else 1e-9].
     #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
     rtol: Option<f64>,
 
-    /// Difference allowed, in the column's unit [default: from the file of tolerances, else 0].
+    /// Allowed difference, in the column's unit [default: from the file of tolerances, else 0].
     #[arg(long, value_name = "A", value_parser = not_negative, allow_negative_numbers = true)]
     atol: Option<f64>,
 
@@ -74,9 +73,8 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "FILE")]
     tolerances: Option<PathBuf>,
 
-    /// Rows do not count that only one side has before the first row of both or behind the last one: a
-    /// window that has moved is no difference. All count where rows are matched by their number, or where less
-    /// than half of EXPECTED's are common.
+    /// Ignore rows at the ends that only one side has, so that a moved window is no difference. All rows count if
+    /// they are matched by number, or if less than half of EXPECTED's are common.
     #[arg(long)]
     common_rows: bool,
 
@@ -163,13 +161,12 @@ impl Compare {
             return 0;
         }
         let message = format!(
-            "{}: is not the table of the summary.json beside it any more: solve --repeat of the \
-             folder finds a difference",
+            "{}: no longer matches the summary.json beside it: solve --repeat of the folder finds a difference",
             self.expected.display()
         );
         console::warning(
             message,
-            "compare the two folders with --bless, and the whole run is taken",
+            "compare the two folders with --bless, which copies the whole run",
         );
         1
     }
@@ -199,7 +196,7 @@ impl Compare {
         for inner in &sides.unread_tolerances {
             let path = self.expected.join(inner);
             let message = format!("{}: is not read", path.display());
-            console::warning(message, "only that of the folder EXPECTED is, with paths in `file`");
+            console::warning(message, "move its entries to tolerances.toml of EXPECTED");
         }
         idle.len() + sides.unread_tolerances.len()
     }

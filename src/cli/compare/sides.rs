@@ -65,7 +65,7 @@ impl Sides {
         // A missing EXPECTED becomes a folder or a file like ACTUAL.
         let is_folder = if absence.is_some() { actual.is_dir() } else { expected.is_dir() };
         if let (Some(failure), Purpose::Compare) = (absence, purpose) {
-            let hint = "flexlink compare --bless makes it from ACTUAL".to_owned();
+            let hint = "make it from ACTUAL with flexlink compare --bless".to_owned();
             return Err(Failure { hint: Some(hint), ..failure });
         }
         match (is_folder, actual.is_dir()) {
@@ -105,7 +105,7 @@ impl Sides {
             Purpose::Bless => (&found, actual),
         };
         if source.tables.is_empty() {
-            let message = format!("{}: CSV files = none, but must be one or more", path.display());
+            let message = format!("{}: the folder holds no CSV files", path.display());
             return Err(Failure::new(Exit::InputRefused, &message, None));
         }
         let names: BTreeSet<&String> = golden.tables.keys().chain(found.tables.keys()).collect();
@@ -218,7 +218,7 @@ fn table_of(file: &InputFile) -> Result<Table, Failure> {
         return Ok(read_table(&file.shown, &file.bytes)?);
     }
     results_table(&file.bytes).ok_or_else(|| {
-        let message = format!("{}: results = none, but must be those of a run", file.shown);
+        let message = format!("{}: the summary holds no results of a run", file.shown);
         Failure::new(Exit::InputRefused, &message, None)
     })
 }
@@ -250,7 +250,7 @@ fn check_blessing(expected: &Path, actual: &Path) -> Result<(), Failure> {
     let real = paths.map(|path| path.canonicalize().ok().filter(|path| path.is_dir()));
     match real {
         [Some(a), Some(b)] if a.starts_with(&b) || b.starts_with(&a) => {
-            let must = "but must not be blessed where one lies in the other";
+            let must = "but neither may lie in the other with --bless";
             Err(both(expected, actual, "folders", must))
         }
         _ => Ok(()),

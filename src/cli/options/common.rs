@@ -20,13 +20,13 @@ use crate::cli::terminal::{Exit, Failure, console};
 /// Which part of the nodal tables to write.
 #[derive(Debug, Args)]
 pub struct NodeArgs {
-    /// Nodes to write, numbered from 0 at the root [default: all]. Of an arm that is solved those of each
-    /// link: a link that has fewer writes those that it has.
+    /// Nodes to write, numbered from 0 at the root [default: all]. For an arm the numbers apply to each link; a link
+    /// with fewer nodes writes those that it has.
     #[arg(long = "nodes", value_name = "LIST", value_delimiter = ',', value_parser = node)]
     pub(crate) list: Option<Vec<usize>>,
 
-    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); of an arm that is solved
-    /// from each link's joint. The mesh gets a node there, unless it has one.
+    /// Write the nodes at these distances from the axis in m, or with unit (`60cm`); for an arm from each link's
+    /// joint. The mesh gets a node there, unless it has one.
     #[arg(long = "stations", value_name = "LIST", value_delimiter = ',', value_parser = metres)]
     #[arg(allow_negative_numbers = true)]
     pub(crate) stations_m: Vec<f64>,
@@ -74,7 +74,7 @@ impl NodeArgs {
         }
         let Some(at_m) = elsewhere_m.first() else { return Ok(()) };
         let message = format!("{STATIONS} = {at_m} m, but must lie on a link of the arm");
-        let hint = "a distance in m from the joint of a link to its tip";
+        let hint = "write a distance in m from the joint of a link, at most to its tip";
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
@@ -112,7 +112,7 @@ impl NodeArgs {
             return Ok(());
         };
         let message = format!("{STATIONS} = {at_m} m, but must be a node of the mesh");
-        let hint = "what is solved with stations has nodes there";
+        let hint = "solve with --stations to have nodes there";
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
@@ -142,7 +142,7 @@ impl NodeArgs {
         }
         let mut seen = BTreeSet::new();
         let Some(node) = nodes.iter().find(|node| !seen.insert(**node)) else { return Ok(()) };
-        let message = format!("--nodes = {node} twice, but must name it once");
+        let message = format!("--nodes = {node} twice, but must name each node once");
         Err(Failure::new(Exit::Usage, &message, None))
     }
 }
@@ -221,16 +221,16 @@ pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
 pub(crate) fn directions(at: Option<&[f64]>, links: usize) -> Result<Vec<f64>, Failure> {
     let found = match at {
         Some(directions) if directions.len() == links => return Ok(directions.to_vec()),
-        Some(directions) => format!("{} directions", directions.len()),
-        None => "nothing".to_owned(),
+        Some(directions) => format!("= {} directions", directions.len()),
+        None => "is missing".to_owned(),
     };
     let (must, hint) = if links == 1 {
-        ("but must be one direction".to_owned(), "as in --at '-90 deg'")
+        ("but must be one direction".to_owned(), "write it as in --at '-90 deg'")
     } else {
         let must = format!("but must be {links} directions, one for each link of the arm");
-        (must, "as in --at '30 deg,75 deg': from joint to joint, the inner link first")
+        (must, "write them as in --at '30 deg,75 deg', from joint to joint, the inner link first")
     };
-    Err(Failure::new(Exit::Usage, &format!("--at = {found}, {must}"), Some(hint)))
+    Err(Failure::new(Exit::Usage, &format!("--at {found}, {must}"), Some(hint)))
 }
 
 /// An option and its value, in one text if the value alone would be read as an option.

@@ -55,8 +55,8 @@ impl LinkArgs {
 /// Changes to a link file.
 #[derive(Debug, Args)]
 pub struct ChangeArgs {
-    /// Replace a value of the link file, or multiply it with `*=`; repeatable, applied in order. A
-    /// segment is given by its name, its number from 0, or `*` for all: 'segments.*.EI*=4',
+    /// Replace a value of the link file, or multiply it with `*=`; repeatable, applied in order. A segment is
+    /// addressed by its name, its number from 0, or `*` for all: 'segments.*.EI*=4',
     /// 'payload.mass="50 g"'.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     changes: Vec<String>,
@@ -111,7 +111,7 @@ pub(crate) fn warn_of_gravity(link: &Link) -> usize {
     let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
     console::warning(
         left_out,
-        "modes --at ANGLE has those of one direction; --set 'gravity=[0, 0]' is a horizontal plane",
+        "compute those of one direction with modes --at ANGLE; --set 'gravity=[0, 0]' is a horizontal plane",
     );
     1
 }
@@ -123,16 +123,16 @@ pub struct ResampleArgs {
     #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     resample: Option<f64>,
 
-    /// Replace samples that do not follow their neighbours by what these lead to, and count them.
+    /// Replace samples that do not follow their neighbours by the values that these predict, and count them.
     #[arg(long)]
     drop_outliers: bool,
 
-    /// The displacement carries noise of this standard deviation, in m or with its unit, as in "0.1 mm":
-    /// the tip follows it no closer than it deserves. Without it the decimals of the file decide.
+    /// Standard deviation of the displacement's noise, in m or with its unit, as in "0.1 mm": the tip follows the
+    /// samples only as closely as the noise allows. Without it the decimals of the file decide.
     #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
     noise: Option<Length>,
 
-    /// Solve the motion up to this frequency in Hz, instead of that which the tip needs.
+    /// Solve the motion up to this frequency in Hz, instead of the frequency that the tip needs.
     #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
     lowpass: Option<f64>,
 
@@ -141,8 +141,8 @@ pub struct ResampleArgs {
     #[arg(long, conflicts_with_all = ["resample", "noise"])]
     periodic: bool,
 
-    /// The tip moves before the first row and after the last one, at constant velocity. A velocity column
-    /// says so without this option.
+    /// The tip moves before the first row and after the last one, at constant velocity. A velocity column implies
+    /// this option.
     #[arg(long, conflicts_with_all = ["noise", "periodic"])]
     moving_ends: bool,
 }
@@ -264,7 +264,7 @@ impl ResampleArgs {
 /// Factors on a motion, as those of a sweep.
 #[derive(Debug, Args)]
 pub struct ScaleArgs {
-    /// Multiply the motion's distance.
+    /// Multiply the motion's travel.
     #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
     #[arg(default_value_t = 1.0, hide_default_value = true)]
     scale_distance: f64,

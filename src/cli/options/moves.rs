@@ -74,8 +74,8 @@ impl AtRest {
                 Ok(Self::Tip([0, 1].map(|axis| first_m(axis).unwrap_or_default())))
             }
             _ => {
-                let message = "--at = nothing, but must say where the arm starts";
-                let hint = "--at '30 deg,75 deg', the directions of its chords, as the first row of chord_angles.csv has them; or --feedback with --reference";
+                let message = "--at is missing: nothing states where the arm starts";
+                let hint = "use --at '30 deg,75 deg', the directions of its chords, as in the first row of chord_angles.csv, or --feedback with --reference";
                 Err(Failure::new(Exit::Usage, &message, Some(hint)))
             }
         }

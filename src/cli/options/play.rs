@@ -42,7 +42,7 @@ pub(crate) struct HoldArgs {
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Hold::Cubic)]
     hold: Hold,
 
-    /// The same as --hold linear.
+    /// Short for --hold linear.
     #[arg(long, conflicts_with = "hold")]
     linear: bool,
 }
@@ -63,9 +63,9 @@ impl HoldArgs {
         if reading.jitter().is_none() || self.interpolation() == Interpolation::Cubic {
             return Ok(());
         }
-        let must = "must be uniform for --hold zero or linear";
-        let message = format!("{}: times = off a uniform step, but {must}", file.shown);
-        let hint = "write times with more decimals, or --hold cubic";
+        let must = "must be for --hold zero or linear";
+        let message = format!("{}: the times are not uniform, but {must}", file.shown);
+        let hint = "write times with more decimals, or use --hold cubic";
         Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
     }
 
@@ -85,8 +85,8 @@ pub(crate) struct PlayArgs {
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
-    /// What TORQUE holds: the torque, or the hub angle: the hub follows it exactly, and the torque is
-    /// computed. The hub rests before the first sample and turns on at its rate after the last.
+    /// Quantity in TORQUE: the torque, or the hub angle, which the hub follows exactly while the torque is computed.
+    /// The hub rests before the first sample and keeps its rate after the last.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
     input: InputKind,
 
@@ -104,12 +104,12 @@ pub(crate) struct PlayArgs {
     hold: HoldArgs,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
-    /// link starts at its first displacement, but with --input hub-angle where its hub points to.
+    /// link starts at its first displacement, but with --input hub-angle where its hub points.
     #[arg(long, value_name = "FILE")]
     target: Option<PathBuf>,
 
     /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
-    /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at times of its own.
+    /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at any times.
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
 
@@ -117,8 +117,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
 
-    /// TORQUE is one cycle of a torque, or of a hub angle, that repeats, its first row a step after the last
-    /// one: play the motion that repeats with it, to which the link settles.
+    /// Play the repeating motion to which the link settles. TORQUE is one cycle of a torque or of a hub angle; its
+    /// first row follows the last one, a step later.
     #[arg(long, conflicts_with = "state")]
     periodic: bool,
 
@@ -127,8 +127,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) save_state: Option<PathBuf>,
 
-    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad; of an arm for all joints, or
-    /// a pair for each.
+    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad; for an arm one pair for all joints,
+    /// or a pair for each.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
@@ -281,10 +281,9 @@ impl PlayArgs {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
         };
         match &self.feedback {
-            _ if self.at.is_some() => refused(
-                "--at = directions of chords",
-                "must not be given for one link, whose start_angle says it",
-            ),
+            _ if self.at.is_some() => {
+                refused("--at sets the directions of an arm", "one link starts at its start_angle")
+            }
             Some(gains) if gains.len() > 1 => {
                 refused("--feedback = several pairs", "must be one, KP,KD, for one link")
             }
@@ -358,7 +357,7 @@ pub fn feedback(
         Some(others) => {
             let found = others.len();
             let message = format!(
-                "--feedback = {found} pairs, but must be one for all joints, or one for each of {links}"
+                "--feedback = {found} pairs, but must be 1, for all joints, or {links}, one for each"
             );
             let hint = "KP1,KD1,KP2,KD2, from the inner joint on";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));

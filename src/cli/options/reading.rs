@@ -12,8 +12,8 @@ const READING: &str = "Reading a measured MOTION or TORQUE";
 /// How MOTION, or the TORQUE of `simulate`, is to be read. What is not given is read from the file.
 #[derive(Debug, Args)]
 pub struct ReadArgs {
-    /// Which column holds which quantity, by its number from 1 or by its heading: time=1,displacement=3
-    /// or displacement=pos; of an arm's path x, y, angle1, angle2, … A table without headings needs the
+    /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;
+    /// for an arm's path x, y, angle1, angle2, … A table without headings needs the
     /// time, too.
     #[arg(long, help_heading = READING, value_name = "QUANTITY=COLUMN", value_delimiter = ',')]
     columns: Vec<ColumnChoice>,
@@ -22,8 +22,8 @@ pub struct ReadArgs {
     #[arg(long, help_heading = READING, value_name = "UNIT")]
     time_unit: Option<UnitName>,
 
-    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. Of an arm's path, a length is that of
-    /// x and y, an angle that of all directions.
+    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. For an arm's path, a length is the unit of x and
+    /// y, an angle that of all directions.
     #[arg(long, help_heading = READING, value_name = "UNIT")]
     unit: Option<UnitName>,
 
@@ -36,11 +36,11 @@ pub struct ReadArgs {
     #[arg(long, help_heading = READING, value_name = "N", default_value_t, hide_default_value = true)]
     skip: usize,
 
-    /// What divides the fields: `,`, `;`, tab or blanks.
+    /// Sign between the fields: `,`, `;`, tab or blanks.
     #[arg(long, help_heading = READING, value_name = "SIGN")]
     delimiter: Option<Delimiter>,
 
-    /// What stands before decimals: point or comma.
+    /// Sign before decimals: point or comma.
     #[arg(long, help_heading = READING, value_name = "SIGN")]
     decimal: Option<Decimal>,
 }

@@ -225,15 +225,15 @@ pub fn refusal(error: &SimulationError, is_arm: bool) -> (String, Option<&'stati
             Some("take joint_angles.csv and torques.csv of one run of solve")
         }
         SimulationError::NoRest => {
-            let message = "the arm finds no shape at rest where it starts, but must begin at rest";
-            let hint = "a place within reach, stiffer links, or another pose: --at";
+            let message = "the arm has no shape at rest where it starts";
+            let hint = "use a place within reach, stiffer links, or another pose: --at";
             return (message.to_owned(), Some(hint));
         }
         SimulationError::NotConverged { .. } => Some(
-            "damping of the links by rayleigh, as beta = 1e-3; a shorter step of the torques, smaller ones, or smaller \
-             gains",
+            "use rayleigh damping of the links, such as beta = 1e-3, torques that are smaller or have a shorter \
+             step, or smaller gains",
         ),
-        SimulationError::State { .. } => Some("--save-state of a run of the same arm writes it"),
+        SimulationError::State { .. } => Some("use a state that --save-state of this arm wrote"),
         _ => error.hint(),
     };
     (error.to_string(), hint)

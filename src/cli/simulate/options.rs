@@ -40,7 +40,7 @@ One of the files may be `-`, standard input.";
 /// or none of them, and prints a short summary. The link is at rest before the first sample; after the last one
 /// of a torque it is free.
 /// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
-/// A hysteretic link has no equation in time: its ratio is taken as the viscous ratio of every mode. The
+/// A hysteretic link has no equation in time: its ratio serves as the viscous ratio of every mode. The
 /// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
 ///
 /// With gravity, or with analysis.second_order "first" or "full", the link is played with all terms of large

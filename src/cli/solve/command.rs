@@ -131,18 +131,18 @@ impl Solve {
         let report = self.report.then_some("--report");
         let shapes = report.or_else(|| self.options.shapes_results());
         if let Some(option) = shapes.filter(|_| self.output.is_none()) {
-            let message = format!("{option} is given, but has no effect on the table of --write");
+            let message = format!("{option} has no effect on the table of --write");
             let hint = match option {
                 "--every" => {
-                    "-o DIR writes the nodal tables that it thins; --resample STEP sets the table's step"
+                    "write the nodal tables that it thins with -o DIR; --resample STEP sets the table's step"
                 }
-                _ => "-o DIR writes the results, too",
+                _ => "write the results, too, with -o DIR",
             };
             return refuse(&message, hint);
         }
         if self.print.json && self.table.is_printed() {
-            let message = "--json is given, but standard output has the table of --write -";
-            return refuse(message, "--write FILE");
+            let message = "--json cannot print: standard output has the table of --write -";
+            return refuse(message, "write the table into a file: --write FILE");
         }
         Ok(())
     }

@@ -84,7 +84,7 @@ impl Solve {
                             [run, output].map(|own| path_in_shell(&own.display().to_string()));
                         format!("flexlink compare {run} {output} says by how much")
                     }
-                    None => "-o DIR keeps the new results, for flexlink compare".to_owned(),
+                    None => "keep the new results for flexlink compare with -o DIR".to_owned(),
                 });
             }
         }
@@ -134,7 +134,7 @@ fn of_record(failure: Failure, record: &RunRecord) -> Failure {
 fn elsewhere(failure: Failure) -> Failure {
     match failure.exit {
         Exit::CannotWrite => {
-            Failure { hint: Some("-o DIR takes another folder".into()), ..failure }
+            Failure { hint: Some("choose another folder with -o DIR".into()), ..failure }
         }
         _ => failure,
     }
@@ -147,7 +147,7 @@ fn warn_of_version(record: &RunRecord) -> usize {
         return 0;
     }
     let message = format!("{shown}: flexlink = {}, but this is {VERSION}", excerpt(version));
-    console::warning(message, "what differs may come from that");
+    console::warning(message, "differences may come from the other version");
     1
 }
 

@@ -50,8 +50,8 @@ pub struct SolveOptions {
     #[arg(long, value_name = "N", default_value = "10")]
     pub(super) digits: Digits,
 
-    /// Measure the answer by other means, as `flexlink verify` does, and keep the table in
-    /// summary.json; exit code 4 if a number is out of its bound, the results are written.
+    /// Check the answer by independent methods, as `flexlink verify` does, and keep the table in summary.json; exit
+    /// code 4 if a number is out of its bound, but the results are written.
     #[arg(long)]
     pub(super) verify: bool,
 

@@ -32,8 +32,8 @@ const TIME: f64 = 1e-3;
 /// The torque in a file of its own.
 #[derive(Debug, Args)]
 pub(super) struct WriteArgs {
-    /// Write the torque at the hub, or the joints, alone; results go to a folder only with -o. The ending is
-    /// the form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
+    /// Write only the torque at the hub, or the joints; results go to a folder only with -o. The ending chooses the
+    /// form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
     #[arg(long, value_name = "FILE")]
     pub(super) write: Option<PathBuf>,
 
@@ -42,13 +42,13 @@ pub(super) struct WriteArgs {
     #[arg(allow_hyphen_values = true)]
     start_at: Option<f64>,
 
-    /// Leave out rows of FILE before and after which every torque stays below this share of its peak, `2%`
-    /// or 0.02. What that costs is measured: the table is played, and the tip's error printed.
+    /// Cut the rows at both ends of FILE where every torque stays below this share of its peak, `2%` or 0.02. The
+    /// table is then played, and the tip's error printed.
     #[arg(long, value_name = "SHARE", requires = "write", value_parser = share)]
     window: Option<f64>,
 
-    /// FILE has the values of a converter that holds each until the next row (zero), so that the link
-    /// moves as wanted. The tip's error that remains is measured and printed.
+    /// FILE has values for a converter that holds each until the next row (zero), corrected so that the link moves as
+    /// wanted. The remaining error of the tip is printed.
     #[arg(long, value_name = "KIND", requires = "write", value_enum)]
     hold: Option<Hold>,
 }
@@ -93,7 +93,7 @@ impl WriteArgs {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
         if TorqueForm::of(file).is_some_and(|form| !form.takes(&stem)) {
             let must = "must have a name of letters, digits and `_`, a letter first";
-            return refuse(must, "names in C and MATLAB begin with it");
+            return refuse(must, "choose another name: names in C and MATLAB begin with it");
         }
         let is_result = file.file_name().is_some_and(is_result_file);
         let folder = placed(file.parent().unwrap_or(Path::new("")));
@@ -117,8 +117,8 @@ impl WriteArgs {
         };
         let [start, most, step] = [start_s, most_s, step_s].map(|time_s| significant(time_s, 3));
         let message = format!(
-            "--start-at = {start} s, but must lie from -{most} to {most} s: farther out, times a step of {step} s \
-             apart are not told apart to a thousandth of it"
+            "--start-at = {start} s, but must lie from -{most} to {most} s: farther out, double precision does not \
+             separate times {step} s apart to a thousandth of a step"
         );
         Err(Failure::new(Exit::Usage, &message, None))
     }
@@ -231,7 +231,7 @@ impl WriteArgs {
         );
         let hint = match self.window {
             Some(_) => words.smaller,
-            None => "a motion with a shorter step",
+            None => "use a motion with a shorter step",
         };
         Some(Notice::new("table_moves_tip", &message, hint))
     }
@@ -294,14 +294,14 @@ struct Words {
 const OF_LINK: Words = Words {
     of_torque: "the ",
     drift: "; a free hub drifts on after a cut",
-    smaller: "a smaller --window, or feedback of the hub's angle",
+    smaller: "use a smaller --window, or feedback of the hub's angle",
     motor: "torque at the hub, beyond the gear; with -o the motor's own is in motor.csv",
 };
 
 const OF_ARM: Words = Words {
     of_torque: "every ",
     drift: "; free joints drift on after a cut",
-    smaller: "a smaller --window, or feedback of the joints",
+    smaller: "use a smaller --window, or feedback of the joints",
     motor: "torques at the joints, beyond gears; motor.csv of -o has the motors'",
 };
 
@@ -315,7 +315,7 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     if *change_m > KNOWN * tip.worst_m {
         let change = significant(*change_m, 1);
         lines.push(format!(
-            "that is known to {change} m, what the simulations' last refinements change"
+            "known to {change} m, the change by the last refinements of the simulations"
         ));
     }
     if !feedback.is_empty() {

@@ -62,8 +62,8 @@ PATH is that of --set, with = for values and *= for factors; distance*= and dura
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
 have a unit. Several --vary make the product, the last one running fastest.
 
-An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint, \
-and of the motion duration*= alone is varied.";
+For an arm of several links and its path (docs/arms.md) a row has the numbers of every joint; of the \
+motion only duration*= is varied.";
 
 /// Most cases of one run; at a millisecond each they take more than a week.
 const MOST_CASES: usize = 1_000_000_000;
@@ -84,7 +84,7 @@ pub(crate) struct Sweep {
     #[arg(value_name = "MOTION", help = MOTION, required_unless_present = "merge")]
     motion: Option<PathBuf>,
 
-    /// What to vary; repeatable: the product of all.
+    /// Value to vary; repeatable: the cases are all combinations.
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "merge")]
     vary: Vec<String>,
 
@@ -95,7 +95,7 @@ pub(crate) struct Sweep {
     #[command(flatten)]
     shared: CaseArgs,
 
-    /// Solve only every N-th case, from the I-th on, into a file of its own.
+    /// Solve only every N-th case, from the I-th on, into a separate file.
     #[arg(long, value_name = "I/N", default_value_t, hide_default_value = true)]
     shard: Shard,
 
@@ -234,7 +234,7 @@ impl Sweep {
             return Ok(plan);
         }
         let message = format!("--vary: {cases} cases, but must be at most {MOST_CASES} in one run");
-        Err(Failure::new(Exit::Usage, &message, Some("fewer values, or a part of them by --shard")))
+        Err(Failure::new(Exit::Usage, &message, Some("use fewer values, or a part: --shard")))
     }
 
     /// Prints that an earlier run has completed the sweep.

@@ -123,11 +123,11 @@ impl TableOutput {
 /// Warns of overwritten rows; returns the number of warnings.
 fn warn_of_left(left: &LeftRows, part: &Path) -> usize {
     let (rows, hint) = match *left {
-        LeftRows::Own(rows) => (rows, "--resume would have gone on with them"),
-        LeftRows::Other(rows) => (rows, "they were of another sweep: another -o keeps them"),
+        LeftRows::Own(rows) => (rows, "use --resume to keep the rows of an interrupted sweep"),
+        LeftRows::Other(rows) => (rows, "use another -o to keep rows of another sweep"),
     };
     let (part, rows) = (part.display(), counted(rows, "row"));
-    let message = format!("{part} held {rows} of an interrupted sweep, begun anew");
+    let message = format!("{part} held {rows} of an interrupted sweep, which begins anew");
     console::warning(message, hint);
     1
 }

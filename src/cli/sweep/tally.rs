@@ -71,7 +71,7 @@ impl Tally {
         let mut tally = Self::default();
         for SweptCase { number, warnings, error } in cases {
             // The row has the kind alone.
-            let hint = "flexlink solve tells more of a single case";
+            let hint = "solve the case alone with flexlink solve for more";
             let notices = warnings.iter().map(|kind| Notice::new(kind, kind, hint));
             tally.add(number + 1, error.as_ref(), notices.collect(), &remarks(number));
         }

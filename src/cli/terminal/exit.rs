@@ -147,9 +147,9 @@ impl From<VerificationError> for Failure {
 impl From<FitError> for Failure {
     fn from(error: FitError) -> Self {
         let hint = match &error {
-            FitError::TooSlow { .. } => Some("a higher limit, a shorter travel or a longer step"),
+            FitError::TooSlow { .. } => Some("use a higher limit, shorter travel or longer step"),
             FitError::TooHeavy { .. } | FitError::TooHeavyArm { .. } => {
-                Some("a higher limit, or a lighter link")
+                Some("use a higher limit, or a lighter link")
             }
             FitError::Inversion(error) => error.hint(),
             FitError::Motion(error) => error.hint(),

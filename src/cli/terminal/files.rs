@@ -32,7 +32,7 @@ pub(crate) fn check_folder(argument: &str, folder: &Path) -> Result<(), Failure>
     if !is_standard_output(folder) {
         return Ok(());
     }
-    let hint = "standard output takes one file, and these are several";
+    let hint = "name a folder: standard output takes one file, and these are several";
     refuse(argument, folder, "must be a folder", Some(hint))
 }
 
@@ -128,7 +128,7 @@ pub(crate) fn keep_from_cases(output: &Path, outputs: &Path) -> Result<(), Failu
     }
     let written = outputs.display();
     let must = format!("must not be, or lie in, a folder that --outputs {written} writes");
-    let hint = "another name for the table: the folders of the cases are numbered";
+    let hint = "use another name for the table: the folders of the cases are numbered";
     refuse("--output", output, &must, Some(hint))
 }
 
@@ -152,7 +152,7 @@ pub(crate) fn keep_record(output: &Path) -> Result<(), Failure> {
     let Some(foreign) = ForeignRecord::beside(output) else { return Ok(()) };
     let (record, what) = (foreign.path.display(), foreign.what);
     let but = format!("its record {record} would replace {what}");
-    refuse("--output", output, &but, Some("another name for the table, or for that file"))
+    refuse("--output", output, &but, Some("use another name for the table, or for that file"))
 }
 
 /// Returns an error if the page of a run would replace a file of the run.

@@ -44,7 +44,7 @@ pub(crate) fn watch() -> &'static AtomicBool {
         }
         // In a separate thread, because standard error may be the pipe that takes nothing.
         let _ = thread::Builder::new().spawn(move || end_idle(signal));
-        console::line_below("finishing the cases that have begun; once more ends at once");
+        console::line_below("finishing the cases that have begun; a second signal ends at once");
     });
     &STOPPED
 }

@@ -94,8 +94,8 @@ impl Search {
     /// Profile and duration of the command line.
     fn given(&self) -> Result<Found, Failure> {
         let Choice::Profile(profile) = self.profile else {
-            let message = "PROFILE = best, but must be one profile where --duration is given";
-            let hint = "best is the one whose motion is the shortest within limits";
+            let message = "PROFILE = best, but must be one profile with --duration";
+            let hint = "leave --duration out: best finds the shortest motion within limits";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         };
         // Checked options have a duration unless there is a link.
@@ -206,7 +206,7 @@ impl Search {
             }
             Choice::Best => {
                 console::note(&format!(
-                    "none is without a warning or jump, the shortest is {profile}: {found}"
+                    "every profile warns or jumps; the shortest is {profile}: {found}"
                 ));
             }
             Choice::Profile(_) => console::note(&format!("{found}{}", binding_text(fit))),
@@ -233,7 +233,7 @@ pub(super) fn limits(
         let place = format!("--fit-limit '{}'", visible(&excerpt(text)));
         let Some((key, value)) = text.split_once('=') else {
             let message = format!("{place}: has no `=`, but must read KEY=VALUE");
-            let hint = "it reads like torque=5 or 'power=\"20 W\"'";
+            let hint = "write it like torque=5 or 'power=\"20 W\"'";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         };
         let change = match (of, key.rsplit_once('.')) {
@@ -252,14 +252,14 @@ fn refuse_no_limit(limits: &[Limits]) -> Result<(), Failure> {
     if limits.iter().any(|own| *own != Limits::default()) {
         return Ok(());
     }
-    let message = "--duration is missing, but must be given where nothing limits the motion";
-    let hint = "or --fit-limit torque=5, or [limits] in the link file: then the shortest is found";
+    let message = "--duration is missing: nothing limits the motion";
+    let hint = "set --duration, or a limit, --fit-limit torque=5 or [limits] in the link file, to find the shortest";
     Err(Failure::new(Exit::Usage, &message, Some(hint)))
 }
 
 /// The failure of a cycle without a torque for --link; it is therefore not written.
 fn not_solved(failure: Failure) -> Failure {
-    let message = format!("the cycle is not solved, nor written: {}", failure.message);
+    let message = format!("the cycle is neither solved nor written: {}", failure.message);
     let hints = [failure.hint, Some("without --link it is written".to_owned())];
     let hint = hints.into_iter().flatten().collect::<Vec<_>>().join("; ");
     Failure { message, hint: Some(hint), ..failure }

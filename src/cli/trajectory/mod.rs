@@ -49,15 +49,14 @@ Example:
 
 /// Make a tip motion, or the path of an arm's tip, from rest to rest.
 ///
-/// Writes a CSV of time and acceleration, to standard output or a file. The samples themselves end at rest
-/// and add up to the distance. With --path, the CSV has time, x and y, and the profile is the law of the
-/// length that the tip has gone.
+/// Writes a CSV of time and acceleration, to standard output or a file. The samples end at rest exactly and add up to
+/// the travel. With --path, the CSV has time, x and y, and the profile is the law of the travel along the path.
 ///
 /// Profiles: sine (one period of a sine acceleration), versine (harmonic, with jumps of the acceleration at
 /// both ends), min-jerk (fifth degree), septic (seventh degree, the smoothest of the polynomials),
 /// trapezoid (a third of the time accelerating, a third at speed), s-curve (the same with limited jerk),
-/// bang-bang, gaussian (bell of velocity); best (with --link: that of the shortest motion without a warning
-/// or a jump of the acceleration; the durations that all of them need are printed).
+/// bang-bang, gaussian (bell of velocity); best (with --link: the profile of the shortest motion without a warning or
+/// a jump of the acceleration; the durations of all profiles are printed).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Trajectory {
@@ -71,19 +70,20 @@ pub struct Trajectory {
     #[arg(required_unless_present = "path")]
     distance: Option<Travel>,
 
-    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps; of all moves on the way, without
-    /// the rests between them [default: the shortest within the limits of --link].
+    /// Duration of the motion in s or with its unit, '800 ms', a whole number of steps; of all moves together,
+    /// without the rests between them [default: the shortest within the limits of --link].
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     duration: Option<f64>,
 
-    /// A limit beside those of the link file, torque=5 or 'power="20 W"', or in place of the one with the same key;
-    /// repeatable. The shortest duration that keeps them all is found. Keys as in [limits]; with --path of all joints, or of one, fore.torque=5. Every shorter
-    /// duration is tried; if there are very many, about a thousand of them, and the message says how many.
+    /// Limit beside those of the link file, torque=5 or 'power="20 W"', or in place of the one with the same key;
+    /// repeatable. Finds the shortest duration that keeps all limits. Keys as in [limits]; with --path for all
+    /// joints, or for one, fore.torque=5. Tries every shorter duration or, if there are very many, about a thousand,
+    /// and prints how many.
     #[arg(long, value_name = "KEY=VALUE", requires = "link", conflicts_with = "duration")]
     fit_limit: Vec<String>,
 
-    /// Link file (TOML) for --fit-limit, and for the length of a link that turns by an angle. With --path, that of an
-    /// arm: a path that it does not reach is refused.
+    /// Link file (TOML) for --fit-limit, and for the length of a link that turns by an angle. With --path, an arm
+    /// file: a path out of its reach is refused.
     #[arg(long, value_name = "LINK")]
     pub link: Option<PathBuf>,
 
@@ -109,8 +109,8 @@ pub struct Trajectory {
     #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "0", allow_hyphen_values = true)]
     dwell: f64,
 
-    /// Make one cycle of a motion that repeats, for `solve --periodic`: there, --dwell, back the same way, --dwell.
-    /// --duration is that of the way there. With --link, the cycle is solved, and the torque that it takes printed.
+    /// Make one cycle of a motion that repeats, for `solve --periodic`: out, --dwell, back through the same places,
+    /// --dwell. --duration is that of the outward motion. With --link, the cycle is solved, and its torque printed.
     #[arg(long, conflicts_with_all = ["path", "rest_before", "rest_after"])]
     cycle: bool,
 
@@ -241,15 +241,15 @@ impl Trajectory {
         } else {
             return Ok(());
         };
-        let message = format!("{option} is given, but has an effect only with {needs}");
+        let message = format!("{option} has an effect only with {needs}");
         Err(Failure::new(Exit::Usage, &message, None))
     }
 
     /// Returns an error without a duration, unless a link has limits that decide.
     fn check_duration(&self) -> Result<(), Failure> {
         let message = match (&self.duration, &self.link, self.profile) {
-            (None, None, Choice::Best) => "--link is missing, but must be given with best",
-            (None, None, _) => "--duration is missing, but must be given without --link",
+            (None, None, Choice::Best) => "PROFILE = best, but needs --link",
+            (None, None, _) => "--duration is missing: without --link nothing limits the motion",
             _ => return Ok(()),
         };
         let hint = "--link LINK finds the shortest motion within the limits of the link file and of --fit-limit";
@@ -282,7 +282,7 @@ impl Trajectory {
         for ((option, _), (from_m, to_m)) in self.travels().zip(before.zip(&stops_m)) {
             if (to_m - from_m).abs() < *DISTANCES_M.start() {
                 let (from, to) = (plain(*from_m), plain(*to_m));
-                let must = format!("but must differ from {from} m, where the tip is before");
+                let must = format!("but must differ from {from} m, the place before it");
                 return Err(Failure::new(Exit::Usage, &format!("{option} = {to} m, {must}"), None));
             }
         }
@@ -298,7 +298,7 @@ impl Trajectory {
             Described::Arm(arm) => Ok(arm),
             Described::Link(_) => {
                 let message = format!(
-                    "--link = {}, a file of one link, but must be that of an arm with --path",
+                    "--link = {}, a file of one link, but must be a file of an arm with --path",
                     file.shown
                 );
                 let hint = "--distance makes the motion of one link's tip";
@@ -338,15 +338,13 @@ fn displacement_m(
         (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link.length_m(),
         (Travel::Angle(angle_rad), None) => {
             let angle = given(angle_rad);
-            let message =
-                format!("{option} = {angle} rad, but must be a length unless --link is given");
-            let hint = "--link LINK gives the length of the link that turns";
+            let message = format!("{option} = {angle} rad, but must be a length without --link");
+            let hint = "name the link that turns: --link LINK";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         }
         (Travel::Place(_), _) => {
-            let message = format!(
-                "{option} = x and y, but must be the travel of the tip unless --path is given"
-            );
+            let message =
+                format!("{option} = x and y, but must be the travel of the tip without --path");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
     };

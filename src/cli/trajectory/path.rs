@@ -42,8 +42,8 @@ impl Travel {
         if let Self::Place(place) = self {
             return Ok(*place);
         }
-        let message = "--via = a travel, but must be a place, x and y, where --path is given";
-        Err(Failure::new(Exit::Usage, &message, Some("it reads like --via 0.5,0.2")))
+        let message = "--via = a travel, but must be a place, x and y, with --path";
+        Err(Failure::new(Exit::Usage, &message, Some("write it like --via 0.5,0.2")))
     }
 }
 
@@ -55,18 +55,18 @@ pub struct PathArgs {
     #[arg(conflicts_with = "distance")]
     path: Option<Kind>,
 
-    /// Where the path starts, in m or with units: '0.9,-0.5' or '0.9 m,-500 mm'.
+    /// Start of the path, in m or with units: '0.9,-0.5' or '0.9 m,-500 mm'.
     #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     #[arg(requires = "path")]
     from: Option<Place>,
 
-    /// Where a line ends.
+    /// End of a line.
     #[arg(long, help_heading = PATHS, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     #[arg(requires = "path", required_if_eq("path", "line"))]
     to: Option<Place>,
 
-    /// A stop on the way, repeatable, in order: the travel of a link's tip from its start to there, as --distance; a
-    /// place that a line of --path goes through, '0.5,0.2', where the tip stops unless --corner is given.
+    /// Intermediate stop, repeatable, in order: for a link the travel of the tip from its start, as --distance; for a
+    /// line of --path a place, '0.5,0.2', where the tip stops unless --corner rounds it.
     #[arg(long, value_name = "STOP", value_parser = stop, allow_hyphen_values = true)]
     via: Vec<Travel>,
 
@@ -119,7 +119,7 @@ impl PathArgs {
         self.path.is_some()
     }
 
-    /// True if the tip stops on the way.
+    /// True if the tip stops before the end.
     pub(super) fn stops(&self) -> bool {
         !self.via.is_empty() && (self.corner.is_none() || self.path.is_none())
     }
@@ -165,8 +165,7 @@ impl PathArgs {
                 Kind::Line => ("line", "arc"),
                 Kind::Arc => ("arc", "line"),
             };
-            let message =
-                format!("{option} is given, but belongs to --path {other}, not to --path {own}");
+            let message = format!("{option} belongs to --path {other}, not to --path {own}");
             return Err(Failure::new(Exit::Usage, &message, None));
         }
         let curve = match kind {

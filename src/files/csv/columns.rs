@@ -157,7 +157,7 @@ impl Columns {
         let mut both = self.headings.iter().filter(is_one);
         let (Some(first), Some(second)) = (both.next(), both.next()) else { return Ok(()) };
         let first = first.named();
-        let must = format!("must not be given with {first}: they are two names of one thing");
+        let must = format!("must not stand beside {first}: both hold one quantity");
         let error = header.place.refuse_column(second.index, &second.name, must);
         Err(error.with_hint(hint.to_owned()))
     }
@@ -190,7 +190,7 @@ fn with_options(error: TableError, quantity: Quantity) -> TableError {
         _ => "--unit",
     };
     let word = quantity.word;
-    error.or_hint(format!("{unit} UNIT or --scale {word}=FACTOR says what its numbers are"))
+    error.or_hint(format!("{unit} UNIT or --scale {word}=FACTOR states what its numbers are"))
 }
 
 /// True for a field that is a number.
@@ -207,7 +207,7 @@ impl Header<'_> {
             self.check_quantity(vocabulary, quantity, "--columns")?;
             let index = self.index_of(quantity, &choice.column)?;
             if let Some((other, _)) = chosen.iter().find(|(q, i)| *q == quantity || *i == index) {
-                let must = format!("must not be given with {}: a column holds one", other.word);
+                let must = format!("must not be the column of {}, too", other.word);
                 return Err(self.place.refuse("--columns", quoted(&choice.to_string()), must));
             }
             chosen.push((quantity, index));
@@ -265,7 +265,8 @@ impl Header<'_> {
         let names = names(fields);
         let must = format!("must be one of the columns {}", quoted(&names.join(",")));
         let hint = if fields.iter().all(|field| is_number(field)) {
-            let by_number = "the first row has numbers alone, as a line that begins with # is a comment: choose columns by number";
+            let by_number = "the first row holds only numbers; a line that begins with # is a comment: choose \
+                             columns by number";
             Some(format!("{by_number}, as in {}=2", quantity.word))
         } else {
             nearest(heading, names).map(|near| format!("did you mean {}?", quoted(near)))
@@ -294,7 +295,7 @@ impl Header<'_> {
             let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
             let option = if quantity == TIME { "--time-unit" } else { "--unit" };
             let error = self.place.refuse_column(index, field, must);
-            return Err(error.with_hint(format!("{option} UNIT says which it is")));
+            return Err(error.with_hint(format!("{option} UNIT names it")));
         }
         self.heading(quantity, (index, field), quantity.is_suffixed(split_unit(field).0))
     }
@@ -328,7 +329,7 @@ impl Header<'_> {
         let words = || headings.iter().map(|heading| heading.quantity.word).collect::<Vec<_>>();
         for scale in &self.format.scales {
             if find(headings, scale.quantity).is_none() {
-                let must = format!("must be one of those read, {}", words().join(", "));
+                let must = format!("must be one of the columns read: {}", words().join(", "));
                 return Err(self.place.refuse("--scale", scale.quantity.word, must));
             }
         }
@@ -341,7 +342,7 @@ impl Header<'_> {
         }
         let mut words = words();
         words.retain(|word| *word != TIME.word);
-        let must = format!("must be a unit of one of those read, {}", words.join(", "));
+        let must = format!("must be a unit of a column read: {}", words.join(", "));
         Err(self.place.refuse("--unit", quoted(&unit.to_string()), must))
     }
 }

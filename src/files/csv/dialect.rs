@@ -74,7 +74,9 @@ impl Dialect {
         let delimiter = Delimiter::of_sign(sign).ok_or_else(|| {
             let place = Place { file, line: Some(self.lines + 1) };
             let error = place.refuse("sep", quoted(sign), "must be a comma, `;`, a tab or a blank");
-            error.with_hint("--skip 1 leaves the line out, --delimiter says more".to_owned())
+            error.with_hint(
+                "leave the line out with --skip 1, or name the sign with --delimiter".to_owned(),
+            )
         })?;
         self.pass_line(text);
         Ok(Some(delimiter))
@@ -145,8 +147,7 @@ fn decimal_of<'a, 'b>(
                 Some((other, _, earlier)) if other != decimal => {
                     let must = format!("must have the decimal sign of {}", quoted(earlier));
                     let error = place(line).refuse("field", quoted(field), must);
-                    let hint = "--decimal comma or --decimal point says which is meant; nothing may \
-                                stand between thousands";
+                    let hint = "state it with --decimal comma or --decimal point; write nothing between thousands";
                     return Err(error.with_hint(hint.to_owned()));
                 }
                 Some(_) => {}
@@ -158,9 +159,9 @@ fn decimal_of<'a, 'b>(
         return Ok(decimal);
     }
     let sign = if decimal == Decimal::Comma { "comma" } else { "point" };
-    let must = format!("must show if the {sign} is before decimals or between thousands");
+    let must = format!("must show whether the {sign} stands before decimals or between thousands");
     let hint =
-        format!("--decimal {sign} says that decimals follow; nothing may stand between thousands");
+        format!("use --decimal {sign} if decimals follow it; write nothing between thousands");
     Err(place(line).refuse("field", quoted(field), must).with_hint(hint))
 }
 
@@ -209,10 +210,10 @@ fn refuse_doubtful_commas<'a>(
         return Ok(());
     }
     let (line, _) = rows(body).next().unwrap_or_default();
-    let must = "must not leave open if a comma divides fields or stands before decimals";
+    let must = "must show whether a comma divides fields or stands before decimals";
     let error = place(line).refuse("row", quoted(first.trim()), must);
     Err(error.with_hint(
-        "--decimal point says that these are whole numbers; else write ; between fields".to_owned(),
+        "use --decimal point if these are whole numbers; else write ; between fields".to_owned(),
     ))
 }
 

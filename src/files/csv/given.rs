@@ -121,8 +121,7 @@ fn check(name: &str, time_s: &[f64], given: Vec<(&str, &[f64])>) -> Result<(), T
     let refuse = |subject: String, found: String, must| Err(place.refuse(subject, found, must));
     let samples = time_s.len();
     if given.is_empty() {
-        let must = "must be given beside the time".to_owned();
-        return refuse("samples".to_owned(), "nothing".to_owned(), must);
+        return Err(place.refuse_whole("samples are missing beside the time"));
     }
     if samples < MIN_SAMPLES {
         let must = format!("must be {MIN_SAMPLES} or more");

@@ -394,7 +394,7 @@ pub(crate) fn refuse_missing(names: &[&str], wanted: &str, place: Place) -> Tabl
     // A slip changes a letter or two.
     let is_slip = |name: &&&str| name.len().abs_diff(wanted.len()) <= 2;
     let near = nearest(wanted, names.iter().filter(is_slip).copied());
-    let hint = near.map(|name| format!("did you mean {wanted} by {}?", quoted(name)));
+    let hint = near.map(|name| format!("did you write {wanted} as {}?", quoted(name)));
     place.refuse("columns", quoted(&names.join(",")), must).with_hint(hint)
 }
 

@@ -41,7 +41,7 @@ const RECORDING: Vocabulary = Vocabulary {
     prefix: "hub_",
     example: "time,torque",
     choice: Some("rename one of them, or choose a torque with --column"),
-    by_option: "--columns time=1,torque=2 says which column is what",
+    by_option: "--columns time=1,torque=2 names the columns",
 };
 
 /// Names of the hub's motion.
@@ -258,7 +258,7 @@ fn columns(
         columns.require(*quantity, header).map_err(|error| error.with_hint(hint.to_owned()))?;
     }
     if let Some(beyond) = each[links..].iter().find(|quantity| columns.has(**quantity)) {
-        let must = format!("must not be there: the arm has {links} links");
+        let must = format!("must be left out: the arm has {links} links");
         return Err(header.place.refuse(beyond.word, "a column", must));
     }
     Ok(columns)
@@ -322,7 +322,7 @@ fn chosen_torque(header: Header, column: &str) -> Result<Heading, TableError> {
 fn chosen_index(fields: &[&str], column: &str, place: Place) -> Result<usize, TableError> {
     // A surplus comma leaves a column without a name.
     if column.is_empty() {
-        return Err(place.refuse("--column", "nothing", "must name a column"));
+        return Err(place.refuse_whole("--column is empty, but must name a column"));
     }
     let all = |is_meant: &dyn Fn(&str) -> bool| -> Vec<usize> {
         (0..fields.len()).filter(|index| is_meant(fields[*index])).collect()

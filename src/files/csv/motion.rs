@@ -72,11 +72,10 @@ impl MotionTable {
     pub fn into_target(self) -> Result<TipTarget, TableError> {
         let Self { columns, name, lines, recording, .. } = self;
         let Some(displacement_m) = columns.displacement_m else {
-            let must = "must be given for a target, as displacement or angle";
-            let hint = "an acceleration leaves open where the tip is; tip.csv of `flexlink solve` \
-                        holds the displacement";
+            let hint = "add a column of the displacement, as tip.csv of `flexlink solve` has: an acceleration does \
+                        not show where the tip is";
             let place = Place { file: &name, line: None };
-            let error = place.refuse("displacement", "nothing", must);
+            let error = place.refuse_whole("a target needs displacement or angle, but has neither");
             return Err(error.with_hint(hint.to_owned()));
         };
         let grid = grid_of(&columns.time_s, &name, &lines)?;

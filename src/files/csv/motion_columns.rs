@@ -19,14 +19,14 @@ const TRAJECTORY: Vocabulary = Vocabulary {
     prefix: "tip_",
     example: "time,acceleration",
     choice: None,
-    by_option: "--columns time=1,displacement=2 says which column is what",
+    by_option: "--columns time=1,displacement=2 names the columns",
 };
 
 /// Names of the tip's place, whose direction is the angle.
 const PLACES: Vocabulary = Vocabulary {
     quantities: &[TIME, PATH_X, PATH_Y],
     example: "time,x,y",
-    by_option: "--columns time=1,x=2,y=3 says which column is what",
+    by_option: "--columns time=1,x=2,y=3 names the columns",
     ..TRAJECTORY
 };
 
@@ -101,7 +101,7 @@ pub(super) fn check_places(
         }
         let is_chosen = header.format.columns.iter().any(|choice| choice.quantity != TIME);
         if is_chosen && !columns.has(other) {
-            let must = format!("must also choose {}: with it no other column is read", other.word);
+            let must = format!("must also choose {}: it reads no other column", other.word);
             let error = header.place.refuse("--columns", own.word, must);
             return Err(error.with_hint(by_option.to_owned()));
         }
@@ -139,7 +139,7 @@ pub(super) fn unread(
     unread.extend((more > 0).then(|| format!("and {more} more")));
     let slip = columns.unread.iter().find_map(|&index| {
         let word = absent_by(vocabulary, columns, fields[index])?;
-        Some(format!("did you mean {word} by {}?", quoted(fields[index])))
+        Some(format!("did you write {word} as {}?", quoted(fields[index])))
     });
     let hint = slip.unwrap_or_else(|| other.to_owned());
     (!unread.is_empty()).then(|| (format!("columns not read: {}", unread.join(", ")), hint))
@@ -166,7 +166,7 @@ fn hint_for(name: &str) -> Option<String> {
     }
     if ANGLES.iter().any(|quantity| quantity.word == name) {
         return Some(
-            "an arm of several links is led by angle1, angle2, …; one link by angle".to_owned(),
+            "an arm of several links takes angle1, angle2, …; one link takes angle".to_owned(),
         );
     }
     let begins = |quantity: &&Quantity| {

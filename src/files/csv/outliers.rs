@@ -10,8 +10,7 @@ use crate::recording::{Change, Outlier, outliers};
 use crate::text::significant;
 
 /// Hint for a refused sample.
-const BY_OPTION: &str =
-    "correct the sample; --drop-outliers puts what its neighbours lead to in its place";
+const BY_OPTION: &str = "correct the sample, or let --drop-outliers replace it by the value that its neighbours predict";
 
 /// A column of a table over time, in SI.
 pub(super) struct Judged<'a> {
@@ -59,7 +58,7 @@ impl<'a> Judged<'a> {
             None => format!("{}[{sample}]", self.name),
         };
         let must = format!(
-            "must follow its neighbours: they lead to {}, it is {} off",
+            "must follow its neighbours: they predict {}, it is {} off",
             self.shown(*expected, 6),
             self.shown((value - expected).abs(), 3)
         );
@@ -83,7 +82,7 @@ impl<'a> Judged<'a> {
         let found: Vec<&Outlier> = found.iter().filter(|own| !is_level(own)).collect();
         let Outlier { sample, expected } = found.first()?;
         let told = format!(
-            "line {}: {} = {} does not follow its neighbours, which lead to {}",
+            "line {}: {} = {} does not follow its neighbours, which predict {}",
             lines.get(*sample)?,
             self.name,
             self.shown(self.values[*sample], 6),
@@ -173,7 +172,7 @@ mod tests {
             let (name, unit) = heading[5..].split_once(" [").unwrap();
             let unit = unit.trim_end_matches(']');
             let expected = format!(
-                "m.csv:52: {name} = 61.8470 {unit}, but must follow its neighbours: they lead to 59.84"
+                "m.csv:52: {name} = 61.8470 {unit}, but must follow its neighbours: they predict 59.84"
             );
             assert!(error.starts_with(&expected), "{error}");
             assert!(error.ends_with(&format!("2.00 {unit} off")), "{error}");

@@ -29,7 +29,7 @@ const PATH: Vocabulary = Vocabulary {
 };
 
 /// Hint about a choice of columns: after a choice of one quantity, others are not searched.
-const BY_OPTION: &str = "--columns time=1,x=2,y=3 says which column is what";
+const BY_OPTION: &str = "--columns time=1,x=2,y=3 names the columns";
 
 /// A path read from a file, in SI, with the line of each sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -179,7 +179,7 @@ fn path_columns(header: Header) -> Result<Columns, TableError> {
     let mut columns = Columns::find(&PATH, header, Beside::Time)?;
     columns.require(TIME, header).map_err(|error| error.or_hint(BY_OPTION.to_owned()))?;
     let hint =
-        format!("an arm is led by time, x and y, or by time, angle1, angle2, …; {BY_OPTION}");
+        format!("the path of an arm has time, x and y, or time, angle1, angle2, …; {BY_OPTION}");
     check_places(&columns, header, BY_OPTION, &hint)?;
     if !columns.has(PATH_X) && !ANGLES.iter().any(|quantity| columns.has(*quantity)) {
         return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint));
@@ -202,7 +202,7 @@ mod tests {
         let rows = "0,1\n1,2\n2,3\n3,4\n";
         assert!(refused(&format!("time,x\n{rows}")).starts_with("p.csv:1: "), "y is missing");
         assert!(refused(&format!("time,displacement\n{rows}")).contains("x and y, or angle1"));
-        assert!(refused(&format!("time,angle1\n{rows}")).contains("angle2 = nothing"));
+        assert!(refused(&format!("time,angle1\n{rows}")).contains("angle2 is missing"));
         let jump = "time,angle1 [deg],angle2\n0,170,1\n1,170,1\n2,-175,1\n3,-175,1\n";
         let message = refused(jump);
         assert!(message.starts_with("p.csv:4: angle1 = -3.054326 rad"), "{message}");

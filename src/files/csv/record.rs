@@ -34,7 +34,7 @@ const RECORD: Vocabulary = Vocabulary {
     prefix: "tip_",
     example: "time,torque,hub_angle",
     choice: Some("rename one of them, or choose with columns"),
-    by_option: "columns = [\"time=1\", \"torque=2\"] says which column is what",
+    by_option: "columns = [\"time=1\", \"torque=2\"] names the columns",
 };
 
 /// Keys about a record in the file that names it, for hints.
@@ -247,7 +247,7 @@ const DECAY: Vocabulary = Vocabulary {
     prefix: "tip_",
     example: "time,tip_deflection",
     choice: Some("rename one of them, or choose with columns"),
-    by_option: "columns = [\"time=1\", \"deflection=2\"] says which column is what",
+    by_option: "columns = [\"time=1\", \"deflection=2\"] names the columns",
 };
 
 /// Hint at the keys of a decay.

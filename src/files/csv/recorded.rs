@@ -99,12 +99,12 @@ impl MotionTable {
         }
         let step_s = time_s[1] - time_s[0];
         let must = format!(
-            "must be given: by the decimals of the displacement it is known to {} m/s only",
+            "velocity is missing: the decimals of the displacement determine it only to {} m/s",
             significant(off_m / step_s, 2)
         );
         let place = Place { file: &self.name, line: None };
-        let hint = "add a column velocity, or write the displacement with more decimals";
-        Err(place.refuse("velocity", "nothing", must).with_hint(Some(hint.to_owned())))
+        let hint = "add a column of the velocity, or write the displacement with more decimals";
+        Err(place.refuse_whole(&must).with_hint(Some(hint.to_owned())))
     }
 
     /// Declares normal noise of this standard deviation in m on the displacement; the rests at the ends become their
@@ -117,12 +117,12 @@ impl MotionTable {
         let displacement_m = self.columns.displacement_m.as_deref();
         let Some(given_m) = displacement_m.filter(|_| self.columns.acceleration_m_s2.is_none())
         else {
-            let must = "must be given for --noise, as displacement or angle without acceleration";
-            return Err(place.refuse("displacement", "nothing", must));
+            let must = "--noise needs displacement or angle, and no acceleration";
+            return Err(place.refuse_whole(must));
         };
         let (rested_m, moved_m) = rested(given_m, deviation_m).map_err(|error| {
             let hint =
-                "record the tip at rest before and after the motion, or give the noise as it is";
+                "record the tip at rest before and after the motion, or state the noise as it is";
             place.refuse_whole(&error.to_string()).with_hint(Some(hint.to_owned()))
         })?;
         self.columns.displacement_m = Some(rested_m);

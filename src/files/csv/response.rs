@@ -161,7 +161,7 @@ impl ResponseTable {
         }
         if below > 0 && held == 0 {
             let first = rows().find(|(_, (hertz, _))| *hertz < 0.0).map_or(0, |(row, _)| row);
-            return Err(refuse(first, "must be above 0, or be there above 0, too"));
+            return Err(refuse(first, "must be above 0, or have a row at +f, too"));
         }
         let keep: Vec<bool> = self.frequencies_hz.iter().map(|hertz| *hertz > 0.0).collect();
         let mut kept = keep.iter();

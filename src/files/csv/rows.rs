@@ -111,7 +111,7 @@ fn with_point<'a>(field: &'a str, place: Place) -> Result<Cow<'a, str>, TableErr
     }
     if field.parse::<f64>().is_ok() {
         let error = place.refuse("field", quoted(field), "must have a comma before its decimals");
-        let hint = "--decimal point reads points; nothing may stand between thousands";
+        let hint = "use --decimal point to read points; write nothing between thousands";
         return Err(error.with_hint(hint.to_owned()));
     }
     let point = field.replace(',', ".");

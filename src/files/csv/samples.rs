@@ -26,11 +26,11 @@ const COMMAS: &str = "--decimal comma reads decimal commas";
 
 /// Remedy for names beyond the fields of the rows, for hints.
 const NO_FIELD: &str = "the rows have no field for the last names: --skip leaves the names out, and --columns \
-                        time=1,displacement=2 says which column is what";
+                        time=1,displacement=2 names the columns";
 
 /// Remedy for names divided by blanks, for hints.
 const WORDS: &str = "blanks divide names of several words, too: --skip leaves the names out, and --columns \
-                     time=1,displacement=2 says which column is what";
+                     time=1,displacement=2 names the columns";
 
 /// Columns of a table over time that the program uses, in SI, with the line of each sample.
 pub(super) struct Samples {
@@ -90,7 +90,7 @@ impl Samples {
         let detect = |text: &str| Dialect::detect(name, text, format);
         let samples = read_rows_as(name, bytes, detect, begin, push)?.ok_or_else(|| {
             let must = format!("must hold a row of names and {MIN_SAMPLES} samples or more");
-            whole.refuse("content", "nothing", must)
+            whole.refuse_whole(&format!("has no rows, but {must}"))
         })?;
         if samples.lines.len() < MIN_SAMPLES {
             let found = samples.lines.len().to_string();
@@ -235,7 +235,7 @@ pub(super) fn refuse_samples(
 fn read_number(field: &str, heading: &Heading, place: Place) -> Result<f64, TableError> {
     let finite = "must be a finite number";
     if field.is_empty() {
-        return Err(place.refuse(&heading.name, "nothing", finite));
+        return Err(place.refuse(&heading.name, "an empty field", finite));
     }
     let Ok(number) = field.parse::<f64>() else {
         let hint = hint_for(field, heading);
@@ -291,8 +291,9 @@ pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
         |line, fields| begun(fields, line, at(line)),
         |table, line, fields| push(table, fields, line, at(line)),
     )?;
-    table
-        .ok_or_else(|| whole.refuse("content", "nothing", "must hold a row of names or of numbers"))
+    table.ok_or_else(|| {
+        whole.refuse_whole("has no rows, but must hold a row of names or of numbers")
+    })
 }
 
 /// Starts a table with its first row, of names or of numbers.
@@ -363,7 +364,7 @@ mod tests {
 
     #[test]
     fn what_is_no_table_is_refused() {
-        let nothing = "t.csv: content = nothing, but must hold a row of names or of numbers";
+        let nothing = "t.csv: has no rows, but must hold a row of names or of numbers";
         assert_eq!(refused(""), nothing);
         assert_eq!(refused("# only a remark\n\n"), nothing);
         let ragged = "fields = 1, but must be 2, as many as there are columns";

@@ -57,7 +57,7 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     let theory = raw.theory;
     let gravity = match (raw.gravity, raw.start_angle) {
         (None, Some(_)) => {
-            let message = "start_angle needs gravity: without it no direction differs from another";
+            let message = "start_angle needs gravity: without gravity all directions are alike";
             return Err(Fault::new("start_angle", message));
         }
         (gravity, start_angle) => gravity.map(|AlongAxes(acceleration_m_s2)| Gravity {
@@ -159,7 +159,7 @@ fn refuse_surplus(raw: &RawDamping, model: Model) -> Result<(), Fault> {
     let surplus = given.iter().find(|(key, given)| *given && !model.keys().contains(key));
     surplus.map_or(Ok(()), |(key, _)| {
         let (name, takes) = (model.name(), model.takes());
-        let words = format!("is given, but model \"{name}\" takes {takes}");
+        let words = format!("does not belong to model \"{name}\", which takes {takes}");
         Err(Fault::on(format!("damping.{key}"), words).hinting(instead(key, model).to_owned()))
     })
 }
@@ -170,29 +170,29 @@ fn instead(key: &str, model: Model) -> &'static str {
         _ if model == Model::None => {
             "leave the key out; --set replaces the table: 'damping={model=\"none\"}'"
         }
-        "ratio" => "one ratio in every mode is model = \"modal\"",
-        "ratios" => "a ratio for each mode is model = \"modal\"",
-        "modes" => "ratios of chosen modes are model = \"caughey\", or \"rayleigh\" for two modes",
-        _ => "alpha and beta are model = \"rayleigh\"",
+        "ratio" => "for one ratio in every mode, set model = \"modal\"",
+        "ratios" => "for a ratio in each mode, set model = \"modal\"",
+        "modes" => "for chosen modes, set model = \"caughey\", or \"rayleigh\" for two modes",
+        _ => "for alpha and beta, set model = \"rayleigh\"",
     }
 }
 
 /// Error for a law without keys.
 fn neither(model: Model) -> Fault {
     let (name, takes) = (model.name(), model.takes());
-    Fault::on("damping", format!("gives neither, but {name} must have {takes}"))
+    Fault::on("damping", format!("lacks keys: model \"{name}\" needs {takes}"))
 }
 
 /// Error for a law given in two ways; it points at the last of its keys.
 fn both(model: Model) -> Fault {
     let (name, takes) = (model.name(), model.takes());
     let paths = model.keys().iter().map(|key| format!("damping.{key}"));
-    let message = format!("damping gives both, but {name} must have {takes}");
+    let message = format!("damping mixes keys: model \"{name}\" needs {takes}");
     Fault::among(paths.collect(), message)
 }
 
 fn modes_alone() -> Fault {
-    Fault::on("damping", "gives modes, but must give their ratios too")
+    Fault::on("damping", "has modes, but must have their ratios, too")
 }
 
 /// A ratio for each mode: modal damping, or a Caughey series through chosen modes.
@@ -233,7 +233,7 @@ fn rayleigh(raw: &RawDamping) -> Result<Damping, Fault> {
         }),
         (Some(_), None, None, None) => Err(modes_alone()),
         (None, Some(_), None, None) => {
-            Err(Fault::on("damping", "gives ratios, but must give their modes too"))
+            Err(Fault::on("damping", "has ratios, but must have their modes, too"))
         }
         _ => Err(both(Model::Rayleigh)),
     }

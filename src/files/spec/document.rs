@@ -137,7 +137,7 @@ impl LinkDocument {
         match self.described(name, overrides)? {
             Described::Link(link) => Ok(*link),
             Described::Arm(_) => {
-                let message = "this takes an arm of one link, but the file has more";
+                let message = "one link is needed here, but the file has several";
                 let fault = Fault::new("links.1", message)
                     .hinting("`flexlink solve` takes arms of several links".to_owned());
                 Err(located(fault, &self.changed(overrides)?, (name, overrides)))
@@ -202,7 +202,7 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     let raw = RawArm::deserialize(tree)?;
     let count = raw.links.len();
     if count == 0 {
-        return Err(Fault::new("links", "links = nothing, but must hold at least one [[links]]"));
+        return Err(Fault::new("links", "links is empty, but must hold at least one [[links]]"));
     }
     // Messages name a link like a `--set`: by its name, or by its number.
     let called = |link: usize| raw.links[link].name.clone().unwrap_or_else(|| link.to_string());
@@ -213,12 +213,12 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     };
     if count == 1 {
         if raw.elbow.is_some() {
-            return Err(Fault::new("elbow", "elbow is given, but an arm of one link has none"));
+            return Err(Fault::new("elbow", "elbow has no meaning for an arm of one link"));
         }
         return read(0).map(|link| Described::Link(Box::new(link)));
     }
     if tree.get("start_angle").is_some() {
-        let message = "start_angle is given, but the path of an arm says where it starts";
+        let message = "start_angle has no meaning for an arm of several links, which starts where its path starts";
         return Err(Fault::new("start_angle", message));
     }
     let specifications = (0..count).map(read).collect::<Result<Vec<_>, _>>()?;
@@ -264,19 +264,21 @@ fn link_node(tree: &Node, (link, called): (usize, &str), count: usize) -> Result
     let is_last = link + 1 == count;
     for (key, node) in own {
         let refused = |why: &str| {
-            let message = format!("links.{called}.{key} is given, but {why}");
+            let message = format!("links.{called}.{key} {why}");
             Err(Fault::new(format!("links.{link}.{key}"), message))
         };
         match key.as_str() {
             "name" => {}
             key if SHARED.contains(&key) || OF_ARM.contains(&key) => {
-                return refused("belongs to the arm, above its links");
+                return refused("belongs to the whole arm, above its links");
             }
             "payload" if !is_last => {
-                return refused("the last link alone has a payload; `tip` is the body of a joint");
+                return refused(
+                    "has no meaning: only the last link has a payload; `tip` is the body of a joint",
+                );
             }
             "tip" if is_last => {
-                return refused("what the last link carries is its `payload`");
+                return refused("has no meaning: the body on the last link is its `payload`");
             }
             "tip" => entries.push(("payload".to_owned(), node.clone())),
             _ => entries.push((key.clone(), node.clone())),

@@ -35,7 +35,7 @@ impl std::str::FromStr for FreeValue {
     fn from_str(text: &str) -> Result<Self, SpecError> {
         let place = format!("--free '{}'", visible(&excerpt(text)));
         let refused = || {
-            let hint = "it reads like segments.*.EI or payload.mass='5 g':'50 g'";
+            let hint = "write it like segments.*.EI or payload.mass='5 g':'50 g'";
             let message = "must read PATH or PATH=LOW:HIGH";
             Fault::new("", message).hinting(hint.to_owned()).at(place.clone())
         };

@@ -71,7 +71,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
         ("record", !raw.record.is_empty()),
     ];
     for (key, _) in of_one_link.into_iter().filter(|(_, is_given)| *is_given) {
-        of.refuse_for_arms(key, "[[frequency]], [[damping]] and [[decay]] alone")?;
+        of.refuse_for_arms(key, "only [[frequency]], [[damping]] and [[decay]]")?;
     }
     let values = each("frequency", raw.frequency, |raw, path| raw.convert(path, &of))?;
     let ratios = each("damping", raw.damping, |raw, path| raw.convert(path, &of))?;
@@ -89,7 +89,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
             "[[frequency]] with mode, value and hub, [[damping]] with mode and ratio, [[decay]] with file, mode and hub, \
              [[response]] with file and transfer, [[record]] with file, input and channel"
         };
-        let message = "measurements = none, but must be at least one";
+        let message = "the file has no measurements, but needs at least one";
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }
     Ok(MeasuredFile { values, responses, records, decays, motor })
@@ -112,14 +112,14 @@ mod tests {
     #[test]
     fn what_is_wrong_is_refused_with_its_line() {
         for (text, expected) in [
-            ("", "m.toml: measurements = none, but must be at least one"),
+            ("", "m.toml: the file has no measurements, but needs at least one"),
             (
                 "[[frequency]]\nmode = 1\nvalue = 0",
                 "m.toml:3: frequency.0.value = 0, but must be above 0",
             ),
             (
                 "[[frequency]]\nvalue = 1",
-                "m.toml:1: frequency.0 = neither mode nor zero, but must have one of them",
+                "m.toml:1: frequency.0 has neither mode nor zero, but must have one of them",
             ),
             ("[[frequency]]\nmode = 1", "m.toml:1: frequency.0.value is missing"),
             ("[[frequenzy]]\nmode = 1", "m.toml:1: unknown key `frequenzy`"),

@@ -80,7 +80,7 @@ impl RawResponse {
         let refused = |key: &str, must: &str| Err(Fault::on(format!("{path}.{key}"), must));
         if self.around != Some(RawLoop::Closed) {
             return match self.first_zero {
-                Some(_) => refused("first_zero", "must stand beside loop = \"closed\" alone"),
+                Some(_) => refused("first_zero", "has no meaning without loop = \"closed\""),
                 None => Ok(None),
             };
         }
@@ -92,7 +92,7 @@ impl RawResponse {
         // A dip has the same place at any scale and behind any motor.
         let useless = [("per", self.per.is_some()), ("gain", self.gain.is_some())];
         if let Some((key, _)) = useless.into_iter().find(|(_, is_given)| *is_given) {
-            let words = "has no meaning beside loop = \"closed\": the dips alone are read";
+            let words = "has no meaning beside loop = \"closed\": only the dips are read";
             return refused(key, words);
         }
         Ok(Some(self.first_zero.map_or(1, |Count(number)| number)))
@@ -198,14 +198,14 @@ fn distance_m(
     let key = format!("{path}.distance");
     match (sensor, distance.map(Si::si)) {
         (Sensor::RootStrain, None) if gain != Gain::Free => {
-            let message = format!("{key} is missing: that of the gauge from the neutral axis");
-            let hint = "half the thickness of a strip; or gain = \"free\"";
+            let message = format!("{key} is missing: the gauge's distance from the neutral axis");
+            let hint = "set half the thickness of a strip, or gain = \"free\"";
             Err(Fault::new(path, message).hinting(hint.to_owned()))
         }
         (Sensor::RootStrain, Some(distance_m)) => {
             checked(path, "distance", distance_m).map(|()| distance_m)
         }
-        (_, Some(_)) => Err(Fault::on(key, "must stand beside root_strain alone")),
+        (_, Some(_)) => Err(Fault::on(key, "has no meaning for a sensor other than root_strain")),
         (_, None) => Ok(1.0),
     }
 }
@@ -229,9 +229,8 @@ impl RawRecord {
         }
         if let (RecordedInput::Voltage, None) = (input, self.hold) {
             let message =
-                format!("{path}.hold is missing: how the voltage goes on between its samples");
-            let hint =
-                "hold = \"zero\" for what a converter gives, \"linear\" for what was measured";
+                format!("{path}.hold is missing: the course of the voltage between its samples");
+            let hint = "set hold = \"zero\" for the output of a converter, \"linear\" for a measured voltage";
             return Err(Fault::new(path, message).hinting(hint.to_owned()));
         }
         let hold = match self.hold {
@@ -241,7 +240,7 @@ impl RawRecord {
         };
         if self.channel.is_empty() {
             let message = format!("{path}.channel is missing: at least one sensor must be named");
-            let hint = "[[record.channel]] with sensor = \"hub_angle\"";
+            let hint = "add [[record.channel]] with sensor = \"hub_angle\"";
             return Err(Fault::new(path, message).hinting(hint.to_owned()));
         }
         let mut channels: Vec<ChannelFile> = Vec::new();
@@ -251,7 +250,7 @@ impl RawRecord {
             let is_input = channel.sensor.word() == input.word();
             if is_input || channels.iter().any(|earlier| earlier.sensor == channel.sensor) {
                 let word = channel.sensor.word();
-                let words = format!("= \"{word}\", which is the input already");
+                let words = format!("= \"{word}\", but must not repeat the input or a channel");
                 return Err(Fault::on(format!("{path}.sensor"), words));
             }
             channels.push(channel);
@@ -283,8 +282,8 @@ fn check_motor(path: &str, found: &str, has_motor: bool) -> Result<(), Fault> {
     if has_motor {
         return Ok(());
     }
-    let hint = "[motor] with torque_constant in N m/A and resistance in ohm";
-    let words = format!("= \"{found}\", but must stand beside [motor]");
+    let hint = "add [motor] with torque_constant in N m/A and resistance in ohm";
+    let words = format!("= \"{found}\", but must come with [motor]");
     Err(Fault::on(path, words).hinting(hint.to_owned()))
 }
 
@@ -399,11 +398,11 @@ mod tests {
         for (text, expected) in [
             (
                 record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n"),
-                "m.toml:3: record.0.input = \"voltage\", but must stand beside [motor]",
+                "m.toml:3: record.0.input = \"voltage\", but must come with [motor]",
             ),
             (
                 record("input = 'voltage'\n[[record.channel]]\nsensor = 'hub_angle'\n") + MOTOR,
-                "m.toml:1: record.0.hold is missing: how the voltage goes on between its samples",
+                "m.toml:1: record.0.hold is missing: the course of the voltage between its samples",
             ),
             (
                 record("input = 'torque'\n"),
@@ -411,24 +410,24 @@ mod tests {
             ),
             (
                 record("input = 'hub_angle'\n[[record.channel]]\nsensor = 'hub_angle'\n"),
-                "m.toml:5: record.0.channel.0.sensor = \"hub_angle\", which is the input already",
+                "m.toml:5: record.0.channel.0.sensor = \"hub_angle\", but must not repeat the input or a channel",
             ),
             (
                 record("input = 'torque'\n[[record.channel]]\nsensor = 'root_strain'\n"),
-                "m.toml:4: record.0.channel.0.distance is missing: that of the gauge from the neutral axis",
+                "m.toml:4: record.0.channel.0.distance is missing: the gauge's distance from the neutral axis",
             ),
             (
                 "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_angle'\ndistance = 1\n".to_owned(),
-                "m.toml:4: response.0.distance must stand beside root_strain alone",
+                "m.toml:4: response.0.distance has no meaning for a sensor other than root_strain",
             ),
             (
                 "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_angle'\nfirst_zero = 2\n".to_owned(),
-                "m.toml:4: response.0.first_zero must stand beside loop = \"closed\" alone",
+                "m.toml:4: response.0.first_zero has no meaning without loop = \"closed\"",
             ),
             (
                 "[[response]]\nfile = 'f.csv'\ntransfer = 'hub_rate'\nloop = 'closed'\ngain = 'free'\n"
                     .to_owned(),
-                "m.toml:5: response.0.gain has no meaning beside loop = \"closed\": the dips alone are read",
+                "m.toml:5: response.0.gain has no meaning beside loop = \"closed\": only the dips are read",
             ),
             (
                 "[[response]]\nfile = 'f.csv'\ntransfer = 'tip_deflection'\nloop = 'closed'\n".to_owned(),
@@ -467,7 +466,7 @@ mod tests {
             ("mode = 0", "m.toml:4: decay.0.mode = 0, but must be a whole number from 1"),
             ("mode = [0]", "m.toml:4: decay.0.mode.0 = 0, but must be a whole number from 1"),
             ("from = 2\nuntil = 1", "m.toml:5: decay.0.until must be after from"),
-            ("at = ['0 deg']", "m.toml:4: decay.0.at is given, but one link takes none"),
+            ("at = ['0 deg']", "m.toml:4: decay.0.at is for arms; one link takes no directions"),
             ("only = 'phase'", "m.toml:4: decay.0.only"),
         ] {
             let refused = read(more).unwrap_err().to_string();

@@ -46,20 +46,20 @@ impl MeasuredOf {
             return Ok(());
         }
         let links = self.links;
-        Err(Fault::on(path, format!("is given, but an arm of {links} links takes {instead}")))
+        Err(Fault::on(path, format!("is for one link; an arm of {links} links takes {instead}")))
     }
 
     fn refuse_for_one(&self, path: &str, instead: &str) -> Result<(), Fault> {
         if self.is_arm() {
             return Ok(());
         }
-        Err(Fault::on(path, format!("is given, but one link takes {instead}")))
+        Err(Fault::on(path, format!("is for arms; one link takes {instead}")))
     }
 
     /// Directions in rad, one for each link of an arm.
     fn directions(&self, path: &str, at: Option<Vec<Angle>>) -> Result<Option<Vec<f64>>, Fault> {
         let Some(at) = at else { return Ok(None) };
-        self.refuse_for_one(path, "none")?;
+        self.refuse_for_one(path, "no directions")?;
         let (given, links) = (at.len(), self.links);
         if given != links {
             let must = format!("must be {links}, one for each link of the arm");
@@ -115,8 +115,8 @@ impl MeasuredOf {
 const MOST_RAD: f64 = 1e4;
 
 /// Hint about the form of directions.
-const AT: &str = "as in at = [\"30 deg\", \"75 deg\"]: from joint to joint, the inner link first; above all entries it \
-                  is for those that have none";
+const AT: &str = "write at = [\"30 deg\", \"75 deg\"], from joint to joint, the inner link first; above all entries \
+                  it holds for those without one";
 
 /// `[[frequency]]`
 #[derive(Debug, serde::Deserialize)]
@@ -194,7 +194,7 @@ impl RawFrequency {
                 let beside =
                     [("hub", hub.is_some()), ("joints", joints.is_some()), ("at", at.is_some())];
                 if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {
-                    let must = "must not stand beside zero, which is one of torque → hub angle";
+                    let must = "must not stand beside zero, a zero of torque → hub angle";
                     return Err(Fault::on(format!("{path}.{key}"), must));
                 }
                 Observable::Zero { zero }
@@ -231,9 +231,9 @@ impl RawDamping {
 /// Error about two keys of which one must be there: both are, or neither.
 fn not_one_of(path: &str, [one, other]: [&str; 2], has_both: bool) -> Fault {
     let words = if has_both {
-        format!("= both {one} and {other}, but must have one of them")
+        format!("has both {one} and {other}, but must have one of them")
     } else {
-        format!("= neither {one} nor {other}, but must have one of them")
+        format!("has neither {one} nor {other}, but must have one of them")
     };
     Fault::on(path, words)
 }

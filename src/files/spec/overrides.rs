@@ -37,7 +37,7 @@ impl Override {
     /// [`SpecError`] if the text is no change.
     pub fn placed(place: &str, text: &str) -> Result<Self, SpecError> {
         let refused = |message: &str| {
-            let hint = "it reads like segments.0.EI=20 or payload.mass*=1.1";
+            let hint = "write it like segments.0.EI=20 or payload.mass*=1.1";
             Fault::new("", message).hinting(hint.to_owned()).at(place.to_owned())
         };
         let Some((path, value)) = text.split_once('=') else {
@@ -294,12 +294,12 @@ fn instead(entries: &Entries, step: &str) -> String {
         _ => is_factor(step).map_or(vec![], |property| vec![property.whole, property.material]),
     };
     if let Some(other) = others.iter().find(|other| given.contains(other)) {
-        return format!("the file gives {other} there: multiply that");
+        return format!("multiply {other}, which the file has there");
     }
     // A product can be multiplied by its factor.
     let products = PROPERTIES.iter().filter(|property| given.contains(&property.material));
     let known = given.iter().copied().chain(products.map(|property| property.whole));
-    did_you_mean(step, known).unwrap_or_else(|| "give it a value with `=`".into())
+    did_you_mean(step, known).unwrap_or_else(|| "set a value with `=`".into())
 }
 
 #[cfg(test)]

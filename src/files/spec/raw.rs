@@ -25,8 +25,8 @@ use crate::result::JointQuantity;
 pub(super) struct RawSpecification {
     /// Title, for people.
     pub(super) title: Option<String>,
-    /// Theory of all segments that name none: euler-bernoulli, the default, is for slender ones, timoshenko
-    /// takes shear and rotary inertia into account.
+    /// Theory of segments without this key: euler-bernoulli, the default, for slender ones, timoshenko with shear and
+    /// rotary inertia.
     #[schemars(extend("default" = "euler-bernoulli"))]
     pub(super) theory: Option<Theory>,
     /// Gravity along the x and y axes of the plane of motion, [0, -9.81] in a vertical one; by default that plane
@@ -39,22 +39,22 @@ pub(super) struct RawSpecification {
     #[serde(deserialize_with = "tables")]
     #[schemars(length(min = 1))]
     pub(super) segments: Vec<RawSegment>,
-    /// What the motor turns.
+    /// Hub, which the motor turns.
     pub(super) hub: RawHub,
     /// Masses lumped on the link, any number.
     #[serde(deserialize_with = "tables")]
     pub(super) masses: Vec<RawMass>,
-    /// What the tip carries.
+    /// Payload at the tip.
     pub(super) payload: RawPayload,
     /// Damping of the link; without this table there is none.
     pub(super) damping: Option<RawDamping>,
-    /// What sits between motor and hub; adds the tables of motor and held modes.
+    /// Gear and joint between motor and hub; adds the tables of motor and held modes.
     pub(super) drive: Option<RawDrive>,
-    /// What link and motor stand; exceeding one is a warning, with --strict an error.
+    /// Limits of link and motor; exceeding one is a warning, with --strict an error.
     pub(super) limits: RawLimits,
     /// Finite elements.
     pub(super) mesh: RawMesh,
-    /// How exact the answer is, around which time, of which modes.
+    /// Accuracy, time window and modes of the answer.
     pub(super) analysis: RawAnalysis,
 }
 
@@ -101,7 +101,7 @@ pub(super) struct RawSegment {
     /// Shear modulus G, with section, which gives Cowper's shear coefficient κ and the area.
     #[schemars(transform = above_zero)]
     pub(super) shear_modulus: Option<Pressure>,
-    /// Poisson's ratio ν, with section; G is E/(2(1 + ν)) where G is not given.
+    /// Poisson's ratio ν, with section; without G it is E/(2(1 + ν)).
     #[schemars(range(max = 0.5), extend("exclusiveMinimum" = -1))]
     pub(super) poisson_ratio: Option<f64>,
     /// Rotary inertia of the cross-section per length; without it, the mass per length times I/A of section.
@@ -276,10 +276,10 @@ impl JsonSchema for RawLimits {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawMesh {
-    /// Elements of the whole link, of each link of an arm, or "auto", the default where a segment has no number of its own:
-    /// refined until all that is written is exact to tolerance.
+    /// Elements of the whole link, or of each link of an arm, or "auto", the default unless a segment has a number:
+    /// refined until every written quantity is exact to tolerance.
     pub(super) elements: Option<Elements>,
-    /// Share of its peak that "auto" may cost every quantity, 1e-12 to 0.1.
+    /// Largest error of a quantity by "auto", as a share of its peak, 1e-12 to 0.1.
     #[schemars(range(min = 1e-12, max = 0.1), extend("default" = 1e-6))]
     pub(super) tolerance: Option<f64>,
 }
@@ -288,11 +288,11 @@ pub(super) struct RawMesh {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawAnalysis {
-    /// Share of its peak that padding and wrap-around may cost every quantity, 1e-12 to 1e-2.
+    /// Largest error of a quantity by padding and wrap-around, as a share of its peak, 1e-12 to 1e-2.
     #[schemars(range(min = 1e-12, max = 1e-2), extend("default" = 1e-6))]
     pub(super) tolerance: Option<f64>,
-    /// Share of its travel that the tip may stray from the wanted motion, 1e-12 to 0.1: no frequency is
-    /// solved that this does not need. 0: every frequency of the samples.
+    /// Largest distance of the tip from the wanted motion, as a share of its travel, 1e-12 to 0.1: only frequencies
+    /// that it needs are solved. 0: every frequency of the samples.
     #[schemars(range(min = 0.0, max = 0.1), extend("default" = 1e-6))]
     pub(super) tip_tolerance: Option<f64>,
     /// Time added before the trajectory's first sample; by default until the torque falls below
@@ -304,8 +304,8 @@ pub(super) struct RawAnalysis {
     pub(super) lag: Option<Time>,
     /// Lowest flexible modes to keep, the paper's reduction; by default all.
     pub(super) modes: Option<Count>,
-    /// What is counted beyond small deflections: none, first (gravity and centripetal forces along the link) or
-    /// full (all, the slopes being large); by default none without gravity, full with gravity.
+    /// Terms beyond small deflections: none, first (gravity and centripetal forces along the link) or full (all, also
+    /// of large slopes); by default none without gravity, full with gravity.
     #[schemars(with = "Option<String>", extend("enum" = ["none", "first", "full"]))]
     pub(super) second_order: Option<SecondOrder>,
 }

@@ -30,8 +30,8 @@ pub(super) fn segment(
     let bending_stiffness_n_m2 = stiffness.value(&STIFFNESS, &at)?;
     let mass_per_length_kg_m = mass.value(&MASS, &at)?;
     if section.is_some() && stiffness.whole.is_some() && mass.whole.is_some() {
-        let must = "must go with E or density, and this segment gives EI and mass_per_length";
-        return Err(Fault::on(section_path, format!("is given, but {must}")));
+        let must = "it needs E or density, and this segment has EI and mass_per_length";
+        return Err(Fault::on(section_path, format!("has no effect: {must}")));
     }
     check_ranges(&at, &raw, &stiffness, &mass)?;
     let cross_section = match (section, stiffness.shape, mass.shape) {
@@ -143,7 +143,7 @@ fn section(path: &str, raw: &RawSection) -> Result<Section, Fault> {
     let mut keys = given.iter().filter(|(_, value)| value.is_some());
     if let Some((key, _)) = keys.find(|(key, _)| !takes.contains(key)) {
         let (shape, takes) = (raw.shape.name(), listed(takes, "and"));
-        let words = format!("is given, but a {shape} must have {takes} only");
+        let words = format!("does not belong to a {shape}, which has {takes} only");
         return Err(Fault::on(format!("{path}.{key}"), words));
     }
     let length_m = |key: &str| {
@@ -202,9 +202,9 @@ fn timoshenko(
     let given = given.into_iter().find(|(_, is_given)| *is_given);
     match given.filter(|_| theory.is_none()) {
         Some((key, _)) => {
-            let words = "is given, but must stand beside theory = \"timoshenko\"";
+            let words = "has no effect without theory = \"timoshenko\"";
             let hint =
-                "theory = \"timoshenko\" in this segment, or before all segments for the link";
+                "set theory = \"timoshenko\" in this segment, or before all segments for the link";
             Err(Fault::on(format!("{at}.{key}"), words).hinting(hint.to_owned()))
         }
         None => Ok(None),
@@ -239,14 +239,15 @@ fn shear_stiffness_n(
             Ok(of_section(young.si() / (2.0 * (1.0 + nu)), section))
         }
         _ => {
-            let must = "theory = \"timoshenko\" must have the shear stiffness in one way: shear_stiffness, \
+            let must = "theory = \"timoshenko\" needs the shear stiffness in one way: shear_stiffness, \
                         or shear_modulus with section, or poisson_ratio with E and section";
             let keys = given(raw).into_iter().take(3).filter(|(_, is_given)| *is_given);
             let found: Vec<&str> = keys.map(|(key, _)| key).collect();
-            let found = if found.is_empty() { "none".to_owned() } else { found.join(" and ") };
+            let found =
+                if found.is_empty() { "no key for it".to_owned() } else { found.join(" and ") };
             let paths = ["shear_stiffness", "shear_modulus", "poisson_ratio"].map(path);
             let paths = paths.into_iter().chain([path("theory"), at.to_owned()]);
-            let hint = "poisson_ratio = 0.3 is that of steel, 0.33 that of aluminium";
+            let hint = "set poisson_ratio, 0.3 for steel, 0.33 for aluminium";
             let message = format!("{at} gives {found}, but {must}");
             Err(Fault::among(paths.collect(), message).hinting(hint.to_owned()))
         }
@@ -260,9 +261,9 @@ fn rotary_inertia_kg_m(at: &str, raw: &RawSegment, known: &Known) -> Result<Tape
     }
     let Some(section) = known.cross_section else {
         let path = format!("{at}.rotary_inertia_per_length");
-        let must = "must be given where neither section nor I with area is";
+        let must = "it is needed without section, and without I with area";
         let paths = vec![path.clone(), format!("{at}.theory"), at.to_owned()];
-        return Err(Fault::among(paths, format!("{path} is missing, but {must}")));
+        return Err(Fault::among(paths, format!("{path} is missing: {must}")));
     };
     let square = |mass: f64, radius_m: f64| mass * radius_m * radius_m;
     Ok(Taper::of_ends(known.mass_per_length_kg_m, section.radius_of_gyration_m, square))
@@ -354,19 +355,18 @@ mod tests {
         for (text, expected) in [
             (
                 format!("{WHOLE}shear_stiffness = 1000\n"),
-                "link.toml:5: segments.0.shear_stiffness is given, but must stand beside theory = \
-                 \"timoshenko\"",
+                "link.toml:5: segments.0.shear_stiffness has no effect without theory = \"timoshenko\"",
             ),
             (
                 format!("{WHOLE}theory = 'timoshenko'\n"),
-                "link.toml:5: segments.0 gives none, but theory = \"timoshenko\" must have the shear \
-                 stiffness in one way: shear_stiffness, or shear_modulus with section, or poisson_ratio \
+                "link.toml:5: segments.0 gives no key for it, but theory = \"timoshenko\" needs the shear stiffness in one \
+                 way: shear_stiffness, or shear_modulus with section, or poisson_ratio \
                  with E and section",
             ),
             (
                 format!("{WHOLE}theory = 'timoshenko'\nshear_stiffness = 1000\n"),
-                "link.toml:5: segments.0.rotary_inertia_per_length is missing, but must be given where \
-                 neither section nor I with area is",
+                "link.toml:5: segments.0.rotary_inertia_per_length is missing: it is needed without section, and without I \
+                 with area",
             ),
             (
                 format!("theory = 'timoshenko'\n{BAR}poisson_ratio = 0.7\n"),
@@ -380,8 +380,8 @@ mod tests {
                 format!(
                     "theory = 'euler-bernoulli'\n{BAR}shear_stiffness = 3\npoisson_ratio = 0.3\n"
                 ),
-                "link.toml:8: segments.0 gives shear_stiffness and poisson_ratio, but theory = \
-                 \"timoshenko\" must have the shear stiffness in one way: shear_stiffness, or \
+                "link.toml:8: segments.0 gives shear_stiffness and poisson_ratio, but theory = \"timoshenko\" needs \
+                 the shear stiffness in one way: shear_stiffness, or \
                  shear_modulus with section, or poisson_ratio with E and section",
             ),
             (

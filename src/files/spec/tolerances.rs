@@ -68,16 +68,16 @@ fn entry(path: &str, place: String, raw: RawColumnRule) -> Result<ColumnRule, Fa
     let change = match (raw.ignore, rtol.or(atol)) {
         (Some(true), None) => Change::Ignore,
         (Some(true), Some(_)) => {
-            let words = "= true, but must not be given with rtol or atol";
+            let words = "= true, but must not stand beside rtol or atol";
             return Err(Fault::on(format!("{path}.ignore"), words));
         }
         (None, None) => {
-            return Err(Fault::on(path, "= no rtol, atol or ignore, but must have one"));
+            return Err(Fault::on(path, "has no rtol, atol or ignore, but must have one"));
         }
         _ => Change::Tolerance { rtol, atol },
     };
     if raw.file.is_none() && raw.column.is_none() {
-        return Err(Fault::on(path, "= no file or column, but must have one"));
+        return Err(Fault::on(path, "has no file and no column, but must have one"));
     }
     let column = raw.column.unwrap_or_else(|| "*".to_owned());
     Ok(ColumnRule { place, file: raw.file, column, change })
@@ -130,14 +130,14 @@ mod tests {
             ("atol = nan", "1: atol = NaN, but must be finite"),
             ("atol = '1'", "1: atol = \"1\", but must be a number"),
             ("columns = 1", "1: columns = 1, but must be tables headed [[columns]]"),
-            ("[[columns]]\nrtol = 1", "1: columns.0 = no file or column, but must have one"),
+            ("[[columns]]\nrtol = 1", "1: columns.0 has no file and no column, but must have one"),
             (
                 "[[columns]]\ncolumn = 'a'",
-                "1: columns.0 = no rtol, atol or ignore, but must have one",
+                "1: columns.0 has no rtol, atol or ignore, but must have one",
             ),
             (
                 "[[columns]]\ncolumn = 'a'\natol = 1\nignore = true",
-                "4: columns.0.ignore = true, but must not be given with rtol or atol",
+                "4: columns.0.ignore = true, but must not stand beside rtol or atol",
             ),
         ] {
             assert_eq!(refused(text).0, format!("t.toml:{expected}"));

@@ -37,8 +37,8 @@ pub(super) fn check_format(
 
 /// The error of a record of another format; early versions wrote no format.
 pub(super) fn other_format(found: Option<u32>, version: &str, place: Place) -> TableError {
-    let shown = found.map_or("nothing".to_owned(), |format| format.to_string());
-    let error = place.refuse("format", shown, format!("must be {FORMAT}"));
+    let shown = found.map_or("is missing".to_owned(), |format| format!("= {format}"));
+    let error = place.refuse_whole(&format!("format {shown}, but must be {FORMAT}"));
     if found.is_some_and(|format| format > FORMAT) {
         return newer(error, version);
     }
@@ -60,8 +60,8 @@ pub(super) fn parsed<T: DeserializeOwned>(
     serde_json::from_slice(bytes).map_err(|error| {
         let line = u64::try_from(error.line()).ok().filter(|line| *line > 0);
         let key = key_before(bytes, error.line(), error.column());
-        let (subject, found, must) = in_words(&error.to_string(), key, must);
-        Place { line: place.line.or(line), ..place }.refuse(subject, found, must)
+        let message = in_words(&error.to_string(), key, must);
+        Place { line: place.line.or(line), ..place }.refuse_whole(&message)
     })
 }
 
@@ -96,9 +96,11 @@ pub fn read_state(name: &str, bytes: &[u8], links: usize) -> Result<State, Table
     let must = "must be what --save-state of `flexlink simulate` writes, in JSON";
     let head: Head = parsed(bytes, whole, must)?;
     if head.command.as_deref() != Some(A_STATE) {
-        let shown = head.command.map_or("nothing".to_owned(), |command| format!("{command:?}"));
+        let shown =
+            head.command.map_or("is missing".to_owned(), |command| format!("= {command:?}"));
         let hint = "--save-state of `flexlink simulate` writes a state".to_owned();
-        return Err(whole.refuse("command", shown, "must be \"state\"").with_hint(hint));
+        let message = format!("command {shown}, but must be \"state\"");
+        return Err(whole.refuse_whole(&message).with_hint(hint));
     }
     check_format(head.format, head.flexlink.as_deref().unwrap_or_default(), whole)?;
     if links > 1 {
@@ -116,22 +118,22 @@ fn key_before(bytes: &[u8], line: usize, column: usize) -> Option<String> {
     before.rsplit_once('"').map(|(_, key)| key.to_owned())
 }
 
-/// An error of the parser as its subject, the actual and the required content.
-fn in_words(text: &str, key: Option<String>, must: &str) -> (String, String, String) {
+/// An error of the parser with its subject, the actual and the required content.
+fn in_words(text: &str, key: Option<String>, must: &str) -> String {
     let text = text.rsplit_once(" at line ").map_or(text, |(text, _)| text);
     if let Some(key) = text.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
     {
-        return (key.to_owned(), "nothing".to_owned(), "must be there".to_owned());
+        return format!("{key} is missing");
     }
     let mismatch = text.strip_prefix("invalid type: ").or(text.strip_prefix("invalid value: "));
     match mismatch.and_then(|text| text.rsplit_once(", expected ")) {
         Some((found, expected)) => {
             let subject = key.unwrap_or_else(|| "content".to_owned());
             let found = excerpt(found);
-            let must = format!("must be {}", plain_kind(expected));
-            (excerpt(&subject).into_owned(), visible(&found).into_owned(), must)
+            let must = plain_kind(expected);
+            format!("{} = {}, but must be {must}", excerpt(&subject), visible(&found))
         }
-        None => ("content".to_owned(), visible(&excerpt(text)).into_owned(), must.to_owned()),
+        None => format!("content = {}, but {must}", visible(&excerpt(text))),
     }
 }
 

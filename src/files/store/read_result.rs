@@ -92,8 +92,8 @@ fn only_sweep(folder: &Path) -> Result<PathBuf, TableError> {
     let place = Place { file: &shown, line: None };
     match &sweeps[..] {
         [] => {
-            let hint = "the table of a sweep will do, too";
-            let error = place.refuse(SUMMARY, "nothing", format!("must be there: {A_RUN}"));
+            let hint = "name the folder of a run, or the table of a sweep";
+            let error = place.refuse_whole(&format!("{SUMMARY} is missing: this is not {A_RUN}"));
             Err(error.with_hint(hint.to_owned()))
         }
         [only] => Ok(only.clone()),
@@ -101,7 +101,7 @@ fn only_sweep(folder: &Path) -> Result<PathBuf, TableError> {
             let names = several.iter().filter_map(|path| path.file_name());
             let names: Vec<_> = names.map(OsStr::to_string_lossy).collect();
             let error = place.refuse("tables of sweeps", names.join(", "), "must be one");
-            Err(error.with_hint("give the file of one of them".to_owned()))
+            Err(error.with_hint("name the file of one of them".to_owned()))
         }
     }
 }

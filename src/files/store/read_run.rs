@@ -55,7 +55,7 @@ pub(super) fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
     let read = || {
         folder.check_named(&summary.files)?;
         if summary.origin().arguments.iter().any(|argument| argument == "--golden") {
-            let must = "must be a run without it: a golden folder has not all tables";
+            let must = "must be a run without it: a golden folder lacks some tables";
             return Err(place.refuse("inputs.arguments", "--golden", must));
         }
         read_parts(folder, &summary, place)?.stored(&summary, place)
@@ -133,7 +133,7 @@ fn links_of(summary: &Summary, place: Place) -> Result<Vec<(String, Link)>, Tabl
         return Ok(vec![("1".to_owned(), link)]);
     }
     let links = summary.values["arm"]["links"].as_array().filter(|links| links.len() > 1);
-    let missing = || place.refuse("arm.links", "nothing", "must be a list of two links or more");
+    let missing = || place.refuse_whole("arm.links must be a list of two links or more");
     let link = |(k, entry): (usize, &Value)| {
         let name = entry["name"].as_str().map_or_else(|| (k + 1).to_string(), str::to_owned);
         let refused = |error: String| place.refuse_whole(&format!("arm.links.{k}: {error}"));
@@ -204,7 +204,7 @@ impl Parts {
                 },
                 _ => "results".to_owned(),
             };
-            return Err(place.refuse(missing, "nothing", "must be there"));
+            return Err(place.refuse_whole(&format!("{missing} is missing")));
         }
         let motor = self.take(&MOTOR, k, 0).zip(self.take(&MOTOR, k, 2));
         Ok(StoredJoint {

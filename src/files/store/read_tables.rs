@@ -29,12 +29,12 @@ impl RunFolder<'_> {
     /// Reads a file that every run has.
     pub(super) fn file(&self, name: &str) -> Result<InputFile, TableError> {
         if !self.has(name) {
-            return Err(self.refuse(name, "nothing", &format!("must be there: {A_RUN}")));
+            return Err(self.refuse(&format!("{name} is missing: this is not {A_RUN}")));
         }
         let path = self.0.join(name);
         // A pipe in a folder, unlike a pipe on the command line, may be endless.
         if !path.is_file() && !path.is_dir() {
-            return Err(self.refuse(name, "a device or a pipe", "must be a file"));
+            return Err(self.refuse(&format!("{name} = a device or a pipe, but must be a file")));
         }
         InputFile::read(&path).map_err(|error| unreadable(&error))
     }
@@ -44,7 +44,9 @@ impl RunFolder<'_> {
         let shown = self.0.display().to_string();
         check_names("files", names, Place { file: &shown, line: None })?;
         match names.iter().find(|name| !self.has(name)) {
-            Some(name) => Err(self.refuse(name, "nothing", "must be there: summary.json names it")),
+            Some(name) => {
+                Err(self.refuse(&format!("{name} is missing, but summary.json names it")))
+            }
             None => Ok(()),
         }
     }
@@ -71,9 +73,9 @@ impl RunFolder<'_> {
         Ok(Some(StoredTarget { times_s: table.take(TIME), wanted_m: all, error_m }))
     }
 
-    fn refuse(&self, subject: &str, found: &str, must: &str) -> TableError {
+    fn refuse(&self, message: &str) -> TableError {
         let shown = self.0.display().to_string();
-        Place { file: &shown, line: None }.refuse(subject, found, must)
+        Place { file: &shown, line: None }.refuse_whole(message)
     }
 }
 
@@ -144,9 +146,9 @@ impl Table {
         };
         let push = |table: &mut Self, line, fields: &[&str]| table.push(fields, line, at(line));
         let table = read_rows(&file.shown, &file.bytes, begin, push)?;
-        table
-            .filter(|table| !table.lines.is_empty())
-            .ok_or_else(|| whole.refuse("rows", "none", "must be one or more below the names"))
+        table.filter(|table| !table.lines.is_empty()).ok_or_else(|| {
+            whole.refuse_whole("the table has no rows, but must have at least one below the names")
+        })
     }
 
     fn push(&mut self, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
@@ -250,7 +252,7 @@ fn check_columns(fields: &[&str], place: Place) -> Result<(), TableError> {
 pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, TableError> {
     let finite = "must be a finite number";
     if field.is_empty() {
-        return Err(place.refuse(name, "nothing", finite));
+        return Err(place.refuse(name, "an empty field", finite));
     }
     match field.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),

@@ -73,7 +73,7 @@ impl RunRecord {
     ) -> Result<(PathBuf, InputFile), TableError> {
         let Some(input) = self.origin.inputs.iter().find(|input| input.role == role) else {
             let hint = "a program wrote this run without input files: it must run it again itself";
-            let error = self.place().refuse(format!("inputs.{role}"), "nothing", "must be there");
+            let error = self.place().refuse_whole(&format!("inputs.{role} is missing"));
             return Err(error.with_hint(hint.to_owned()));
         };
         let candidates = match given {

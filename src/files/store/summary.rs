@@ -204,8 +204,7 @@ impl Summary {
         let whole = Place { file: &file.shown, line: None };
         let head: Head = parsed(&file.bytes, whole, "must be the summary of a run, in JSON")?;
         let Some(version) = head.flexlink else {
-            let must = format!("must be the version that wrote it: {A_RUN}");
-            return Err(whole.refuse("flexlink", "nothing", must));
+            return Err(whole.refuse_whole(&format!("flexlink is missing: this is not {A_RUN}")));
         };
         let command = head.command.unwrap_or_default();
         if !["solve", "simulate"].contains(&command.as_str()) {
@@ -273,7 +272,7 @@ impl Summary {
     pub(super) fn number(&self, of: &str, key: &str, place: Place) -> Result<f64, TableError> {
         let object = &self.values[of];
         let missing = if object.is_object() { format!("{of}.{key}") } else { of.to_owned() };
-        object[key].as_f64().ok_or_else(|| place.refuse(missing, "nothing", "must be there"))
+        object[key].as_f64().ok_or_else(|| place.refuse_whole(&format!("{missing} is missing")))
     }
 
     /// Limits of the record; no limits without an entry.

@@ -179,12 +179,12 @@ fn share_of_total(total: usize, fixed: usize, open: usize) -> Result<usize, Para
         return refuse(format!("must be at most {}", MeshPlan::MOST_ELEMENTS));
     }
     if open == 0 && total != fixed {
-        return refuse(format!("must be {fixed}, the sum of the segments' own elements"));
+        return refuse(format!("must be {fixed}, the sum of the segments' elements"));
     }
     if total < fixed + open {
         let least = fixed + open;
         return refuse(format!(
-            "must be at least {least}: the segments' own {fixed} and one for each other stretch"
+            "must be at least {least}: {fixed} of the segments, and one for each other stretch"
         ));
     }
     Ok(total - fixed)
@@ -334,12 +334,11 @@ mod tests {
         let two = link(&[5.0, 5.0], &[]);
         assert_eq!(
             refusal(&two, &[Some(1), Some(9)], 20),
-            "mesh.elements = 20, but must be 10, the sum of the segments' own elements"
+            "mesh.elements = 20, but must be 10, the sum of the segments' elements"
         );
         assert_eq!(
             refusal(&two, &[Some(9), None], 9),
-            "mesh.elements = 9, but must be at least 10: the segments' own 9 and one for each other \
-             stretch"
+            "mesh.elements = 9, but must be at least 10: 9 of the segments, and one for each other stretch"
         );
         let divided = link(&[5.0], &[0.1, 0.2]);
         assert_eq!(

@@ -46,7 +46,7 @@ pub enum ElasticaError {
     Step(f64),
     /// The slopes are out of reach of any iteration.
     #[error(
-        "slope of the link = {}, but must be below {STEEPEST}: it bends too far for the motion asked of it",
+        "slope of the link = {}, but must be below {STEEPEST}: the motion bends it too far",
         significant(*slope, 3)
     )]
     TooSteep {
@@ -69,7 +69,7 @@ pub enum ElasticaError {
         change: f64,
     },
     /// The weight or second order of this kind of link is not derived.
-    #[error("{what}, but weight and second-order terms are known for links {known}")]
+    #[error("{what}, but weight and second-order terms need a link {known}")]
     NotDerived {
         /// Property of the link.
         what: &'static str,
@@ -107,8 +107,8 @@ pub enum ElasticaError {
     Sag,
     /// Samples are too far apart for products of deflections.
     #[error(
-        "step = {} s, but must be shorter, about {} s where the motion is smooth: it has content at the Nyquist frequency, or \
-         above half of it, and second-order terms reach farther than the deflections that they are made of",
+        "step = {} s, but must be shorter, about {} s for a smooth motion: the motion reaches above half the Nyquist \
+         frequency, and second-order terms reach higher still",
         significant(*step_s, 6), significant(*most_s, 2)
     )]
     LongStep {
@@ -118,7 +118,7 @@ pub enum ElasticaError {
         most_s: f64,
     },
     /// No number is finite at a frequency.
-    #[error("the torque at {} Hz = not a finite number, but must be one", significant(*frequency_hz, 6))]
+    #[error("the torque at {} Hz is not a finite number", significant(*frequency_hz, 6))]
     NotFinite {
         /// The frequency in Hz.
         frequency_hz: f64,
@@ -155,23 +155,22 @@ impl ElasticaError {
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::OfLink { error, .. } => return error.hint(),
-            Self::TooSteep { .. } => "a slower motion, a lighter payload or a stiffer link",
+            Self::TooSteep { .. } => "use a slower motion, a lighter payload or a stiffer link",
             Self::Diverges { .. } => {
-                "a slower motion or a stiffer link; analysis.second_order = \"first\" leaves out most of them, with \
-                 a larger error of the tip"
+                "use a slower motion or a stiffer link, or analysis.second_order = \"first\", which leaves out most \
+                 of them, with a larger error of the tip"
             }
             Self::NotDerived { .. } => {
-                "change the link; one link alone, without gravity, is solved for small deflections with \
-                 analysis.second_order = \"none\""
+                "change the link; for one link without gravity, analysis.second_order = \"none\" solves small deflections"
             }
             Self::LongStep { .. } => {
-                "a shorter step, or a smoother motion; a larger analysis.tip_tolerance leaves its fast parts out"
+                "use a shorter step, a smoother motion, or a larger analysis.tip_tolerance, which leaves fast parts out"
             }
             Self::Elbow { .. } => {
-                "a path that stays away from the stretched arm and from the first joint"
+                "use a path that keeps away from the stretched arm and from the first joint"
             }
-            Self::Sag => "damping by rayleigh with beta, or a stiffer link",
-            Self::NotFinite { .. } => "give damping, or a smoother motion",
+            Self::Sag => "use rayleigh damping with beta, or a stiffer link",
+            Self::NotFinite { .. } => "use damping, or a smoother motion",
             _ => return None,
         })
     }

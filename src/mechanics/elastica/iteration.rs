@@ -244,7 +244,7 @@ pub(super) fn check(
         return refused("the damping drags every mass (alpha)", "with alpha = 0");
     }
     if law.is_modal() && is_exact {
-        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
+        return refused("the damping is set mode by mode", "with hysteretic or rayleigh damping");
     }
     Ok(())
 }

@@ -15,10 +15,7 @@ pub enum InversionError {
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A frequency where every torque moves the tip by rounding alone.
-    #[error(
-        "the tip at {} Hz = held still whatever the torque, but must move there",
-        significant(*frequency_hz, 6)
-    )]
+    #[error("no torque moves the tip at {} Hz", significant(*frequency_hz, 6))]
     BlockedTip {
         /// The frequency in Hz.
         frequency_hz: f64,
@@ -30,7 +27,7 @@ pub enum InversionError {
         peak_n_m: f64,
     },
     /// A motor whose torque, angle, rate or power is not finite.
-    #[error("the motor's {history} = not finite, but must be")]
+    #[error("the motor's {history} is not finite")]
     MotorNotFinite {
         /// The name of the history.
         history: &'static str,
@@ -49,9 +46,7 @@ pub enum InversionError {
         tolerance: f64,
     },
     /// A link with gravity but without a direction.
-    #[error(
-        "start_angle = nothing, but must be given: with gravity the direction of the link matters"
-    )]
+    #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
     /// Ends of the motion that do not suit this link or the analysis.
     #[error("{0}")]
@@ -86,20 +81,22 @@ pub enum InversionError {
 pub enum RefusedEnds {
     /// Weight or second-order terms, never at rest at a constant velocity.
     #[error(
-        "the tip moves at the ends of its motion, but must be at rest there, or periodic, with gravity or \
-         second order"
+        "the tip moves at the ends of its motion, but with gravity or second-order terms it must rest there or \
+         repeat its motion"
     )]
     Bent,
     /// Drag on every mass: even a constant velocity needs a torque.
     #[error(
-        "the tip moves at the ends of its motion, but must be at rest there with damping.alpha above 0"
+        "the tip moves at the ends of its motion, but with damping.alpha above 0 it must rest there"
     )]
     Drag,
     /// A lead or a lag of a motion without beginning and end.
-    #[error("analysis.lead or analysis.lag = given, but a periodic motion has neither")]
+    #[error("analysis.lead and analysis.lag have no meaning for a periodic motion")]
     Edges,
     /// A cycle under gravity that ends in another direction.
-    #[error("the cycle = not whole turns, but must end in its first direction, with gravity")]
+    #[error(
+        "the cycle does not make whole turns, but with gravity it must end in its first direction"
+    )]
     Turned,
 }
 
@@ -107,7 +104,8 @@ impl RefusedEnds {
     fn hint(self) -> &'static str {
         match self {
             Self::Bent => {
-                "add the samples that bring the tip to rest, or solve it without: second_order = \"none\""
+                "add the samples that bring the tip to rest, or leave out gravity and second-order terms: \
+                 second_order = \"none\""
             }
             Self::Drag => "use damping.beta or a damping ratio instead",
             Self::Edges => "leave them out",
@@ -134,11 +132,11 @@ impl InversionError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Plan(_) => "make the plan of the mesh from the link that it is for",
+            Self::Plan(_) => "make the plan of the mesh from this link",
             Self::Model(error) => error.hint(),
             Self::BlockedTip { .. } => {
-                "a payload's inertia without damping does that, damping that no wave survives, or a \
-                 mesh far too coarse: give damping, more elements or a smoother motion"
+                "use damping, more elements or a smoother motion; the cause is a payload's inertia without damping, \
+                 damping that absorbs every wave, or a mesh far too coarse"
             }
             Self::MotorNotFinite { .. } => {
                 "check the units of the drive and of the motion, and their powers of ten"
@@ -147,8 +145,8 @@ impl InversionError {
                 "check the units of motion and link, and their powers of ten"
             }
             Self::NoStartAngle => {
-                "give start_angle in the link file, the direction of the link before the motion, or a motion as \
-                 angles"
+                "set start_angle in the link file, the direction of the link before the motion, or write the motion \
+                 as angles"
             }
             Self::Ends(why) => why.hint(),
             Self::Elastica(error) => return error.hint(),

@@ -33,7 +33,7 @@ pub enum Warning {
     /// Few digits of the acceleration caused an end velocity of the tip, which the inversion removed.
     #[error(
         "the acceleration integrates to {velocity_m_s:.3e} m/s, {share:.1e} of the peak velocity: \
-         taken out by a constant over the motion's own samples"
+         removed by a constant acceleration over the motion's samples"
     )]
     EndVelocityCorrected {
         /// ∫a dt of the original samples in m/s.
@@ -146,8 +146,7 @@ pub enum Warning {
     },
     /// A torque that does not decay has made the window long.
     #[error(
-        "the torque hardly decays: its window was lengthened to {rows} rows, {times:.0} times the \
-         motion's own"
+        "the torque hardly decays: its window has {rows} rows, {times:.0} times as many as the motion"
     )]
     LongWindow {
         /// Rows of the window.
@@ -157,8 +156,8 @@ pub enum Warning {
     },
     /// A payload's inertia or offset blocks the tip at a frequency that the motion contains.
     #[error(
-        "at {} Hz no torque moves the tip (rotary inertia, shear or payload), and the motion holds \
-         {share:.1e} of its largest amplitude there: the torque grows as 1/(damping)",
+        "at {} Hz no torque moves the tip (rotary inertia, shear or payload), and the motion has {share:.1e} of its \
+         largest amplitude there: the torque grows as 1/(damping)",
         significant(*frequency_hz, 6)
     )]
     BlockedTip {
@@ -192,7 +191,7 @@ pub enum Warning {
     /// Noticeable terms of second order outside the linear model.
     #[error(
         "large deflections and centrifugal stiffening, which the linear model leaves out, change the torque by {} of its \
-         peak; played without them it lets the tip stray by {} of its travel",
+         peak; the torque computed without them lets the tip stray by {} of its travel",
         about_percent(*torque),
         about_percent(*tip)
     )]
@@ -204,8 +203,8 @@ pub enum Warning {
     },
     /// Second-order terms that hardly converge.
     #[error(
-        "each iteration of the second-order terms changes the torque by {contraction:.2} of what the one before did: \
-         they hardly converge"
+        "each iteration of the second-order terms changes the torque by {contraction:.2} of the change before: they \
+         hardly converge"
     )]
     SlowIteration {
         /// Change by the last iteration over that by the one before.
@@ -276,7 +275,7 @@ pub enum Warning {
     },
     /// Second-order terms that do not converge, so that only first-order terms count.
     #[error(
-        "the second-order terms do not converge, only those of first order are counted: the tip strays by {}",
+        "the second-order terms do not converge, and only those of first order are included: the tip strays by {}",
         strays(*straying)
     )]
     FellBack {
@@ -318,50 +317,46 @@ impl Warning {
         match self {
             Self::EndVelocityCorrected { .. } => "write the trajectory with more digits",
             Self::TipMissed { shortfall: Shortfall::Step(_), .. } => {
-                "a motion sampled more finely, or a larger analysis.tip_tolerance"
+                "sample the motion more finely, or use a larger analysis.tip_tolerance"
             }
             Self::TipMissed { shortfall: Shortfall::Noise, .. } => {
-                "an analysis.tip_tolerance above the noise, or a motion written with more digits"
+                "use an analysis.tip_tolerance above the noise, or write the motion with more digits"
             }
-            Self::InexactWindow { .. } => "a longer analysis.lead and lag, or a looser tolerance",
-            Self::CoarseStep { .. } => "an analysis.tip_tolerance above 0, or a smoother motion",
+            Self::InexactWindow { .. } => "use longer analysis.lead and lag, or a looser tolerance",
+            Self::CoarseStep { .. } => "use analysis.tip_tolerance above 0, or a smoother motion",
             Self::UnsettledTorque { .. } => {
-                "a smoother motion, a motion written with more digits, or a larger \
-                 analysis.tip_tolerance"
+                "use a smoother motion or a larger analysis.tip_tolerance, or write the motion with more digits"
             }
             Self::UncertainInput { .. } => {
-                "a displacement with more digits or less noise, its acceleration in its place, or a slower or \
+                "use a displacement with more digits or less noise, the acceleration instead, or a slower or \
                  smoother motion"
             }
-            Self::TorqueCut { .. } => "a longer analysis.lead and analysis.lag, or neither of them",
-            Self::WrapAround { .. } => "a longer analysis.lag, more damping or a looser tolerance",
+            Self::TorqueCut { .. } => "use longer analysis.lead and lag, or leave both out",
+            Self::WrapAround { .. } => "lengthen analysis.lag, add damping or loosen the tolerance",
             Self::LongWindow { .. } => {
-                "damping makes it decay; analysis.lead and analysis.lag limit the window, --every the \
-                 rows of the nodal tables"
+                "add damping; analysis.lead and analysis.lag limit the window, --every the rows of the nodal tables"
             }
-            Self::FewModes { .. } => "a larger analysis.modes; without it all modes are kept",
+            Self::FewModes { .. } => "raise analysis.modes, or leave it out to keep all modes",
             Self::InexactModel { .. } => {
-                "analysis.second_order = \"full\" counts what is left out; or a slower motion, a stiffer link"
+                "use analysis.second_order = \"full\", a slower motion or a stiffer link"
             }
             Self::SlowIteration { .. } | Self::InexactIteration { .. } => {
-                "a slower motion or a stiffer link"
+                "use a slower motion or a stiffer link"
             }
             Self::SecondOrderLeftOut { .. } => {
-                "analysis.second_order = \"full\" counts them, or tells why it cannot"
+                "use analysis.second_order = \"full\", which includes them or states why it cannot"
             }
-            Self::ThickLink { .. } => {
-                "theory = \"timoshenko\" in the link file takes them into account"
-            }
-            Self::BlockedTip { .. } => "a smoother or slower motion avoids the frequency",
-            Self::NearNyquist { .. } => "a smoother motion or a shorter step",
+            Self::ThickLink { .. } => "set theory = \"timoshenko\" in the link file",
+            Self::BlockedTip { .. } => "use a smoother or slower motion to avoid the frequency",
+            Self::NearNyquist { .. } => "use a smoother motion or a shorter step",
             Self::NearlyStretched { .. } => {
-                "a path that stays away from the stretched arm and from the first joint"
+                "use a path that keeps away from the stretched arm and from the first joint"
             }
             Self::FellBack { .. } => {
-                "a slower or smoother motion, or stiffer links; analysis.second_order = \"full\" refuses instead"
+                "use a slower or smoother motion, or stiffer links; analysis.second_order = \"full\" makes this an error"
             }
             Self::AboveMesh { .. } | Self::CoarseMesh { .. } => {
-                "more elements, mesh.elements = \"auto\" or a smoother motion"
+                "use more elements, mesh.elements = \"auto\" or a smoother motion"
             }
         }
     }
@@ -399,10 +394,10 @@ fn strays(straying: Straying) -> String {
     let share = significant(straying.share(), 2);
     match straying {
         Straying::Measured(_) => {
-            format!("{share} of its way, measured with the joints moved as solved")
+            format!("{share} of its travel, measured with the joints moved as solved")
         }
         Straying::Estimated(_) => {
-            format!("about {share} of its way, estimated by how much shorter bent links are")
+            format!("about {share} of its travel, estimated from the shortening of the bent links")
         }
     }
 }
@@ -412,7 +407,7 @@ fn cause(shortfall: &Shortfall) -> String {
         Shortfall::Step(step_s) => {
             format!("the motion's step is too long, {} s would do", significant(*step_s, 2))
         }
-        Shortfall::Noise => "the motion's samples hold noise or rounding of that size".into(),
+        Shortfall::Noise => "the motion's samples contain noise or rounding of that size".into(),
     }
 }
 
@@ -423,7 +418,7 @@ fn left_out(share: Option<f64>) -> String {
             format!("about {} % of its range", significant(100.0 * share, 2))
         }
         Some(_) => "as much as its range, or more".into(),
-        None => "an amount that is not known: with all of them the motion is refused".into(),
+        None => "an unknown amount: with all of them the motion is refused".into(),
     }
 }
 

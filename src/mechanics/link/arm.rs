@@ -64,7 +64,7 @@ impl Arm {
     pub fn new(parts: ArmParts) -> Result<Self, ParameterError> {
         let count = parts.links.len();
         if !(2..=MOST_LINKS).contains(&count) {
-            let must = "must be two links to nine";
+            let must = "must be from 2 to 9 links";
             return Err(ParameterError::new("links", format!("{count} links"), "", must));
         }
         Gravity { acceleration_m_s2: parts.gravity_m_s2, start_angle_rad: None }.check()?;
@@ -73,7 +73,7 @@ impl Arm {
             let twin = |other: &ArmLink| name.is_some() && other.name == *name;
             if parts.links[..index].iter().any(twin) {
                 let name = name.as_deref().unwrap_or_default();
-                let must = "must be unique, and a link before it has this name";
+                let must = "must be unique: an earlier link has this name";
                 return Err(ParameterError::new(at("name"), format!("{name:?}"), "", must));
             }
             if link.gravity().is_some() {

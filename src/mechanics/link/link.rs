@@ -89,7 +89,7 @@ impl Link {
             segment.check(index)?;
             if let Some(name) = segment.name.as_deref().filter(|name| !names.insert(*name)) {
                 let parameter = format!("segments.{index}.name");
-                let must = "must be unique, and a segment before it has this name";
+                let must = "must be unique: an earlier segment has this name";
                 return Err(ParameterError::new(parameter, format!("{name:?}"), "", must));
             }
         }
@@ -121,7 +121,7 @@ impl Link {
         if inertia.is_finite() && inertia > 0.0 {
             return Ok(());
         }
-        let must = "the link and all it carries must have a finite rotary inertia above 0";
+        let must = "the link with all that it carries must have a finite rotary inertia above 0";
         Err(ParameterError::new("segments", format!("a total of {inertia}"), "kg m^2", must))
     }
 
@@ -308,8 +308,7 @@ mod tests {
             ),
             (
                 refusal(|p| p.segments[1].name = Some("root".into())),
-                "segments.1.name = \"root\", but must be unique, and a segment before it has this \
-                 name",
+                "segments.1.name = \"root\", but must be unique: an earlier segment has this name",
             ),
             (
                 refusal(|p| p.hub.radius_m = f64::NAN),
@@ -332,8 +331,8 @@ mod tests {
                         s.mass_per_length_kg_m = Taper::constant(0.0);
                     });
                 }),
-                "segments = a total of 0 kg m^2, but the link and all it carries must have a \
-                 finite rotary inertia above 0",
+                "segments = a total of 0 kg m^2, but the link with all that it carries must have a finite rotary \
+                 inertia above 0",
             ),
         ];
         for (found, expected) in cases {

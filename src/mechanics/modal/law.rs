@@ -88,11 +88,11 @@ impl DampingError {
         match self {
             Self::NoSuchMode { .. } => "name lower modes, or give the mesh more elements",
             Self::NegativeDamping { .. } => {
-                "bring the two ratios closer together, or give alpha and beta themselves"
+                "bring the two ratios closer together, or set alpha and beta instead"
             }
             Self::NegativeRatio { .. } => {
-                "a series through an even number of modes with like ratios rises above them; or \
-                 give the ratios to the modes themselves with model \"modal\""
+                "set an even number of modes with similar ratios, so that the series rises above them, or a ratio \
+                 for each mode with model \"modal\""
             }
         }
     }

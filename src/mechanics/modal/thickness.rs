@@ -66,7 +66,7 @@ impl ThickLink {
 
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
-        "theory = \"timoshenko\" computes them; solve tells what a torque feels of it"
+        "set theory = \"timoshenko\" to include them; solve reports their effect on the torque"
     }
 }
 

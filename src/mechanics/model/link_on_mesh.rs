@@ -149,8 +149,8 @@ pub enum ModelError {
     },
     /// Damping by modes needs all modes of a mesh that is too large.
     #[error(
-        "the mesh = {elements} elements, but must be at most {limit} for modal damping: it needs \
-         all modes, and dense algebra grows with the cube of their number"
+        "the mesh has {elements} elements, but must have at most {limit} for modal damping, which needs all modes: \
+         dense algebra grows with the cube of their number"
     )]
     TooManyElements {
         /// Number of elements of the mesh.
@@ -159,10 +159,7 @@ pub enum ModelError {
         limit: usize,
     },
     /// No torque moves the tip at this frequency, or numbers exceed double precision.
-    #[error(
-        "the torque at {} Hz = not a finite number, but must be one",
-        significant(*frequency_hz, 6)
-    )]
+    #[error("the torque at {} Hz is not a finite number", significant(*frequency_hz, 6))]
     NotFinite {
         /// The frequency in Hz.
         frequency_hz: f64,
@@ -176,12 +173,11 @@ impl ModelError {
             Self::Damping(error) => error.hint(),
             Self::NotSoManyModes { .. } => "keep fewer modes, or give the mesh more elements",
             Self::TooManyElements { .. } => {
-                "fewer elements, or hysteretic or rayleigh damping, which have no such limit"
+                "use fewer elements, or hysteretic or rayleigh damping, which have no such limit"
             }
             Self::NotFinite { .. } => {
-                "no torque moves the tip there (a payload's inertia without damping, or damping that \
-                 no wave survives), the mesh is far too coarse, or the inputs are too large for \
-                 double precision"
+                "look for a payload's inertia without damping, damping that absorbs every wave, a mesh far too \
+                 coarse, or inputs too large for double precision"
             }
         }
     }

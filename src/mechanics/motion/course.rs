@@ -37,7 +37,7 @@ impl Course {
         }
     }
 
-    /// The cycle there and back: after the rest at the far end follow the reversed way and the rest at the start.
+    /// The cycle there and back: after the rest at the far end follow the reversed motion and the rest at the start.
     #[must_use]
     pub fn there_and_back(self) -> Self {
         Self { ends: Ends::Periodic, ..self }
@@ -53,7 +53,7 @@ impl Course {
         self.ends
     }
 
-    /// Samples of a profile with `steps` steps for the moves of the way there, without the rests between them. Unless
+    /// Samples of a profile with `steps` steps for the moves of the outward motion, without the rests between them. Unless
     /// the course is a cycle, the tip rests for `rest[0]` steps before and `rest[1]` after.
     ///
     /// Moves share the steps by the roots of their lengths, so that all have the same acceleration, as nearly as whole
@@ -205,7 +205,7 @@ mod tests {
             }
             let displacement = displacements_m(&columns);
             let far_m = displacement[there + usize::from(dwell > 0)];
-            // In the sample that both ways share, the end of the bell already acts.
+            // In the sample that both motions share, the end of the bell already acts.
             let most_m = if dwell > 0 { 1e-13 } else { 1e-6 };
             assert!((far_m - 0.4).abs() < most_m, "{profile}: {far_m}");
             let motion = TipMotion::with_ends(columns, course.ends()).unwrap();

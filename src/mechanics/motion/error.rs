@@ -32,8 +32,8 @@ pub enum MotionError {
     TooLarge,
     /// Sums and squares of the samples underflow.
     #[error(
-        "the motion's acceleration peaks at {peak_m_s2:e} m/s^2, but must reach {least_m_s2:e} m/s^2: \
-         what is smaller cannot be squared"
+        "the motion's acceleration peaks at {peak_m_s2:e} m/s^2, but must reach {least_m_s2:e} m/s^2: squares of \
+         smaller numbers vanish"
     )]
     TooSmall {
         /// Largest acceleration in m/s².
@@ -46,8 +46,8 @@ pub enum MotionError {
     NotUniform(#[from] NotUniform),
     /// The factors leave no motion, or an endless one.
     #[error(
-        "the motion's distance times {distance} and duration times {duration}, but these must be \
-         finite factors, that of the duration above 0 and that of the distance not 0"
+        "the motion's travel times {distance} and duration times {duration}, but both factors must be finite, that \
+         of the travel not 0, that of the duration above 0"
     )]
     Scale {
         /// Factor on the distance.
@@ -84,19 +84,19 @@ pub enum MotionError {
     },
     /// The tip moves at its start, but only its acceleration is known.
     #[error(
-        "the tip's velocity at the start = unknown, but must be given where the tip may move there"
+        "the tip's velocity at the start is not known: the acceleration alone does not determine it"
     )]
     UnknownVelocity,
     /// The last sample of a cycle repeats its first one.
-    #[error("the last row of the cycle = the first one again, but must be the one before it")]
+    #[error("the last row of the cycle repeats the first one, but must be the row before it")]
     Repeats {
         /// Number of the last sample.
         sample: usize,
     },
     /// A cycle does not lead back to its start.
     #[error(
-        "a step after its last row the cycle = {off_m:.3e} m off its start, but must be back there, or as far on as the \
-         velocity says"
+        "a step after its last row the cycle is {off_m:.3e} m off its start, but must be back there, or as far on as \
+         the velocity column states"
     )]
     Unclosed {
         /// Number of the last sample.
@@ -106,7 +106,7 @@ pub enum MotionError {
     },
     /// The tip accelerates at an end where it should have constant velocity.
     #[error(
-        "the tip accelerates there, with {:.2} % of its peak, but must move at constant velocity at its ends",
+        "the tip accelerates with {:.2} % of its peak, but must have constant velocity at the ends of the motion",
         100.0 * share
     )]
     AcceleratingEnd {
@@ -116,7 +116,7 @@ pub enum MotionError {
         share: f64,
     },
     /// The tip has constant velocity.
-    #[error("the tip keeps its velocity in all samples, but must change it")]
+    #[error("the tip's velocity is the same in all samples, but must change")]
     Steady,
     /// The displacement begins or ends with a velocity.
     #[error(
@@ -175,23 +175,20 @@ impl MotionError {
                 "write times with more decimals, or let --resample STEP make uneven samples uniform",
             ),
             Self::AcceleratesAway { .. } => Some(
-                "a motion goes from rest to rest; add the samples that bring the tip to rest, or say that it \
-                 moves on: --moving-ends, --periodic",
+                "add the samples that bring the tip to rest, or use --moving-ends or --periodic if it moves on",
             ),
             Self::MovingAtEnd { .. } => Some(
-                "a motion goes from rest to rest; add the samples that bring the tip to rest, give a \
-                 recording's noise: --noise, or say that it moves on: --moving-ends, --periodic",
+                "add the samples that bring the tip to rest, use --noise for a noisy recording, or --moving-ends or \
+                 --periodic if the tip moves on",
             ),
             Self::AddsVelocity { .. } => {
                 Some("give one whole cycle, without the row that begins the next one")
             }
-            Self::UnknownVelocity => {
-                Some("give a velocity or a displacement beside the acceleration")
-            }
-            Self::Steady => {
-                Some("a constant velocity takes the torque of the hub's friction alone")
-            }
-            Self::Unclosed { .. } => Some("a velocity column says how far a cycle leads on"),
+            Self::UnknownVelocity => Some("add a column of the velocity or the displacement"),
+            Self::Steady => Some(
+                "change the motion: a constant velocity needs only the torque of the hub's friction",
+            ),
+            Self::Unclosed { .. } => Some("add a velocity column if each cycle ends farther on"),
             Self::AcceleratingEnd { .. } => {
                 Some("begin and end with rows at constant velocity, or at rest")
             }
@@ -212,7 +209,7 @@ impl MotionError {
 pub enum PathError {
     /// Columns are missing for an arm with this number of links.
     #[error(
-        "{missing} = nothing, but must be given for an arm of {links} links: {}",
+        "{missing} is missing: an arm of {links} links needs {}",
         match links { 2 => "x and y, or angle1 and angle2".to_owned(), links => format!(
             "x and y with angle3{}, or angle1 to angle{links}",
             if *links == 3 { String::new() } else { format!(" to angle{links}") }
@@ -225,7 +222,7 @@ pub enum PathError {
         links: usize,
     },
     /// The column is a direction of a link that the arm does not have.
-    #[error("{column} is given, but the arm has {links} links")]
+    #[error("{column} belongs to no link: the arm has {links} links")]
     TooMany {
         /// Name of the column.
         column: String,
@@ -261,7 +258,8 @@ pub enum PathError {
     },
     /// An angle jumps from one sample to the next.
     #[error(
-        "{column} = {found:.6} rad, but must lie within half a turn of the {before:.6} rad before it: angles go on over whole turns"
+        "{column} = {found:.6} rad, but must lie within half a turn of the {before:.6} rad before it: angles must \
+         not wrap around"
     )]
     Jump {
         /// Name of the column.
@@ -292,12 +290,10 @@ impl PathError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Column { error: MotionError::MovingAtEnd { .. }, .. }
-            | Self::TurnsAtEnd { .. } => {
-                Some("a path goes from rest to rest; add the samples that bring the arm to rest")
-            }
+            | Self::TurnsAtEnd { .. } => Some("add the samples that bring the arm to rest"),
             Self::Column { error, .. } | Self::Motion(error) => error.hint(),
-            Self::Jump { .. } => Some("add or take away 2π, or 360 deg, from there on"),
-            Self::TooMany { .. } => Some("leave the column out, or give the arm file all links"),
+            Self::Jump { .. } => Some("add or subtract 2π, or 360 deg, from there on"),
+            Self::TooMany { .. } => Some("leave the column out, or add the link to the arm file"),
             Self::Missing { .. } | Self::NoMotion => None,
         }
     }
@@ -318,19 +314,19 @@ pub enum CurveError {
         found: f64,
     },
     /// Two points in a row, or the start and the centre of an arc, are equal.
-    #[error("the points {number} and {} of the path = the same place, but must differ", number + 1)]
+    #[error("points {number} and {} of the path are the same place, but must differ", number + 1)]
     Same {
         /// Number of the first one, from 1.
         number: usize,
     },
     /// The reach of rounded corners is out of range.
-    #[error("the corner = {:?} m long, but must be from 1e-100 to 1e100 m", reach_m)]
+    #[error("the corner is {:?} m long, but must be from 1e-100 to 1e100 m", reach_m)]
     Corner {
         /// Length in m that a rounded corner takes of each leg.
         reach_m: f64,
     },
     /// An arc has no angle or no radius.
-    #[error("the arc = {} m long, but must have a radius and an angle", plain(*.length_m))]
+    #[error("the arc is {} m long, but must have a radius and an angle", plain(*.length_m))]
     NoArc {
         /// Length of the arc in m.
         length_m: f64,
@@ -360,7 +356,7 @@ pub enum CurveError {
     },
     /// A leg has too few of the steps.
     #[error(
-        "leg {number} of the way has {steps} of the {all} steps, but must have at least {} from rest to rest",
+        "leg {number} of the motion has {steps} of the {all} steps, but must have at least {} from rest to rest",
         FEWEST_STEPS
     )]
     FewSteps {
@@ -391,12 +387,14 @@ impl CurveError {
             Self::Range { .. } | Self::Same { .. } | Self::NoArc { .. } | Self::Corner { .. } => {
                 None
             }
-            Self::TurnsBack { .. } => Some("without rounded corners the tip stops at each point"),
-            Self::Overlap { .. } => Some("a smaller --corner"),
+            Self::TurnsBack { .. } => Some("leave --corner out: the tip then stops at each point"),
+            Self::Overlap { .. } => Some("use a smaller --corner"),
             Self::FewSteps { .. } => Some(
-                "a longer duration, a shorter step or, on the path of an arm, --corner: no stops",
+                "use a longer duration or a shorter step; on the path of an arm, --corner avoids the stops",
             ),
-            Self::TurnsAtOnce { .. } => Some("--dwell TIME; sine, min-jerk and septic do not jump"),
+            Self::TurnsAtOnce { .. } => {
+                Some("use --dwell TIME, or a profile without jumps: sine, min-jerk or septic")
+            }
         }
     }
 }

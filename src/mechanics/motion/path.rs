@@ -451,10 +451,10 @@ mod tests {
         let refused = |tip, angles| columns(tip, angles).unwrap_err();
         let angle = |name| Some(column(name, smooth));
         let lacking = refused(None, vec![angle("angle1"), None]).to_string();
-        let must = "but must be given for an arm of 2 links: x and y, or angle1 and angle2";
-        assert_eq!(lacking, format!("angle2 = nothing, {must}"));
+        let must = "an arm of 2 links needs x and y, or angle1 and angle2";
+        assert_eq!(lacking, format!("angle2 is missing: {must}"));
         let third = refused(None, vec![angle("angle1"), angle("angle2"), angle("angle3")]);
-        assert_eq!(third.to_string(), "angle3 is given, but the arm has 2 links");
+        assert_eq!(third.to_string(), "angle3 belongs to no link: the arm has 2 links");
         let jump = |t: f64| if t > 0.5 { smooth(t) - 6.0 } else { smooth(t) };
         let jumps = refused(None, vec![Some(column("angle1", jump)), angle("angle2")]);
         assert_eq!(jumps.sample(), Some(51));

@@ -319,7 +319,7 @@ mod tests {
         assert_eq!((grid.len, grid.time_s(25)), (176, 0.0));
         assert!(at[..26].iter().all(|d| d.abs() < 1e-8));
         assert!(at[125..].iter().all(|d| (d - 0.5).abs() < 1e-8));
-        assert!((at[75] - 0.25).abs() < 1e-12, "half the way after half the time");
+        assert!((at[75] - 0.25).abs() < 1e-12, "half the travel after half the time");
         assert_eq!(motion.target(0.3, 0.6).grid(), motion.grid(), "no sample is cut off");
     }
 }

@@ -105,7 +105,7 @@ pub enum CycleError {
     },
     /// A hub angle that does not return to its start.
     #[error(
-        "the hub angle = {jump_rad:e} rad away from its start, a step after its last sample, but must be back there: \
+        "the hub angle is {jump_rad:e} rad away from its start a step after its last sample, but must be back there: \
          it repeats"
     )]
     Reference {
@@ -113,20 +113,20 @@ pub enum CycleError {
         jump_rad: f64,
     },
     /// A cycle with its first sample again as the last one.
-    #[error("the last row of the cycle = the first one again, but must be the one before it")]
+    #[error("the last row of the cycle repeats the first one, but must be the row before it")]
     Repeats,
     /// A vibration of an undamped link that grows or is not finite.
-    #[error("the cycle = in step with a vibration that is not damped, but must not be")]
+    #[error("the cycle is in step with an undamped vibration, which grows without bound")]
     Resonance,
     /// A link at large angles with a free hub.
     #[error(
-        "hub.viscous_friction = 0, but must be above 0, or feedback given: the hub is free at large angles"
+        "hub.viscous_friction = 0, but must be above 0 without feedback: the hub is free at large angles"
     )]
     Free,
     /// A link with weight or at large angles that does not settle.
     #[error(
-        "the {cycles}th cycle = {share:.1e} of its turn away from the one before, but must settle: a pose that falls, \
-         or a swing that hardly decays, does not"
+        "cycle {cycles} still differs from the one before by {share:.1e} of its turn: the pose falls, or the swing \
+         hardly decays"
     )]
     Unsettled {
         /// Number of simulated cycles.
@@ -140,16 +140,16 @@ impl CycleError {
     pub(super) fn hint(self) -> &'static str {
         match self {
             Self::Mean { .. } | Self::Unsettled { .. } => {
-                "give hub.viscous_friction, or --feedback"
+                "set hub.viscous_friction, or use --feedback"
             }
             Self::Reference { .. } => {
-                "give whole cycles, or a reference with rates and no stiffness: --feedback 0,KD"
+                "use whole cycles, or feedback without stiffness around a reference with rates: --feedback 0,KD"
             }
             Self::Repeats => {
                 "leave the last row out: the first row follows the last one, a step later"
             }
-            Self::Resonance => "give the link damping",
-            Self::Free => "a free hub turns on as it was started: --state",
+            Self::Resonance => "add damping to the link",
+            Self::Free => "set hub.viscous_friction, or use --feedback or --state",
         }
     }
 }

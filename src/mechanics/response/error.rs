@@ -22,10 +22,10 @@ pub enum SimulationError {
     #[error("the hub angle is the same in all samples, but must move the link")]
     NoTurn,
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
-    #[error("the hub moves no mass, but must: hub.inertia = 0, and the link's root has none")]
+    #[error("the hub moves no mass: hub.inertia = 0, and the link has no mass at its root")]
     MasslessHub,
     /// A link without equations for weight or large angles.
-    #[error("{what}, but weight and second-order terms are played on links {known}")]
+    #[error("{what}, but weight and second-order terms need a link {known}")]
     NotDerived {
         /// Unsupported property of the link.
         what: &'static str,
@@ -33,10 +33,10 @@ pub enum SimulationError {
         known: &'static str,
     },
     /// A link with gravity but without a direction.
-    #[error("start_angle is missing, but must be given: with gravity the direction matters")]
+    #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
     /// A state that does not suit the link, or that comes with a prescribed motion of the hub.
-    #[error("the state = {found}, but must {must}")]
+    #[error("the state {found}, but must {must}")]
     State {
         /// Invalid content of the state, in words.
         found: String,
@@ -44,9 +44,7 @@ pub enum SimulationError {
         must: String,
     },
     /// A link too soft for its weight.
-    #[error(
-        "the link finds no shape at rest under its weight where it starts, but must begin at rest"
-    )]
+    #[error("the link has no shape at rest under its weight where it starts")]
     NoRest,
     /// No cycle that repeats.
     #[error(transparent)]
@@ -56,8 +54,7 @@ pub enum SimulationError {
     Damping(#[from] DampingError),
     /// A reference of the feedback at other times than the torque.
     #[error(
-        "the reference = {} samples from {} s at {} s, but must be at the torque's times: \
-         {} samples from {} s at {} s",
+        "the reference has {} samples from {} s at {} s, but must have the torque's times: {} samples from {} s at {} s",
         found.len,
         rounded(found.time_s(0), 12),
         rounded(found.step_s, 12),
@@ -113,13 +110,13 @@ pub enum SimulationError {
         allowed: usize,
     },
     /// Steps too long for the motion.
-    #[error("the motion up to {} s does not converge, but must", rounded(*time_s, 12))]
+    #[error("the motion does not converge at {} s", rounded(*time_s, 12))]
     NotConverged {
         /// The time in s.
         time_s: f64,
     },
     /// Numbers beyond double precision.
-    #[error("the motion at {} s = not a finite number, but must be one", rounded(*time_s, 12))]
+    #[error("the motion at {} s is not a finite number", rounded(*time_s, 12))]
     NotFinite {
         /// The time in s.
         time_s: f64,
@@ -130,25 +127,25 @@ impl SimulationError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Plan(_) => "make the plan of the mesh from the link that it is for",
+            Self::Plan(_) => "make the plan of the mesh from this link",
             Self::Damping(error) => error.hint(),
             Self::Cycle(error) => error.hint(),
             Self::OtherTimes { .. } => "take hub_angle.csv and torque.csv of one run of solve",
             Self::TooLong { .. } | Self::TooMuchMemory { .. } => {
-                "an earlier end, or a torque with a longer step"
+                "use an earlier end, or a torque with a longer step"
             }
-            Self::NotConverged { .. } => "damping, as beta = 2e-3, hub.inertia or a shorter step",
+            Self::NotConverged { .. } => "use damping (beta = 2e-3), hub.inertia or a shorter step",
             Self::NotFinite { .. } => "the inputs are too large for double precision",
-            Self::EndsEarly { .. } => "the simulation goes on to the torque's end by itself",
+            Self::EndsEarly { .. } => "leave it out to end with the torque",
             Self::NotDerived { .. } => {
                 "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link"
             }
             Self::NoStartAngle => {
-                "--set 'start_angle=\"-90 deg\"' is the direction of a link that hangs, where gravity is along -y"
+                "set start_angle: --set 'start_angle=\"-90 deg\"' is a hanging link where gravity is along -y"
             }
-            Self::State { .. } => "--save-state of a run of the same link writes it",
-            Self::NoRest => "a stiffer link, or another start_angle",
-            Self::MasslessHub => "give the hub an inertia, however small",
+            Self::State { .. } => "use a state that --save-state of this link wrote",
+            Self::NoRest => "use a stiffer link, or another start_angle",
+            Self::MasslessHub => "set hub.inertia above 0, however small",
             Self::NoTorque | Self::NoTurn => return None,
         })
     }
@@ -200,8 +197,8 @@ pub enum SimulationWarning {
     },
     /// A hub that already moves at its first sample.
     #[error(
-        "the hub angle begins with {:?} rad/s, {:.1} % of its peak rate: the hub is at rest before its first \
-         sample, and is taken to start between the first two",
+        "the hub angle begins with {:?} rad/s, {:.1} % of its peak rate: the hub rests before its first sample, and \
+         starts within the first step",
         rounded(*rate_rad_s, 4),
         100.0 * share
     )]
@@ -213,7 +210,7 @@ pub enum SimulationWarning {
     },
     /// A torque from the steps or the noise of a recorded hub angle.
     #[error(
-        "the torque jumps from sample to sample, {:.0} % as noise alone would: the torque contains the second \
+        "the torque jumps from sample to sample, with {:.0} % of the roughness of noise: it contains the second \
          derivative of the encoder's noise; the tip's motion hardly does",
         100.0 * share
     )]
@@ -223,8 +220,7 @@ pub enum SimulationWarning {
     },
     /// A step too long to show the vibration.
     #[error(
-        "the step = {:?} s leaves {:?} steps to a period of the first mode, {:?} s: the rows do not \
-         show its vibration",
+        "the step of {:?} s leaves {:?} steps to a period of the first mode, {:?} s: the rows do not show its vibration",
         rounded(*step_s, 12),
         rounded(*steps, 2),
         rounded(*period_s, 4)
@@ -289,7 +285,7 @@ pub enum SimulationWarning {
     },
     /// A state with waves too short for the modes.
     #[error(
-        "the modes leave out {share:.1e} of the state, as a root of its energy: its shortest waves"
+        "the modes leave out {share:.1e} of the state (root of its energy): its shortest waves"
     )]
     StateCut {
         /// Omitted part of the state, over the whole.
@@ -357,41 +353,41 @@ impl SimulationWarning {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::EndsWithJump { joint: Some(_), .. } => {
-                "torques of solve end at zero, unless the window is cut"
+                "use torques that end at zero, as those of solve do unless the window is cut"
             }
             Self::BeginsWithJump { .. } | Self::EndsWithJump { .. } => {
-                "a torque of solve begins and ends at zero, unless its window is cut or its tip does not rest"
+                "use a torque that begins and ends at zero, as that of solve for an uncut window and a tip at rest"
             }
             Self::HubBeginsMoving { .. } => "use a recording that begins at rest",
             Self::RoughTorque { .. } => {
                 "compare the tip, or record the hub with more counts or at a longer step"
             }
-            Self::CoarseStep { .. } => "a torque with a shorter step",
+            Self::CoarseStep { .. } => "use a torque with a shorter step",
             Self::InexactModel { .. } => {
-                "analysis.second_order = \"full\" counts them, where the damping allows it; or a smaller torque, a stiffer link"
+                "use analysis.second_order = \"full\" if the damping allows it, a smaller torque or a stiffer link"
             }
             Self::BeginsUnheld { joint: Some(_), .. } => {
-                "torques.csv of solve begins with it: the arm must start where that path does"
+                "start the arm where its path starts: torques.csv of solve begins with the holding torque"
             }
             Self::BeginsUnheld { .. } => {
-                "torque.csv of solve begins with it: start_angle must be that of its run"
+                "set start_angle to that of the run: torque.csv of solve begins with the holding torque"
             }
             Self::ReferenceApart { joint: Some(_), .. } => {
-                "joint_angles.csv of solve begins there: the arm must start where that path does"
+                "start the arm where its path starts: joint_angles.csv of solve begins there"
             }
             Self::ReferenceApart { .. } => {
-                "hub_angle.csv of solve begins there: start_angle must be that of its run"
+                "set start_angle to that of the run: hub_angle.csv of solve begins there"
             }
-            Self::StateCut { .. } => "the mesh of the run that left the state, and a shorter step",
+            Self::StateCut { .. } => "use the mesh of the earlier run, and a shorter step",
             Self::Unsettled { is_arm: true, .. } => {
-                "feedback, where the arm falls from its pose; torques without jumps, or damping and hub.inertia where they jump"
+                "use feedback if the arm falls from its pose; else torques without jumps, or damping and hub.inertia"
             }
-            Self::Imbalance { .. } => "a shorter step of the torques, or smaller gains",
+            Self::Imbalance { .. } => "use a shorter step of the torques, or smaller gains",
             Self::Unsettled { .. } => {
-                "feedback, where the link falls from its pose; an input without jumps, or damping and hub.inertia where it jumps"
+                "use feedback if the link falls from its pose; else an input without jumps, or damping and hub.inertia"
             }
             Self::CoarseMesh { .. } => {
-                "more elements, mesh.elements = \"auto\", or a torque without jumps and corners"
+                "use more elements, mesh.elements = \"auto\", or a torque without jumps and corners"
             }
         }
     }

@@ -41,7 +41,7 @@ pub enum PoseError {
         links: usize,
     },
     /// A link with shear and rotary inertia.
-    #[error("link {} has shear and rotary inertia, but arms in a pose are derived without them", link + 1)]
+    #[error("link {} has shear and rotary inertia, but a pose needs links without them", link + 1)]
     Shear {
         /// Number of the link, from 0.
         link: usize,
@@ -77,12 +77,12 @@ impl PoseError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Directions { .. } => Some("as in --at '30 deg,75 deg', the inner link first"),
-            Self::Shear { .. } => Some("theory = \"euler-bernoulli\""),
-            Self::Damping { .. } => Some("damping = { model = \"rayleigh\", beta = … }"),
-            Self::NoShape => Some("stiffer links, or a pose in which they carry less"),
+            Self::Directions { .. } => Some("write --at '30 deg,75 deg', the inner link first"),
+            Self::Shear { .. } => Some("set theory = \"euler-bernoulli\""),
+            Self::Damping { .. } => Some("set damping = { model = \"rayleigh\", beta = … }"),
+            Self::NoShape => Some("use stiffer links, or a pose in which they carry less"),
             Self::Spread => Some("check the units of the links and of their joints' stiffness"),
-            Self::TooMany { .. } => Some("fewer segments and masses, or a lower frequency"),
+            Self::TooMany { .. } => Some("use fewer segments and masses, or a lower frequency"),
         }
     }
 }

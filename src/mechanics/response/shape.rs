@@ -227,7 +227,7 @@ impl Chain {
             let rows = state.piece([from_m, to_m]);
             let order = rows.len().saturating_sub(1);
             let refused = || SimulationError::State {
-                found: format!("{} places from {from_m} to {to_m} m", rows.len()),
+                found: format!("has {} places from {from_m} to {to_m} m", rows.len()),
                 must: format!("have 2 to {MOST_PLACES} there, those at both ends among them"),
             };
             let has_ends = rows.first().is_some_and(|row| row[0] < SAME_PLACE - 1.0)
@@ -331,7 +331,7 @@ pub(super) fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), Simula
         return refused("the damping drags every mass (alpha)", "with alpha = 0");
     }
     if law.is_modal() {
-        return refused("the damping is given mode by mode", "with hysteretic or rayleigh damping");
+        return refused("the damping is set mode by mode", "with hysteretic or rayleigh damping");
     }
     Ok(())
 }

@@ -63,8 +63,9 @@ pub fn simulate(
     let tolerance = play.tolerance.unwrap_or_else(|| MeshPlan::smallest_tolerance(plans));
     if let Some(state) = play.state {
         if !play.input.is_torque() {
-            let must = "not be beside a motion of the hub".to_owned();
-            return Err(SimulationError::State { found: "given".to_owned(), must });
+            let words = ["comes with a motion of the hub", "come with a torque"];
+            let [found, must] = words.map(str::to_owned);
+            return Err(SimulationError::State { found, must });
         }
         state.check(arm, play.is_bent(arm))?;
     }

@@ -46,10 +46,10 @@ impl LinkState {
         let linear = [&self.displacement_m, &self.velocity_m_s];
         match (linear.iter().all(|list| list.is_some()), is_large) {
             (true, true) => {
-                return refused("of a linear link".into(), "be one at large angles".into());
+                return refused("is of a linear link".into(), "be one at large angles".into());
             }
             (false, false) => {
-                return refused("of a link at large angles".into(), "be of a linear one".into());
+                return refused("is of a link at large angles".into(), "be of a linear one".into());
             }
             _ => {}
         }
@@ -58,20 +58,20 @@ impl LinkState {
         let lists = lists.chain(linear.map(Option::as_ref)).flatten();
         if places < 2 || lists.clone().any(|list| list.len() != places) {
             let must = "have as many numbers in every list, two or more";
-            return refused(format!("{places} places"), must.into());
+            return refused(format!("has {places} places"), must.into());
         }
         let numbers = lists.flatten().chain(&self.x_m);
         if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
-            return refused(format!("{lost}"), "hold finite numbers".into());
+            return refused(format!("holds {lost}"), "hold finite numbers".into());
         }
         if let Some([inner, outer]) = self.x_m.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return refused(format!("{outer} m after {inner} m"), "rise".into());
+            return refused(format!("has {outer} m after {inner} m"), "have rising places".into());
         }
         let (root_m, tip_m) = (link.hub().radius_m, link.length_m());
         let ends = [(self.x_m[0], root_m), (self.x_m[places - 1], tip_m)];
         if ends.iter().any(|(found, own)| (found - own).abs() > POSITION_TOLERANCE * tip_m) {
-            let found = format!("from {} to {} m", self.x_m[0], self.x_m[places - 1]);
-            return refused(found, format!("be from {root_m} to {tip_m} m, the link's"));
+            let found = format!("reaches from {} to {} m", self.x_m[0], self.x_m[places - 1]);
+            return refused(found, format!("reach from {root_m} to {tip_m} m, as the link does"));
         }
         Ok(())
     }
@@ -279,12 +279,12 @@ impl State {
         let (count, links) = (self.links.len(), arm.links().len());
         if count != links {
             let must = format!("be one of {links} links");
-            return Err(SimulationError::State { found: format!("that of {count} links"), must });
+            return Err(SimulationError::State { found: format!("is one of {count} links"), must });
         }
         let time_s = self.links[0].time_s;
         if let Some(other) = self.links.iter().find(|own| own.time_s.total_cmp(&time_s).is_ne()) {
-            let found = format!("at {} s and at {time_s} s", other.time_s);
-            let must = "be that of one instant".to_owned();
+            let found = format!("is at {} s and at {time_s} s", other.time_s);
+            let must = "have one time".to_owned();
             return Err(SimulationError::State { found, must });
         }
         for (number, (state, own)) in self.links.iter().zip(arm.links()).enumerate() {

@@ -7,8 +7,8 @@ use crate::result::Notice;
 use crate::text::significant;
 
 /// Remedy for several answers.
-const TELL_APART: &str = "measure what tells the answers apart, another mode, the hub held or a mass, or bound the \
-                          values with --free PATH=LOW:HIGH";
+const TELL_APART: &str = "measure what separates the answers, such as another mode, the hub held or a mass, or bound \
+                          the values with --free PATH=LOW:HIGH";
 
 impl FitOutcome {
     /// All warnings of this fit.
@@ -111,8 +111,8 @@ impl RecordMisfit {
         });
         let correlated = channels().filter(|channel| channel.is_correlated()).map(|channel| {
             let message = format!(
-                "{name}: the differences of {} are no noise, each is like the one before: the standard errors \
-                 are about {} times those given",
+                "{name}: the differences of {} are not noise, each resembles the one before: the standard errors are \
+                 about {} times as large as printed",
                 channel.sensor.word(),
                 significant(channel.error_factor(), 2)
             );
@@ -144,9 +144,9 @@ impl Misfit {
                                 --free PATH=LOW:HIGH, or free fewer"
                 .to_owned(),
             Self::Contradiction { .. } => {
-                "one measurement far off has another mode, hub or pose than it says; if all are off, enlarge the \
-                 uncertainties to what the measurements are worth (uncertainty = 0.01 in a [[decay]]), or free the value that differs from the \
-                 link file"
+                "if one measurement is far off, check its mode, hub and pose; if all are off, enlarge the \
+                 uncertainties to what the measurements are worth (uncertainty = 0.01 in a [[decay]]), or free the \
+                 value that differs from the link file"
                     .to_owned()
             }
             Self::Lacking { .. } => "look at the page of --report for when it differs: the sign, gain, offset or \

@@ -101,7 +101,7 @@ pub enum DecayError {
     #[error("samples = {0}, but must be {FEWEST} or more")]
     Few(usize),
     /// The sensor does not move.
-    #[error("{0} = the same value in all samples, but must vibrate")]
+    #[error("{0} is the same in all samples, but must vibrate")]
     Constant(String),
     /// The mode is not in the samples.
     #[error(

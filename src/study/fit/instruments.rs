@@ -90,7 +90,7 @@ pub struct Channel {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RecordError {
     /// There is no sensor.
-    #[error("channels = none, but must be at least one")]
+    #[error("the record has no channels, but needs at least one")]
     NoChannel,
     /// There are too few samples.
     #[error("samples = {0}, but must be {FEWEST} or more")]
@@ -116,15 +116,15 @@ pub enum RecordError {
         found: f64,
     },
     /// All samples are equal.
-    #[error("{channel} = the same value in all samples, but must change")]
+    #[error("{channel} is the same in all samples, but must change")]
     Constant {
         /// The channel, or the input.
         channel: String,
     },
     /// An uncertainty is not above 0, or too large for a measurement.
     #[error(
-        "uncertainty of {channel} = {} in its column's unit, but must be above 0 and below {}, half of \
-         what the samples vary by",
+        "uncertainty of {channel} = {} in its column's unit, but must be above 0 and below {}, half of the samples' \
+         variation",
         significant(*found, 4),
         significant(*most, 4)
     )]

@@ -241,7 +241,7 @@ impl Measured {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeasurementsError {
     /// There are no measurements.
-    #[error("measurements = none, but must be at least one")]
+    #[error("the fit has no measurements, but needs at least one")]
     Empty,
     /// A value, an uncertainty or a number is impossible.
     #[error("{observable}: {name} = {value}, but must be finite and above 0")]
@@ -278,7 +278,7 @@ pub enum MeasurementsError {
         observable: Observable,
     },
     /// Of a file and the values, only one has uncertainties.
-    #[error("{0}: an uncertainty is missing, but values and files must all have one beside others")]
+    #[error("{0}: an uncertainty is missing, but all values and files must have one if any has")]
     MixedFile(String),
     /// A sensor of a file appears twice.
     #[error("{0} is given twice")]
@@ -308,7 +308,7 @@ pub enum LinkFitError<E> {
     Pose(#[from] PoseError),
     /// A frequency has another order of magnitude than the file's.
     #[error(
-        "{observable} = {} Hz, but must be within a factor of {FARTHEST:e} of the file's own, {} Hz",
+        "{observable} = {} Hz, but must be within a factor of {FARTHEST:e} of the link file's value, {} Hz",
         significant(*measured, 4),
         significant(*own, 4)
     )]
@@ -325,7 +325,7 @@ pub enum LinkFitError<E> {
     NoMode(Observable),
     /// The mode does not vibrate.
     #[error(
-        "{0} was measured, but this mode does not vibrate: nothing brings it back, or friction holds it"
+        "{0} was measured, but this mode does not vibrate: it has no stiffness, or friction stops it"
     )]
     NoVibration(Observable),
     /// The polynomials do not resolve the measured modes.
@@ -348,6 +348,6 @@ pub enum LinkFitError<E> {
     )]
     Drive,
     /// The damping of the link is zero or has another law.
-    #[error("{0} was measured, but nothing damps this mode: the link must have a damping")]
+    #[error("{0} was measured, but this mode has no damping: the link needs a damping law")]
     NoDamping(Observable),
 }

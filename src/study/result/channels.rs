@@ -27,7 +27,7 @@ pub enum ComparisonError {
     },
     /// Too few times within the simulation.
     #[error(
-        "{found} of the times lie within the simulation, {} to {} s, but {FEWEST} or more must",
+        "{found} of the times lie within the simulation, {} to {} s, but at least {FEWEST} must",
         rounded(*start_s, 12),
         rounded(*end_s, 12)
     )]
@@ -46,9 +46,9 @@ impl ComparisonError {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::NoChannel => "record what a simulation has: hub angle, tip, torque",
-            Self::Uneven { .. } => "give every channel a sample for each time",
+            Self::Uneven { .. } => "write a sample of every channel at each time",
             Self::NoOverlap { .. } => {
-                "both must count time from the same instant; --until simulates longer"
+                "count time from the same instant in both, or simulate longer with --until"
             }
         }
     }

@@ -102,7 +102,7 @@ impl CoarseMesh {
         match self {
             Self::Numbered { by: Refined::Orders, .. } => "ask for fewer modes: --count",
             Self::Band { by: Refined::Orders, .. } => "a lower --to",
-            _ => "more elements, or mesh.elements = \"auto\"",
+            _ => "use more elements, or mesh.elements = \"auto\"",
         }
     }
 }

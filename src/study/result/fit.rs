@@ -66,8 +66,7 @@ impl Along<'_> {
 pub enum FitError {
     /// Even slow motions exceed the limits.
     #[error(
-        "the durations within the limits = none of the {tried} tried from {} to {} s{}, but must \
-         be one",
+        "no duration from {} to {} s keeps the limits ({tried} tried{})",
         plain(*shortest_s),
         plain(*longest_s),
         unsolved(failed.as_ref())
@@ -87,7 +86,7 @@ pub enum FitError {
     Motion(#[from] MotionError),
     /// A weight whose holding torque exceeds the limit.
     #[error(
-        "limits.torque = {} N m, but must be at least {} N m, which a rigid link takes to hold its weight at rest",
+        "limits.torque = {} N m, but must be at least {} N m, the torque that holds a rigid link against its weight",
         significant(*limit_n_m, 4),
         significant(*held_n_m, 4)
     )]
@@ -99,7 +98,8 @@ pub enum FitError {
     },
     /// A joint of an arm whose holding torque exceeds its limit.
     #[error(
-        "joint {}: limits.torque = {} N m, but must be at least {} N m, which holds the arm at an end of its path",
+        "joint {}: limits.torque = {} N m, but must be at least {} N m, the torque that holds the arm at an end of \
+         its path",
         joint + 1,
         significant(*limit_n_m, 4),
         significant(*held_n_m, 4)
@@ -125,7 +125,7 @@ pub enum FitError {
 
 fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
     failed.map_or(String::new(), |(count, why)| {
-        format!(" ({count} of them cannot be solved, the longest because {why})")
+        format!(", {count} of them without a solution, the longest because {why}")
     })
 }
 

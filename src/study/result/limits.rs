@@ -97,7 +97,7 @@ impl Exceeded {
 
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
-        "a slower motion, a stronger motor or a stiffer link"
+        "use a slower motion, a stronger motor or a stiffer link"
     }
 }
 

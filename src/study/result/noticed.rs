@@ -105,11 +105,11 @@ impl Remark {
         joints.filter_map(of).collect()
     }
 
-    /// A remark on the digits of an arm's path that leads its tip over `way_m`; the tip may stray by the share
+    /// A remark on the digits of an arm's path that leads its tip over `travel_m`; the tip may stray by the share
     /// `tolerance` of it.
-    pub fn on_path(path: &ArmPath, way_m: f64, tolerance: f64) -> Option<Self> {
+    pub fn on_path(path: &ArmPath, travel_m: f64, tolerance: f64) -> Option<Self> {
         let (decimals, step_m) = path.rounded()?;
-        let followed = step_m / way_m;
+        let followed = step_m / travel_m;
         (tolerance > 0.0 && followed > tolerance).then_some(Self::PathDigits {
             decimals,
             half_step_m: 0.5 * step_m,

@@ -52,7 +52,7 @@ pub enum Remark {
     },
     /// A rectangle that is thicker in the plane of motion than it is wide.
     #[error(
-        "{parameter}: thickness = {} m, which is above width = {} m: the link bends across its stiffer side",
+        "{parameter}: thickness = {} m is above width = {} m: the link bends across its stiffer side",
         significant(*thickness_m, 6),
         significant(*width_m, 6)
     )]
@@ -126,7 +126,7 @@ pub enum Remark {
     },
     /// Samples that did not follow their neighbours, and were replaced.
     #[error(
-        "{samples} {} replaced by what {} neighbours lead to",
+        "{samples} {} replaced by the values that {} neighbours predict",
         if *samples == 1 { "sample was" } else { "samples were" },
         if *samples == 1 { "its" } else { "their" }
     )]
@@ -136,7 +136,7 @@ pub enum Remark {
     },
     /// A tip that moves at its ends because a velocity column says so.
     #[error(
-        "the velocity says that the tip moves at {} m/s before its motion and at {} m/s after it, and has done so all along",
+        "the tip moves at {} m/s before its motion and at {} m/s after it, as the velocity column states",
         significant(*before_m_s, 3),
         significant(*after_m_s, 3)
     )]
@@ -181,15 +181,15 @@ pub enum Remark {
     },
     /// A path with few digits.
     #[error(
-        "the path has {decimals} decimals, ±{half_step_m:.1e} m: the tip is followed to {followed:.1e} of its way instead of \
-         {tolerance:e}"
+        "the path has {decimals} decimals, ±{half_step_m:.1e} m: the tip is followed to {followed:.1e} of its travel \
+         instead of {tolerance:e}"
     )]
     PathDigits {
         /// Number of decimals in the unit of the file.
         decimals: i32,
         /// Half of the last decimal in m.
         half_step_m: f64,
-        /// Accuracy of the followed tip, as a share of its way.
+        /// Accuracy of the followed tip, as a share of its travel.
         followed: f64,
         /// Accuracy for exact samples.
         tolerance: f64,
@@ -197,7 +197,7 @@ pub enum Remark {
     /// A displacement with noise.
     #[error(
         "noise of {deviation_m:.1e} m: the tip is followed to {followed:.1e} of its travel instead of \
-         {tolerance:e}, and the rests at the ends are their means, up to {moved_m:.1e} m from the data"
+         {tolerance:e}, and each rest at an end is replaced by its mean, up to {moved_m:.1e} m from the data"
     )]
     Noise {
         /// Standard deviation in m.
@@ -211,8 +211,8 @@ pub enum Remark {
     },
     /// An acceleration that jumps: the followed motion overshoots in its band of frequencies.
     #[error(
-        "the acceleration jumps: followed to {} Hz it peaks at {} m/s², {:.0} % above its samples; that of the rigid link \
-         has the same peak",
+        "the acceleration jumps: followed to {} Hz it peaks at {} m/s², {:.0} % above its samples; the rigid link's \
+         acceleration has the same peak",
         significant(*cutoff_hz, 3),
         significant(*peak_m_s2, 3),
         100.0 * share
@@ -227,8 +227,7 @@ pub enum Remark {
     },
     /// A torque whose start and end the samples of the motion hardly determine.
     #[error(
-        "{}the samples leave the torque uncertain by {} % of its {}: it starts {} s earlier or later than \
-         told, and ends so by {} s",
+        "{}the samples leave the torque uncertain by {} % of its {}: its start is uncertain by {} s, its end by {} s",
         joint.map_or_else(String::new, |joint| format!("joint {joint}: ")),
         significant(100.0 * share, 2),
         if *of_range { "range" } else { "peak" },
@@ -298,31 +297,30 @@ impl Remark {
                 "name the unit in the column's heading, as in \"displacement [mm]\""
             }
             Self::Jitter { .. } => "--resample STEP interpolates at another step",
-            Self::DroppedOutliers { .. } => {
-                "without --drop-outliers the first of them is named and refused"
-            }
+            Self::DroppedOutliers { .. } => "leave --drop-outliers out to see the first of them",
             Self::MovingEnds { .. } => {
-                "--moving-ends says so without this remark; add the rows that bring the tip to rest if it rests"
+                "confirm it with --moving-ends, or add the rows that bring the tip to rest"
             }
             Self::FewDigits { .. } => {
                 "write the displacement with more decimals, or give --noise if these are exact"
             }
             Self::IntegratedDigits { .. } => {
-                "write more decimals; where these are exact, zeros at the end say so: 0.500000000"
+                "write more decimals; if these are exact, add zeros at the end: 0.500000000"
             }
             Self::PathDigits { .. } => {
-                "write the path with more decimals; the errors of the input say what that does"
+                "write the path with more decimals; the errors of the input show the effect"
             }
-            Self::Noise { .. } => "the errors of the input say what that does to the torque",
+            Self::Noise { .. } => "see the errors of the input for the effect on the torque",
             Self::Jumps { .. } => {
-                "a profile without jumps, as septic; `flexlink verify` tells how far the torque depends on the step"
+                "use a profile without jumps, such as septic; `flexlink verify` measures how far the torque depends \
+                 on the step"
             }
-            Self::Timing { joint: Some(_), .. } => "a path with more digits or less noise",
+            Self::Timing { joint: Some(_), .. } => "use a path with more digits or less noise",
             Self::Timing { .. } => {
-                "a displacement with less noise or more digits, or its acceleration"
+                "use a displacement with less noise or more digits, or its acceleration"
             }
             Self::UnknownSection { .. } => {
-                "give E and density with section, or with I and area: the share is then estimated"
+                "set E and density with section, or with I and area: the share is then estimated"
             }
         }
     }

@@ -65,7 +65,7 @@ impl LateTarget {
 
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
-        "a target that begins before the tip moves"
+        "use a target that begins before the tip moves"
     }
 }
 
@@ -74,7 +74,7 @@ impl LateTarget {
 pub enum TargetError {
     /// The target ends after the simulation.
     #[error(
-        "the target ends at {} s, but must not go on after the simulation, which ends at {} s",
+        "the target ends at {} s, but must not outlast the simulation, which ends at {} s",
         rounded(*end_s, 12),
         rounded(*simulated_s, 12)
     )]

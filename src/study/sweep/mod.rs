@@ -39,7 +39,7 @@ pub struct CaseValues {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PlanError {
     /// Two variations have the same path.
-    #[error("path = {path} twice, but must be varied once")]
+    #[error("{path} is varied twice, but must be varied once")]
     Twice {
         /// Path of the variations.
         path: String,
@@ -61,8 +61,8 @@ impl PlanError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::Twice { .. } => "give all of its values at once: PATH=1,2,3",
-            Self::TooMany => "fewer values, or several sweeps",
+            Self::Twice { .. } => "write all of its values at once: PATH=1,2,3",
+            Self::TooMany => "use fewer values, or several sweeps",
             Self::NoFactor { .. } => "factors are numbers without a unit",
         }
     }

@@ -124,7 +124,7 @@ impl FromStr for Variation {
         let (values, unit) = read_values(values)?;
         let mut seen = HashSet::new();
         if let Some(value) = values.iter().find(|value| !seen.insert(value.as_str())) {
-            return refuse(&format!("value = {} twice, but must be given once", excerpt(value)));
+            return refuse(&format!("value = {} twice, but must be listed once", excerpt(value)));
         }
         Ok(Self { path: path.to_owned(), operation, unit, values })
     }
@@ -138,7 +138,7 @@ pub struct VariationError(String);
 impl VariationError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
-        "it reads like 'segments.*.EI*=1:8:4:log' or 'payload.mass=0,0.05,0.1'"
+        "write it like 'segments.*.EI*=1:8:4:log' or 'payload.mass=0,0.05,0.1'"
     }
 }
 

@@ -54,7 +54,7 @@ impl Kind {
         what: "tip, the link's own damping",
         of: "the tip's travel",
         bound: |answer| answer.tip_tolerance() + TIP.max(answer.solution.analysis.tolerance()),
-        hint: "a tighter analysis.tolerance, no analysis.lead and analysis.lag of your own, or more --digits",
+        hint: "use a tighter analysis.tolerance or more --digits, or leave analysis.lead and analysis.lag out",
     };
     pub(super) const TIP_ERROR_VISCOUS: Self = Self {
         name: "tip_error_viscous",
@@ -64,7 +64,7 @@ impl Kind {
     pub(super) const TIP_OF_HUB: Self = Self {
         name: "tip_error",
         what: "tip, the hub moved as solved",
-        hint: "analysis.second_order = \"full\", a tighter analysis.tolerance, or more elements",
+        hint: "use analysis.second_order = \"full\", a tighter analysis.tolerance, or more elements",
         ..Self::TIP_ERROR
     };
     pub(super) const TORQUE_OF_HUB: Self = Self {
@@ -72,7 +72,7 @@ impl Kind {
         what: "torque that the moved hub takes",
         of: "the torque, rms",
         bound: |_| TORQUE,
-        hint: "analysis.second_order = \"full\", more elements, a shorter step or a smoother motion",
+        hint: "use analysis.second_order = \"full\", more elements, a shorter step or a smoother motion",
     };
     pub(super) const OF_HUB: [Self; 2] = [Self::TIP_OF_HUB, Self::TORQUE_OF_HUB];
     /// Checks of a link, solved again with viscous damping.
@@ -109,7 +109,7 @@ impl Kind {
         what: "tip that is solved",
         of: "the tip's travel",
         bound: |answer| answer.tip_tolerance() + ROUNDED,
-        hint: "a shorter step, a smoother motion or a looser analysis.tip_tolerance",
+        hint: "use a shorter step, a smoother motion or a looser analysis.tip_tolerance",
     };
     pub(super) const MESH: Self = Self {
         name: "mesh_halving",
@@ -119,35 +119,35 @@ impl Kind {
             let is_automatic = plans.iter().any(MeshPlan::is_automatic);
             if is_automatic { MeshPlan::smallest_tolerance(plans) } else { CHOSEN }
         },
-        hint: "more elements, or mesh.elements = \"auto\"",
+        hint: "use more elements, or mesh.elements = \"auto\"",
     };
     pub(super) const WINDOW: Self = Self {
         name: "wrap_around",
         what: "at the window's edge",
         of: PEAK,
         bound: |answer| answer.solution.analysis.tolerance(),
-        hint: "a looser analysis.tolerance, or a longer analysis.lead and analysis.lag",
+        hint: "use a looser analysis.tolerance, or a longer analysis.lead and analysis.lag",
     };
     pub(super) const MODES: Self = Self {
         name: "truncation",
         what: "with all modes",
         of: PEAK,
         bound: |_| CHOSEN,
-        hint: "more modes: analysis.modes",
+        hint: "use more modes: analysis.modes",
     };
     pub(super) const ITERATION: Self = Self {
         name: "iteration",
         what: "with further iterations",
         of: PEAK,
         bound: |answer| answer.solution.analysis.tolerance(),
-        hint: "a slower motion or a stiffer link",
+        hint: "use a slower motion or a stiffer link",
     };
     pub(super) const STEP: Self = Self {
         name: "step_halving",
         what: "with the step halved",
         of: "the torque, rms",
         bound: |_| CHOSEN,
-        hint: "a shorter step or a smoother motion",
+        hint: "use a shorter step or a smoother motion",
     };
     pub(super) const STEP_OF_MOTOR: Self =
         Self { name: "step_halving_motor", of: PEAK, ..Self::STEP };
@@ -173,14 +173,14 @@ impl Kind {
             Motion::Tip(_) => ENERGY.min(answer.solution.analysis.tolerance()),
             Motion::Path(_) => ENERGY_OF_ARM,
         },
-        hint: "a shorter step or a smoother motion",
+        hint: "use a shorter step or a smoother motion",
     };
     pub(super) const MODEL: Self = Self {
         name: "model",
         what: "tip with all terms",
         of: "the tip's travel",
         bound: |_| STRAYS,
-        hint: "analysis.second_order = \"full\", a slower motion or a stiffer link",
+        hint: "use analysis.second_order = \"full\", a slower motion or a stiffer link",
     };
     /// Check of a limit by its key in the link file.
     pub(super) const LIMIT: Self = Self {
@@ -188,7 +188,7 @@ impl Kind {
         what: "limits",
         of: "the limit",
         bound: |_| 1.0,
-        hint: "a slower motion, or another limit",
+        hint: "use a slower motion, or another limit",
     };
 
     /// The check with its number.

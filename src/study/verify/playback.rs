@@ -102,7 +102,7 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
     };
     match ratio {
         Some(_) if ends == Ends::Moving => {
-            return Err("hysteretic damping has no state of a tip that has always moved".into());
+            return Err("hysteretic damping has no state for a tip that moves at first".into());
         }
         Some(ratio) if solution.second_order.is_some() => {
             return played_viscous(answer, motion, ratio);

@@ -42,7 +42,7 @@ pub struct TableError {
 /// equation in time: both are played with the viscous damping that `simulate` takes for it, and what that alone changes
 /// cancels.
 ///
-/// An arm that falls from a pose on its way is played under a feedback around the joints as solved, as a robot has it. For a
+/// An arm that falls from a pose on its path is played under a feedback around the joints as solved, as a robot has it. For a
 /// converter that holds its values, the reference of the feedback is corrected as the torques are.
 ///
 /// # Errors
@@ -132,7 +132,7 @@ fn feedback(
     joints.collect()
 }
 
-/// True if an arm with free joints leaves a pose of its way, held there by its torques, or if that is not known.
+/// True if an arm with free joints leaves a pose of its path, held there by its torques, or if that is not known.
 fn falls(solution: &Solution) -> bool {
     let leaves = |row: usize| {
         let directions_rad: Vec<f64> = solution.shapes().map(|link| link.chord[0][row]).collect();

@@ -57,7 +57,7 @@ fn a_damaged_run_of_an_arm_is_refused() {
     let bench = Bench::new();
     bench.run(&["solve", ARM, PATH], "out");
     let (lead, _) = after(&bench, "summary.json", "\"lead_s\": ", "\"lead_s\": true, \"lead\": ");
-    assert_eq!(lead, "out/summary.json: results.joints.0.lead_s = nothing, but must be there");
+    assert_eq!(lead, "out/summary.json: results.joints.0.lead_s is missing");
     // Nodes are named in their order, 2 before 10; the run was not asked to leave some out.
     let (node, hint) = after(&bench, "nodal_positions.csv", ",x2_2_m", ",x2_2_mm");
     assert!(node.contains("x2_2_mm") && !hint.unwrap_or_default().contains("--nodes"), "{node}");

@@ -2,7 +2,7 @@
 
 use super::{Bench, LINK, MOTION};
 
-const A_RUN: &str = "must be there: the folder of a run of `flexlink solve` or `simulate`";
+const A_RUN: &str = "this is not the folder of a run of `flexlink solve` or `simulate`";
 const ONE_RUN: &str = "a folder holds one run";
 
 /// A run of solve in `out`, with all of its tables.
@@ -57,8 +57,8 @@ fn a_missing_file_is_told_by_its_name() {
         let path = bench.path("out").join(name);
         let bytes = std::fs::read(&path).unwrap();
         std::fs::remove_file(&path).unwrap();
-        let named = "must be there: summary.json names it";
-        assert_eq!(bench.refusal("out").0, format!("out: {name} = nothing, but {named}"));
+        let named = "summary.json names it";
+        assert_eq!(bench.refusal("out").0, format!("out: {name} is missing, but {named}"));
         let summary = bench.read("out/summary.json");
         let unnamed = summary.replace(&format!("    \"{name}\",\n"), "");
         assert_ne!(unnamed, summary);
@@ -68,7 +68,7 @@ fn a_missing_file_is_told_by_its_name() {
             assert_eq!(run.links[0].moments_n_m.is_none(), name.starts_with("bending"));
             assert!(run.arc.unwrap().deflections_m.is_some());
         } else {
-            assert_eq!(bench.refusal("out").0, format!("out: {name} = nothing, but {A_RUN}"));
+            assert_eq!(bench.refusal("out").0, format!("out: {name} is missing: {A_RUN}"));
         }
         bench.write("out/summary.json", &summary);
         std::fs::write(&path, bytes).unwrap();
@@ -80,8 +80,8 @@ fn a_missing_file_is_told_by_its_name() {
 fn a_foreign_folder_and_a_path_of_nothing_are_refused() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("none")).unwrap();
-    let too = "the table of a sweep will do, too";
-    let empty = (format!("none: summary.json = nothing, but {A_RUN}"), Some(too.to_owned()));
+    let too = "name the folder of a run, or the table of a sweep";
+    let empty = (format!("none: summary.json is missing: {A_RUN}"), Some(too.to_owned()));
     assert_eq!(bench.refusal("none"), empty);
     bench.write("none/data.csv", "a,b\n1,2\n");
     assert_eq!(bench.refusal("none"), empty);
@@ -97,17 +97,16 @@ fn a_foreign_or_damaged_summary_is_refused() {
         after(&bench, "summary.json", |_| text.clone())
     };
     let foreign = summary("{\"name\": \"a page\"}");
-    let version = "must be the version that wrote it: the folder of a run of `flexlink solve`";
-    assert_eq!(
-        foreign,
-        format!("out/summary.json: flexlink = nothing, but {version} or `simulate`")
-    );
+    let version = "this is not the folder of a run of `flexlink solve`";
+    assert_eq!(foreign, format!("out/summary.json: flexlink is missing: {version} or `simulate`"));
     let command = summary("{\"flexlink\": \"0.1.0\", \"command\": \"modes\"}");
     let known = "must be \"solve\" or \"simulate\"";
     assert_eq!(command, format!("out/summary.json: command = \"modes\", but {known}"));
-    for (format, found) in [("", "nothing"), ("\"format\": 1,", "1"), ("\"format\": 3,", "3")] {
+    for (format, found) in
+        [("", "is missing"), ("\"format\": 1,", "= 1"), ("\"format\": 3,", "= 3")]
+    {
         let other = format!("{{{format} \"flexlink\": \"0.1.0\", \"command\": \"solve\"}}");
-        assert_eq!(summary(&other), format!("out/summary.json: format = {found}, but must be 2"));
+        assert_eq!(summary(&other), format!("out/summary.json: format {found}, but must be 2"));
     }
     for (text, expected) in [
         ("", "out/summary.json:1: content = EOF while parsing a value, but must be the summary"),
@@ -120,7 +119,7 @@ fn a_foreign_or_damaged_summary_is_refused() {
     let change =
         |from: &str, to: &str| after(&bench, "summary.json", |text| text.replacen(from, to, 1));
     let untitled = change("\"title\"", "\"name\"");
-    assert!(untitled.ends_with("title = nothing, but must be there"), "{untitled}");
+    assert!(untitled.ends_with("title is missing"), "{untitled}");
     let length = change("\"length_m\": 0.15", "\"length_m\": \"0.15\"");
     let words = "length_m = string \"0.15\", but must be a number";
     assert!(length.starts_with("out/summary.json:") && length.ends_with(words), "{length}");
@@ -132,17 +131,14 @@ fn a_foreign_or_damaged_summary_is_refused() {
         change("\"length_m\": 0.15", "\"length_m\": 0.25"),
         "out/summary.json: link.length_m = 1.5 m, but must be 1.6 m, the sum of hub radius and segments"
     );
-    assert_eq!(
-        change("\"lead_s\"", "\"lead\""),
-        "out/summary.json: results.lead_s = nothing, but must be there"
-    );
+    assert_eq!(change("\"lead_s\"", "\"lead\""), "out/summary.json: results.lead_s is missing");
     assert_eq!(
         change("\"lead_s\": ", "\"lead_s\": \"soon\", \"lead\": "),
-        "out/summary.json: results.lead_s = nothing, but must be there"
+        "out/summary.json: results.lead_s is missing"
     );
     assert_eq!(
         change("\"motion\": {\n    \"given\"", "\"mution\": {\n    \"given\""),
-        "out/summary.json: motion = nothing, but must be there"
+        "out/summary.json: motion is missing"
     );
     assert_eq!(
         change("\"tip.csv\"", "\"../tip.csv\""),
@@ -158,7 +154,7 @@ fn an_older_run_is_refused_with_the_advice_to_run_it_again() {
     let older = own.replacen("  \"format\": 2,\n", "", 1);
     let version = format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION"));
     bench.write("out/summary.json", &older.replace(&version, "\"flexlink\": \"0.0.9\""));
-    let message = "out/summary.json: format = nothing, but must be 2";
+    let message = "out/summary.json: format is missing, but must be 2";
     let hint = "flexlink 0.0.9 wrote it in an older format: run it again";
     assert_eq!(bench.refusal("out"), (message.to_owned(), Some(hint.to_owned())));
 }
@@ -253,11 +249,11 @@ fn columns_that_are_missing_unknown_or_twice_are_refused() {
 fn fields_that_are_no_numbers_are_refused() {
     let bench = solved();
     for (file, value, expected) in [
-        ("torque.csv", "", "torque_n_m = nothing, but must be a finite number"),
+        ("torque.csv", "", "torque_n_m = an empty field, but must be a finite number"),
         ("torque.csv", "NaN", "torque_n_m = NaN, but must be a finite number"),
         ("torque.csv", "-inf", "torque_n_m = -inf, but must be a finite number"),
         ("tip.csv", "much", "tip_displacement_m = \"much\", but must be a number"),
-        ("hub_angle.csv", "", "hub_angle_rad = nothing, but must be a finite number"),
+        ("hub_angle.csv", "", "hub_angle_rad = an empty field, but must be a finite number"),
         ("bending_moments.csv", "nan", "m0_n_m = nan, but must be a finite number"),
         ("nodes.csv", "x", "x_m = \"x\", but must be a number"),
     ] {
@@ -267,7 +263,10 @@ fn fields_that_are_no_numbers_are_refused() {
     let short = after(&bench, "torque.csv", |text| with_line(text, 7, |_| Some("1".into())));
     assert_eq!(short, "out/torque.csv:7: fields = 1, but must be 2, as many as there are columns");
     let none = after(&bench, "tip.csv", |text| text.lines().next().unwrap().to_owned());
-    assert_eq!(none, "out/tip.csv: rows = none, but must be one or more below the names");
+    assert_eq!(
+        none,
+        "out/tip.csv: the table has no rows, but must have at least one below the names"
+    );
 }
 
 #[test]

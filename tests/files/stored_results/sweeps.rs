@@ -58,7 +58,7 @@ fn what_is_no_sweep_or_several_is_refused() {
     bench.write("s/b.csv", &text);
     let hint = |text: &str| Some(text.to_owned());
     let several = "s: tables of sweeps = a.csv, b.csv, but must be one";
-    assert_eq!(bench.refusal("s"), (several.into(), hint("give the file of one of them")));
+    assert_eq!(bench.refusal("s"), (several.into(), hint("name the file of one of them")));
     bench.write("t.csv", "time_s,torque_n_m\n0,1\n");
     let foreign = format!("t.csv: columns = \"time_s,torque_n_m\", but {KINDS}");
     let folder = hint("of a run of solve or simulate, give the folder");
@@ -74,7 +74,7 @@ fn what_is_no_sweep_or_several_is_refused() {
     };
     assert_eq!(
         refused(&format!("{header}\n")),
-        "x.csv: rows = none, but must be one or more cases"
+        "x.csv: the table has no cases, but must have at least one"
     );
     assert_eq!(
         refused(&text.replace(",lag_s,", ",lagg_s,")),
@@ -85,7 +85,7 @@ fn what_is_no_sweep_or_several_is_refused() {
     assert_eq!(
         bench.refusal("x.csv"),
         (
-            "x.csv: column warnings = nothing, but must be there".into(),
+            "x.csv: the column warnings is missing".into(),
             hint("an older flexlink wrote it: run the sweep again")
         )
     );

@@ -127,7 +127,7 @@ fn the_tip_follows_the_path_and_errors_are_measured() {
         let tip = &found.tip[axis];
         [&tip.displacement_m, &tip.velocity_m_s, &tip.acceleration_m_s2]
     });
-    // What a cut-off leaves out of the tip, 1e-6 of its way, counts with its frequency in rates and accelerations.
+    // What a cut-off leaves out of the tip, 1e-6 of its travel, counts with its frequency in rates and accelerations.
     for (order, bound) in [1.4e-6, 1e-4, 4e-3].into_iter().enumerate() {
         for k in 0..found.grid.len {
             let s = share.at(found.grid.time_s(k))[order];

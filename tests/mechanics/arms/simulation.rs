@@ -103,7 +103,7 @@ fn third(shares: &[f64]) -> Vec<Option<flexlink::motion::PathColumn>> {
 
 #[test]
 fn torques_as_solved_lead_the_tip_along_its_path() {
-    // Torques of the default tolerance, 1e-6 of the way, leave open loop that much.
+    // Torques of the default tolerance, 1e-6 of the travel, leave open loop that much.
     let analysis = Analysis::default().with_tip_tolerance(1e-8).expect("a tolerance");
     let paths =
         [(arm(&two_links(), [0.0; 2]), None), (arm(&loaded(), [-3.0, -9.0]), Some((50.0, 1.0)))]

@@ -132,5 +132,5 @@ fn what_a_decay_does_not_show_is_refused() {
     assert!(found.contains("its uncertainty must be below half of it"), "{found}");
     let still = sampled(0.01, 100, |_| 1.5);
     let found = identified(still, &[mode(1, ANY)]).unwrap_err().to_string();
-    assert_eq!(found, "tip = the same value in all samples, but must vibrate");
+    assert_eq!(found, "tip is the same in all samples, but must vibrate");
 }

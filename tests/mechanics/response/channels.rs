@@ -193,7 +193,7 @@ fn a_recording_of_nothing_or_of_another_time_is_refused() {
         Comparison::of(&own, &recording).unwrap_err().to_string()
     };
     let tip = |count: usize| (SimulatedChannel::Tip, vec![0.1; count]);
-    let overlap = "0 of the times lie within the simulation, 0 to 4 s, but 8 or more must";
+    let overlap = "0 of the times lie within the simulation, 0 to 4 s, but at least 8 must";
     assert_eq!(refused(&[5.0, 6.0, 7.0, 8.0], &[tip(4)]), overlap);
     assert_eq!(refused(&[], &[tip(0)]), overlap);
     let nothing = "the recording has no channel, but must have one or more";

@@ -275,7 +275,7 @@ fn links_whose_large_motion_is_not_known_are_refused() {
     let alpha = Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 0.0 };
     assert_eq!(
         refusal(&|parts| parts.damping = alpha.clone()).to_string(),
-        "the damping drags every mass (alpha), but weight and second-order terms are played on links with alpha = 0"
+        "the damping drags every mass (alpha), but weight and second-order terms need a link with alpha = 0"
     );
     let modal = Damping::Modal { ratios: vec![0.01] };
     assert!(matches!(

@@ -63,7 +63,7 @@ fn more_numbers_than_can_be_held_are_refused_with_their_size() {
         error.to_string(),
         "16777216 samples of 10 modes would need 5.9 GB of memory, but must fit in the 1.0 GB available"
     );
-    assert_eq!(error.hint(), Some("an earlier end, or a torque with a longer step"));
+    assert_eq!(error.hint(), Some("use an earlier end, or a torque with a longer step"));
 }
 
 #[test]
@@ -110,9 +110,9 @@ fn a_hub_that_moves_no_mass_is_refused() {
     let error = refusal(&massless, &Play::of(&torque));
     assert_eq!(
         error.to_string(),
-        "the hub moves no mass, but must: hub.inertia = 0, and the link's root has none"
+        "the hub moves no mass: hub.inertia = 0, and the link has no mass at its root"
     );
-    assert_eq!(error.hint(), Some("give the hub an inertia, however small"));
+    assert_eq!(error.hint(), Some("set hub.inertia above 0, however small"));
 }
 
 #[test]

@@ -131,24 +131,26 @@ fn a_state_of_another_link_is_refused() {
     };
     assert_eq!(
         refusal(&large, false),
-        "the state = of a link at large angles, but must be of a linear one"
+        "the state is of a link at large angles, but must be of a linear one"
     );
     assert_eq!(
         refusal(&linear, true),
-        "the state = of a linear link, but must be one at large angles"
+        "the state is of a linear link, but must be one at large angles"
     );
     let mut shorter = large.clone();
     shorter.links[0].x_m.iter_mut().for_each(|x| *x *= 0.9);
-    assert!(refusal(&shorter, true).ends_with("but must be from 0.05 to 1.55 m, the link's"));
+    assert!(
+        refusal(&shorter, true).ends_with("but must reach from 0.05 to 1.55 m, as the link does")
+    );
     let mut fewer = large.clone();
     fewer.links[0].slope_rad.pop();
     assert!(refusal(&fewer, true).contains("as many numbers in every list"));
     let mut lost = linear.clone();
     lost.links[0].slope_rate_rad_s[3] = f64::NAN;
-    assert_eq!(refusal(&lost, false), "the state = NaN, but must hold finite numbers");
+    assert_eq!(refusal(&lost, false), "the state holds NaN, but must hold finite numbers");
     let mut turned = linear.clone();
     turned.links[0].x_m.swap(2, 3);
-    assert!(refusal(&turned, false).ends_with("but must rise"));
+    assert!(refusal(&turned, false).ends_with("but must have rising places"));
     // Without the place of the mass the pieces have no ends.
     let mut without = large.clone();
     let mass = without.links[0].x_m.iter().position(|x| (x - 0.8).abs() < 1e-9).unwrap();
@@ -160,5 +162,5 @@ fn a_state_of_another_link_is_refused() {
     let hub = driven(0, CUT).1;
     let held = Play { state: Some(&linear), ..Play::turning(&hub) };
     let held = simulate(&link, &plan, &held).unwrap_err().to_string();
-    assert_eq!(held, "the state = given, but must not be beside a motion of the hub");
+    assert_eq!(held, "the state comes with a motion of the hub, but must come with a torque");
 }

@@ -85,10 +85,8 @@ fn numbers_beyond_double_precision() {
     assert!((1.0..20.0).contains(&periods_s), "{periods_s} s");
     assert!((periods_s * 256.0 - (periods_s * 256.0).round()).abs() < 1e-6, "{periods_s} s");
     let message = error.to_string();
-    let expected = format!(
-        "the torque at {} Hz = not a finite number, but must be one",
-        significant(frequency_hz, 6)
-    );
+    let expected =
+        format!("the torque at {} Hz is not a finite number", significant(frequency_hz, 6));
     assert_eq!(message, expected);
     assert!(error.hint().unwrap().contains("too large for double precision"));
 }
@@ -124,11 +122,10 @@ fn a_frequency_at_which_no_torque_moves_the_tip() {
     let InversionError::BlockedTip { frequency_hz } = error else { panic!("{error}") };
     assert!((frequency_hz * TAU / blocked_rad_s - 1.0).abs() < 1e-12, "{frequency_hz} Hz");
     let message = error.to_string();
-    assert!(
-        message.ends_with(" Hz = held still whatever the torque, but must move there"),
-        "{message}"
-    );
-    assert!(error.hint().unwrap().starts_with("a payload's inertia without damping does that"));
+    assert!(message.starts_with("no torque moves the tip at "), "{message}");
+    assert!(error.hint().unwrap().starts_with(
+        "use damping, more elements or a smoother motion; the cause is a payload's inertia"
+    ));
     // A billionth beside it the tip moves.
     assert!(found(step_s * (1.0 + 1e-9)).is_ok());
 }

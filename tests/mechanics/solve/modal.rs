@@ -128,8 +128,8 @@ fn what_modes_cannot_do_is_refused() {
     assert_eq!(error, InversionError::Model(too_many));
     assert_eq!(
         error.to_string(),
-        "the mesh = 251 elements, but must be at most 250 for modal damping: it needs all modes, \
-         and dense algebra grows with the cube of their number"
+        "the mesh has 251 elements, but must have at most 250 for modal damping, which needs all modes: dense \
+         algebra grows with the cube of their number"
     );
     let error = refused(&link, &mesh_of(&link, 3), &motion, &keeping(7));
     assert_eq!(error, InversionError::Model(ModelError::NotSoManyModes { asked: 7, found: 6 }));

@@ -85,9 +85,9 @@ fn path_line(solution: &Solution, path: &ArmPath) -> String {
         Prescribed::Angles => "as angles of the links",
     };
     let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
-    let [step, way] = four([grid.step_s, solution.tip_travel_m()]);
+    let [step, travel] = four([grid.step_s, solution.tip_travel_m()]);
     let cutoff = solution.band.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
         format!("up to {} Hz", significant(hertz, 4))
     });
-    format!("{what}, {from} … {to} s at {step} s; the tip moves by {way} m;\n         {cutoff}")
+    format!("{what}, {from} … {to} s at {step} s; the tip moves by {travel} m;\n         {cutoff}")
 }

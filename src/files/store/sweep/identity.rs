@@ -281,7 +281,7 @@ mod tests {
         assert!(foreign.starts_with("s.csv:1: first line = \"time_s,torque_n_m\", but must be"));
         let older = refused("# flexlink 0.1.0 sweep 00ff, shard 2/2 of 6 cases");
         let hint = "flexlink 0.1.0 wrote it in an older format: run it again";
-        assert_eq!(older, ("s.csv:1: format = nothing, but must be 2".into(), hint.into()));
+        assert_eq!(older, ("s.csv:1: format is missing, but must be 2".into(), hint.into()));
         let line = identity("link", &[], "hub.inertia=1:2:11").line();
         for (from, to, words) in [
             (
@@ -292,7 +292,7 @@ mod tests {
             ("\"cases\":11", "\"cases\":12", "s.csv:1: cases = 12, but must be 11, as inputs.vary"),
             ("1:2:11", "1:2", "s.csv:1: inputs.vary: range = \"1:2\", but must read"),
             ("\"sweep\"", "\"solve\"", "s.csv:1: command = \"solve\", but must be \"sweep\""),
-            ("\"title\"", "\"name\"", "s.csv:1: title = nothing, but must be there"),
+            ("\"title\"", "\"name\"", "s.csv:1: title is missing"),
         ] {
             let (found, _) = refused(line.trim_end().replace(from, to).as_str());
             assert!(found.starts_with(words), "{found}");

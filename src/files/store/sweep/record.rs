@@ -140,7 +140,7 @@ pub(in crate::files::store) fn read_sweep(path: &Path) -> Result<StoredSweep, Ta
     let names: Vec<&str> = table.names().collect();
     let varied = check_columns(&names, place)?;
     if table.lines.is_empty() {
-        return Err(place.refuse("rows", "none", "must be one or more cases"));
+        return Err(place.refuse_whole("the table has no cases, but must have at least one"));
     }
     check_cells(&table, varied, place)?;
     let record = read_record(path, file)?;
@@ -176,7 +176,7 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     let known = known.iter().max_by_key(shared).map_or(&[][..], |known| known);
     let must = format!("must be {}", quoted_all(known));
     if !found.contains(&WARNINGS) {
-        let error = place.refuse(format!("column {WARNINGS}"), "nothing", "must be there");
+        let error = place.refuse_whole(&format!("the column {WARNINGS} is missing"));
         let hint = "an older flexlink wrote it: run the sweep again";
         return Err(error.with_hint(hint.to_owned()));
     }

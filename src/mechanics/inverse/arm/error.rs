@@ -17,7 +17,7 @@ pub enum ArmError {
     #[error("the path at half the step: {0}")]
     Finer(#[from] MotionError),
     /// A path of the tip, which two positions of the elbow can follow.
-    #[error("elbow = nothing, but must be \"left\" or \"right\": both lead to the same place")]
+    #[error("elbow is missing: the second link can reach the path on the left or on the right")]
     NoElbow,
     /// A plan of the mesh for each link.
     #[error("{plans} plans of meshes, but must be {links}, one for each link")]
@@ -28,9 +28,7 @@ pub enum ArmError {
         links: usize,
     },
     /// A motion along an arc for several links, or a path for one.
-    #[error(
-        "the motion of {links} links, but must be along an arc for one link, and a path for several"
-    )]
+    #[error("the motion does not suit {links} links: one link needs an arc, several need a path")]
     OtherMotion {
         /// Links of the arm.
         links: usize,
@@ -119,21 +117,24 @@ impl ArmError {
         Some(match self {
             Self::Inversion(error) => return error.hint(),
             Self::Finer(error) => return error.hint(),
-            Self::NoElbow => "\"left\" where the second link turns left of the first",
+            Self::NoElbow => {
+                "set elbow = \"left\" if the second link turns left from the first, else \"right\""
+            }
             Self::Plans { .. } | Self::OtherMotion { .. } => return None,
             Self::OutOfReach { distance_m, least_m, .. } if distance_m < least_m => {
-                "a path that stays away from the first joint, or links of lengths that differ less"
+                "use a path that keeps away from the first joint, or links whose lengths differ less"
             }
-            Self::OutOfReach { .. } => "a path within reach, or longer links",
+            Self::OutOfReach { .. } => "use a path within reach, or longer links",
             Self::Stretched { .. } => {
-                "a path that stays away from the stretched arm and from the first joint, or one of angles"
+                "use a path that keeps away from the stretched arm and from the first joint, or a path of angles"
             }
             Self::Blocked { .. } => {
-                "a slower or smoother path, more damping, or analysis.second_order = \"first\", with a larger error of the tip"
+                "use a slower or smoother path, more damping, or analysis.second_order = \"first\", with a larger \
+                 error of the tip"
             }
             Self::NorFirst(_) => {
-                "a slower motion or a stiffer link; analysis.second_order = \"none\" leaves all of them out, with a larger error of \
-                 the tip"
+                "use a slower motion or a stiffer link, or analysis.second_order = \"none\", which leaves all of \
+                 them out, with a larger error of the tip"
             }
             Self::Disagree { .. } => {
                 "check the units and the elbow, or leave x and y or the angles out"

@@ -263,7 +263,7 @@ impl UnitError {
             }
             Self::Ambiguous => Some("use negative powers, as in `kg m^-1 s^-1`".into()),
             Self::Malformed { .. } => Some("units read like `N m^2`, `kg/m` or `1/s`".into()),
-            Self::NotANumber => Some("a value with its unit reads like \"1.5 m\"".into()),
+            Self::NotANumber => Some("a value with its unwrite it like \"1.5 m\"".into()),
             Self::NotFinite | Self::WrongDimension { .. } => None,
         }
     }
