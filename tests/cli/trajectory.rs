@@ -263,7 +263,7 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     // Limits that no profile keeps.
     let none = [&fixed[..7], &["torque=1e-9"]].concat();
     let none = stderr(&bench.ends(4, &[&["trajectory", "best"], &none[..]].concat()));
-    let message = "no duration from 0.04 to 2621.44 s keeps the limits (17 tried)";
+    let message = "no duration from 0.08 to 5242.88 s keeps the limits (17 tried)";
     assert!(none.starts_with(&format!("note: sine       none: {message}")), "{none}");
     assert!(none.contains(&format!("\nerror: {message}")), "{none}");
 }

@@ -177,7 +177,7 @@ fn warnings_of_compare_repeat_and_sweep_are_errors_where_they_are_denied() {
     let vary = ["--vary", "payload.mass=0,0.01", "--shard", "1/1"];
     swept(&bench, &[&vary[..], &["-o", "whole.csv"]].concat());
     for (values, hint) in [
-        ("0,0.01", "--resume continues an interrupted sweep"),
+        ("0,0.01", "use --resume to keep the rows of an interrupted sweep"),
         ("0,0.02", "use another -o to keep rows of another sweep"),
     ] {
         let stopped =

@@ -287,7 +287,7 @@ mod tests {
         {
             let error = decimal(text).unwrap_err();
             assert!(error.to_string().contains("between thousands"), "{error}");
-            assert!(error.hint().unwrap().starts_with("--decimal "), "{text:?}");
+            assert!(error.hint().unwrap().starts_with("use --decimal "), "{text:?}");
         }
     }
 }

@@ -334,7 +334,7 @@ mod tests {
             "arm.toml:4: links.1.hub.inertia = -1 kg m^2, but must be finite and at least 0";
         assert_eq!(negative, message);
         assert!(refused("hubb = 1").starts_with("arm.toml:4: unknown key `hubb` in links.1"));
-        assert!(refused("gravity = [0, 0]").contains("links.1.gravity is given"));
+        assert!(refused("gravity = [0, 0]").contains("links.1.gravity belongs to"));
         assert!(refused("tip = { mass = 1 }").contains("`payload`"));
         assert!(read("links = 3").unwrap_err().contains("must be tables headed [[links]]"));
         let twice = format!("[[links]]\nname = 'a'\n{LINK}\n[[links]]\nname = 'a'\n{LINK}");
