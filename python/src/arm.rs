@@ -15,7 +15,7 @@ use flexlink::csv::{InputFile, PathTable};
 use flexlink::inverse::{JointMotion, Resources};
 use flexlink::motion::{PathColumn, PathColumns, Recording};
 use flexlink::result::Notice;
-use flexlink::spec::{ArmSpecification, Described};
+use flexlink::spec::Specification;
 
 use crate::arrays::{column, dictionary, frame, places, rows};
 use crate::keywords::{self, solve_options};
@@ -35,20 +35,18 @@ const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Arm {
     pub(crate) source: Source,
-    pub(crate) specification: Box<ArmSpecification>,
+    pub(crate) specification: Specification,
 }
 
 impl Arm {
     fn of(source: Source) -> Result<Self, Failure> {
-        match source.described()? {
-            Described::Arm(specification) => Ok(Self { source, specification }),
-            Described::Link(_) => {
-                let message =
-                    format!("{}: one link, but must be an arm of several", source.file.shown);
-                let hint = Some("flexlink.Link.read reads links");
-                Err(Failure::new(Exit::InputRefused, &message, hint))
-            }
+        let specification = source.described()?;
+        if specification.arm.links().len() > 1 {
+            return Ok(Self { source, specification });
         }
+        let message = format!("{}: one link, but must be an arm of several", source.file.shown);
+        let hint = Some("flexlink.Link.read reads links");
+        Err(Failure::new(Exit::InputRefused, &message, hint))
     }
 }
 
@@ -203,7 +201,7 @@ pub(crate) fn solved_arm(
     refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
     let mut specification = arm.specification.clone();
     options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
-    let problem = Problem::of_arm(&arm.source.file, *specification, given.table(&options)?)?;
+    let problem = Problem::of_arm(&arm.source.file, specification, given.table(&options)?)?;
     let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
     let run = SolvedRun::of(problem, &resources, (arm.source.clone(), keywords))?;
     Ok(ArmSolution { given: Arc::new(given), run })

@@ -258,7 +258,7 @@ pub(crate) struct Motion {
 impl Motion {
     fn read(given: Given, arguments: Vec<String>, link: Option<&Link>) -> Result<Self, Failure> {
         let source = link.map(|own| own.source.clone());
-        let link = link.map(|own| &own.specification.link);
+        let link = link.map(|own| own.specification.link());
         let options = keywords::solve_options(&arguments)?;
         let own = of_motion(&options);
         let is_other = |option: &String| option.starts_with("--") && !own.contains(option);

@@ -6,7 +6,6 @@ use pyo3::types::PyDict;
 use flexlink::cli::problem::Problem;
 use flexlink::cli::terminal::{Failure, memory};
 use flexlink::inverse::Resources;
-use flexlink::spec::Specification;
 
 use crate::arm::{Arm, GivenPath, solved_arm};
 use crate::interrupt::until_pressed;
@@ -64,7 +63,7 @@ pub(crate) fn solve<'py>(
 pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
     let Call { given, arguments, motion: read } = call;
     let options = solve_options(&arguments)?;
-    let Specification { link: own, mesh, analysis, .. } = &link.specification;
+    let own = link.specification.link();
     let (motion, reading) = match read {
         Some(read) => {
             read.refuse_other(own)?;
@@ -77,9 +76,9 @@ pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
         periods: read.map(|read| &*read.periods),
         ..Resources::default()
     };
-    let mesh = options.nodes.mesh(own, mesh.clone())?;
-    let analysis = options.analysis(analysis);
-    let specification = Specification { mesh, analysis, ..link.specification.clone() };
+    let mut specification = link.specification.clone();
+    options.nodes.meshes(&link.specification.arm, &mut specification.meshes)?;
+    specification.analysis = options.analysis(&specification.analysis);
     let problem = Problem::of_link(MOTION, specification, motion);
     let run = SolvedRun::of(problem, &resources, (link.source.clone(), arguments))?;
     Ok(Solution { given, reading, run })

@@ -16,7 +16,7 @@ use flexlink::csv::{InputFile, PathTable};
 use flexlink::inverse::Resources;
 use flexlink::motion::{MotionScale, Periods, TipMotion};
 use flexlink::result::Notice;
-use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
+use flexlink::spec::{LinkDocument, Specification};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
 use crate::arm::{Arm, GivenPath};
@@ -140,7 +140,7 @@ impl Shared {
         (given, read): (Arc<Given>, Option<&Motion>),
         outputs: Outputs,
     ) -> Result<Self, Failure> {
-        let own = &link.specification.link;
+        let own = link.specification.link();
         let (motion, periods) = if let Some(read) = read {
             read.refuse_other(own)?;
             (read.tip.clone(), Arc::clone(&read.periods))
@@ -201,12 +201,11 @@ impl Shared {
     fn outcome(&self, number: usize, case: &Case) -> Row {
         let overrides = self.source.overrides(&case.link)?;
         let folder = self.outputs.folder_of(number);
-        let described = self.document.described(&self.source.file.shown, &overrides)?;
-        let (problem, motion_file) = match described {
-            Described::Link(specification) => {
-                self.link_problem(*specification, case, folder.is_some())?
-            }
-            Described::Arm(specification) => self.arm_problem(*specification, case)?,
+        let specification = self.document.specification(&self.source.file.shown, &overrides)?;
+        let (problem, motion_file) = if specification.arm.links().len() == 1 {
+            self.link_problem(specification, case, folder.is_some())?
+        } else {
+            self.arm_problem(specification, case)?
         };
         let periods = match &self.problem {
             Problem::Link(of) => Some(&*of.periods),
@@ -230,7 +229,7 @@ impl Shared {
     /// The problem of a case, and the file of its motion, if it has one.
     fn link_problem(
         &self,
-        specification: Specification,
+        mut specification: Specification,
         case: &Case,
         has_tables: bool,
     ) -> Result<(Solvable, Option<&InputFile>), Failure> {
@@ -239,24 +238,23 @@ impl Shared {
         };
         let OfLink { given, length_m, motion, .. } = &**of;
         let options = &self.outputs.options;
-        let Specification { link, mesh, analysis, .. } = &specification;
+        let (link, analysis) = (specification.link(), &specification.analysis);
         // Angles are arcs of the link's length. A case may vary this length and the start angle.
         let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
         let motion = if is_alike { motion.clone() } else { given.motion(link, options)?.0 };
         let motion = motion
             .scaled(case.scale)
             .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let mesh = options.nodes.mesh(link, mesh.clone())?;
-        let analysis =
+        specification.analysis =
             if has_tables { options.analysis(analysis) } else { analysis.without_tables() };
-        let specification = Specification { mesh, analysis, ..specification };
+        options.nodes.meshes(&specification.arm, &mut specification.meshes)?;
         Ok((Solvable::of_link(MOTION, specification, motion), given.file()))
     }
 
     /// The problem of a case of an arm, and the file of its path, if it has one.
     fn arm_problem(
         &self,
-        mut specification: ArmSpecification,
+        mut specification: Specification,
         case: &Case,
     ) -> Result<(Solvable, Option<&InputFile>), Failure> {
         let Problem::Arm { given, path, links } = &self.problem else {

@@ -7,7 +7,7 @@ use crate::inverse::{
 };
 use crate::motion::{Ends, Motion, TipMotion};
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
-use crate::spec::{ArmSpecification, Described, Specification};
+use crate::spec::Specification;
 use crate::store::Findings;
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
@@ -22,7 +22,7 @@ const DOUBTED_BYTES: usize = 3_000_000_000;
 
 /// A link or an arm and its wanted motion.
 pub struct Problem {
-    pub specification: ArmSpecification,
+    pub specification: Specification,
     motion: Motion,
     /// Name in messages of the file of a link's motion or an arm's path.
     file: String,
@@ -33,36 +33,31 @@ pub struct Problem {
 impl Problem {
     /// Reads the motion of a link or an arm. Reports guesses about the file.
     pub(crate) fn read(
-        (file, described): (&InputFile, Described),
+        (file, specification): (&InputFile, Specification),
         motion_file: &InputFile,
         (read, resample, scale): (&ReadArgs, &ResampleArgs, &ScaleArgs),
     ) -> Result<Self, Failure> {
-        match described {
-            Described::Link(specification) => {
-                let (motion, reading) =
-                    resample.motion_of(motion_file, &specification.link, read)?;
-                tell(&motion_file.shown, &reading);
-                Ok(Self::of_link(&motion_file.shown, *specification, scale.scaled(motion)?))
-            }
-            Described::Arm(specification) => {
-                refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
-                let table = resample.path_of(motion_file, read)?;
-                tell(&motion_file.shown, table.reading());
-                Self::of_arm(file, *specification, scale.scaled_path(&table)?)
-            }
+        if specification.arm.links().len() == 1 {
+            let (motion, reading) = resample.motion_of(motion_file, specification.link(), read)?;
+            tell(&motion_file.shown, &reading);
+            return Ok(Self::of_link(&motion_file.shown, specification, scale.scaled(motion)?));
         }
+        refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
+        let table = resample.path_of(motion_file, read)?;
+        tell(&motion_file.shown, table.reading());
+        Self::of_arm(file, specification, scale.scaled_path(&table)?)
     }
 
     /// A link and the motion of a file with the name `file` in messages.
     pub fn of_link(file: &str, specification: Specification, motion: TipMotion) -> Self {
-        let (specification, file) = (specification.into(), file.to_owned());
+        let file = file.to_owned();
         Self { specification, motion: Motion::Tip(motion), file, table: None }
     }
 
     /// An arm and the path in a table.
     pub fn of_arm(
         file: &InputFile,
-        specification: ArmSpecification,
+        specification: Specification,
         table: PathTable,
     ) -> Result<Self, Failure> {
         let motion = Motion::Path(table.path(&specification.arm.lengths_m())?);
@@ -133,7 +128,7 @@ impl Problem {
     }
 
     fn inverted(&self, analysis: &Analysis, resources: &Resources) -> Result<Solution, ArmError> {
-        let ArmSpecification { arm, meshes, .. } = &self.specification;
+        let Specification { arm, meshes, .. } = &self.specification;
         invert_motion(arm, meshes, &self.motion, analysis, resources)
     }
 
@@ -151,7 +146,7 @@ impl Problem {
 
     /// Failure of a missing solution, with the faulty row of the path or link of the arm.
     fn failure(&self, error: ArmError) -> Failure {
-        let (name, hint, ArmSpecification { arm, lines, .. }) =
+        let (name, hint, Specification { arm, lines, .. }) =
             (&self.file, error.hint(), &self.specification);
         let error = match error {
             ArmError::Inversion(error)

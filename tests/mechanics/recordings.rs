@@ -137,7 +137,7 @@ pub(crate) fn sine(s: f64) -> [f64; 3] {
 fn paper() -> Link {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/bayo1987_example1.toml");
     let text = std::fs::read_to_string(path).unwrap();
-    read_specification("link.toml", &text, &[]).unwrap().link
+    read_specification("link.toml", &text, &[]).unwrap().link().clone()
 }
 
 /// A link with a hub and perhaps a payload, and its first natural frequency with the hub free, about, in Hz.

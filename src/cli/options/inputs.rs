@@ -14,9 +14,7 @@ use crate::modal::REPORTED_MODES;
 use crate::motion::{Ends, Motion, MotionError, MotionScale, TipMotion};
 use crate::numeric::{Dimension, parse_quantity};
 use crate::result::Remark;
-use crate::spec::{
-    Described, LinkDocument, Override, SpecError, Specification, read_specification,
-};
+use crate::spec::{Override, SpecError, Specification, read_specification};
 use crate::text::plain;
 
 use super::common::{finite, option};
@@ -40,15 +38,15 @@ pub(crate) struct LinkArgs {
 
 impl LinkArgs {
     /// Reads the content of the file, one link or an arm of several, and applies the changes.
-    pub(crate) fn described(&self) -> Result<Described, Failure> {
-        self.load().map(|(_, described)| described)
+    pub(crate) fn specification(&self) -> Result<Specification, Failure> {
+        self.load().map(|(_, specification)| specification)
     }
 
-    /// Like [`Self::described`], but also returns the file.
-    pub(crate) fn load(&self) -> Result<(InputFile, Described), Failure> {
+    /// Like [`Self::specification`], but also returns the file.
+    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
         let file = InputFile::read_toml(&self.link)?;
-        let described = described(&file, &self.changes.overrides()?)?;
-        Ok((file, described))
+        let specification = specification(&file, &self.changes.overrides()?)?;
+        Ok((file, specification))
     }
 }
 
@@ -80,27 +78,14 @@ impl ChangeArgs {
     }
 }
 
-/// Reads a link file with some changes.
-pub(crate) fn specification(
-    file: &InputFile,
-    changes: &[Override],
-) -> Result<Specification, Failure> {
-    let read = read_specification(&file.shown, file.text()?, changes);
-    read.map_err(|error| not_read(file, &error))
-}
-
-fn not_read(file: &InputFile, error: &SpecError) -> Failure {
-    let extension = Path::new(&file.name).extension();
-    let is_table = extension.is_some_and(|extension| extension == "csv");
-    let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
-    Failure::new(Exit::InputRefused, error, file.disguise().or(error.hint()).or(order))
-}
-
 /// Reads the content of a file, one link or an arm of several, with some changes.
-pub fn described(file: &InputFile, changes: &[Override]) -> Result<Described, Failure> {
-    let read = LinkDocument::read(&file.shown, file.text()?)
-        .and_then(|document| document.described(&file.shown, changes));
-    read.map_err(|error| not_read(file, &error))
+pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specification, Failure> {
+    read_specification(&file.shown, file.text()?, changes).map_err(|error| {
+        let extension = Path::new(&file.name).extension();
+        let is_table = extension.is_some_and(|extension| extension == "csv");
+        let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
+        Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
+    })
 }
 
 /// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.

@@ -12,7 +12,7 @@ use crate::modal::natural_frequencies;
 use crate::motion::{MotionScale, TipMotion};
 use crate::response::Torque;
 use crate::result::Remark;
-use crate::spec::{ArmSpecification, Described, LinkDocument, Override, SpecError, Specification};
+use crate::spec::{LinkDocument, Override, SpecError, Specification};
 use crate::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
 use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
@@ -113,9 +113,9 @@ impl<'a> Cases<'a> {
         link_file.text()?;
         let mut motion_file = InputFile::read(motion)?;
         let document = LinkDocument::read(&link_file.shown, link_file.text()?)?;
-        let described = |case| -> Result<Described, SpecError> {
+        let described = |case| -> Result<Specification, SpecError> {
             let overrides = with_case(&overrides, &plan.case(case))?;
-            document.described(&link_file.shown, &overrides)
+            document.specification(&link_file.shown, &overrides)
         };
         let read =
             |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
@@ -192,33 +192,21 @@ impl<'a> Cases<'a> {
         }
     }
 
-    /// The link file with the changes of a case.
+    /// The file of the link or the arm with the changes of a case, with as many links as the first case.
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
-        let found = self.document.specification(&self.link_file.shown, &overrides)?;
-        let analysis = found.analysis;
-        // The table holds none.
-        let without = self.shared.outputs.outputs.is_none();
-        let analysis = if without { analysis.without_tables() } else { analysis };
-        let mesh = self.shared.outputs.nodes.mesh(&found.link, found.mesh).map_err(of_case)?;
-        Ok(Specification { mesh, analysis, ..found })
-    }
-
-    /// The arm file with the changes of a case, with the same joints as the first case.
-    pub(crate) fn arm(&self, values: &CaseValues) -> Result<ArmSpecification, Failure> {
-        let overrides = with_case(&self.overrides, values)?;
-        let must = self.first.links().len();
-        let links = match self.document.described(&self.link_file.shown, &overrides)? {
-            Described::Arm(mut found) if found.arm.links().len() == must => {
-                let nodes = &self.shared.outputs.nodes;
-                nodes.meshes(&found.arm, &mut found.meshes).map_err(of_case)?;
-                return Ok(*found);
-            }
-            Described::Arm(found) => found.arm.links().len(),
-            Described::Link(_) => 1,
-        };
-        let message = format!("links = {links}, but must be {must}, as many as in the first case");
-        Err(Failure::new(Exit::InputRefused, &message, None))
+        let read = self.document.specification(&self.link_file.shown, &overrides)?;
+        let (links, must) = (read.arm.links().len(), self.first.links().len());
+        if links != must {
+            let message =
+                format!("links = {links}, but must be {must}, as many as in the first case");
+            return Err(Failure::new(Exit::InputRefused, &message, None));
+        }
+        let OutputsArgs { outputs, nodes, .. } = &self.shared.outputs;
+        let own = nodes.meshed(read).map_err(of_case)?;
+        // The table of a sweep has no histories.
+        let analysis = if outputs.is_none() { own.analysis.without_tables() } else { own.analysis };
+        Ok(Specification { analysis, ..own })
     }
 
     /// Remarks on unusual input of a case that need not be solved. Only a solution shows jumps, and the digits of an
@@ -226,18 +214,16 @@ impl<'a> Cases<'a> {
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
         let First::Link(first) = &self.first else {
-            return self.arm(&values).map(|found| found.remarks).unwrap_or_default();
+            return self.specification(&values).map(|found| found.remarks).unwrap_or_default();
         };
-        let Ok(Specification { link, mesh, analysis, remarks, .. }) = self.specification(&values)
-        else {
-            return Vec::new();
-        };
-        let Ok(mesh) = Mesh::new(&link, &mesh) else { return remarks };
-        let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
-        let of_motion = self.motion_of(first, &link, values.motion).map(|motion| {
+        let Ok(own) = self.specification(&values) else { return Vec::new() };
+        let (link, analysis, remarks) = (own.link(), own.analysis, own.remarks.clone());
+        let Ok(mesh) = Mesh::new(link, own.mesh()) else { return remarks };
+        let of_modes = Remark::on_modes(link, &mesh, &natural_frequencies(&mesh, 1));
+        let of_motion = self.motion_of(first, link, values.motion).map(|motion| {
             let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());
             let travel_m = target.largest_travel_m();
-            Remark::on_motion(&link, &motion, travel_m, analysis.tip_tolerance())
+            Remark::on_motion(link, &motion, travel_m, analysis.tip_tolerance())
         });
         [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }
@@ -349,7 +335,7 @@ impl OutputsArgs {
 
 /// Refuses a variation if a later one sets the same value again under another name.
 fn refuse_without_effect(
-    read: impl Fn(usize) -> Option<Described>,
+    read: impl Fn(usize) -> Option<Specification>,
     plan: &SweepPlan,
 ) -> Result<(), Failure> {
     let Some(first) = read(0) else { return Ok(()) };
@@ -364,7 +350,7 @@ fn refuse_without_effect(
         if read(case).is_some_and(|second| second == first) {
             let changes = variation.changes();
             let shown: Vec<_> = changes[..2].iter().map(|change| excerpt(change)).collect();
-            let what = if let Described::Link(_) = first { "link" } else { "arm" };
+            let what = if first.arm.links().len() == 1 { "link" } else { "arm" };
             let message = format!("--vary: {} give the same {what}", shown.join(" and "));
             let hint = "a later --vary may set the same value under another name";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));

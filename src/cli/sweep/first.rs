@@ -3,7 +3,7 @@
 use crate::csv::{InputFile, PathTable, Reading};
 use crate::link::{Arm, Link};
 use crate::motion::{Periods, TipMotion};
-use crate::spec::{ArmSpecification, Described, Specification};
+use crate::spec::Specification;
 use crate::sweep::SweepKind;
 
 use crate::cli::options::inputs::ResampleArgs;
@@ -28,25 +28,20 @@ pub(super) struct FirstLink {
 impl First {
     /// Reads the motion of a link, or the path of an arm.
     pub(super) fn read(
-        found: Described,
+        found: Specification,
         file: &InputFile,
         (resample, read): (&ResampleArgs, &ReadArgs),
     ) -> Result<(Self, Reading), Failure> {
-        match found {
-            Described::Link(found) => {
-                let Specification { link, .. } = *found;
-                let (motion, reading) = resample.motion_of(file, &link, read)?;
-                let periods = Periods::of(&motion);
-                Ok((Self::Link(Box::new(FirstLink { link, motion, periods })), reading))
-            }
-            Described::Arm(found) => {
-                let path = resample.path_of(file, read)?;
-                let ArmSpecification { arm, .. } = *found;
-                path.path(&arm.lengths_m())?;
-                let reading = path.reading().clone();
-                Ok((Self::Arm { arm, path: Box::new(path) }, reading))
-            }
+        if found.arm.links().len() == 1 {
+            let link = found.link().clone();
+            let (motion, reading) = resample.motion_of(file, &link, read)?;
+            let periods = Periods::of(&motion);
+            return Ok((Self::Link(Box::new(FirstLink { link, motion, periods })), reading));
         }
+        let path = resample.path_of(file, read)?;
+        path.path(&found.arm.lengths_m())?;
+        let reading = path.reading().clone();
+        Ok((Self::Arm { arm: found.arm, path: Box::new(path) }, reading))
     }
 
     /// The first case with `name` as the name of its path in errors.

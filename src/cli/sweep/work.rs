@@ -1,12 +1,10 @@
 //! The work of one case of a sweep, and its result.
 
 use std::path::Path;
-use std::slice::from_ref;
 
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::{Resources, Unwatched};
-use crate::link::Arm;
 use crate::motion::Motion;
 use crate::response::{Play, PlayError, Torque, simulate};
 use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark, TipPlaces};
@@ -66,12 +64,12 @@ impl Cases<'_> {
         match &self.first {
             First::Link(first) => {
                 let specification = self.specification(values)?;
-                let motion = self.motion_of(first, &specification.link, values.motion)?;
+                let motion = self.motion_of(first, specification.link(), values.motion)?;
                 Ok(Problem::of_link(&self.motion_file.shown, specification, motion))
             }
             First::Arm { path, .. } => {
                 let scale = self.shared.scale.scale() * values.motion;
-                let specification = self.arm(values)?;
+                let specification = self.specification(values)?;
                 let path = path.slowed(scale.duration);
                 let path =
                     path.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
@@ -128,8 +126,9 @@ impl Cases<'_> {
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
-        let Specification { link, mesh, remarks, analysis, limits } =
-            &self.specification(&values)?;
+        let own = &self.specification(&values)?;
+        let Specification { arm, meshes, remarks, analysis, limits, .. } = own;
+        let link = own.link();
         let motion = self.motion_of(first, link, values.motion)?;
         let grid = torque.grid();
         let target = motion.target(grid.time_s(0), grid.end_s());
@@ -142,19 +141,18 @@ impl Cases<'_> {
             start_angle_rad: target.start_angle_rad(),
             ..Play::of(torque)
         };
-        let arm = Arm::from(link.clone());
-        let played = simulate(&arm, from_ref(mesh), &play, &|_| {})?;
+        let played = simulate(arm, meshes, &play, &|_| {})?;
         let target = FollowedTarget::of(&played, &TipPlaces::from(&target))?;
-        let error = PlayError::of(&played, &arm, &play)?;
+        let error = PlayError::of(&played, arm, &play)?;
         let metrics = PlayedMetrics::of(&played);
         let tip_error = &target.tip_error;
         let run = PlayedRun {
-            arm: &arm,
+            arm,
             play: &play,
             played: &played,
             metrics: &metrics,
             error: error.as_ref(),
-            limits: from_ref(limits),
+            limits,
             target: Some(&target),
             comparison: None,
         };
@@ -173,7 +171,7 @@ impl Cases<'_> {
             let outputs = self.shared.outputs.of_case(&[played.mesh().nodes_m()])?;
             memory::check_nodes(outputs.simulation_bytes(&played), memory_bytes)?;
             let summary = Summary::of_played(inputs, &run);
-            let tables = RunTables::of_played((&arm, &played), run.target, &outputs)?;
+            let tables = RunTables::of_played((arm, &played), run.target, &outputs)?;
             outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
         let notices = run.notices(of_limit);

@@ -10,7 +10,7 @@ use crate::csv::{TableFormat, read_path_table};
 use crate::inverse::{SolutionWarning, check_reach};
 use crate::motion::{ArmPath, Curve};
 use crate::numeric::Dimension;
-use crate::spec::ArmSpecification;
+use crate::spec::Specification;
 use crate::text::plain;
 
 const PATHS: &str = "Paths of arms";
@@ -199,7 +199,7 @@ pub(super) fn refused(error: &dyn Display, hint: Option<&str>) -> Failure {
 
 /// Refuses a written path that `solve` would not begin to solve, and names its row. Prints the warning of an elbow
 /// that is nearly stretched or folded, and returns the number of warnings.
-pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, Failure> {
+pub(super) fn reached(written: &[u8], arm: &Specification) -> Result<usize, Failure> {
     let table = read_path_table("--path", written, &TableFormat::default())?;
     let columns = table.columns();
     let refused = |sample: Option<usize>, error: &dyn Display, hint: Option<&str>| {

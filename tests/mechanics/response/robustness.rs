@@ -39,7 +39,7 @@ fn text(folder: &str, name: &str) -> String {
 fn example(file: &str, settings: &[&str]) -> (Link, MeshPlan) {
     let overrides: Vec<Override> = settings.iter().map(|set| set.parse().unwrap()).collect();
     let read = read_specification(file, &text("specs", file), &overrides).unwrap();
-    (read.link, read.mesh)
+    (read.link().clone(), read.mesh().clone())
 }
 
 fn motion(link: &Link) -> TipMotion {
