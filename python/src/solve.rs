@@ -12,7 +12,7 @@ use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
 use crate::messages::warn;
-use crate::motion::{Call, MOTION};
+use crate::motion::Call;
 use crate::solution::Solution;
 use crate::solved::SolvedRun;
 
@@ -67,9 +67,9 @@ pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
     let (motion, reading) = match read {
         Some(read) => {
             read.refuse_other(own)?;
-            (read.tip.clone(), read.reading.clone())
+            (read.wanted(), read.reading.clone())
         }
-        None => given.motion(own, &options)?,
+        None => given.motion(&link.specification.arm, &options)?,
     };
     let resources = Resources {
         memory_bytes: memory::available(),
@@ -79,7 +79,7 @@ pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
     let mut specification = link.specification.clone();
     options.nodes.meshes(&link.specification.arm, &mut specification.meshes)?;
     specification.analysis = options.analysis(&specification.analysis);
-    let problem = Problem::of_link(MOTION, specification, motion);
+    let problem = Problem::of(&link.source.file, specification, motion);
     let run = SolvedRun::of(problem, &resources, (link.source.clone(), arguments))?;
     Ok(Solution { given, reading, run })
 }

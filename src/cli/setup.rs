@@ -193,7 +193,8 @@ mod tests {
         let table =
             read_motion_table("motion.csv", &motion().expect("a motion"), read.link().length_m());
         let motion = table.and_then(crate::csv::MotionTable::into_motion);
-        assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
+        let motion = motion.expect("a motion").into_tip().expect("of a tip");
+        assert!((motion.travel_m() - 0.5).abs() < 1e-5);
     }
 
     #[test]

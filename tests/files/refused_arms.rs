@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use flexlink::csv::{TableFormat, read_motion_table, read_path_table};
-use flexlink::inverse::{Resources, invert_arm};
+use flexlink::csv::{TableFormat, read_motion_table, read_motion_table_as};
+use flexlink::inverse::{Resources, invert_motion};
 use flexlink::spec::{Override, SpecError, Specification, read_measurements, read_specification};
 
 use crate::snapshot;
@@ -28,12 +28,14 @@ fn arm(links: usize) -> Specification {
 /// Why an arm of so many links does not follow a path.
 fn refusal_of_path(links: usize, text: &str) -> String {
     let Specification { arm, meshes, analysis, .. } = arm(links);
-    let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default());
-    let path = table.and_then(|table| Ok((table.path(&arm.lengths_m())?, table)));
-    let refused = path.and_then(|(path, table)| {
-        let solved = invert_arm(&arm, &meshes, &path, &analysis, &Resources::default());
+    let (lengths_m, format) = (arm.lengths_m(), TableFormat::default());
+    let table = read_motion_table_as("path.csv", text.as_bytes(), &lengths_m, &format);
+    let refused = table.and_then(|table| {
+        let rows = table.rows().clone();
+        let motion = table.into_motion()?;
+        let solved = invert_motion(&arm, &meshes, &motion, &analysis, &Resources::default());
         let error = solved.err().unwrap();
-        Err::<(), _>(table.refused(error.sample(), &error, error.hint()))
+        Err::<(), _>(rows.refused(error.sample(), &error, error.hint()))
     });
     let error = refused.unwrap_err();
     told(&error, error.hint())

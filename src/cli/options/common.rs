@@ -237,14 +237,8 @@ pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
     if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
 }
 
-/// Refuses recorded options that apply only to a single link.
-pub fn refuse_for_arms(options: impl IntoIterator<Item = String>) -> Result<(), Failure> {
-    match options.into_iter().find(|option| option.starts_with("--")) {
-        None => Ok(()),
-        Some(option) => {
-            let option = option.split('=').next().unwrap_or_default();
-            let message = format!("{option} is for one link, and the arm has several");
-            Err(Failure::new(Exit::Usage, &message, None))
-        }
-    }
+/// The refusal of an option that applies only to a single link.
+pub(crate) fn for_one_link(option: &str) -> Failure {
+    let message = format!("{option} is for one link, and the arm has several");
+    Failure::new(Exit::Usage, &message, None)
 }

@@ -45,7 +45,12 @@ fn specification(name: &str, settings: &[&str]) -> Specification {
 /// A trajectory of this repository.
 fn motion(name: &str, link: &Link) -> TipMotion {
     let bytes = fs::read(file("trajectories", name)).unwrap();
-    read_motion_table(name, &bytes, link.length_m()).unwrap().into_motion().unwrap()
+    read_motion_table(name, &bytes, link.length_m())
+        .unwrap()
+        .into_motion()
+        .unwrap()
+        .into_tip()
+        .unwrap()
 }
 
 /// The first natural frequencies of a link in rad/s, its hub free of torque.

@@ -45,7 +45,12 @@ fn example(file: &str, settings: &[&str]) -> (Link, MeshPlan) {
 fn motion(link: &Link) -> TipMotion {
     let name = "sine_0.88s.csv";
     let text = text("trajectories", name);
-    read_motion_table(name, text.as_bytes(), link.length_m()).unwrap().into_motion().unwrap()
+    read_motion_table(name, text.as_bytes(), link.length_m())
+        .unwrap()
+        .into_motion()
+        .unwrap()
+        .into_tip()
+        .unwrap()
 }
 
 fn solution(file: &str, settings: &[&str], analysis: &Analysis) -> Solution {
