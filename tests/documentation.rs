@@ -93,7 +93,7 @@ fn the_link_file_of_the_book_is_read() {
     let (_, rest) = page.split_once("```toml\n").unwrap();
     let (example, _) = rest.split_once("```").unwrap();
     let specification = read_specification("files.md", example, &[]).unwrap();
-    assert_eq!(specification.link.segments().len(), 2);
-    assert_eq!(specification.link.masses().len(), 1);
-    assert!(!specification.mesh.is_automatic());
+    assert_eq!(specification.link().segments().len(), 2);
+    assert_eq!(specification.link().masses().len(), 1);
+    assert!(!specification.mesh().is_automatic());
 }

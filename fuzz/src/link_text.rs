@@ -9,7 +9,8 @@ use flexlink::spec::Specification;
 /// # Panics
 /// Never: a string can be written to.
 pub fn link_text(specification: &Specification) -> String {
-    let Specification { link, analysis, limits, .. } = specification;
+    let (link, limits) = (specification.link(), specification.limits[0]);
+    let analysis = specification.analysis;
     let mut file = bodies(link);
     file += &damping(link.damping());
     let mut table = |name: &str, entries: &[(&str, Option<f64>)]| {

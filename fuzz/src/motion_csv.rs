@@ -18,9 +18,10 @@ pub fn motion_csv(bytes: &[u8]) {
         Err(error) => return check_words(FILE, &error, error.hint()),
         Ok(table) => table,
     };
-    check_columns(table.columns());
-    check_written(table.columns());
-    let times_s = &table.columns().time_s;
+    let columns = table.columns().expect("a tip");
+    check_columns(columns);
+    check_written(columns);
+    let times_s = &table.columns().unwrap().time_s;
     let (first, last) = (times_s[0], *times_s.last().expect("times"));
     // Steps that divide the duration, and one that mostly does not.
     for step_s in [(last - first) / 7.0, (last - first) / 100.0, 0.01] {
@@ -50,7 +51,7 @@ fn check_written(columns: &MotionColumns) {
     let mut written = Vec::new();
     write_trajectory(&mut written, columns, Digits::Full).expect("a vector");
     let again = read_motion_table("again.csv", &written, 1.5).expect("what was written");
-    let again = again.columns();
+    let again = again.columns().expect("a tip");
     let allowed_s = 1e-12_f64.min(1e-3 * torque.grid().step_s);
     let times = again.time_s.iter().zip(&columns.time_s);
     assert!(times.into_iter().all(|(a, b)| (a - b).abs() <= allowed_s));
@@ -60,7 +61,7 @@ fn check_written(columns: &MotionColumns) {
 fn check_motion(table: MotionTable) {
     match table.into_motion() {
         Err(error) => check_words(FILE, &error, error.hint()),
-        Ok(motion) => check_rest(&motion),
+        Ok(motion) => check_rest(&motion.into_tip().expect("a tip")),
     }
 }
 

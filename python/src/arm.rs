@@ -7,15 +7,16 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use flexlink::cli::options::common::refuse_for_arms;
+use flexlink::cli::options::inputs::Wanted;
 use flexlink::cli::problem::Problem;
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::{Exit, Failure, memory};
-use flexlink::csv::{InputFile, PathTable};
+use flexlink::csv::{InputFile, MotionTable};
 use flexlink::inverse::{JointMotion, Resources};
+use flexlink::link::Arm as LibraryArm;
 use flexlink::motion::{PathColumn, PathColumns, Recording};
 use flexlink::result::Notice;
-use flexlink::spec::{ArmSpecification, Described};
+use flexlink::spec::Specification;
 
 use crate::arrays::{column, dictionary, frame, places, rows};
 use crate::keywords::{self, solve_options};
@@ -35,20 +36,18 @@ const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Arm {
     pub(crate) source: Source,
-    pub(crate) specification: Box<ArmSpecification>,
+    pub(crate) specification: Specification,
 }
 
 impl Arm {
     fn of(source: Source) -> Result<Self, Failure> {
-        match source.described()? {
-            Described::Arm(specification) => Ok(Self { source, specification }),
-            Described::Link(_) => {
-                let message =
-                    format!("{}: one link, but must be an arm of several", source.file.shown);
-                let hint = Some("flexlink.Link.read reads links");
-                Err(Failure::new(Exit::InputRefused, &message, hint))
-            }
+        let specification = source.described()?;
+        if specification.arm.links().len() > 1 {
+            return Ok(Self { source, specification });
         }
+        let message = format!("{}: one link, but must be an arm of several", source.file.shown);
+        let hint = Some("flexlink.Link.read reads links");
+        Err(Failure::new(Exit::InputRefused, &message, hint))
     }
 }
 
@@ -153,16 +152,18 @@ impl GivenPath {
         }
     }
 
-    pub(crate) fn table(&self, options: &SolveOptions) -> Result<PathTable, Failure> {
-        let table = match self {
-            Self::File(file) => options.resample.path_of(file, &options.read)?,
+    /// The path, as that of an arm with these links.
+    pub(crate) fn path(&self, arm: &LibraryArm, options: &SolveOptions) -> Result<Wanted, Failure> {
+        let wanted = match self {
+            Self::File(file) => options.resample.motion_of(file, arm, &options.read)?.0,
             Self::Samples(columns) => {
                 refuse_reading(options)?;
-                let table = PathTable::of_columns(MOTION, (**columns).clone())?;
-                options.resample.path_in(table)?
+                let columns = (**columns).clone();
+                let table = MotionTable::of_path(MOTION, columns, &arm.lengths_m())?;
+                options.resample.motion_in(table, Some(arm))?
             }
         };
-        options.scale.scaled_path(&table)
+        options.scale.scaled(wanted)
     }
 
     /// The arguments for `unpickled`.
@@ -199,11 +200,10 @@ pub(crate) fn solved_arm(
     keywords: Vec<String>,
 ) -> Result<ArmSolution, Failure> {
     let options = solve_options(&keywords)?;
-    let (resample, scale) = (&options.resample, &options.scale);
-    refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
     let mut specification = arm.specification.clone();
     options.nodes.meshes(&arm.specification.arm, &mut specification.meshes)?;
-    let problem = Problem::of_arm(&arm.source.file, *specification, given.table(&options)?)?;
+    let path = given.path(&arm.specification.arm, &options)?;
+    let problem = Problem::of(&arm.source.file, specification, path);
     let resources = Resources { memory_bytes: memory::available(), ..Resources::default() };
     let run = SolvedRun::of(problem, &resources, (arm.source.clone(), keywords))?;
     Ok(ArmSolution { given: Arc::new(given), run })

@@ -11,7 +11,7 @@ use flexlink::cli::frf::Frf;
 use flexlink::cli::modes::{Wanted, computed};
 use flexlink::response::{PoseMode, SettledModes};
 use flexlink::result::{ModesResult, Notice, Setting};
-use flexlink::spec::ArmSpecification;
+use flexlink::spec::Specification;
 
 use crate::arm::Arm;
 use crate::arrays::{dictionary, rows};
@@ -63,10 +63,10 @@ pub(crate) fn modes<'py>(
 }
 
 /// A link or an arm; a link is an arm of one link.
-fn specification_of(link: &Bound<'_, PyAny>) -> PyResult<ArmSpecification> {
+fn specification_of(link: &Bound<'_, PyAny>) -> PyResult<Specification> {
     Ok(match link.cast::<Arm>() {
-        Ok(arm) => (*arm.get().specification).clone(),
-        Err(_) => described_by::<Link>(link)?.get().specification.clone().into(),
+        Ok(arm) => arm.get().specification.clone(),
+        Err(_) => described_by::<Link>(link)?.get().specification.clone(),
     })
 }
 

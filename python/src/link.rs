@@ -6,10 +6,10 @@ use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use flexlink::cli::options::inputs::described;
+use flexlink::cli::options::inputs::specification;
 use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::InputFile;
-use flexlink::spec::{Described, LinkDocument, Override, Specification};
+use flexlink::spec::{LinkDocument, Override, Specification};
 
 use crate::keywords;
 use crate::messages::{Raised, usage};
@@ -60,8 +60,8 @@ impl Source {
         Ok(LinkDocument::read(&self.file.shown, self.file.text()?)?)
     }
 
-    pub(crate) fn described(&self) -> Result<Described, Failure> {
-        let found = described(&self.file, &self.overrides(&[])?);
+    pub(crate) fn described(&self) -> Result<Specification, Failure> {
+        let found = specification(&self.file, &self.overrides(&[])?);
         found.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
     }
 
@@ -109,15 +109,14 @@ pub(crate) struct Link {
 
 impl Link {
     pub(crate) fn of(source: Source) -> Result<Self, Failure> {
-        match source.described()? {
-            Described::Link(specification) => Ok(Self { source, specification: *specification }),
-            Described::Arm(_) => {
-                let message =
-                    format!("{}: an arm of several links, but must be one link", source.file.shown);
-                let hint = Some("flexlink.Arm.read reads arms");
-                Err(Failure::new(Exit::InputRefused, &message, hint))
-            }
+        let specification = source.described()?;
+        if specification.arm.links().len() == 1 {
+            return Ok(Self { source, specification });
         }
+        let message =
+            format!("{}: an arm of several links, but must be one link", source.file.shown);
+        let hint = Some("flexlink.Arm.read reads arms");
+        Err(Failure::new(Exit::InputRefused, &message, hint))
     }
 }
 
@@ -145,19 +144,19 @@ impl Link {
 
     #[getter]
     fn title(&self) -> &str {
-        self.specification.link.title()
+        self.specification.link().title()
     }
 
     /// Distance of the tip from the axis in m.
     #[getter]
     fn length(&self) -> f64 {
-        self.specification.link.length_m()
+        self.specification.link().length_m()
     }
 
     /// Inertia about the axis in kg m² of the rigid link.
     #[getter]
     fn rigid_inertia(&self) -> f64 {
-        self.specification.link.rigid_inertia_kg_m2()
+        self.specification.link().rigid_inertia_kg_m2()
     }
 
     fn __repr__(&self) -> String {

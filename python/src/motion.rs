@@ -7,11 +7,12 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
+use flexlink::cli::options::inputs::Wanted;
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::{Exit, Failure};
-use flexlink::csv::{InputFile, MotionTable, read_motion_table_as};
-use flexlink::link::{Gravity, Link as LibraryLink};
-use flexlink::motion::{MotionColumns, Periods, TipMotion, TipTarget};
+use flexlink::csv::{InputFile, MotionTable, SampleRows, read_motion_table_as};
+use flexlink::link::{Arm, Gravity, Link as LibraryLink};
+use flexlink::motion::{Motion as LibraryMotion, MotionColumns, Periods, TipMotion, TipTarget};
 use flexlink::result::Notice;
 
 use crate::arrays::{column, dictionary, places};
@@ -81,7 +82,7 @@ impl Given {
                 let table = read_motion_table_as(
                     shown,
                     bytes,
-                    length_m,
+                    &[length_m],
                     &options.resample.format(&options.read),
                 )?;
                 let reading = of_reading(shown, table.reading());
@@ -98,12 +99,12 @@ impl Given {
     /// The motion of a link's tip, and remarks on its file.
     pub(crate) fn motion(
         &self,
-        link: &LibraryLink,
+        arm: &Arm,
         options: &SolveOptions,
-    ) -> Result<(TipMotion, Vec<Notice>), Failure> {
-        let (table, reading) = self.table(link.length_m(), options)?;
-        let motion = options.resample.motion_in(table, link)?;
-        Ok((options.scale.scaled(motion)?, reading))
+    ) -> Result<(Wanted, Vec<Notice>), Failure> {
+        let (table, reading) = self.table(arm.length_m(), options)?;
+        let wanted = options.resample.motion_in(table, Some(arm))?;
+        Ok((options.scale.scaled(wanted)?, reading))
     }
 
     pub(crate) fn file(&self) -> Option<&InputFile> {
@@ -257,7 +258,8 @@ pub(crate) struct Motion {
 impl Motion {
     fn read(given: Given, arguments: Vec<String>, link: Option<&Link>) -> Result<Self, Failure> {
         let source = link.map(|own| own.source.clone());
-        let link = link.map(|own| &own.specification.link);
+        let arm = link.map(|own| &own.specification.arm);
+        let link = link.map(|own| own.specification.link());
         let options = keywords::solve_options(&arguments)?;
         let own = of_motion(&options);
         let is_other = |option: &String| option.starts_with("--") && !own.contains(option);
@@ -269,15 +271,12 @@ impl Motion {
         }
         let (table, reading) = given.table(link.map_or(1.0, LibraryLink::length_m), &options)?;
         let is_of_angle = table.is_of_angle();
-        let tip = match link {
-            Some(link) => options.resample.motion_in(table, link)?,
-            None if is_of_angle => {
-                let message = "link is missing: angles are arcs of its length";
-                return Err(usage(&message, None));
-            }
-            None => options.resample.motion_in_plane(table)?,
-        };
-        let tip = options.scale.scaled(tip)?;
+        if link.is_none() && is_of_angle {
+            let message = "link is missing: angles are arcs of its length";
+            return Err(usage(&message, None));
+        }
+        let wanted = options.scale.scaled(options.resample.motion_in(table, arm)?)?;
+        let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));
         let (given, periods) = (Arc::new(given), Arc::new(Periods::of(&tip)));
@@ -294,6 +293,12 @@ impl Motion {
         let message =
             "the motion is angles of a link of another length or gravity, but must be of this link";
         Err(Failure::new(Exit::InputRefused, &message, Some("make a Motion with link=… of it")))
+    }
+
+    /// The motion as `solve` takes it.
+    pub(crate) fn wanted(&self) -> Wanted {
+        let rows = SampleRows::of_arrays(MOTION);
+        Wanted { motion: LibraryMotion::Tip(self.tip.clone()), rows }
     }
 
     /// The displacement of the tip between two times in s.

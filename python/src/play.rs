@@ -17,7 +17,7 @@ use flexlink::response::{
     Feedback, HistoryError, HubReference, Interpolation, PlayError, Played, State, Torque, simulate,
 };
 use flexlink::result::{FollowedTarget, Notice, PlayedMetrics, TipPlaces};
-use flexlink::spec::{ArmSpecification, Specification};
+use flexlink::spec::Specification;
 use flexlink::store::{
     OutputFolder, PlayedRun, RunInputs, RunTables, Summary, read_state, state_json,
 };
@@ -101,7 +101,7 @@ pub(crate) fn refuse_both(given: [(&str, bool); 2]) -> Result<(), Failure> {
 
 /// A simulation, and its inputs.
 pub(crate) struct Run {
-    pub(crate) specification: ArmSpecification,
+    pub(crate) specification: Specification,
     moves: Moves,
     pub(crate) played: Played,
     metrics: PlayedMetrics,
@@ -112,8 +112,8 @@ pub(crate) struct Run {
 
 impl Run {
     /// Plays the input of a call.
-    pub(crate) fn of(specification: ArmSpecification, moves: Moves) -> Result<Self, Failure> {
-        let ArmSpecification { arm, meshes, .. } = &specification;
+    pub(crate) fn of(specification: Specification, moves: Moves) -> Result<Self, Failure> {
+        let Specification { arm, meshes, .. } = &specification;
         let play = moves.play();
         let played = simulate(arm, meshes, &play, &|_| {}).map_err(|error| {
             let (message, hint) = refusal(&error, arm.links().len() > 1);
@@ -189,7 +189,7 @@ pub(crate) fn link_moves(
     time: &Bound<'_, PyAny>,
     keywords: &Keywords<'_, '_>,
 ) -> Result<Moves, Raised> {
-    let link = &specification.link;
+    let link = specification.link();
     let is_large = specification.analysis.second_order_of(link) != SecondOrder::None;
     let state = keywords.take("state")?.map(|given| state(&given, 1)).transpose()?;
     let time_s = column("time", time)?;

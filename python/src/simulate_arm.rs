@@ -126,7 +126,7 @@ impl ArmSimulation {
         keywords: &Keywords<'_, '_>,
     ) -> Result<Self, Raised> {
         let moves = arm_moves(arm, time, keywords)?;
-        let specification = (*arm.specification).clone();
+        let specification = arm.specification.clone();
         until_pressed(py, || Run::of(specification, moves)).map(Self)
     }
 

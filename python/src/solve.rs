@@ -6,14 +6,13 @@ use pyo3::types::PyDict;
 use flexlink::cli::problem::Problem;
 use flexlink::cli::terminal::{Failure, memory};
 use flexlink::inverse::Resources;
-use flexlink::spec::Specification;
 
 use crate::arm::{Arm, GivenPath, solved_arm};
 use crate::interrupt::until_pressed;
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, described_by};
 use crate::messages::warn;
-use crate::motion::{Call, MOTION};
+use crate::motion::Call;
 use crate::solution::Solution;
 use crate::solved::SolvedRun;
 
@@ -65,23 +64,23 @@ pub(crate) fn solve<'py>(
 pub(crate) fn solved(link: &Link, call: Call<'_>) -> Result<Solution, Failure> {
     let Call { given, arguments, motion: read } = call;
     let options = solve_options(&arguments)?;
-    let Specification { link: own, mesh, analysis, .. } = &link.specification;
+    let own = link.specification.link();
     let (motion, reading) = match read {
         Some(read) => {
             read.refuse_other(own)?;
-            (read.tip.clone(), read.reading.clone())
+            (read.wanted(), read.reading.clone())
         }
-        None => given.motion(own, &options)?,
+        None => given.motion(&link.specification.arm, &options)?,
     };
     let resources = Resources {
         memory_bytes: memory::available(),
         periods: read.map(|read| &*read.periods),
         ..Resources::default()
     };
-    let mesh = options.nodes.mesh(own, mesh.clone())?;
-    let analysis = options.analysis(analysis);
-    let specification = Specification { mesh, analysis, ..link.specification.clone() };
-    let problem = Problem::of_link(MOTION, specification, motion);
+    let mut specification = link.specification.clone();
+    options.nodes.meshes(&link.specification.arm, &mut specification.meshes)?;
+    specification.analysis = options.analysis(&specification.analysis);
+    let problem = Problem::of(&link.source.file, specification, motion);
     let run = SolvedRun::of(problem, &resources, (link.source.clone(), arguments))?;
     Ok(Solution { given, reading, run })
 }

@@ -21,7 +21,6 @@ pub(crate) struct SolvedRun {
     pub(crate) solved: Solved,
     pub(crate) warnings: Vec<Notice>,
     of_file: Vec<Remark>,
-    dropped: usize,
 }
 
 impl SolvedRun {
@@ -31,11 +30,11 @@ impl SolvedRun {
         resources: &Resources,
         (source, keywords): (Source, Vec<String>),
     ) -> Result<Self, Failure> {
-        let (solved, dropped) = (problem.solved_within(resources)?, problem.dropped());
+        let solved = problem.solved_within(resources)?;
         let limits = solved.exceeded.iter().map(Notice::from);
         let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
         let of_file = problem.specification.remarks;
-        Ok(Self { source, keywords, solved, warnings, of_file, dropped })
+        Ok(Self { source, keywords, solved, warnings, of_file })
     }
 
     pub(crate) fn solution(&self) -> &Solution {
@@ -44,7 +43,7 @@ impl SolvedRun {
 
     /// Remarks on unusual input.
     pub(crate) fn remarks(&self) -> Vec<Remark> {
-        remarks(&self.of_file, self.solution(), self.dropped)
+        remarks(&self.of_file, self.solution(), None)
     }
 
     /// The options of the call and of writing.

@@ -69,7 +69,7 @@ pub(crate) fn sweep<'py>(
         let arm = arm.get();
         let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
         let outputs = Outputs::of(keywords::arguments(&keywords)?, outputs, cases.len())?;
-        Shared::of_arm(arm, given, (outputs, &cases))?
+        Shared::of_arm(arm, given, outputs)?
     } else {
         let link = described_by::<Link>(link)?.get();
         let Call { given, arguments, motion } = Call::take(time, &keywords)?;

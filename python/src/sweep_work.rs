@@ -6,24 +6,24 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::cli::options::common::refuse_for_arms;
-use flexlink::cli::options::inputs::scale_arguments;
+use flexlink::cli::options::inputs::{Wanted, scale_arguments};
 use flexlink::cli::problem::{Problem as Solvable, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
 use flexlink::cli::terminal::{Exit, Failure};
-use flexlink::csv::{InputFile, PathTable};
+use flexlink::csv::InputFile;
 use flexlink::inverse::Resources;
-use flexlink::motion::{MotionScale, Periods, TipMotion};
+use flexlink::link::Arm as LibraryArm;
+use flexlink::motion::{MotionScale, Periods};
 use flexlink::result::Notice;
-use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
+use flexlink::spec::{LinkDocument, Specification};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
 use crate::arm::{Arm, GivenPath};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, Source};
 use crate::messages::usage;
-use crate::motion::{Given, MOTION, Motion};
+use crate::motion::{Given as GivenTip, Motion};
 use crate::solved::SolvedRun;
 
 /// Factors on the motion among the changes of a case.
@@ -114,80 +114,76 @@ pub(crate) struct Shared {
     source: Source,
     document: LinkDocument,
     outputs: Outputs,
-    problem: Problem,
+    of_all: OfAll,
     pub(crate) kind: SweepKind,
     /// Memory in bytes for each of the cases that run at the same time, set at their start.
     pub(crate) memory_bytes: Option<usize>,
 }
 
-/// The problem of each case.
-enum Problem {
-    Link(Box<OfLink>),
-    Arm { given: Box<GivenPath>, path: Box<PathTable>, links: usize },
+/// The motion of all cases.
+struct OfAll {
+    given: Given,
+    /// The arm without changes, and its motion.
+    arm: LibraryArm,
+    wanted: Wanted,
+    /// The periods of a tip's motion, which most cases share.
+    periods: Option<Arc<Periods>>,
 }
 
-/// A motion as given, the motion of the unchanged link, and the periods that most cases share.
-struct OfLink {
-    given: Arc<Given>,
-    length_m: f64,
-    motion: TipMotion,
-    periods: Arc<Periods>,
+/// The motion of a call.
+enum Given {
+    Tip(Arc<GivenTip>),
+    Path(Box<GivenPath>),
+}
+
+impl Given {
+    fn wanted(&self, arm: &LibraryArm, options: &SolveOptions) -> Result<Wanted, Failure> {
+        match self {
+            Self::Tip(given) => Ok(given.motion(arm, options)?.0),
+            Self::Path(given) => given.path(arm, options),
+        }
+    }
+
+    /// Its file, if it has one.
+    fn file(&self) -> Option<&InputFile> {
+        match self {
+            Self::Tip(given) => given.file(),
+            Self::Path(given) => given.file(),
+        }
+    }
 }
 
 impl Shared {
     pub(crate) fn of_link(
         link: &Link,
-        (given, read): (Arc<Given>, Option<&Motion>),
+        (given, read): (Arc<GivenTip>, Option<&Motion>),
         outputs: Outputs,
     ) -> Result<Self, Failure> {
-        let own = &link.specification.link;
-        let (motion, periods) = if let Some(read) = read {
+        let own = link.specification.link();
+        let arm = link.specification.arm.clone();
+        let (wanted, periods) = if let Some(read) = read {
             read.refuse_other(own)?;
-            (read.tip.clone(), Arc::clone(&read.periods))
+            (read.wanted(), Some(Arc::clone(&read.periods)))
         } else {
-            let (motion, _) = given.motion(own, &outputs.options)?;
-            let periods = Arc::new(Periods::of(&motion));
-            (motion, periods)
+            let (wanted, _) = given.motion(&arm, &outputs.options)?;
+            let periods = wanted.motion.tip().map(|tip| Arc::new(Periods::of(tip)));
+            (wanted, periods)
         };
-        let kind = SweepKind::of_links(&[own]);
-        let problem =
-            Problem::Link(Box::new(OfLink { given, length_m: own.length_m(), motion, periods }));
-        Self::of(&link.source, outputs, problem, kind)
+        let given = Given::Tip(given);
+        Self::of(&link.source, outputs, OfAll { given, arm, wanted, periods })
     }
 
-    /// Refuses a distance that cases scale, too: a path goes from place to place.
-    pub(crate) fn of_arm(
-        arm: &Arm,
-        given: GivenPath,
-        (outputs, cases): (Outputs, &[Case]),
-    ) -> Result<Self, Failure> {
-        let SolveOptions { resample, scale, .. } = &outputs.options;
-        refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
-        let is_scaled = |case: &Case| case.scale.distance.total_cmp(&1.0).is_ne();
-        if let Some(number) = cases.iter().position(is_scaled) {
-            let message =
-                format!("cases[{number}]: {DISTANCE} is for one link, and the arm has several");
-            let hint = "duration* scales the times of a path, which goes from place to place";
-            return Err(usage(&message, Some(hint)));
-        }
-        let path = given.table(&outputs.options)?;
-        let arm_of = &arm.specification.arm;
-        path.path(&arm_of.lengths_m())?;
-        let joints = arm_of.links().len();
-        let kind =
-            SweepKind::of_links(&arm_of.links().iter().map(|own| &own.link).collect::<Vec<_>>());
-        let problem = Problem::Arm { given: Box::new(given), path: Box::new(path), links: joints };
-        Self::of(&arm.source, outputs, problem, kind)
+    pub(crate) fn of_arm(arm: &Arm, given: GivenPath, outputs: Outputs) -> Result<Self, Failure> {
+        let wanted = given.path(&arm.specification.arm, &outputs.options)?;
+        let (given, own) = (Given::Path(Box::new(given)), arm.specification.arm.clone());
+        Self::of(&arm.source, outputs, OfAll { given, arm: own, wanted, periods: None })
     }
 
-    fn of(
-        source: &Source,
-        outputs: Outputs,
-        problem: Problem,
-        kind: SweepKind,
-    ) -> Result<Self, Failure> {
+    fn of(source: &Source, outputs: Outputs, of_all: OfAll) -> Result<Self, Failure> {
         let document = source.document()?;
-        Ok(Self { source: source.clone(), document, outputs, problem, kind, memory_bytes: None })
+        let links: Vec<_> = of_all.arm.links().iter().map(|own| &own.link).collect();
+        let kind = SweepKind::of_links(&links);
+        Ok(Self { source: source.clone(), document, outputs, of_all, kind, memory_bytes: None })
     }
 
     /// The row of a case, from 0. Failed writing of results ends the sweep.
@@ -201,17 +197,10 @@ impl Shared {
     fn outcome(&self, number: usize, case: &Case) -> Row {
         let overrides = self.source.overrides(&case.link)?;
         let folder = self.outputs.folder_of(number);
-        let described = self.document.described(&self.source.file.shown, &overrides)?;
-        let (problem, motion_file) = match described {
-            Described::Link(specification) => {
-                self.link_problem(*specification, case, folder.is_some())?
-            }
-            Described::Arm(specification) => self.arm_problem(*specification, case)?,
-        };
-        let periods = match &self.problem {
-            Problem::Link(of) => Some(&*of.periods),
-            Problem::Arm { .. } => None,
-        };
+        let specification = self.document.specification(&self.source.file.shown, &overrides)?;
+        let problem = self.case_problem(specification, case, folder.is_some())?;
+        let motion_file = self.of_all.given.file();
+        let periods = self.of_all.periods.as_deref();
         let resources =
             Resources { memory_bytes: self.memory_bytes, periods, ..Resources::default() };
         let arguments = self.outputs.arguments_of(case);
@@ -227,51 +216,34 @@ impl Shared {
         Ok((numbers, notices))
     }
 
-    /// The problem of a case, and the file of its motion, if it has one.
-    fn link_problem(
+    /// The problem of a case.
+    fn case_problem(
         &self,
-        specification: Specification,
+        mut specification: Specification,
         case: &Case,
         has_tables: bool,
-    ) -> Result<(Solvable, Option<&InputFile>), Failure> {
-        let Problem::Link(of) = &self.problem else {
-            return Err(usage(&"one link, but must be an arm as without the changes", None));
-        };
-        let OfLink { given, length_m, motion, .. } = &**of;
+    ) -> Result<Solvable, Failure> {
+        let OfAll { given, arm, wanted, .. } = &self.of_all;
+        let [links, must] = [&specification.arm, arm].map(|arm| arm.links().len());
+        if links != must {
+            let must = format!("must be {must}, as many as without the changes");
+            return Err(usage(&format!("links = {links}, but {must}"), None));
+        }
         let options = &self.outputs.options;
-        let Specification { link, mesh, analysis, .. } = &specification;
         // Angles are arcs of the link's length. A case may vary this length and the start angle.
-        let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
-        let motion = if is_alike { motion.clone() } else { given.motion(link, options)?.0 };
-        let motion = motion
+        let is_alike = specification.arm.lengths_m() == arm.lengths_m()
+            && specification.link().gravity().is_none();
+        let wanted =
+            if is_alike { wanted.clone() } else { given.wanted(&specification.arm, options)? };
+        let wanted = wanted
             .scaled(case.scale)
             .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let mesh = options.nodes.mesh(link, mesh.clone())?;
-        let analysis =
-            if has_tables { options.analysis(analysis) } else { analysis.without_tables() };
-        let specification = Specification { mesh, analysis, ..specification };
-        Ok((Solvable::of_link(MOTION, specification, motion), given.file()))
-    }
-
-    /// The problem of a case of an arm, and the file of its path, if it has one.
-    fn arm_problem(
-        &self,
-        mut specification: ArmSpecification,
-        case: &Case,
-    ) -> Result<(Solvable, Option<&InputFile>), Failure> {
-        let Problem::Arm { given, path, links } = &self.problem else {
-            return Err(usage(&"an arm, but must be one link as without the changes", None));
+        let analysis = specification.analysis;
+        specification.analysis = match has_tables || links > 1 {
+            true => options.analysis(&analysis),
+            false => analysis.without_tables(),
         };
-        let found = specification.arm.links().len();
-        if found != *links {
-            let must = format!("must be {links}, as many as without the changes");
-            return Err(usage(&format!("links = {found}, but {must}"), None));
-        }
-        let path = path
-            .slowed(case.scale.duration)
-            .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let nodes = &self.outputs.options.nodes;
-        nodes.meshes(&specification.arm, &mut specification.meshes)?;
-        Ok((Solvable::of_arm(&self.source.file, specification, path)?, given.file()))
+        options.nodes.meshes(&specification.arm, &mut specification.meshes)?;
+        Ok(Solvable::of(&self.source.file, specification, wanted))
     }
 }

@@ -75,8 +75,8 @@ fn columns(trajectory: &Trajectory) -> Result<Columns, Failure> {
     match trajectory.curve()? {
         None => Ok(of_motion(trajectory.motion()?.0)),
         Some(curve) => {
-            let arm = trajectory.link.as_deref().map(|link| trajectory.arm(link)).transpose()?;
-            Ok(of_path(trajectory.path_along(&curve, arm.as_deref())?.0))
+            let arm = trajectory.arm()?;
+            Ok(of_path(trajectory.path_along(&curve, arm.as_ref())?.0))
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specime
 use crate::link::Damping;
 use crate::measured::{MeasuredSet, read_measured};
 use crate::page::{FitReport, fit_page};
-use crate::spec::{Described, FreeValue, LinkDocument, Override, SpecError, rewrite};
+use crate::spec::{FreeValue, LinkDocument, Override, SpecError, Specification, rewrite};
 use crate::store::{
     Fingerprint, FitInputs, NamedBy, NewFile, fit_json, fit_record, foreign_fit_record,
 };
@@ -130,7 +130,7 @@ pub(crate) struct Fit {
 pub struct Problem {
     link: InputFile,
     /// The link or arm of the file, with the changes of the command line.
-    own: Described,
+    own: Specification,
     document: LinkDocument,
     changes: Vec<Override>,
     free: Vec<(FreeValue, Free)>,
@@ -144,7 +144,7 @@ type Readings = Vec<(String, Reading)>;
 /// A link or an arm before the fit, and its file.
 pub struct Unfitted {
     pub link: InputFile,
-    pub own: Described,
+    pub own: Specification,
     pub changes: Vec<Override>,
 }
 
@@ -167,8 +167,8 @@ impl Fit {
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
             );
         }
-        if let Described::Link(own) = &problem.own {
-            warn_of_gravity(&own.link);
+        if !problem.is_arm() {
+            warn_of_gravity(problem.own.link());
         }
         let (replaced, written) = self.write(&problem, &outcome)?;
         tell(&outcome, &replaced, &written)
@@ -199,7 +199,7 @@ impl Fit {
     fn drawn(&self, problem: &Problem, outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let written = self.output.as_deref().filter(|_| outcome.misfit.is_none());
         let name = written.and_then(Path::file_name).map(|name| name.to_string_lossy());
-        let origin = problem.inputs.origin(problem.title());
+        let origin = problem.inputs.origin(problem.own.arm.title());
         fit_page(&FitReport { origin, outcome, replaced, written: name.as_deref() })
     }
 
@@ -282,10 +282,7 @@ impl Problem {
         measured: &Path,
         arguments: Vec<String>,
     ) -> Result<(Self, Vec<InputFile>, Readings), Failure> {
-        let specimen = match &own {
-            Described::Link(own) => Specimen::from((own.link.clone(), own.mesh.clone())),
-            Described::Arm(own) => Specimen::Arm(own.arm.clone()),
-        };
+        let specimen = Specimen::of(own.arm.clone(), &own.meshes);
         let document = LinkDocument::read(&link.shown, link.text()?)?;
         let usage = |error: SpecError| Failure::new(Exit::Usage, &error, error.hint());
         let mut free = Vec::new();
@@ -314,27 +311,27 @@ impl Problem {
         let specimen_at = |factors: &[f64]| {
             tried(count.fetch_add(1, Ordering::Relaxed));
             let changes = self.changed(factors)?;
-            Ok(match self.document.described(&self.link.shown, &changes)? {
-                Described::Link(own) => Specimen::from((own.link, own.mesh)),
-                Described::Arm(own) => Specimen::Arm(own.arm),
-            })
+            let own = self.document.specification(&self.link.shown, &changes)?;
+            Ok(Specimen::of(own.arm, &own.meshes))
         };
         fit(&self.measured, &free, specimen_at).map_err(|error: LinkFitError<SpecError>| {
             let hint = match &error {
                 LinkFitError::Link(error) => error.hint(),
                 LinkFitError::Plan(_) | LinkFitError::NoModel => None,
                 LinkFitError::Pose(error) => error.hint(),
-                LinkFitError::NoMode(_) => Some(match &self.own {
-                    Described::Link(_) => "number the modes from 1, the rigid rotation left out",
-                    Described::Arm(_) => {
-                        "number the modes as `flexlink modes --at` does: with free joints the first \
-                         ones, as many as links, are swings"
-                    }
-                }),
-                LinkFitError::NoVibration(_) => Some(match &self.own {
-                    Described::Link(_) => "`flexlink modes` lists the modes of the link",
-                    Described::Arm(_) => "`flexlink modes --at` lists the modes of the file's arm",
-                }),
+                LinkFitError::NoMode(_) if self.is_arm() => Some(
+                    "number the modes as `flexlink modes --at` does: with free joints the first ones, as many as links, \
+                     are swings",
+                ),
+                LinkFitError::NoMode(_) => {
+                    Some("number the modes from 1, the rigid rotation left out")
+                }
+                LinkFitError::NoVibration(_) if self.is_arm() => {
+                    Some("`flexlink modes --at` lists the modes of the file's arm")
+                }
+                LinkFitError::NoVibration(_) => {
+                    Some("`flexlink modes` lists the modes of the link")
+                }
                 LinkFitError::Distant { .. } => {
                     Some("check its unit, mode, hub or pose, and the units of the link file")
                 }
@@ -349,19 +346,15 @@ impl Problem {
         })
     }
 
-    fn title(&self) -> &str {
-        match &self.own {
-            Described::Link(own) => own.link.title(),
-            Described::Arm(own) => own.arm.title(),
-        }
+    fn is_arm(&self) -> bool {
+        self.own.arm.links().len() > 1
     }
 
     /// True if a record needs a play of a link with hysteretic damping.
     fn plays_as_viscous(&self) -> bool {
-        let Described::Link(own) = &self.own else { return false };
-        let is_hysteretic =
-            matches!(own.link.damping(), Damping::Hysteretic { ratio } if *ratio > 0.0);
-        is_hysteretic && !self.measured.records().is_empty()
+        let damping = self.own.link().damping();
+        let is_hysteretic = matches!(damping, Damping::Hysteretic { ratio } if *ratio > 0.0);
+        !self.is_arm() && is_hysteretic && !self.measured.records().is_empty()
     }
 
     /// The changes of the command line, then the factors on the free values.

@@ -12,7 +12,7 @@ use crate::modal::natural_frequencies;
 use crate::model::{FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of};
 use crate::response::{arm_modes, arm_responses};
 use crate::result::{BandMeshError, Refined};
-use crate::spec::ArmSpecification;
+use crate::spec::Specification;
 use crate::store::{
     ResponseColumns, arm_response, frequency_response_json, link_response, write_frequency_response,
 };
@@ -117,7 +117,7 @@ impl Frf {
         if let Some(output) = &self.output {
             keep_files(output, &[&self.link.link])?;
         }
-        let specification = ArmSpecification::from(self.link.described()?);
+        let specification = self.link.specification()?;
         let bar = StageBar::new();
         bar.at("computing responses");
         let Responses { columns, error, falls } = self.compute(&specification)?;
@@ -133,7 +133,7 @@ impl Frf {
     }
 
     /// The response of a link without gravity, or of a link or an arm in a pose.
-    pub fn compute(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
+    pub fn compute(&self, specification: &Specification) -> Result<Responses, Failure> {
         if self.at.is_none() && specification.arm.links().len() == 1 {
             self.compute_level(specification)
         } else {
@@ -141,8 +141,8 @@ impl Frf {
         }
     }
 
-    fn compute_in_pose(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
-        let ArmSpecification { arm, meshes, .. } = specification;
+    fn compute_in_pose(&self, specification: &Specification) -> Result<Responses, Failure> {
+        let Specification { arm, meshes, .. } = specification;
         let joints = arm.links().len();
         if specification.analysis.kept_modes() != KeptModes::All {
             let message = "analysis.modes is set, but the response in a pose has all modes";
@@ -164,8 +164,8 @@ impl Frf {
         })
     }
 
-    fn compute_level(&self, specification: &ArmSpecification) -> Result<Responses, Failure> {
-        let (link, plan) = (&specification.arm.links()[0].link, &specification.meshes[0]);
+    fn compute_level(&self, specification: &Specification) -> Result<Responses, Failure> {
+        let (link, plan) = (specification.link(), specification.mesh());
         let mut mesh = Mesh::new(link, plan)?;
         let natural_rad_s = natural_frequencies(&mesh, DEFAULT_MODES);
         let row_bytes = size_of::<FrequencyResponse>() + ROW_BYTES;
@@ -227,7 +227,7 @@ impl Frf {
     /// Prints the mesh error and a warning of a fall; returns the number of warnings.
     fn tell(
         &self,
-        ArmSpecification { arm, remarks, .. }: &ArmSpecification,
+        Specification { arm, remarks, .. }: &Specification,
         error: Option<BandMeshError>,
         falls: bool,
     ) -> usize {

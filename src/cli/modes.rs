@@ -14,7 +14,7 @@ use crate::modal::{
 };
 use crate::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
 use crate::result::{LinkZeros, ModesResult, Remark, Setting, mesh_errors};
-use crate::spec::ArmSpecification;
+use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
@@ -101,7 +101,7 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
-        let specification = ArmSpecification::from(self.link.described()?);
+        let specification = self.link.specification()?;
         let arm = &specification.arm;
         let bar = StageBar::new();
         bar.at("finding modes and zeros");
@@ -134,17 +134,17 @@ pub enum Wanted {
 
 /// The first `count` modes of a link, or of a link or an arm in the directions of `--at`, in rad.
 pub fn computed(
-    specification: &ArmSpecification,
+    specification: &Specification,
     at: Option<&[f64]>,
     count: usize,
     wanted: Wanted,
 ) -> Result<ModesResult, Failure> {
     let links = specification.arm.links();
     match (links, at) {
-        ([one], None) => level((&one.link, &specification.meshes[0]), count),
+        ([one], None) => level((&one.link, specification.mesh()), count),
         ([one], Some(at)) => {
             let angle_rad = directions(Some(at), 1)?[0];
-            straight((&one.link, &specification.meshes[0]), angle_rad, count, wanted)
+            straight((&one.link, specification.mesh()), angle_rad, count, wanted)
         }
         (_, at) => at_rest(specification, &directions(at, links.len())?, count, wanted),
     }
@@ -152,7 +152,7 @@ pub fn computed(
 
 /// Modes of an arm about its shape at rest.
 fn at_rest(
-    ArmSpecification { arm, meshes, .. }: &ArmSpecification,
+    Specification { arm, meshes, .. }: &Specification,
     directions_rad: &[f64],
     count: usize,
     wanted: Wanted,
@@ -345,7 +345,7 @@ fn zeros_on(mesh: &Mesh, count: usize, highest_rad_s: f64) -> LinkZeros {
 }
 
 /// Prints remarks and warnings; returns the number of warnings.
-fn tell(ArmSpecification { arm, remarks, .. }: &ArmSpecification, found: &ModesResult) -> usize {
+fn tell(Specification { arm, remarks, .. }: &Specification, found: &ModesResult) -> usize {
     console::remarks(remarks);
     let mut warnings = 0;
     if let ([one], [mesh], Setting::Weightless) = (arm.links(), &found.meshes[..], &found.setting) {

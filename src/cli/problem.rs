@@ -1,19 +1,18 @@
 //! A link or an arm and its wanted motion, as `solve`, `verify` and `sweep` read and solve them.
 
 use crate::beam::MeshPlan;
-use crate::csv::{Digits, InputFile, PathTable};
+use crate::csv::{Digits, InputFile};
 use crate::inverse::{
     Analysis, ArmError, InversionError, Resources, Solution, Unwatched, Watch, invert_motion,
 };
-use crate::motion::{Ends, Motion, TipMotion};
+use crate::motion::{Ends, Motion};
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
-use crate::spec::{ArmSpecification, Described, Specification};
+use crate::spec::Specification;
 use crate::store::Findings;
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
 
-use crate::cli::options::common::refuse_for_arms;
-use crate::cli::options::inputs::{ResampleArgs, ScaleArgs, remarks};
+use crate::cli::options::inputs::{ResampleArgs, ScaleArgs, Wanted, remarks};
 use crate::cli::options::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
@@ -22,56 +21,32 @@ const DOUBTED_BYTES: usize = 3_000_000_000;
 
 /// A link or an arm and its wanted motion.
 pub struct Problem {
-    pub specification: ArmSpecification,
-    motion: Motion,
-    /// Name in messages of the file of a link's motion or an arm's path.
+    pub specification: Specification,
+    wanted: Wanted,
+    /// Name in messages of the file of the link or the arm.
     file: String,
-    /// The table of an arm's path.
-    table: Option<PathTable>,
 }
 
 impl Problem {
     /// Reads the motion of a link or an arm. Reports guesses about the file.
     pub(crate) fn read(
-        (file, described): (&InputFile, Described),
+        (file, specification): (&InputFile, Specification),
         motion_file: &InputFile,
         (read, resample, scale): (&ReadArgs, &ResampleArgs, &ScaleArgs),
     ) -> Result<Self, Failure> {
-        match described {
-            Described::Link(specification) => {
-                let (motion, reading) =
-                    resample.motion_of(motion_file, &specification.link, read)?;
-                tell(&motion_file.shown, &reading);
-                Ok(Self::of_link(&motion_file.shown, *specification, scale.scaled(motion)?))
-            }
-            Described::Arm(specification) => {
-                refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
-                let table = resample.path_of(motion_file, read)?;
-                tell(&motion_file.shown, table.reading());
-                Self::of_arm(file, *specification, scale.scaled_path(&table)?)
-            }
-        }
+        let (wanted, reading) = resample.motion_of(motion_file, &specification.arm, read)?;
+        tell(&motion_file.shown, &reading);
+        Ok(Self::of(file, specification, scale.scaled(wanted)?))
     }
 
-    /// A link and the motion of a file with the name `file` in messages.
-    pub fn of_link(file: &str, specification: Specification, motion: TipMotion) -> Self {
-        let (specification, file) = (specification.into(), file.to_owned());
-        Self { specification, motion: Motion::Tip(motion), file, table: None }
-    }
-
-    /// An arm and the path in a table.
-    pub fn of_arm(
-        file: &InputFile,
-        specification: ArmSpecification,
-        table: PathTable,
-    ) -> Result<Self, Failure> {
-        let motion = Motion::Path(table.path(&specification.arm.lengths_m())?);
-        Ok(Self { specification, motion, file: file.shown.clone(), table: Some(table) })
+    /// A link or an arm of a file, and its motion.
+    pub fn of(file: &InputFile, specification: Specification, wanted: Wanted) -> Self {
+        Self { specification, wanted, file: file.shown.clone() }
     }
 
     /// Ends of the motion, and its step in s.
     pub(crate) fn ends_and_step_s(&self) -> (Ends, f64) {
-        (self.motion.ends(), self.motion.grid().step_s)
+        (self.wanted.motion.ends(), self.wanted.motion.grid().step_s)
     }
 
     /// The plans of the links' meshes.
@@ -87,13 +62,13 @@ impl Problem {
         stages: &StageBar,
     ) -> Result<Solved, Failure> {
         // Times in another unit make the work large or impossible, so this remark comes before the work.
-        let duration = self.motion.tip().and_then(Remark::on_duration);
+        let duration = Remark::on_duration(&self.wanted.motion);
         stages.above(|| console::remarks(&duration));
         let most = memory_bytes.unwrap_or(usize::MAX);
         let allowed = duration.as_ref().map_or(most, |_| most.min(DOUBTED_BYTES));
         let memory_bytes = (allowed < usize::MAX).then_some(allowed);
         let own = &self.specification.analysis;
-        let (analysis, watch) = match &self.motion {
+        let (analysis, watch) = match &self.wanted.motion {
             Motion::Tip(_) => (analysis(own), stages as &dyn Watch),
             Motion::Path(_) => {
                 stages.at("solving");
@@ -119,22 +94,17 @@ impl Problem {
                     return Failure { hint: hint.or(failure.hint), ..failure };
                 }
             };
-            let refused = format!("{}: time = such that {refused}", self.file);
+            let refused = format!("{}: time = such that {refused}", self.wanted.rows.name());
             Failure::new(Exit::InputRefused, &refused, hint.as_deref())
         })?;
         let mut solved = self.solved(solution, memory_bytes)?;
-        solved.remarks = remarks(&self.specification.remarks, &solved.solution, self.dropped());
+        solved.remarks = remarks(&self.specification.remarks, &solved.solution, None);
         Ok(solved)
     }
 
-    /// Number of replaced samples of an arm's path.
-    pub fn dropped(&self) -> usize {
-        self.table.as_ref().map_or(0, |table| table.reading().dropped())
-    }
-
     fn inverted(&self, analysis: &Analysis, resources: &Resources) -> Result<Solution, ArmError> {
-        let ArmSpecification { arm, meshes, .. } = &self.specification;
-        invert_motion(arm, meshes, &self.motion, analysis, resources)
+        let Specification { arm, meshes, .. } = &self.specification;
+        invert_motion(arm, meshes, &self.wanted.motion, analysis, resources)
     }
 
     /// Computes the solution with its numbers, without remarks.
@@ -151,19 +121,19 @@ impl Problem {
 
     /// Failure of a missing solution, with the faulty row of the path or link of the arm.
     fn failure(&self, error: ArmError) -> Failure {
-        let (name, hint, ArmSpecification { arm, lines, .. }) =
-            (&self.file, error.hint(), &self.specification);
+        let (name, hint) = (&self.file, error.hint());
+        let Specification { arm, lines, .. } = &self.specification;
+        let is_of_tip = self.wanted.motion.tip().is_some();
         let error = match error {
             ArmError::Inversion(error)
-                if self.table.is_none()
-                    || matches!(error, InversionError::TooMuchMemory { .. }) =>
+                if is_of_tip || matches!(error, InversionError::TooMuchMemory { .. }) =>
             {
                 return error.into();
             }
             error => error,
         };
-        if let Some((sample, table)) = error.sample().zip(self.table.as_ref()) {
-            return table.refused(Some(sample), &error, hint).into();
+        if let Some(sample) = error.sample() {
+            return self.wanted.rows.refused(Some(sample), &error, hint).into();
         }
         let message = match error.link() {
             Some((link, why)) => {

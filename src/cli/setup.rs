@@ -184,16 +184,17 @@ fn page(command: Command) -> Result<Vec<u8>, Failure> {
 mod tests {
     use super::*;
     use crate::csv::read_motion_table;
-    use crate::spec::{Described, LinkDocument, read_specification};
+    use crate::spec::read_specification;
 
     #[test]
     fn what_it_writes_is_read() {
         let read = read_specification("link.toml", LINK, &[]).expect("a link file");
-        assert!(read.mesh.is_automatic());
+        assert!(read.mesh().is_automatic());
         let table =
-            read_motion_table("motion.csv", &motion().expect("a motion"), read.link.length_m());
+            read_motion_table("motion.csv", &motion().expect("a motion"), read.link().length_m());
         let motion = table.and_then(crate::csv::MotionTable::into_motion);
-        assert!((motion.expect("a motion").travel_m() - 0.5).abs() < 1e-5);
+        let motion = motion.expect("a motion").into_tip().expect("of a tip");
+        assert!((motion.travel_m() - 0.5).abs() < 1e-5);
     }
 
     #[test]
@@ -207,10 +208,10 @@ mod tests {
                 .fold(String::new(), |text, line| text + line + "\n")
         };
         let read = read_specification("link.toml", &uncommented(LINK), &[]).expect("a link file");
-        assert_eq!(read.link.masses().len(), 1);
-        assert!(read.link.drive().is_some() && read.limits.of("torque").is_some());
-        let arm = LinkDocument::read("arm.toml", &uncommented(ARM)).expect("TOML");
-        let Ok(Described::Arm(arm)) = arm.described("arm.toml", &[]) else { panic!("no arm") };
+        assert_eq!(read.link().masses().len(), 1);
+        assert!(read.link().drive().is_some() && read.limits[0].of("torque").is_some());
+        let arm = read_specification("arm.toml", &uncommented(ARM), &[]).expect("an arm");
+        assert_eq!(arm.arm.links().len(), 2);
         assert!(arm.limits.iter().all(|limits| limits.of("torque").is_some()));
     }
 }

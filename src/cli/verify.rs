@@ -10,7 +10,7 @@ use crate::store::verification_json;
 use crate::verify::Verification;
 
 use super::problem::Problem;
-use crate::cli::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs, described};
+use crate::cli::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs};
 use crate::cli::options::reading::ReadArgs;
 use crate::cli::terminal::files::read_once;
 use crate::cli::terminal::text::verify_text;
@@ -67,11 +67,10 @@ impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
         read_once(&[&self.link.link, &self.motion])?;
-        let file = InputFile::read_toml(&self.link.link)?;
-        let described = described(&file, &self.link.changes.overrides()?)?;
+        let (file, specification) = self.link.load()?;
         let motion = InputFile::read(&self.motion)?;
         let how = (&self.read, &self.resample, &self.scale);
-        let problem = Problem::read((&file, described), &motion, how)?;
+        let problem = Problem::read((&file, specification), &motion, how)?;
         let stages = self.print.stages();
         let solved = problem.solve(Analysis::clone, memory::available(), &stages)?;
         let verification = solved.verified(problem.plans(), self.digits, &stages)?;

@@ -244,7 +244,7 @@ mod tests {
     fn any_link() -> Specimen {
         let text = "segments = [{ length = 1, EI = 1, mass_per_length = 1 }]\nhub.inertia = 1";
         let own = read_specification("link.toml", text, &[]).unwrap();
-        Specimen::from((own.link, own.mesh))
+        Specimen::of(own.arm, &own.meshes)
     }
 
     /// Samples, uncertainties and units of a record in degrees, microstrain at 0.4 mm, counts and volts.

@@ -32,7 +32,7 @@ fn folder() -> PathBuf {
 
 fn read(file: &str, format: &TableFormat) -> MotionTable {
     let bytes = fs::read(folder().join(file)).unwrap();
-    read_motion_table_as(file, &bytes, 1.5, format).unwrap()
+    read_motion_table_as(file, &bytes, &[1.5], format).unwrap()
 }
 
 fn instruments() -> Vec<Instrument> {
@@ -137,7 +137,7 @@ fn twelve_instruments_and_spreadsheets_give_the_same_motion() {
     assert_eq!(instruments.len(), 12);
     for Instrument { file, format, rounding_m, note, unread } in instruments {
         let table = read(file, &format);
-        let [found, expected] = [&table, &reference].map(|table| table.columns().clone());
+        let [found, expected] = [&table, &reference].map(|table| table.columns().unwrap().clone());
         assert_eq!(found.time_s.len(), expected.time_s.len(), "{file}");
         let times = found.time_s.iter().zip(&expected.time_s);
         assert!(times.into_iter().all(|(a, b)| (a - b).abs() < 1e-12), "{file}");
@@ -149,13 +149,17 @@ fn twelve_instruments_and_spreadsheets_give_the_same_motion() {
         }
         assert_eq!(table.reading().note().as_deref(), note, "{file}");
         assert_eq!(table.reading().remark().map(|(unread, _)| unread), unread, "{file}");
-        assert!((table.into_motion().unwrap().travel_m() - 0.5).abs() < 2e-5, "{file}");
+        assert!(
+            (table.into_motion().unwrap().into_tip().unwrap().travel_m() - 0.5).abs() < 2e-5,
+            "{file}"
+        );
     }
 }
 
 #[test]
 fn a_velocity_alone_gives_its_integral() {
-    let reference = read("reference.csv", &TableFormat::default()).into_motion().unwrap();
+    let reference =
+        read("reference.csv", &TableFormat::default()).into_motion().unwrap().into_tip().unwrap();
     let table = read("pandas_velocity.csv", &TableFormat::default());
     assert_eq!(
         table.reading().note().as_deref(),
@@ -169,9 +173,9 @@ fn a_velocity_alone_gives_its_integral() {
     let (_, hint) =
         table.clone().reading().remark().map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
     assert_eq!(hint, "--columns QUANTITY=NUMBER reads one of them instead");
-    let motion = table.clone().into_motion().unwrap();
+    let motion = table.clone().into_motion().unwrap().into_tip().unwrap();
     assert!((motion.travel_m() - reference.travel_m()).abs() < 1e-5, "{}", motion.travel_m());
-    let finer = table.clone().resampled(0.01).unwrap().into_motion().unwrap();
+    let finer = table.clone().resampled(0.01).unwrap().into_motion().unwrap().into_tip().unwrap();
     assert!((finer.travel_m() - reference.travel_m()).abs() < 1e-5, "{}", finer.travel_m());
     let target = table.into_target().unwrap_err();
     assert!(target.to_string().contains("a target needs displacement"), "{target}");
@@ -186,10 +190,10 @@ fn the_integral_of_a_velocity_has_the_fourth_order() {
         let text = format!("time,velocity\n{}", (0..=n).map(row).collect::<String>());
         let table = read_motion_table("v.csv", text.as_bytes(), 1.0).unwrap();
         let table = table.resampled(1.0 / f64::from(4 * n)).unwrap();
-        let found = table.columns().displacement_m.clone().unwrap();
+        let found = table.columns().unwrap().displacement_m.clone().unwrap();
         let exact =
             |t: f64| 0.5 * t - (std::f64::consts::TAU * t).sin() / (4.0 * std::f64::consts::PI);
-        let times = table.columns().time_s.iter();
+        let times = table.columns().unwrap().time_s.iter();
         times.zip(&found).map(|(t, x)| (exact(*t) - x).abs()).fold(0.0, f64::max)
     };
     let order = (error(40) / error(80)).log2();
@@ -205,8 +209,8 @@ fn columns_are_chosen_by_heading_with_and_without_unit_in_any_case() {
         ["displacement=2", "time=1"],
     ] {
         let text = b"Time (s),pos [mm],acceleration\n0,1,9\n1,2,9\n2,3,9\n3,4,9\n";
-        let table = read_motion_table_as("m.csv", text, 1.0, &columns(&choices)).unwrap();
-        let found = table.columns().clone();
+        let table = read_motion_table_as("m.csv", text, &[1.0], &columns(&choices)).unwrap();
+        let found = table.columns().unwrap().clone();
         assert_eq!(found.displacement_m, Some(vec![0.001, 0.002, 0.003, 0.004]), "{choices:?}");
         assert_eq!((found.acceleration_m_s2, table.reading().note()), (None, None));
     }
@@ -216,7 +220,8 @@ fn columns_are_chosen_by_heading_with_and_without_unit_in_any_case() {
 fn quoted_numbers_have_decimal_commas_by_option() {
     let text = b"time,displacement\n0,\"0,5\"\n1,\"1,5\"\n2,\"2\"\n3,\"2,25\"\n";
     let format = format(|format| format.decimal = Some("comma".parse().unwrap()));
-    let found = read_motion_table_as("m.csv", text, 1.0, &format).unwrap().columns().clone();
+    let found =
+        read_motion_table_as("m.csv", text, &[1.0], &format).unwrap().columns().unwrap().clone();
     assert_eq!(found.displacement_m, Some(vec![0.5, 1.5, 2.0, 2.25]));
 }
 
@@ -228,7 +233,8 @@ fn units_are_those_of_the_options() {
         unit: Some("deg".parse().unwrap()),
         ..columns(&["time=1", "angle=2"])
     };
-    let found = read_motion_table_as("m.csv", text, 2.0, &format).unwrap().columns().clone();
+    let found =
+        read_motion_table_as("m.csv", text, &[2.0], &format).unwrap().columns().unwrap().clone();
     assert_eq!(found.time_s, [0.0, 0.005, 0.01, 0.015]);
     let last_m = found.displacement_m.unwrap()[3];
     assert!((last_m - 6.0f64.to_radians()).abs() < 1e-15, "{last_m}");

@@ -2,43 +2,40 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use flexlink::csv::{TableFormat, read_motion_table, read_path_table};
-use flexlink::inverse::{Resources, invert_arm};
-use flexlink::spec::{
-    ArmSpecification, Described, LinkDocument, Override, SpecError, read_measurements,
-};
+use flexlink::csv::{TableFormat, read_motion_table, read_motion_table_as};
+use flexlink::inverse::{Resources, invert_motion};
+use flexlink::spec::{Override, SpecError, Specification, read_measurements, read_specification};
 
 use crate::snapshot;
 
 const ARM: &str = include_str!("../../specs/arms/two_links.toml");
 
-fn read(text: &str, settings: &[&str]) -> Result<Described, SpecError> {
+fn read(text: &str, settings: &[&str]) -> Result<Specification, SpecError> {
     let overrides: Result<Vec<Override>, _> = settings.iter().map(|set| set.parse()).collect();
-    LinkDocument::read("arm.toml", text)?.described("arm.toml", &overrides?)
+    read_specification("arm.toml", text, &overrides?)
 }
 
 /// The arm, or one with a third link as its last.
-fn arm(links: usize) -> ArmSpecification {
+fn arm(links: usize) -> Specification {
     let last = "segments = [{ length = 0.3, EI = 15.0, mass_per_length = 0.4 }]";
     let text = match links {
         2 => ARM.to_owned(),
         _ => format!("{}\n[[links]]\nname = \"hand\"\n{last}\n", ARM.replace("payload", "tip")),
     };
-    match read(&text, &[]).unwrap() {
-        Described::Arm(found) => *found,
-        Described::Link(_) => unreachable!("{links} links"),
-    }
+    read(&text, &[]).unwrap()
 }
 
 /// Why an arm of so many links does not follow a path.
 fn refusal_of_path(links: usize, text: &str) -> String {
-    let ArmSpecification { arm, meshes, analysis, .. } = arm(links);
-    let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default());
-    let path = table.and_then(|table| Ok((table.path(&arm.lengths_m())?, table)));
-    let refused = path.and_then(|(path, table)| {
-        let solved = invert_arm(&arm, &meshes, &path, &analysis, &Resources::default());
+    let Specification { arm, meshes, analysis, .. } = arm(links);
+    let (lengths_m, format) = (arm.lengths_m(), TableFormat::default());
+    let table = read_motion_table_as("path.csv", text.as_bytes(), &lengths_m, &format);
+    let refused = table.and_then(|table| {
+        let rows = table.rows().clone();
+        let motion = table.into_motion()?;
+        let solved = invert_motion(&arm, &meshes, &motion, &analysis, &Resources::default());
         let error = solved.err().unwrap();
-        Err::<(), _>(table.refused(error.sample(), &error, error.hint()))
+        Err::<(), _>(rows.refused(error.sample(), &error, error.hint()))
     });
     let error = refused.unwrap_err();
     told(&error, error.hint())

@@ -35,7 +35,7 @@ fn refusals_are_those_of_the_snapshot() {
         let (kind, name) = section.split_once(": ").unwrap();
         let column = words.strip_prefix("--column ").or(words.strip_suffix("--column"));
         let format = if column.is_some() { TableFormat::default() } else { format_of(words) };
-        let motion = || read_motion_table_as(name, input.as_bytes(), 1.5, &format);
+        let motion = || read_motion_table_as(name, input.as_bytes(), &[1.5], &format);
         let refused: Option<TableError> = match kind {
             "Torques" => read_torque_table_as(name, input.as_bytes(), column, &format).err(),
             "Motions" => motion().err(),

@@ -27,7 +27,7 @@ fn names_take_a_prefix_a_suffix_a_unit_and_any_case() {
         ("angle_rad", 6.0),
         ("Angle [deg]", 6.0 * std::f64::consts::PI / 180.0),
     ] {
-        let columns = read(&headed(heading)).unwrap().columns().clone();
+        let columns = read(&headed(heading)).unwrap().columns().unwrap().clone();
         let found = columns.displacement_m.unwrap()[3];
         assert!((found - displacement_m).abs() < 1e-15, "{heading}: {found}");
         assert_eq!(columns.time_s, [0.0, 1.0, 2.0, 3.0]);
@@ -39,7 +39,7 @@ fn names_take_a_prefix_a_suffix_a_unit_and_any_case() {
 fn this_programs_own_tip_file_is_a_trajectory() {
     let text = "time_s,tip_displacement_m,tip_velocity_m_s,tip_acceleration_m_s2\n\
                 -1,1,2,3\n0,1,2,3\n1,1,2,3\n2,1,2,3\n";
-    let columns = read(text).unwrap().columns().clone();
+    let columns = read(text).unwrap().columns().unwrap().clone();
     assert_eq!(columns.time_s, [-1.0, 0.0, 1.0, 2.0]);
     assert_eq!(columns.displacement_m, Some(vec![1.0; 4]));
     assert_eq!(columns.velocity_m_s, Some(vec![2.0; 4]));
@@ -49,7 +49,7 @@ fn this_programs_own_tip_file_is_a_trajectory() {
 #[test]
 fn columns_stand_in_any_order_and_units() {
     let text = "acceleration [cm/s^2],velocity [cm/s],time [ms]\n1,2,0\n1,2,5\n1,2,10\n1,2,15\n";
-    let columns = read(text).unwrap().columns().clone();
+    let columns = read(text).unwrap().columns().unwrap().clone();
     assert_eq!(columns.time_s, [0.0, 0.005, 0.01, 0.015]);
     assert_eq!(columns.velocity_m_s, Some(vec![0.02; 4]));
     assert_eq!(columns.acceleration_m_s2, Some(vec![0.01; 4]));
@@ -63,7 +63,7 @@ fn comments_blank_lines_quotes_and_line_ends_do_not_matter() {
                      \"1\",1.0e0\r\n  \r\n+2, \"2\"\r\n3.,3";
     let decorated = read(decorated).unwrap();
     assert_eq!(decorated.columns(), plain.columns());
-    assert_eq!(decorated.name(), "traj.csv");
+    assert_eq!(decorated.rows().name(), "traj.csv");
     let lines = |table: &MotionTable| [0, 1, 2, 3].map(|sample| table.line_of(sample).unwrap());
     assert_eq!(lines(&plain), [2, 3, 4, 5]);
     assert_eq!(lines(&decorated), [4, 6, 8, 9]);

@@ -27,7 +27,10 @@ fn a_resampling_step_must_fit_the_motion() {
     refused(0.98, must, Some("the nearest steps that do are 0.75 s and 1 s"));
     // The motion rests at its end: a twentieth of a step does not matter.
     let nearly = motion.resampled(0.99).unwrap();
-    assert_eq!(nearly.columns().displacement_m.as_ref().unwrap()[3].to_bits(), 3.0_f64.to_bits());
+    assert_eq!(
+        nearly.columns().unwrap().displacement_m.as_ref().unwrap()[3].to_bits(),
+        3.0_f64.to_bits()
+    );
 }
 
 #[test]
@@ -35,7 +38,8 @@ fn resampling_keeps_a_uniform_motion() {
     let motion = read("time,angle\n0,0\n0.1,0.1\n0.2,0.3\n0.3,0.6\n0.4,0.7\n");
     let same = motion.clone().resampled(0.1).unwrap();
     let fine = motion.clone().resampled(0.05).unwrap();
-    let displacement_m = |motion: &MotionTable| motion.columns().displacement_m.clone().unwrap();
+    let displacement_m =
+        |motion: &MotionTable| motion.columns().unwrap().displacement_m.clone().unwrap();
     for k in 0..5 {
         let given = displacement_m(&motion)[k];
         assert!((displacement_m(&same)[k] - given).abs() < 1e-15);

@@ -302,7 +302,7 @@ fn a_bad_sample_that_is_not_refused_is_told_by_the_error_of_the_input_or_a_warni
             };
             let table = MotionTable::of_columns("motion", columns)?;
             let table = if noise_m > 0.0 { table.with_noise(noise_m)? } else { table };
-            table.into_motion()
+            table.into_motion().map(|motion| motion.into_tip().unwrap())
         };
         // Motions that do not end at rest, or that are warned of as they are, tell nothing.
         let Ok(exact) = motion(&exact_m, 0.0) else { continue };

@@ -137,7 +137,7 @@ pub(crate) fn sine(s: f64) -> [f64; 3] {
 fn paper() -> Link {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/bayo1987_example1.toml");
     let text = std::fs::read_to_string(path).unwrap();
-    read_specification("link.toml", &text, &[]).unwrap().link
+    read_specification("link.toml", &text, &[]).unwrap().link().clone()
 }
 
 /// A link with a hub and perhaps a payload, and its first natural frequency with the hub free, about, in Hz.
@@ -166,7 +166,7 @@ pub(crate) fn solved(link: &Link, motion: &TipMotion) -> Solution {
 
 fn recorded(link: &Link, text: &str) -> Result<Solution, TableError> {
     let table = read_motion_table("move.csv", text.as_bytes(), link.length_m())?;
-    Ok(solved(link, &table.into_motion()?))
+    Ok(solved(link, &table.into_motion()?.into_tip().unwrap()))
 }
 
 /// Largest difference of the torques at any time, over the peak of the first.
@@ -223,7 +223,8 @@ fn noise_on_the_papers_motion_is_followed_as_closely_as_it_deserves() {
     for (seed, deviation_m) in [(1, 1e-5), (2, 1e-4), (3, 1e-4), (4, 1e-3)] {
         let text = Move::PAPER.file(9, 0.0, deviation_m, &mut Random(seed));
         let table = read_motion_table("move.csv", text.as_bytes(), 1.5).unwrap();
-        let motion = table.with_noise(deviation_m).unwrap().into_motion().unwrap();
+        let motion =
+            table.with_noise(deviation_m).unwrap().into_motion().unwrap().into_tip().unwrap();
         let found = solved(&link, &motion);
         let (apart, input) = (apart(&found, &exact), found.hub().errors.torque.input.unwrap());
         println!("noise {deviation_m}: {apart:.2e}, stated {input:.2e}");
@@ -368,7 +369,7 @@ fn a_cosine_states_no_error_of_its_samples() {
             writeln!(text, "{time_s:.16},{:.17e}", libm::cos(TAU * time_s)).unwrap();
         }
         let table = read_motion_table("cycle.csv", text.as_bytes(), 1.5).unwrap();
-        let motion = table.with_ends(Ends::Periodic).into_motion().unwrap();
+        let motion = table.with_ends(Ends::Periodic).into_motion().unwrap().into_tip().unwrap();
         let input = solved(&link, &motion).hub().errors.torque.input;
         assert!(input.is_none_or(|input| input < 1e-6), "{rows}: {input:?}");
     }
@@ -385,7 +386,7 @@ fn a_table_of_five_rows_is_not_known_between_them() {
             writeln!(text, "{time_s:.16},{:.17e}", 0.5 * septic(time_s)[0]).unwrap();
         }
         let table = read_motion_table("move.csv", text.as_bytes(), 1.5).unwrap();
-        let motion = table.resampled(0.001).unwrap().into_motion().unwrap();
+        let motion = table.resampled(0.001).unwrap().into_motion().unwrap().into_tip().unwrap();
         let input = solved(&link, &motion).hub().errors.torque.input;
         assert!(input.is_some_and(|input| input > 0.1), "{rows}: {input:?}");
     }
@@ -419,7 +420,7 @@ fn the_stated_input_error_holds_for_coarse_tables_that_are_resampled() {
             assert_eq!(order, 2, "case {case}, {rows} rows");
             continue;
         };
-        let found = solved(&link, &motion);
+        let found = solved(&link, &motion.into_tip().unwrap());
         let (apart, own) = (apart(&found, &exact), found.hub().errors.torque);
         let stated = own.mesh + own.window + own.input.unwrap_or(0.0);
         println!("case {case}, order {order}, {rows} rows: {apart:.1e} of {stated:.1e}");

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use flexlink::spec::{LinkDocument, SpecError, link_file_schema};
+use flexlink::spec::{SpecError, link_file_schema, read_specification};
 use jsonschema::Validator;
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ fn validator() -> Validator {
 fn verdicts(validator: &Validator, text: &str) -> [bool; 2] {
     let file: Value = toml::from_str(text).unwrap();
     let read = || -> Result<(), SpecError> {
-        LinkDocument::read("link.toml", text)?.described("link.toml", &[])?;
+        read_specification("link.toml", text, &[])?;
         Ok(())
     };
     [validator.is_valid(&file), read().is_ok()]

@@ -9,9 +9,9 @@ use clap::Args;
 
 use crate::beam::{MeshPlan, node_at};
 use crate::csv::Digits;
-use crate::link::{Arm, Link};
+use crate::link::Arm;
 use crate::numeric::{Dimension, parse_quantity};
-use crate::spec::Described;
+use crate::spec::Specification;
 use crate::store::{Durability, OutputFolder, RunOutputs, STATIONS};
 use crate::text::plain;
 
@@ -57,20 +57,17 @@ impl NodeArgs {
         self.list.is_some().then_some("--nodes").or(stations)
     }
 
-    /// Mesh of a link with a node at each station.
-    pub fn mesh(&self, link: &Link, mesh: MeshPlan) -> Result<MeshPlan, Failure> {
-        let refused = |error| Failure::new(Exit::Usage, &format!("--{error}"), None);
-        mesh.with_nodes_at(link, &self.stations_m).map_err(refused)
-    }
-
-    /// Meshes of an arm with a node at each station; a shorter link gets those on it.
+    /// Puts a node at each station into the meshes of an arm; of several links a shorter one gets those on it.
     pub fn meshes(&self, arm: &Arm, meshes: &mut [MeshPlan]) -> Result<(), Failure> {
+        let refused = |error| Failure::new(Exit::Usage, &format!("--{error}"), None);
         let mut elsewhere_m = self.stations_m.clone();
         for (mesh, own) in meshes.iter_mut().zip(arm.links()) {
-            let is_there = |at_m: &f64| own.link.check_place(STATIONS, *at_m).is_ok();
+            let is_there = |at_m: &f64| {
+                arm.links().len() == 1 || own.link.check_place(STATIONS, *at_m).is_ok()
+            };
             let stations_m: Vec<f64> = self.stations_m.iter().copied().filter(is_there).collect();
             elsewhere_m.retain(|at_m| !is_there(at_m));
-            *mesh = mesh.clone().with_nodes_at(&own.link, &stations_m)?;
+            *mesh = mesh.clone().with_nodes_at(&own.link, &stations_m).map_err(refused)?;
         }
         let Some(at_m) = elsewhere_m.first() else { return Ok(()) };
         let message = format!("{STATIONS} = {at_m} m, but must lie on a link of the arm");
@@ -79,17 +76,9 @@ impl NodeArgs {
     }
 
     /// The content of a file, meshed with a node at each station.
-    pub(crate) fn meshed(&self, described: Described) -> Result<Described, Failure> {
-        Ok(match described {
-            Described::Link(mut own) => {
-                own.mesh = self.mesh(&own.link, own.mesh.clone())?;
-                Described::Link(own)
-            }
-            Described::Arm(mut own) => {
-                self.meshes(&own.arm, &mut own.meshes)?;
-                Described::Arm(own)
-            }
-        })
+    pub(crate) fn meshed(&self, mut own: Specification) -> Result<Specification, Failure> {
+        self.meshes(&own.arm, &mut own.meshes)?;
+        Ok(own)
     }
 
     /// Tables of a run with these nodes and rows, without tables on demand.
@@ -248,14 +237,8 @@ pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
     if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
 }
 
-/// Refuses recorded options that apply only to a single link.
-pub fn refuse_for_arms(options: impl IntoIterator<Item = String>) -> Result<(), Failure> {
-    match options.into_iter().find(|option| option.starts_with("--")) {
-        None => Ok(()),
-        Some(option) => {
-            let option = option.split('=').next().unwrap_or_default();
-            let message = format!("{option} is for one link, and the arm has several");
-            Err(Failure::new(Exit::Usage, &message, None))
-        }
-    }
+/// The refusal of an option that applies only to a single link.
+pub(crate) fn for_one_link(option: &str) -> Failure {
+    let message = format!("{option} is for one link, and the arm has several");
+    Failure::new(Exit::Usage, &message, None)
 }

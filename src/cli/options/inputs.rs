@@ -5,18 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::csv::{
-    InputFile, MotionTable, PathTable, Reading, TableFormat, read_motion_table_as, read_path_table,
-};
+use crate::csv::{InputFile, MotionTable, Reading, SampleRows, TableFormat, read_motion_table_as};
 use crate::inverse::Solution;
-use crate::link::Link;
+use crate::link::{Arm, Link};
 use crate::modal::REPORTED_MODES;
-use crate::motion::{Ends, Motion, MotionError, MotionScale, TipMotion};
+use crate::motion::{Ends, Motion, MotionError, MotionScale};
 use crate::numeric::{Dimension, parse_quantity};
 use crate::result::Remark;
-use crate::spec::{
-    Described, LinkDocument, Override, SpecError, Specification, read_specification,
-};
+use crate::spec::{Override, SpecError, Specification, read_specification};
 use crate::text::plain;
 
 use super::common::{finite, option};
@@ -40,15 +36,15 @@ pub(crate) struct LinkArgs {
 
 impl LinkArgs {
     /// Reads the content of the file, one link or an arm of several, and applies the changes.
-    pub(crate) fn described(&self) -> Result<Described, Failure> {
-        self.load().map(|(_, described)| described)
+    pub(crate) fn specification(&self) -> Result<Specification, Failure> {
+        self.load().map(|(_, specification)| specification)
     }
 
-    /// Like [`Self::described`], but also returns the file.
-    pub(crate) fn load(&self) -> Result<(InputFile, Described), Failure> {
+    /// Like [`Self::specification`], but also returns the file.
+    pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
         let file = InputFile::read_toml(&self.link)?;
-        let described = described(&file, &self.changes.overrides()?)?;
-        Ok((file, described))
+        let specification = specification(&file, &self.changes.overrides()?)?;
+        Ok((file, specification))
     }
 }
 
@@ -80,27 +76,14 @@ impl ChangeArgs {
     }
 }
 
-/// Reads a link file with some changes.
-pub(crate) fn specification(
-    file: &InputFile,
-    changes: &[Override],
-) -> Result<Specification, Failure> {
-    let read = read_specification(&file.shown, file.text()?, changes);
-    read.map_err(|error| not_read(file, &error))
-}
-
-fn not_read(file: &InputFile, error: &SpecError) -> Failure {
-    let extension = Path::new(&file.name).extension();
-    let is_table = extension.is_some_and(|extension| extension == "csv");
-    let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
-    Failure::new(Exit::InputRefused, error, file.disguise().or(error.hint()).or(order))
-}
-
 /// Reads the content of a file, one link or an arm of several, with some changes.
-pub fn described(file: &InputFile, changes: &[Override]) -> Result<Described, Failure> {
-    let read = LinkDocument::read(&file.shown, file.text()?)
-        .and_then(|document| document.described(&file.shown, changes));
-    read.map_err(|error| not_read(file, &error))
+pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specification, Failure> {
+    read_specification(&file.shown, file.text()?, changes).map_err(|error| {
+        let extension = Path::new(&file.name).extension();
+        let is_table = extension.is_some_and(|extension| extension == "csv");
+        let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
+        Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
+    })
 }
 
 /// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.
@@ -147,6 +130,20 @@ pub struct ResampleArgs {
     moving_ends: bool,
 }
 
+/// The wanted motion, and the rows of its samples.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    pub motion: Motion,
+    pub rows: SampleRows,
+}
+
+impl Wanted {
+    /// The motion over another distance and duration.
+    pub fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
+        Ok(Self { motion: self.motion.scaled(scale)?, rows: self.rows.clone() })
+    }
+}
+
 /// A length above 0 as written, and in m.
 #[derive(Debug, Clone)]
 struct Length {
@@ -174,31 +171,31 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 impl ResampleArgs {
-    /// Reads the motion of a link's tip; also returns the deviations from the standard form.
-    pub(crate) fn motion_of(
+    /// Reads the motion of an arm; also returns the deviations of the file from the standard form.
+    pub fn motion_of(
         &self,
         file: &InputFile,
-        link: &Link,
+        arm: &Arm,
         read: &ReadArgs,
-    ) -> Result<(TipMotion, Reading), Failure> {
-        let length_m = link.length_m();
-        let format = self.format(read);
-        let table = read_motion_table_as(&file.shown, &file.bytes, length_m, &format)?;
+    ) -> Result<(Wanted, Reading), Failure> {
+        let (lengths_m, format) = (arm.lengths_m(), self.format(read));
+        let table = read_motion_table_as(&file.shown, &file.bytes, &lengths_m, &format)?;
         let reading = table.reading().clone();
-        Ok((self.motion_in(table, link)?, reading))
+        Ok((self.motion_in(table, Some(arm))?, reading))
     }
 
-    /// Motion of a link's tip from a table.
-    pub fn motion_in(&self, table: MotionTable, link: &Link) -> Result<TipMotion, Failure> {
-        let table = match link.gravity() {
-            Some(gravity) => table.with_gravity(gravity, link.length_m())?,
+    /// The options for a table.
+    pub fn format(&self, read: &ReadArgs) -> TableFormat {
+        TableFormat { drop_outliers: self.drop_outliers, ..read.format() }
+    }
+
+    /// The motion of a table; without an arm, of a link without gravity.
+    pub fn motion_in(&self, table: MotionTable, arm: Option<&Arm>) -> Result<Wanted, Failure> {
+        let link = arm.and_then(|arm| arm.links().first()).map(|own| &own.link);
+        let table = match link.and_then(|link| Some((link.gravity()?, link.length_m()))) {
+            Some((gravity, length_m)) => table.with_gravity(gravity, length_m)?,
             None => table,
         };
-        self.motion_in_plane(table)
-    }
-
-    /// Motion of a link's tip from a table, without gravity.
-    pub fn motion_in_plane(&self, table: MotionTable) -> Result<TipMotion, Failure> {
         let table = table.with_ends(self.ends());
         let table = match self.resample {
             Some(step_s) => table.resampled(step_s)?,
@@ -212,44 +209,22 @@ impl ResampleArgs {
             Some(hertz) => table.with_lowpass(hertz),
             None => table,
         };
-        Ok(table.into_motion()?)
-    }
-
-    /// Reads the path of an arm.
-    pub fn path_of(&self, file: &InputFile, read: &ReadArgs) -> Result<PathTable, Failure> {
-        self.path_in(read_path_table(&file.shown, &file.bytes, &self.format(read))?)
-    }
-
-    /// The options for a table.
-    pub fn format(&self, read: &ReadArgs) -> TableFormat {
-        TableFormat { drop_outliers: self.drop_outliers, ..read.format() }
-    }
-
-    /// Path of an arm from a table.
-    pub fn path_in(&self, table: PathTable) -> Result<PathTable, Failure> {
-        Ok(match self.resample {
-            Some(step_s) => table.resampled(step_s)?,
-            None => table,
-        })
+        let rows = table.rows().clone();
+        Ok(Wanted { motion: table.into_motion()?, rows })
     }
 
     /// Arguments for the record.
     pub fn arguments(&self) -> Vec<String> {
         let resample = self.resample.map(|step_s| option("--resample", step_s));
-        let dropped = self.drop_outliers.then(|| "--drop-outliers".to_owned());
-        resample.into_iter().flatten().chain(dropped).chain(self.of_one_link()).collect()
-    }
-
-    /// Arguments that do not apply to an arm's path.
-    pub fn of_one_link(&self) -> Vec<String> {
+        let dropped = self.drop_outliers.then(|| vec!["--drop-outliers".to_owned()]);
         let noise = self.noise.as_ref().map(|noise| option("--noise", &noise.text));
         let lowpass = self.lowpass.map(|hertz| option("--lowpass", hertz));
         let ends = match self.ends() {
             Ends::AtRest => None,
-            Ends::Moving => Some("--moving-ends".to_owned()),
-            Ends::Periodic => Some("--periodic".to_owned()),
+            Ends::Moving => Some(vec!["--moving-ends".to_owned()]),
+            Ends::Periodic => Some(vec!["--periodic".to_owned()]),
         };
-        [noise, lowpass].into_iter().flatten().flatten().chain(ends).collect()
+        [resample, dropped, noise, lowpass, ends].into_iter().flatten().flatten().collect()
     }
 
     fn ends(&self) -> Ends {
@@ -281,26 +256,11 @@ impl ScaleArgs {
     }
 
     /// Applies these factors to a motion.
-    pub fn scaled(&self, motion: TipMotion) -> Result<TipMotion, Failure> {
-        if self.scale() == MotionScale::default() {
-            return Ok(motion);
-        }
-        motion.scaled(self.scale()).map_err(|error| self.refused(&error))
-    }
-
-    /// Applies the factor on the duration to an arm's path.
-    pub fn scaled_path(&self, path: &PathTable) -> Result<PathTable, Failure> {
-        path.slowed(self.scale_duration).map_err(|error| self.refused(&error))
-    }
-
-    fn refused(&self, error: &MotionError) -> Failure {
-        let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
-        Failure::new(Exit::Usage, &message, error.hint())
-    }
-
-    /// Arguments that do not apply to an arm's path, which goes from place to place.
-    pub fn of_one_link(&self) -> Vec<String> {
-        scale_arguments(MotionScale { duration: 1.0, ..self.scale() })
+    pub fn scaled(&self, wanted: Wanted) -> Result<Wanted, Failure> {
+        wanted.scaled(self.scale()).map_err(|error| {
+            let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
+            Failure::new(Exit::Usage, &message, error.hint())
+        })
     }
 
     /// Arguments for the record.
@@ -317,34 +277,27 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
-/// Remarks on a link or an arm as its file has them, on its motion with `dropped` replaced samples, and on its
-/// solution.
-pub fn remarks(of_file: &[Remark], solution: &Solution, dropped: usize) -> Vec<Remark> {
-    let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
-    let of_motion = match &solution.motion {
-        Motion::Tip(motion) => {
+/// Remarks on a link or an arm as its file has them, on its motion, and on its solution; on the first `modes` of a
+/// link.
+pub fn remarks(
+    of_file: &[Remark],
+    solution: &Solution,
+    modes_rad_s: Option<&[f64]>,
+) -> Vec<Remark> {
+    let of_modes = solution.motion.tip().map(|_| {
+        let reported = || {
             let highest = TAU * solution.band.highest_hz;
             let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
             let within = modes.iter().filter(|omega| **omega <= highest).count();
             modes.truncate(within.max(1));
-            remarks_on_link((solution, motion), &modes)
-        }
-        Motion::Path(path) => {
-            let dropped = Remark::on_dropped(dropped).into_iter();
-            dropped.chain(Remark::on_path(path, travel_m, tolerance)).collect()
-        }
-    };
-    let of_motion = of_motion.into_iter().chain(Remark::on_timing(solution));
-    of_file.iter().cloned().chain(of_motion).collect()
-}
-
-/// Remarks on the first modes of a link, and on its motion.
-pub(crate) fn remarks_on_link(
-    (solution, motion): (&Solution, &TipMotion),
-    modes_rad_s: &[f64],
-) -> Vec<Remark> {
-    let (link, travel_m) = (solution.link(), solution.tip_travel_m());
-    let of_modes = Remark::on_modes(link, solution.mesh(), modes_rad_s);
-    let of_motion = Remark::on_motion(link, motion, travel_m, solution.analysis.tip_tolerance());
-    of_modes.into_iter().chain(of_motion).chain(Remark::on_jumps(solution)).collect()
+            modes
+        };
+        let modes_rad_s = modes_rad_s.map_or_else(reported, <[f64]>::to_vec);
+        Remark::on_modes(solution.link(), solution.mesh(), &modes_rad_s)
+    });
+    let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
+    let of_motion = Remark::on_motion(&solution.arm, &solution.motion, travel_m, tolerance);
+    let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
+    let of_motion = of_modes.into_iter().flatten().chain(of_motion);
+    of_file.iter().cloned().chain(of_motion).chain(of_solution).collect()
 }

@@ -14,7 +14,7 @@ use crate::response::{Feedback, HubReference, Interpolation};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
-use super::common::{angle_rad, finite, option, refuse_for_arms};
+use super::common::{angle_rad, finite, for_one_link, option};
 use super::moves::{AtRest, Begins, Moves, Moving};
 use super::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure};
@@ -274,7 +274,7 @@ impl PlayArgs {
                 ("--periodic", self.periodic),
             ];
             let option = of_one_link.into_iter().find(|(_, is_there)| *is_there);
-            return refuse_for_arms(option.map(|(name, _)| name.to_owned()));
+            return option.map_or(Ok(()), |(name, _)| Err(for_one_link(name)));
         }
         self.check_input()?;
         let refused = |option: &str, must| {

@@ -9,13 +9,12 @@ use crate::elastica::SecondOrder;
 use crate::inverse::Unwatched;
 use crate::response::{CycleError, Play, PlayError, Played, SimulationError, simulate};
 use crate::result::{Comparison, FollowedTarget, PlayedMetrics, TargetError};
-use crate::spec::ArmSpecification;
+use crate::spec::Specification;
 use crate::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
 use crate::text::{plain, shown_path};
 
 pub(crate) use self::options::Simulate;
 use self::options::shown;
-use crate::cli::options::inputs::described;
 use crate::cli::options::play::Playing;
 use crate::cli::terminal::files::{keep, keep_inputs};
 use crate::cli::terminal::text::simulate_text;
@@ -24,7 +23,7 @@ use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 /// The inputs, read.
 struct Inputs {
     file: InputFile,
-    specification: ArmSpecification,
+    specification: Specification,
     playing: Playing,
 }
 
@@ -65,19 +64,18 @@ impl Simulate {
         if let Some(path) = &self.play.save_state {
             keep_inputs("--save-state", path, &files)?;
         }
-        let file = InputFile::read_toml(&self.link.link)?;
-        let described = described(&file, &self.link.changes.overrides()?)?;
-        let specification = ArmSpecification::from(self.nodes.meshed(described)?);
-        let ArmSpecification { arm, analysis, .. } = &specification;
-        let is_large = analysis.second_order_of(&arm.links()[0].link) != SecondOrder::None;
-        let playing = self.play.load(arm, is_large, &self.read)?;
+        let (file, specification) = self.link.load()?;
+        let specification = self.nodes.meshed(specification)?;
+        let order = specification.analysis.second_order_of(specification.link());
+        let is_large = order != SecondOrder::None;
+        let playing = self.play.load(&specification.arm, is_large, &self.read)?;
         Ok(Inputs { file, specification, playing })
     }
 
     /// Plays the input until the time of the command line, or else to the later end of input and target. Computes the
     /// errors of the tip and of the simulation itself, and the difference from a recording.
     fn compute<'a>(&self, inputs: &'a Inputs, stages: &StageBar) -> Result<Computed<'a>, Failure> {
-        let Inputs { specification: ArmSpecification { arm, meshes, .. }, playing, .. } = inputs;
+        let Inputs { specification: Specification { arm, meshes, .. }, playing, .. } = inputs;
         let play = playing.moves.play();
         let refused = |error| self.refused(&error, inputs);
         let played = simulate(arm, meshes, &play, &|progress| stages.played(progress));

@@ -12,7 +12,7 @@ use crate::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, S
 use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};
-use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, described};
+use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, specification};
 use crate::cli::options::reading::ReadArgs;
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
@@ -148,11 +148,11 @@ impl<'a> Run<'a> {
         link_file: InputFile,
         motion_file: impl FnOnce() -> Result<InputFile, Failure>,
     ) -> Result<Self, Failure> {
-        let described =
-            options.nodes.meshed(described(&link_file, &options.changes.overrides()?)?)?;
+        let changes = options.changes.overrides()?;
+        let specification = options.nodes.meshed(specification(&link_file, &changes)?)?;
         let motion_file = motion_file()?;
         let how = (&options.read, &options.resample, &options.scale);
-        let problem = Problem::read((&link_file, described), &motion_file, how)?;
+        let problem = Problem::read((&link_file, specification), &motion_file, how)?;
         Ok(Self { options, link_file, motion_file, problem })
     }
 

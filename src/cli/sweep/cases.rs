@@ -7,19 +7,19 @@ use clap::Args;
 
 use crate::beam::Mesh;
 use crate::csv::{Digits, InputFile, TableFormat, read_torque_table_as};
-use crate::link::Link;
+use crate::link::Arm;
 use crate::modal::natural_frequencies;
-use crate::motion::{MotionScale, TipMotion};
+use crate::motion::MotionScale;
 use crate::response::Torque;
 use crate::result::Remark;
-use crate::spec::{ArmSpecification, Described, LinkDocument, Override, SpecError, Specification};
+use crate::spec::{LinkDocument, Override, SpecError, Specification};
 use crate::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
 use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
 
-use super::first::{First, FirstLink};
-use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option, refuse_for_arms};
-use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, scale_arguments};
+use super::first::{First, scaled};
+use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, for_one_link, option};
+use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, Wanted, scale_arguments};
 use crate::cli::options::play::HoldArgs;
 use crate::cli::options::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure, memory};
@@ -113,9 +113,9 @@ impl<'a> Cases<'a> {
         link_file.text()?;
         let mut motion_file = InputFile::read(motion)?;
         let document = LinkDocument::read(&link_file.shown, link_file.text()?)?;
-        let described = |case| -> Result<Described, SpecError> {
+        let described = |case| -> Result<Specification, SpecError> {
             let overrides = with_case(&overrides, &plan.case(case))?;
-            document.described(&link_file.shown, &overrides)
+            document.specification(&link_file.shown, &overrides)
         };
         let read =
             |case| First::read(described(case)?, &motion_file, (&shared.resample, &shared.read));
@@ -123,12 +123,9 @@ impl<'a> Cases<'a> {
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
-        match &first {
-            First::Link(first) => drop(shared.scale.scaled(first.motion.clone())?),
-            First::Arm { path, .. } => {
-                shared.refuse_for_arms(&plan)?;
-                shared.scale.scaled_path(path)?;
-            }
+        shared.scale.scaled(first.wanted.clone())?;
+        if shared.torque.torque.is_some() && first.periods.is_none() {
+            return Err(for_one_link("--torque"));
         }
         let torque_file = shared.torque.read()?;
         tell(&motion_file.shown, &reading);
@@ -137,7 +134,10 @@ impl<'a> Cases<'a> {
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
-        let kind = if torque_file.is_some() { SweepKind::Played } else { first.kind() };
+        let kind = match torque_file {
+            Some(_) => SweepKind::Played,
+            None => SweepKind::of_links(&first.links()),
+        };
         Ok(Self {
             plan,
             shared,
@@ -170,7 +170,7 @@ impl<'a> Cases<'a> {
             vary: vary.to_vec(),
             arguments: arguments.concat(),
         };
-        let identity = SweepIdentity::new(self.first.title(), inputs, self.plan.clone(), shard);
+        let identity = SweepIdentity::new(self.first.arm.title(), inputs, self.plan.clone(), shard);
         identity.with_links(self.first.links().into_iter())
     }
 
@@ -192,76 +192,47 @@ impl<'a> Cases<'a> {
         }
     }
 
-    /// The link file with the changes of a case.
+    /// The file of the link or the arm with the changes of a case, with as many links as the first case.
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
-        let found = self.document.specification(&self.link_file.shown, &overrides)?;
-        let analysis = found.analysis;
-        // The table holds none.
-        let without = self.shared.outputs.outputs.is_none();
-        let analysis = if without { analysis.without_tables() } else { analysis };
-        let mesh = self.shared.outputs.nodes.mesh(&found.link, found.mesh).map_err(of_case)?;
-        Ok(Specification { mesh, analysis, ..found })
+        let read = self.document.specification(&self.link_file.shown, &overrides)?;
+        let [links, must] = [&read.arm, &self.first.arm].map(|arm| arm.links().len());
+        if links != must {
+            let message =
+                format!("links = {links}, but must be {must}, as many as in the first case");
+            return Err(Failure::new(Exit::InputRefused, &message, None));
+        }
+        let OutputsArgs { outputs, nodes, .. } = &self.shared.outputs;
+        let own = nodes.meshed(read).map_err(of_case)?;
+        // The table of a sweep has no histories; the errors of an arm count them all the same.
+        let is_short = outputs.is_none() && links == 1;
+        let analysis = if is_short { own.analysis.without_tables() } else { own.analysis };
+        Ok(Specification { analysis, ..own })
     }
 
-    /// The arm file with the changes of a case, with the same joints as the first case.
-    pub(crate) fn arm(&self, values: &CaseValues) -> Result<ArmSpecification, Failure> {
-        let overrides = with_case(&self.overrides, values)?;
-        let must = self.first.links().len();
-        let links = match self.document.described(&self.link_file.shown, &overrides)? {
-            Described::Arm(mut found) if found.arm.links().len() == must => {
-                let nodes = &self.shared.outputs.nodes;
-                nodes.meshes(&found.arm, &mut found.meshes).map_err(of_case)?;
-                return Ok(*found);
-            }
-            Described::Arm(found) => found.arm.links().len(),
-            Described::Link(_) => 1,
-        };
-        let message = format!("links = {links}, but must be {must}, as many as in the first case");
-        Err(Failure::new(Exit::InputRefused, &message, None))
-    }
-
-    /// Remarks on unusual input of a case that need not be solved. Only a solution shows jumps, and the digits of an
-    /// arm's path.
+    /// Remarks on unusual input of a case that need not be solved. Only a solution shows jumps.
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
-        let First::Link(first) = &self.first else {
-            return self.arm(&values).map(|found| found.remarks).unwrap_or_default();
-        };
-        let Ok(Specification { link, mesh, analysis, remarks, .. }) = self.specification(&values)
-        else {
-            return Vec::new();
-        };
-        let Ok(mesh) = Mesh::new(&link, &mesh) else { return remarks };
-        let of_modes = Remark::on_modes(&link, &mesh, &natural_frequencies(&mesh, 1));
-        let of_motion = self.motion_of(first, &link, values.motion).map(|motion| {
-            let target = motion.target(motion.grid().time_s(0), motion.grid().end_s());
-            let travel_m = target.largest_travel_m();
-            Remark::on_motion(&link, &motion, travel_m, analysis.tip_tolerance())
+        let Ok(own) = self.specification(&values) else { return Vec::new() };
+        let (remarks, is_link) = (own.remarks.clone(), own.arm.links().len() == 1);
+        let Ok(mesh) = Mesh::new(own.link(), own.mesh()) else { return remarks };
+        let of_modes = || Remark::on_modes(own.link(), &mesh, &natural_frequencies(&mesh, 1));
+        let of_modes = if is_link { of_modes() } else { Vec::new() };
+        let of_motion = self.motion_of(&own.arm, values.motion).map(|Wanted { motion, .. }| {
+            let tolerance = own.analysis.tip_tolerance();
+            Remark::on_motion(&own.arm, &motion, motion.largest_travel_m(), tolerance)
         });
         [remarks, of_modes, of_motion.unwrap_or_default()].concat()
     }
 
-    /// The motion of a link's tip. Angles are arcs of its length, and a sweep may vary this length and the start
-    /// angle.
-    pub(crate) fn motion_of(
-        &self,
-        FirstLink { link: first, motion, .. }: &FirstLink,
-        link: &Link,
-        varied: MotionScale,
-    ) -> Result<TipMotion, Failure> {
+    /// The motion of a case, which scales it.
+    pub(crate) fn motion_of(&self, arm: &Arm, varied: MotionScale) -> Result<Wanted, Failure> {
         let scale = self.shared.scale.scale() * varied;
-        // The start angle of a link with gravity must equal that of a motion in angles.
-        let reads_alike = link.gravity() == first.gravity()
-            && link.length_m().total_cmp(&first.length_m()).is_eq();
-        let scaled = if reads_alike {
-            motion.scaled(scale)
-        } else {
-            let Self { shared, motion_file, .. } = self;
-            let (motion, _) = shared.resample.motion_of(motion_file, link, &shared.read)?;
-            motion.scaled(scale)
-        };
-        scaled.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))
+        if let Some(motion) = self.first.motion_of(arm, scale) {
+            return motion;
+        }
+        let Self { shared, motion_file, .. } = self;
+        scaled(&shared.resample.motion_of(motion_file, arm, &shared.read)?.0, scale)
     }
 
     /// The arguments of `solve` that shape the results of this case, for the record.
@@ -277,21 +248,6 @@ impl<'a> Cases<'a> {
             self.shared.read.arguments(),
         ]
         .concat()
-    }
-}
-
-impl CaseArgs {
-    /// Refuses options for one link only.
-    fn refuse_for_arms(&self, plan: &SweepPlan) -> Result<(), Failure> {
-        let torque = self.torque.torque.as_ref().map(|_| "--torque".to_owned());
-        let of_motion = [self.resample.of_one_link(), self.scale.of_one_link()].concat();
-        refuse_for_arms(of_motion.into_iter().chain(torque))?;
-        if plan.variations().iter().any(|variation| variation.path() == "distance") {
-            let message = "--vary: distance is for one link, and the arm has several";
-            let hint = "duration*= scales the times of a path, which goes from place to place";
-            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
-        }
-        Ok(())
     }
 }
 
@@ -349,7 +305,7 @@ impl OutputsArgs {
 
 /// Refuses a variation if a later one sets the same value again under another name.
 fn refuse_without_effect(
-    read: impl Fn(usize) -> Option<Described>,
+    read: impl Fn(usize) -> Option<Specification>,
     plan: &SweepPlan,
 ) -> Result<(), Failure> {
     let Some(first) = read(0) else { return Ok(()) };
@@ -364,7 +320,7 @@ fn refuse_without_effect(
         if read(case).is_some_and(|second| second == first) {
             let changes = variation.changes();
             let shown: Vec<_> = changes[..2].iter().map(|change| excerpt(change)).collect();
-            let what = if let Described::Link(_) = first { "link" } else { "arm" };
+            let what = if first.arm.links().len() == 1 { "link" } else { "arm" };
             let message = format!("--vary: {} give the same {what}", shown.join(" and "));
             let hint = "a later --vary may set the same value under another name";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));

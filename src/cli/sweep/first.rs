@@ -1,80 +1,59 @@
-//! The first case of a sweep: a link and its motion, or an arm and its path.
+//! The first case of a sweep: a link or an arm, and its motion.
 
-use crate::csv::{InputFile, PathTable, Reading};
+use crate::csv::{InputFile, Reading};
 use crate::link::{Arm, Link};
-use crate::motion::{Periods, TipMotion};
-use crate::spec::{ArmSpecification, Described, Specification};
-use crate::sweep::SweepKind;
+use crate::motion::{MotionError, MotionScale, Periods};
+use crate::spec::Specification;
 
-use crate::cli::options::inputs::ResampleArgs;
+use crate::cli::options::inputs::{ResampleArgs, Wanted};
 use crate::cli::options::reading::ReadArgs;
-use crate::cli::terminal::Failure;
+use crate::cli::terminal::{Exit, Failure};
 
 /// The first readable case, and the inputs that others share with it.
-pub(super) enum First {
-    /// A link and its motion.
-    Link(Box<FirstLink>),
-    /// An arm and the table of its path.
-    Arm { arm: Arm, path: Box<PathTable> },
-}
-
-/// The link of the first case, its motion, and the periods of this motion, which most cases share.
-pub(super) struct FirstLink {
-    pub(super) link: Link,
-    pub(super) motion: TipMotion,
-    pub(super) periods: Periods,
+pub(super) struct First {
+    pub(super) arm: Arm,
+    pub(super) wanted: Wanted,
+    /// The periods of the motion of a link's tip, which most cases share.
+    pub(super) periods: Option<Periods>,
 }
 
 impl First {
-    /// Reads the motion of a link, or the path of an arm.
+    /// Reads the motion of a link or an arm.
     pub(super) fn read(
-        found: Described,
+        Specification { arm, .. }: Specification,
         file: &InputFile,
         (resample, read): (&ResampleArgs, &ReadArgs),
     ) -> Result<(Self, Reading), Failure> {
-        match found {
-            Described::Link(found) => {
-                let Specification { link, .. } = *found;
-                let (motion, reading) = resample.motion_of(file, &link, read)?;
-                let periods = Periods::of(&motion);
-                Ok((Self::Link(Box::new(FirstLink { link, motion, periods })), reading))
-            }
-            Described::Arm(found) => {
-                let path = resample.path_of(file, read)?;
-                let ArmSpecification { arm, .. } = *found;
-                path.path(&arm.lengths_m())?;
-                let reading = path.reading().clone();
-                Ok((Self::Arm { arm, path: Box::new(path) }, reading))
-            }
-        }
+        let (wanted, reading) = resample.motion_of(file, &arm, read)?;
+        let periods = wanted.motion.tip().map(Periods::of);
+        Ok((Self { arm, wanted, periods }, reading))
     }
 
-    /// The first case with `name` as the name of its path in errors.
+    /// The first case with `name` as the name of its motion's file in errors.
     pub(super) fn named(self, name: &str) -> Self {
-        match self {
-            Self::Arm { arm, path } => Self::Arm { arm, path: Box::new(path.named(name)) },
-            link @ Self::Link(_) => link,
-        }
+        let Wanted { motion, rows } = self.wanted;
+        Self { wanted: Wanted { motion, rows: rows.named(name) }, ..self }
     }
 
-    /// Kind of the numbers in its rows.
-    pub(super) fn kind(&self) -> SweepKind {
-        SweepKind::of_links(&self.links())
+    /// Its motion over another distance and duration, if a file would be the same motion of this arm, whose links may
+    /// differ: angles are arcs of one link's length, and its start angle is that of a motion in angles.
+    pub(super) fn motion_of(
+        &self,
+        arm: &Arm,
+        scale: MotionScale,
+    ) -> Option<Result<Wanted, Failure>> {
+        let read_by = |arm: &Arm| (arm.lengths_m(), arm.links()[0].link.gravity().copied());
+        (read_by(arm) == read_by(&self.arm)).then(|| scaled(&self.wanted, scale))
     }
 
-    /// The link, or the links of the arm.
+    /// The links.
     pub(super) fn links(&self) -> Vec<&Link> {
-        match self {
-            Self::Link(first) => vec![&first.link],
-            Self::Arm { arm, .. } => arm.links().iter().map(|own| &own.link).collect(),
-        }
+        self.arm.links().iter().map(|own| &own.link).collect()
     }
+}
 
-    /// Title of the link or the arm.
-    pub(super) fn title(&self) -> &str {
-        match self {
-            Self::Link(first) => first.link.title(),
-            Self::Arm { arm, .. } => arm.title(),
-        }
-    }
+/// A motion over another distance and duration; an error is that of a case.
+pub(super) fn scaled(wanted: &Wanted, scale: MotionScale) -> Result<Wanted, Failure> {
+    let refused = |error: MotionError| Failure::new(Exit::InputRefused, &error, error.hint());
+    wanted.scaled(scale).map_err(refused)
 }

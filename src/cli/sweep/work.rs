@@ -1,13 +1,10 @@
 //! The work of one case of a sweep, and its result.
 
 use std::path::Path;
-use std::slice::from_ref;
 
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::{Resources, Unwatched};
-use crate::link::Arm;
-use crate::motion::Motion;
 use crate::response::{Play, PlayError, Torque, simulate};
 use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark, TipPlaces};
 use crate::spec::Specification;
@@ -17,9 +14,9 @@ use crate::store::{
 use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase, SweepKind};
 
 use super::cases::Cases;
-use super::first::{First, FirstLink};
 use super::tally::of_limit;
-use crate::cli::options::inputs::{remarks, remarks_on_link};
+use crate::cli::options::common::for_one_link;
+use crate::cli::options::inputs::{Wanted, remarks};
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::{Exit, Failure, memory};
 
@@ -54,50 +51,35 @@ impl Outcome {
 impl Cases<'_> {
     /// Works on a case, numbered from 0, within its share of the memory.
     pub(crate) fn outcome(&self, case: usize) -> Outcome {
-        let found = self.within_memory(|bytes| match (&self.first, &self.torque_file) {
-            (First::Link(first), Some(torque)) => self.play(case, first, torque, bytes),
-            _ => self.solve(case, bytes),
+        let found = self.within_memory(|bytes| match &self.torque_file {
+            Some(torque) => self.play(case, torque, bytes),
+            None => self.solve(case, bytes),
         });
         Outcome::of(found, || self.remarks(case))
     }
 
     /// The link or the arm of a case with its motion.
     fn problem(&self, values: &CaseValues) -> Result<Problem, Failure> {
-        match &self.first {
-            First::Link(first) => {
-                let specification = self.specification(values)?;
-                let motion = self.motion_of(first, &specification.link, values.motion)?;
-                Ok(Problem::of_link(&self.motion_file.shown, specification, motion))
-            }
-            First::Arm { path, .. } => {
-                let scale = self.shared.scale.scale() * values.motion;
-                let specification = self.arm(values)?;
-                let path = path.slowed(scale.duration);
-                let path =
-                    path.map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-                Problem::of_arm(&self.link_file, specification, path)
-            }
-        }
+        let specification = self.specification(values)?;
+        let wanted = self.motion_of(&specification.arm, values.motion)?;
+        Ok(Problem::of(&self.link_file, specification, wanted))
     }
 
     /// Solves a case, numbered from 0.
     fn solve(&self, case: usize, memory_bytes: Option<usize>) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let problem = self.problem(&values)?;
-        let periods = match &self.first {
-            First::Link(first) => Some(&first.periods),
-            First::Arm { .. } => None,
-        };
+        let periods = self.first.periods.as_ref();
         let resources = Resources { memory_bytes, periods, ..Resources::default() };
         let solved = problem.solved_within(&resources)?;
-        let (of_file, dropped) = (&problem.specification.remarks, problem.dropped());
+        let of_file = &problem.specification.remarks;
         let Solved { solution, metrics, exceeded, .. } = &solved;
         let found = SolvedCase::of(solution, metrics);
         let numbers = self.kind.solved(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
-            let remarks = remarks(of_file, solution, dropped);
+            let remarks = remarks(of_file, solution, None);
             let findings = Findings { remarks: &remarks, ..solved.findings(None) };
             let outputs = self.shared.outputs.of_case(&solution.nodes_m())?;
             let summary = Summary::of_solution(inputs, solution, metrics, &findings, &outputs);
@@ -108,14 +90,7 @@ impl Cases<'_> {
         let notices = solution.warnings.iter().map(Notice::from);
         let notices = notices.chain(exceeded.iter().map(of_limit)).collect();
         // The tally alone does not need a link's modes above the first.
-        let remarks = match &solution.motion {
-            Motion::Tip(motion) => {
-                let of_link = remarks_on_link((solution, motion), found.first_rad_s.as_slice());
-                let of_timing = Remark::on_timing(solution);
-                of_file.iter().cloned().chain(of_link).chain(of_timing).collect()
-            }
-            Motion::Path(_) => remarks(of_file, solution, dropped),
-        };
+        let remarks = remarks(of_file, solution, Some(found.first_rad_s.as_slice()));
         Ok((numbers, notices, remarks))
     }
 
@@ -123,15 +98,16 @@ impl Cases<'_> {
     fn play(
         &self,
         case: usize,
-        first: &FirstLink,
         (torque_file, torque): &(InputFile, Torque),
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
-        let Specification { link, mesh, remarks, analysis, limits } =
-            &self.specification(&values)?;
-        let motion = self.motion_of(first, link, values.motion)?;
+        let own = &self.specification(&values)?;
+        let Specification { arm, meshes, remarks, analysis, limits, .. } = own;
+        let link = own.link();
+        let Wanted { motion, .. } = self.motion_of(arm, values.motion)?;
         let grid = torque.grid();
+        let motion = motion.into_tip().ok_or_else(|| for_one_link("--torque"))?;
         let target = motion.target(grid.time_s(0), grid.end_s());
         let play = Play {
             until_s: Some(grid.end_s().max(target.grid().end_s())),
@@ -142,19 +118,18 @@ impl Cases<'_> {
             start_angle_rad: target.start_angle_rad(),
             ..Play::of(torque)
         };
-        let arm = Arm::from(link.clone());
-        let played = simulate(&arm, from_ref(mesh), &play, &|_| {})?;
+        let played = simulate(arm, meshes, &play, &|_| {})?;
         let target = FollowedTarget::of(&played, &TipPlaces::from(&target))?;
-        let error = PlayError::of(&played, &arm, &play)?;
+        let error = PlayError::of(&played, arm, &play)?;
         let metrics = PlayedMetrics::of(&played);
         let tip_error = &target.tip_error;
         let run = PlayedRun {
-            arm: &arm,
+            arm,
             play: &play,
             played: &played,
             metrics: &metrics,
             error: error.as_ref(),
-            limits: from_ref(limits),
+            limits,
             target: Some(&target),
             comparison: None,
         };
@@ -173,7 +148,7 @@ impl Cases<'_> {
             let outputs = self.shared.outputs.of_case(&[played.mesh().nodes_m()])?;
             memory::check_nodes(outputs.simulation_bytes(&played), memory_bytes)?;
             let summary = Summary::of_played(inputs, &run);
-            let tables = RunTables::of_played((&arm, &played), run.target, &outputs)?;
+            let tables = RunTables::of_played((arm, &played), run.target, &outputs)?;
             outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
         }
         let notices = run.notices(of_limit);

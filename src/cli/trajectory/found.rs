@@ -11,7 +11,7 @@ use crate::result::{
     Along, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak, Remark,
     shortest_fit,
 };
-use crate::spec::{ArmSpecification, Override, SpecError};
+use crate::spec::{Override, SpecError, Specification};
 use crate::text::{excerpt, plain, significant, visible};
 
 /// Name of the choice of the profile with the shortest motion.
@@ -65,7 +65,7 @@ impl Search {
     pub(super) fn found(
         &self,
         along: Along,
-        arm: Option<&ArmSpecification>,
+        arm: Option<&Specification>,
     ) -> Result<Found, Failure> {
         let is_cycle = along.ends() == Ends::Periodic;
         let Some(arm) = arm.filter(|_| self.steps.is_none() || is_cycle) else {
@@ -106,11 +106,11 @@ impl Search {
     /// The cycle of the command line, solved.
     fn solved(
         &self,
-        specification: &ArmSpecification,
+        specification: &Specification,
         course: &Course,
         given: &Found,
     ) -> Result<Solution, Failure> {
-        let ArmSpecification { arm, meshes, analysis, .. } = specification;
+        let Specification { arm, meshes, analysis, .. } = specification;
         let columns = course.sampled(given.profile, self.step_s, given.steps, [0, 0]);
         let columns = columns.map_err(|error| not_made(&error))?;
         let motion = TipMotion::with_ends(columns, course.ends())
@@ -123,10 +123,10 @@ impl Search {
     /// The shortest motion within the limits.
     fn shortest(
         &self,
-        specification: &ArmSpecification,
+        specification: &Specification,
         along: Along,
     ) -> Result<(Found, Solution), Failure> {
-        let ArmSpecification { arm, meshes: plans, analysis, limits, .. } = specification;
+        let Specification { arm, meshes: plans, analysis, limits, .. } = specification;
         refuse_no_limit(limits)?;
         let (profile, fit) = self.searched(|profile| {
             let motion = OpenMotion { profile, along, step_s: self.step_s };

@@ -4,19 +4,19 @@ mod found;
 mod path;
 
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use self::found::{Choice, Found, Limited, Search, limits, not_made, profiles};
 use self::path::{PathArgs, Travel, reached, refused, travel};
 use crate::cli::options::common::seconds;
-use crate::cli::options::inputs::{ChangeArgs, described, specification};
+use crate::cli::options::inputs::{ChangeArgs, specification};
 use crate::cli::terminal::{Exit, Failure, WarningArgs, console, memory};
 use crate::csv::{Digits, InputFile, write_path, write_trajectory};
 use crate::motion::{Course, Curve, MotionColumns, PathColumns};
 use crate::result::Along;
-use crate::spec::{ArmSpecification, Described, Specification};
+use crate::spec::Specification;
 use crate::text::{given, plain};
 
 /// Distances in m and steps in s that keep all samples finite and not 0.
@@ -137,10 +137,9 @@ impl Trajectory {
 
     /// The motion of a link's tip, with its profile and duration.
     pub fn motion(&self) -> Result<(MotionColumns, Found), Failure> {
-        let specification = self.specification()?;
-        let course = self.course(specification.as_ref())?;
-        let arm = specification.map(ArmSpecification::from);
-        let found = self.search()?.found(Along::Arc(&course), arm.as_ref())?;
+        let link = self.specification(Limited::Link)?;
+        let course = self.course(link.as_ref())?;
+        let found = self.search()?.found(Along::Arc(&course), link.as_ref())?;
         let rest = self.rests(found.steps, BYTES_PER_SAMPLE)?;
         let columns = course.sampled(found.profile, self.step, found.steps, rest);
         Ok((columns.map_err(|error| not_made(&error))?, found))
@@ -150,7 +149,7 @@ impl Trajectory {
     pub fn path_along(
         &self,
         curve: &Curve,
-        arm: Option<&ArmSpecification>,
+        arm: Option<&Specification>,
     ) -> Result<(PathColumns, Found), Failure> {
         let along = Along::Curve(curve, self.path.outer_rad());
         let found = self.search()?.found(along, arm)?;
@@ -187,8 +186,8 @@ impl Trajectory {
 
     /// Writes the path of an arm's tip along a curve, unless it is out of the arm's reach.
     fn write_path(&self, curve: &Curve) -> Result<(), Failure> {
-        let arm = self.link.as_deref().map(|link| self.arm(link)).transpose()?;
-        let (columns, Found { comment, warnings, .. }) = self.path_along(curve, arm.as_deref())?;
+        let arm = self.arm()?;
+        let (columns, Found { comment, warnings, .. }) = self.path_along(curve, arm.as_ref())?;
         let mut text = comment.into_bytes();
         write_path(&mut text, &columns, self.digits)
             .map_err(|cause| Failure::new(Exit::CannotWrite, &cause, None))?;
@@ -256,16 +255,36 @@ impl Trajectory {
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
     }
 
-    /// The link of --link, with the limits of the command line; `None` without it.
-    fn specification(&self) -> Result<Option<Specification>, Failure> {
+    /// The link or the arm of --link, with the limits of the command line; `None` without it.
+    fn specification(&self, of: Limited) -> Result<Option<Specification>, Failure> {
         let Some(link) = &self.link else { return Ok(None) };
         let file = InputFile::read_toml(link)?;
-        // Reads the file first without the limits, because an arm has their keys elsewhere.
+        // Reads the file first without the limits, because a link has their keys elsewhere than an arm.
         let own = specification(&file, &self.changes.overrides()?)?;
-        if self.fit_limit.is_empty() {
-            return Ok(Some(own));
+        let refused = match (of, &own.lines[..]) {
+            (Limited::Link, [_, second, ..]) => {
+                let line = second.map(|line| format!(":{line}")).unwrap_or_default();
+                let why = "one link is needed here, but the file has several";
+                let hint = "`flexlink solve` takes arms of several links";
+                Some((format!("{}{line}: {why}", file.shown), hint))
+            }
+            (Limited::Arm, [_]) => {
+                let why = "a file of one link, but must be a file of an arm with --path";
+                let hint = "--distance makes the motion of one link's tip";
+                Some((format!("--link = {}, {why}", file.shown), hint))
+            }
+            _ => None,
+        };
+        match refused {
+            Some((message, hint)) => Err(Failure::new(Exit::InputRefused, &message, Some(hint))),
+            None if self.fit_limit.is_empty() => Ok(Some(own)),
+            None => specification(&file, &limits(&self.changes, &self.fit_limit, of)?).map(Some),
         }
-        specification(&file, &limits(&self.changes, &self.fit_limit, Limited::Link)?).map(Some)
+    }
+
+    /// The arm of --link, with the limits of the command line; `None` without it.
+    pub fn arm(&self) -> Result<Option<Specification>, Failure> {
+        self.specification(Limited::Arm)
     }
 
     /// Travels of --via and --distance, with their options.
@@ -289,22 +308,6 @@ impl Trajectory {
         let dwell = self.steps("--dwell", self.dwell, 0.0)?;
         let course = Course::through(stops_m, dwell).map_err(|error| not_made(&error))?;
         Ok(if self.cycle { course.there_and_back() } else { course })
-    }
-
-    /// The arm of a file, with the limits of the command line.
-    pub fn arm(&self, link: &Path) -> Result<Box<ArmSpecification>, Failure> {
-        let file = InputFile::read_toml(link)?;
-        match described(&file, &limits(&self.changes, &self.fit_limit, Limited::Arm)?)? {
-            Described::Arm(arm) => Ok(arm),
-            Described::Link(_) => {
-                let message = format!(
-                    "--link = {}, a file of one link, but must be a file of an arm with --path",
-                    file.shown
-                );
-                let hint = "--distance makes the motion of one link's tip";
-                Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
-            }
-        }
     }
 
     /// A time in whole steps.
@@ -335,7 +338,7 @@ fn displacement_m(
 ) -> Result<f64, Failure> {
     let distance_m = match (travel, specification) {
         (Travel::Length(length_m), _) => length_m,
-        (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link.length_m(),
+        (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link().length_m(),
         (Travel::Angle(angle_rad), None) => {
             let angle = given(angle_rad);
             let message = format!("{option} = {angle} rad, but must be a length without --link");

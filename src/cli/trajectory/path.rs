@@ -6,11 +6,11 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::options::common::{angle_rad, quantity};
 use crate::cli::terminal::{Exit, Failure, console};
-use crate::csv::{TableFormat, read_path_table};
+use crate::csv::{TableFormat, read_motion_table_as};
 use crate::inverse::{SolutionWarning, check_reach};
 use crate::motion::{ArmPath, Curve};
 use crate::numeric::Dimension;
-use crate::spec::ArmSpecification;
+use crate::spec::Specification;
 use crate::text::plain;
 
 const PATHS: &str = "Paths of arms";
@@ -198,16 +198,18 @@ pub(super) fn refused(error: &dyn Display, hint: Option<&str>) -> Failure {
 
 /// Refuses a written path that `solve` would not begin to solve, and names its row. Prints the warning of an elbow
 /// that is nearly stretched or folded, and returns the number of warnings.
-pub(super) fn reached(written: &[u8], arm: &ArmSpecification) -> Result<usize, Failure> {
-    let table = read_path_table("--path", written, &TableFormat::default())?;
-    let columns = table.columns();
+pub(super) fn reached(written: &[u8], arm: &Specification) -> Result<usize, Failure> {
+    let (lengths_m, format) = (arm.arm.lengths_m(), TableFormat::default());
+    let table = read_motion_table_as("--path", written, &lengths_m, &format)?;
+    let columns = table.path_columns().cloned().unwrap_or_default();
+    let time_s = columns.time_s.clone();
     let refused = |sample: Option<usize>, error: &dyn Display, hint: Option<&str>| {
         let place = sample.map_or(String::new(), |sample| {
-            format!("row {}, at {} s: ", sample + 1, plain(columns.time_s[sample]))
+            format!("row {}, at {} s: ", sample + 1, plain(time_s[sample]))
         });
         Failure::new(Exit::InputRefused, &format!("--path: {place}{error}"), hint)
     };
-    let path = ArmPath::new(columns.clone(), &arm.arm.lengths_m())
+    let path = ArmPath::new(columns, &lengths_m)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;
     let warning = check_reach(&arm.arm, &path)
         .map_err(|error| refused(error.sample(), &error, error.hint()))?;

@@ -110,8 +110,8 @@ impl FromStr for Decimal {
 /// use flexlink::csv::{TableFormat, read_motion_table_as};
 /// let format = TableFormat { columns: vec!["time=1".parse()?, "displacement=3".parse()?], ..Default::default() };
 /// let file = b"0;7;0\n0,5;7;1,25\n1;7;2\n1,5;7;3\n";
-/// let motion = read_motion_table_as("move.csv", file, 1.5, &format)?;
-/// assert_eq!(motion.columns().displacement_m.as_deref(), Some(&[0.0, 1.25, 2.0, 3.0][..]));
+/// let motion = read_motion_table_as("move.csv", file, &[1.5], &format)?;
+/// assert_eq!(motion.columns().unwrap().displacement_m.as_deref(), Some(&[0.0, 1.25, 2.0, 3.0][..]));
 /// let note = motion.reading().note();
 /// assert_eq!(note.as_deref(), Some("read ; as delimiter, decimal comma, time from column 1, \
 ///     displacement from column 3 in m"));

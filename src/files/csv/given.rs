@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 
 use super::format::Reading;
-use super::motion::MotionTable;
+use super::motion::{MotionTable, SampleRows, Sampled};
 use super::outliers::Judged;
-use super::path::PathTable;
 use super::place::Place;
 use super::quality::digits_of;
 use super::rows::TableError;
@@ -42,21 +41,23 @@ impl MotionTable {
         let given = given.into_iter().filter_map(|(own, values)| Some((own, values.as_deref()?)));
         check(name, time_s, given.collect())?;
         let in_place = columns.displacement_m.as_deref().and_then(|own| rounded(own, 1.0));
-        Ok(Self::of_checked(name, columns, in_place))
+        Ok(Self::of_tip(name, columns, (in_place, None)))
     }
 
-    fn of_checked(name: &str, columns: MotionColumns, in_place: Option<Uncertainty>) -> Self {
+    fn of_tip(
+        name: &str,
+        columns: MotionColumns,
+        (in_place, first_angle_rad): (Option<Uncertainty>, Option<f64>),
+    ) -> Self {
         let integrated = [&columns.acceleration_m_s2, &columns.velocity_m_s]
             .map(|own| own.as_deref().and_then(rounding));
-        Self {
-            recording: digits_of(&columns, in_place, integrated),
-            columns,
-            name: name.to_owned(),
-            lines: Vec::new(),
-            reading: Reading::default(),
-            first_angle_rad: None,
-            ends: Ends::default(),
-        }
+        let recording = digits_of(&columns, in_place, integrated);
+        Self::of_arrays(name, Sampled::Tip { columns, recording, first_angle_rad })
+    }
+
+    fn of_arrays(name: &str, sampled: Sampled) -> Self {
+        let (reading, ends) = (Reading::default(), Ends::default());
+        Self { sampled, rows: SampleRows::of_arrays(name), reading, ends }
     }
 
     /// [`MotionTable::of_columns`] for the angle of the tip, whose arc is the displacement.
@@ -74,25 +75,25 @@ impl MotionTable {
         let columns = MotionColumns { time_s, displacement_m, ..MotionColumns::default() };
         let first_angle_rad = angle_rad.first().copied();
         let in_place = rounded(angle_rad, link_length_m);
-        Ok(Self { first_angle_rad, ..Self::of_checked(name, columns, in_place) })
+        Ok(Self::of_tip(name, columns, (in_place, first_angle_rad)))
     }
-}
 
-impl PathTable {
-    /// Makes a table of a program's samples, with decimals as in [`MotionTable::of_columns`]. Errors call it `name`.
+    /// [`MotionTable::of_columns`] for the path of an arm with links of these lengths.
     ///
     /// # Errors
     /// Those of [`MotionTable::of_columns`].
-    pub fn of_columns(name: &str, mut columns: PathColumns) -> Result<Self, TableError> {
-        let given = columns.tip.iter().flatten().chain(columns.angles.iter().flatten());
-        let given = given.map(|column| (column.name.as_str(), &column.values[..]));
+    pub fn of_path(
+        name: &str,
+        mut columns: PathColumns,
+        lengths_m: &[f64],
+    ) -> Result<Self, TableError> {
+        let given = columns.each().map(|column| (column.name.as_str(), &column.values[..]));
         check(name, &columns.time_s, given.collect())?;
-        for own in columns.tip.iter_mut().flatten().chain(columns.angles.iter_mut().flatten()) {
+        for (own, _) in columns.each_mut(lengths_m) {
             let uncertainty = &mut own.recording.uncertainty;
             *uncertainty = uncertainty.or_else(|| rounded(&own.values, 1.0));
         }
-        let reading = Reading::default();
-        Ok(Self { columns, name: name.to_owned(), lines: Vec::new(), reading })
+        Ok(Self::of_arrays(name, Sampled::Path { columns, lengths_m: lengths_m.to_vec() }))
     }
 }
 
@@ -184,7 +185,7 @@ mod tests {
             let rows: String = rows.collect();
             let read = |head: &str| {
                 let file = format!("{head}{rows}");
-                read_motion_table("motion", file.as_bytes(), 1.5).unwrap().recording
+                read_motion_table("motion", file.as_bytes(), 1.5).unwrap().sampled
             };
             let displacement_m = Some(values.clone());
             let columns = MotionColumns {
@@ -193,9 +194,9 @@ mod tests {
                 ..MotionColumns::default()
             };
             let given = MotionTable::of_columns("motion", columns).unwrap();
-            assert_eq!(given.recording, read("time,displacement\n"));
+            assert_eq!(given.sampled, read("time,displacement\n"));
             let given = MotionTable::of_angle("motion", time_s, &values, 1.5).unwrap();
-            assert_eq!(given.recording, read("time,angle\n"));
+            assert_eq!(given.sampled, read("time,angle\n"));
         }
     }
 

@@ -12,7 +12,6 @@ mod motion;
 mod motion_columns;
 mod number;
 mod outliers;
-mod path;
 mod place;
 mod quality;
 mod record;
@@ -33,11 +32,11 @@ pub use joints::{
     read_tip_places, read_torque_table, read_torque_table_as,
 };
 pub use motion::{
-    MotionTable, read_motion_table, read_motion_table_as, read_target, write_trajectory,
+    MotionTable, SampleRows, read_motion_table, read_motion_table_as, read_target, write_path,
+    write_trajectory,
 };
 pub(crate) use number::time_format;
 pub use number::{Digits, NumberFormat};
-pub use path::{PathTable, read_path_table, write_path};
 pub use record::{RecordTable, read_decay, read_record, read_recording, read_recording_as};
 pub use response::{ResponseTable, read_frequency_response};
 pub(crate) use rows::{CHECK, Place, check_content, quoted, read_rows, utf8, without_checks};

@@ -1,34 +1,83 @@
 use std::io::{self, Write};
 
 use super::format::{Reading, TableFormat};
-use super::heading::{ACCELERATION, ANGLE, DISPLACEMENT, TIME, VELOCITY};
-use super::motion_columns::{motion_columns, take_angle};
+use super::heading::{
+    ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
+};
+use super::motion_columns::{motion_columns, path_columns, take_angle};
 use super::number::Digits;
 use super::outliers::settle;
 use super::place::BY_HEADINGS;
 use super::quality::digits_of;
 use super::rows::{Place, TableError};
-use super::samples::{Samples, grid_of};
-use super::table::{group, write_over_time};
+use super::samples::{Samples, grid_of, refuse_samples};
+use super::table::{Column, ColumnGroup, group, write_over_time};
 use super::uniform::{Uniform, whole_steps};
 use crate::link::Gravity;
-use crate::motion::{Ends, MotionColumns, Recording, TipTarget, Uncertainty};
+use crate::motion::{
+    Ends, MotionColumns, PathColumn, PathColumns, Recording, TipTarget, Uncertainty, refuse_jump,
+};
 use crate::numeric::{SplineEnds, TimeGrid};
 use crate::recording::{Rounding, jitter};
 use crate::result::Remark;
 
-/// A tip motion read from a file, in SI, with the line of each sample.
+/// A wanted motion of a link's tip, or the path of an arm, read from a file or arrays, in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionTable {
-    pub(super) columns: MotionColumns,
+    pub(super) sampled: Sampled,
+    pub(super) rows: SampleRows,
+    pub(super) reading: Reading,
+    pub(super) ends: Ends,
+}
+
+/// The columns of a motion.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Sampled {
+    /// The tip of one link along its arc.
+    Tip {
+        columns: MotionColumns,
+        /// Quality of the samples.
+        recording: Recording,
+        /// The first angle in rad, if the displacement comes from angles.
+        first_angle_rad: Option<f64>,
+    },
+    /// Places of an arm's tip, or directions of its links, and the lengths of the links.
+    Path { columns: PathColumns, lengths_m: Vec<f64> },
+}
+
+/// File and line of each sample, for messages.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleRows {
     pub(super) name: String,
     pub(super) lines: Vec<u64>,
-    pub(super) reading: Reading,
-    /// Quality of the samples.
-    pub(super) recording: Recording,
-    /// The first angle in rad, if the displacement comes from angles.
-    pub(super) first_angle_rad: Option<f64>,
-    pub(super) ends: Ends,
+}
+
+impl SampleRows {
+    /// Samples of a program, without a file.
+    pub fn of_arrays(name: &str) -> Self {
+        Self { name: name.to_owned(), lines: Vec::new() }
+    }
+
+    /// The file as the user named it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Sets the file's name.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
+    }
+
+    /// Error about one of the samples, or all of them, for the reason `why`.
+    pub fn refused(
+        &self,
+        sample: Option<usize>,
+        why: &impl ToString,
+        hint: Option<&str>,
+    ) -> TableError {
+        refuse_samples(&self.name, &self.lines, sample, why, hint)
+    }
 }
 
 impl MotionTable {
@@ -37,20 +86,44 @@ impl MotionTable {
         &self.reading
     }
 
+    /// File and line of each sample.
+    pub fn rows(&self) -> &SampleRows {
+        &self.rows
+    }
+
     /// Line of a sample in the file, from 1; for a resampled motion, the line of the file's last sample that is not
     /// later. `None` if there is no such sample.
     pub fn line_of(&self, sample: usize) -> Option<u64> {
-        self.lines.get(sample).copied()
+        self.rows.lines.get(sample).copied()
     }
 
     /// True if the displacement comes from angles, and so belongs to one link.
     pub fn is_of_angle(&self) -> bool {
-        self.first_angle_rad.is_some()
+        matches!(self.sampled, Sampled::Tip { first_angle_rad: Some(_), .. })
     }
 
-    /// The samples.
-    pub fn columns(&self) -> &MotionColumns {
-        &self.columns
+    /// The samples of a link's tip; `None` for a path.
+    pub fn columns(&self) -> Option<&MotionColumns> {
+        match &self.sampled {
+            Sampled::Tip { columns, .. } => Some(columns),
+            Sampled::Path { .. } => None,
+        }
+    }
+
+    /// The samples of an arm's path; `None` for a link's tip.
+    pub fn path_columns(&self) -> Option<&PathColumns> {
+        match &self.sampled {
+            Sampled::Tip { .. } => None,
+            Sampled::Path { columns, .. } => Some(columns),
+        }
+    }
+
+    /// Times in s.
+    pub(super) fn time_s(&self) -> &Vec<f64> {
+        match &self.sampled {
+            Sampled::Tip { columns, .. } => &columns.time_s,
+            Sampled::Path { columns, .. } => &columns.time_s,
+        }
     }
 
     /// The displacement as a target for comparison.
@@ -70,48 +143,59 @@ impl MotionTable {
     /// # Errors
     /// [`TableError`] if there is no displacement, or a time is off the uniform grid.
     pub fn into_target(self) -> Result<TipTarget, TableError> {
-        let Self { columns, name, lines, recording, .. } = self;
-        let Some(displacement_m) = columns.displacement_m else {
+        let Self { sampled, rows, .. } = self;
+        let Sampled::Tip {
+            columns: MotionColumns { time_s, displacement_m: Some(at_m), .. },
+            recording,
+            ..
+        } = sampled
+        else {
             let hint = "add a column of the displacement, as tip.csv of `flexlink solve` has: an acceleration does \
                         not show where the tip is";
-            let place = Place { file: &name, line: None };
+            let place = Place { file: &rows.name, line: None };
             let error = place.refuse_whole("a target needs displacement or angle, but has neither");
             return Err(error.with_hint(hint.to_owned()));
         };
-        let grid = grid_of(&columns.time_s, &name, &lines)?;
-        Ok(TipTarget::new(grid, displacement_m).from_angle(recording.start_angle_rad))
+        let grid = grid_of(&time_s, &rows.name, &rows.lines)?;
+        Ok(TipTarget::new(grid, at_m).from_angle(recording.start_angle_rad))
     }
 
     /// The motion on a uniform grid from its first time to its last, by cubic splines.
     ///
-    /// The spline of the displacement is at rest at both ends; the splines of velocity and acceleration are not-a-knot.
-    /// A velocity without other columns is integrated first.
+    /// The splines of places and angles are at rest at both ends; those of velocity and acceleration are not-a-knot. A
+    /// velocity without other columns is integrated first.
     ///
     /// ```
-    /// use flexlink::csv::read_motion_table;
+    /// use flexlink::csv::{read_motion_table, read_motion_table_as};
     /// let file = b"time,displacement\n0,0\n0.1,0.2\n0.3,0.8\n0.4,1\n";
-    /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?;
-    /// assert_eq!(motion.columns().time_s.len(), 9);
+    /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?.into_motion()?;
+    /// assert_eq!(motion.grid().len, 9);
+    /// let file = b"time,angle1,angle2\n0,0,1\n0.1,0.2,1\n0.3,0.8,1\n0.4,1,1\n";
+    /// let path = read_motion_table_as("path.csv", file, &[0.5, 0.4], &Default::default())?;
+    /// assert_eq!(path.resampled(0.05)?.into_motion()?.grid().len, 9);
     /// # Ok::<(), flexlink::csv::TableError>(())
     /// ```
     ///
     /// # Errors
     /// [`TableError`] unless the step is above 0, divides the motion's duration within a twentieth of a step, and gives
-    /// from 4 to 1e7 samples.
+    /// from 4 to 1e7 samples; also for a link's direction that jumps, because a spline would turn it through the jump.
     pub fn resampled(self, step_s: f64) -> Result<Self, TableError> {
-        let steps = whole_steps(&self.columns.time_s, step_s, &self.name)?;
+        self.refuse_jump()?;
+        let steps = whole_steps(self.time_s(), step_s, &self.rows.name)?;
         Ok(self.with_integral().at_steps(steps, step_s))
+    }
+
+    /// Refuses a direction of a link that jumps.
+    pub(super) fn refuse_jump(&self) -> Result<(), TableError> {
+        let Some(columns) = self.path_columns() else { return Ok(()) };
+        let refused = columns.angles.iter().flatten().try_for_each(refuse_jump);
+        refused.map_err(|error| self.rows.refused(error.sample(), &error, error.hint()))
     }
 
     /// Sets the ends of a tip that is not at rest there.
     #[must_use]
     pub fn with_ends(self, ends: Ends) -> Self {
         Self { ends, ..self }
-    }
-
-    /// The file as the user named it.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 }
 
@@ -124,7 +208,7 @@ impl MotionTable {
 /// use flexlink::csv::read_motion_table;
 /// let file = b"time [ms],displacement [cm]\n0,0\n1,0.5\n2,1.5\n3,2\n";
 /// let motion = read_motion_table("move.csv", file, 1.5)?;
-/// let displacement_m = motion.columns().displacement_m.as_deref();
+/// let displacement_m = motion.columns().and_then(|own| own.displacement_m.as_deref());
 /// assert!((displacement_m.unwrap()[3] - 0.02).abs() < 1e-15);
 /// # Ok::<(), flexlink::csv::TableError>(())
 /// ```
@@ -136,24 +220,72 @@ pub fn read_motion_table(
     bytes: &[u8],
     link_length_m: f64,
 ) -> Result<MotionTable, TableError> {
-    read_motion_table_as(name, bytes, link_length_m, &TableFormat::default())
+    read_motion_table_as(name, bytes, &[link_length_m], &TableFormat::default())
 }
 
-/// Reads a tip trajectory with the user's options for its form.
+/// Reads the motion of an arm with links of these lengths, with the user's options for its form: of one link a tip
+/// trajectory, of several a path, `time` with `x` and `y` of the tip, `angle1`, `angle2`, … of the links, or both.
+///
+/// ```
+/// use flexlink::csv::read_motion_table_as;
+/// let file = b"time [ms],x [cm],y [cm]\n0,60,0\n1,60,0.2\n2,60,1.8\n3,60,2\n";
+/// let path = read_motion_table_as("path.csv", file, &[0.5, 0.4], &Default::default())?.into_motion()?;
+/// assert_eq!(path.grid().len, 4);
+/// # Ok::<(), flexlink::csv::TableError>(())
+/// ```
 ///
 /// # Errors
 /// Those of [`read_motion_table`]; also options that do not fit the table.
 pub fn read_motion_table_as(
     name: &str,
     bytes: &[u8],
-    link_length_m: f64,
+    lengths_m: &[f64],
     format: &TableFormat,
 ) -> Result<MotionTable, TableError> {
-    let mut samples = Samples::read(name, bytes, format, motion_columns)?;
+    let columns = if lengths_m.len() == 1 { motion_columns } else { path_columns };
+    let mut samples = Samples::read(name, bytes, format, columns)?;
     settle(&mut samples, name, format)?;
+    let sampled = match lengths_m {
+        [length_m] => tip_samples(&mut samples, name, *length_m)?,
+        _ => path_samples(&mut samples, lengths_m),
+    };
+    let Samples { lines, reading, .. } = samples;
+    let rows = SampleRows { name: name.to_owned(), lines };
+    Ok(MotionTable { sampled, rows, reading, ends: Ends::default() })
+}
+
+/// Places of the tip and directions of the links.
+fn path_samples(samples: &mut Samples, lengths_m: &[f64]) -> Sampled {
+    let mut dropped = samples.reading.dropped;
+    let mut column = |quantity: Quantity| {
+        let uncertainty = samples
+            .rounding_of(quantity)
+            .map(|own| Uncertainty::Rounded { decimals: own.decimals, step_m: own.step });
+        let values = samples.take(quantity)?;
+        // The first column has the count of all.
+        let recording = Recording {
+            uncertainty,
+            dropped: std::mem::take(&mut dropped),
+            ..Recording::default()
+        };
+        Some(PathColumn { name: quantity.word.to_owned(), values, recording })
+    };
+    let tip = column(PATH_X).zip(column(PATH_Y)).map(|(x, y)| [x, y]);
+    let angles = ANGLES.map(&mut column).into();
+    let time_s = samples.take(TIME).unwrap_or_default();
+    let columns = PathColumns { time_s, tip, angles };
+    Sampled::Path { columns, lengths_m: lengths_m.to_vec() }
+}
+
+/// The motion of a tip along the arc of a link of this length.
+fn tip_samples(
+    samples: &mut Samples,
+    name: &str,
+    link_length_m: f64,
+) -> Result<Sampled, TableError> {
     let [acceleration, velocity, displacement, angle] =
         [ACCELERATION, VELOCITY, DISPLACEMENT, ANGLE].map(|quantity| samples.rounding_of(quantity));
-    let (angle, rounding) = match take_angle(&mut samples, name, link_length_m)? {
+    let (angle, rounding) = match take_angle(samples, name, link_length_m)? {
         Some((angle, rounding)) => (Some(angle), rounding),
         None => (samples.take(ANGLE), displacement.or(angle)),
     };
@@ -177,14 +309,11 @@ pub fn read_motion_table_as(
         velocity_m_s: samples.take(VELOCITY),
         displacement_m: samples.take(DISPLACEMENT).or(arc),
     };
-    let Samples { lines, reading, .. } = samples;
     let recording = Recording {
-        dropped: reading.dropped,
+        dropped: samples.reading.dropped,
         ..digits_of(&columns, in_place, [acceleration, velocity])
     };
-    let name = name.to_owned();
-    let ends = Ends::default();
-    Ok(MotionTable { columns, name, lines, reading, recording, first_angle_rad, ends })
+    Ok(Sampled::Tip { columns, recording, first_angle_rad })
 }
 
 /// Reads a displacement for comparison, with [`MotionTable::into_target`]. Times up to a twentieth of a step off a
@@ -204,8 +333,11 @@ pub fn read_target(
         Some(gravity) => table.with_gravity(gravity, link_length_m)?,
         None => table,
     };
-    let MotionColumns { time_s, displacement_m, .. } = &table.columns;
     let mut reading = table.reading.clone();
+    let Sampled::Tip { columns, recording, .. } = &table.sampled else {
+        return Ok((table.into_target()?, reading));
+    };
+    let MotionColumns { time_s, displacement_m, .. } = columns;
     let jitter = jitter(time_s, displacement_m.as_deref());
     let Some((steps, displacement)) = jitter.zip(displacement_m.as_deref()) else {
         return Ok((table.into_target()?, reading));
@@ -215,7 +347,7 @@ pub fn read_target(
     reading.jitter = Some(Remark::Jitter { steps, step_s }.to_string());
     let grid = TimeGrid { origin_s: time_s[0], step_s, first: 0, len: time_s.len() };
     let target = TipTarget::new(grid, uniform.interpolated(displacement, SplineEnds::NotAKnot));
-    Ok((target.from_angle(table.recording.start_angle_rad), reading))
+    Ok((target.from_angle(recording.start_angle_rad), reading))
 }
 
 /// Writes a trajectory in the form of [`read_motion_table`]: the time, and acceleration, velocity and displacement if
@@ -238,6 +370,25 @@ pub fn write_trajectory(
     write_over_time(out, ("time", &columns.time_s), &groups, digits)
 }
 
+/// Writes a path in the form of [`read_motion_table_as`]: the time, x and y of the tip and directions of the links if
+/// present, all in SI.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_path(
+    out: &mut (impl Write + Send),
+    columns: &PathColumns,
+    digits: Digits,
+) -> io::Result<()> {
+    fn column(own: &PathColumn) -> Column<'_> {
+        Column { name: own.name.clone(), values: &own.values }
+    }
+    let tip = columns.tip.iter().flatten().map(column).collect();
+    let angles = columns.angles.iter().flatten().map(column).collect();
+    let groups = [tip, angles].map(|columns| ColumnGroup { columns });
+    write_over_time(out, ("time", &columns.time_s), &groups, digits)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,18 +397,18 @@ mod tests {
     /// A table over uneven times, with the line number twice the sample's.
     fn table(time_s: &[f64], value: impl Fn(f64) -> [f64; 3]) -> MotionTable {
         let column = |index: usize| Some(time_s.iter().map(|&t| value(t)[index]).collect());
+        let columns = MotionColumns {
+            displacement_m: column(0),
+            velocity_m_s: column(1),
+            acceleration_m_s2: column(2),
+            time_s: time_s.to_vec(),
+        };
+        let recording = Recording::default();
+        let lines = (0..time_s.len() as u64).map(|k| 2 * k).collect();
         MotionTable {
-            columns: MotionColumns {
-                displacement_m: column(0),
-                velocity_m_s: column(1),
-                acceleration_m_s2: column(2),
-                time_s: time_s.to_vec(),
-            },
-            name: "t.csv".to_owned(),
+            sampled: Sampled::Tip { columns, recording, first_angle_rad: None },
+            rows: SampleRows { name: "t.csv".to_owned(), lines },
             reading: Reading::default(),
-            lines: (0..time_s.len() as u64).map(|k| 2 * k).collect(),
-            first_angle_rad: None,
-            recording: Recording::default(),
             ends: Ends::AtRest,
         }
     }
@@ -268,7 +419,7 @@ mod tests {
     }
 
     fn worst(table: &MotionTable) -> f64 {
-        let columns = &table.columns;
+        let columns = table.columns().unwrap();
         let wrong = |column: &Option<Vec<f64>>, index: usize| {
             let values = column.as_ref().unwrap().iter().zip(&columns.time_s);
             let errors = values.map(|(value, &t)| (value - versine(t)[index]).abs());
@@ -295,7 +446,7 @@ mod tests {
     fn the_motion_ends_where_it_ended() {
         let resampled = table(&uneven(50), |t| [t * t * (3.0 - 2.0 * t); 3]);
         let resampled = resampled.resampled(0.01).unwrap();
-        let displacement_m = resampled.columns.displacement_m.as_ref().unwrap();
+        let displacement_m = resampled.columns().unwrap().displacement_m.as_ref().unwrap();
         assert_eq!((displacement_m.len(), displacement_m[100]), (101, 1.0));
     }
 
@@ -318,5 +469,22 @@ mod tests {
         for step_s in steps {
             assert!(motion.clone().resampled(step_s).is_ok(), "{step_s}");
         }
+    }
+
+    fn refused(file: &str) -> String {
+        let format = TableFormat::default();
+        let read = read_motion_table_as("p.csv", file.as_bytes(), &[0.5, 0.4], &format);
+        read.and_then(MotionTable::into_motion).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_no_path_is_refused_where_it_is() {
+        let rows = "0,1\n1,2\n2,3\n3,4\n";
+        assert!(refused(&format!("time,x\n{rows}")).starts_with("p.csv:1: "), "y is missing");
+        assert!(refused(&format!("time,displacement\n{rows}")).contains("x and y, or angle1"));
+        assert!(refused(&format!("time,angle1\n{rows}")).contains("angle2 is missing"));
+        let jump = "time,angle1 [deg],angle2\n0,170,1\n1,170,1\n2,-175,1\n3,-175,1\n";
+        let message = refused(jump);
+        assert!(message.starts_with("p.csv:4: angle1 = -3.054326 rad"), "{message}");
     }
 }

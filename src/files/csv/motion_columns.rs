@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::columns::{Beside, Columns, Header};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, PATH_X, PATH_Y, Quantity, Spelling, TIME, VELOCITY,
-    Vocabulary, names, nearest, refuse_missing,
+    Vocabulary, joined, names, nearest, refuse_missing,
 };
 use super::place::{Place, TableError, quoted};
 use super::samples::{Samples, refuse_samples};
@@ -29,6 +29,18 @@ const PLACES: Vocabulary = Vocabulary {
     by_option: "--columns time=1,x=2,y=3 names the columns",
     ..TRAJECTORY
 };
+
+/// Names of an arm's path.
+const PATH: Vocabulary = Vocabulary {
+    quantities: &joined::<12>(&[&[TIME, PATH_X, PATH_Y], &ANGLES]),
+    prefix: "tip_",
+    example: "time,x,y",
+    choice: None,
+    by_option: PATH_BY_OPTION,
+};
+
+/// Hint about a choice of columns: after a choice of one quantity, others are not searched.
+const PATH_BY_OPTION: &str = "--columns time=1,x=2,y=3 names the columns";
 
 /// Largest number of columns in a remark.
 const MOST_NAMED: usize = 8;
@@ -62,6 +74,22 @@ pub(super) fn motion_columns(header: Header) -> Result<Columns, TableError> {
     Ok(columns)
 }
 
+/// Reads the first row, and checks that its columns describe a path.
+pub(super) fn path_columns(header: Header) -> Result<Columns, TableError> {
+    let Header { fields, place, .. } = header;
+    let mut columns = Columns::find(&PATH, header, Beside::Time)?;
+    columns.require(TIME, header).map_err(|error| error.or_hint(PATH_BY_OPTION.to_owned()))?;
+    let hint = format!(
+        "the path of an arm has time, x and y, or time, angle1, angle2, …; {PATH_BY_OPTION}"
+    );
+    check_places(&columns, header, PATH_BY_OPTION, &hint)?;
+    if !columns.has(PATH_X) && !ANGLES.iter().any(|quantity| columns.has(*quantity)) {
+        return Err(refuse_missing(&names(fields), "x and y, or angle1", place).with_hint(hint));
+    }
+    columns.reading.unread = unread(&columns, fields, &PATH, PATH_BY_OPTION);
+    Ok(columns)
+}
+
 /// True if the columns x and y of a table are the tip's place: by the user's choice, or because both are present and
 /// neither the user nor a standard name defines another motion.
 fn is_of_places(header: Header) -> bool {
@@ -89,7 +117,7 @@ fn place_columns(header: Header) -> Result<Columns, TableError> {
 }
 
 /// Refuses x without y and y without x.
-pub(super) fn check_places(
+fn check_places(
     columns: &Columns,
     header: Header,
     by_option: &str,
@@ -252,7 +280,7 @@ mod tests {
     fn read(text: &str, choices: &[&str]) -> Result<MotionTable, TableError> {
         let columns = choices.iter().map(|choice| choice.parse().unwrap()).collect();
         let format = TableFormat { columns, ..TableFormat::default() };
-        read_motion_table_as("p.csv", text.as_bytes(), LENGTH_M, &format)
+        read_motion_table_as("p.csv", text.as_bytes(), &[LENGTH_M], &format)
     }
 
     /// Places of the tip at these angles, `radius_m` from the hub.
@@ -278,7 +306,7 @@ mod tests {
             [(LENGTH_M, &[][..]), (1.01 * LENGTH_M, &["x=2", "y=3", "time=1"])]
         {
             let table = read(&places((0..=100).map(angle), radius_m), choices).unwrap();
-            let arc_m = table.columns().displacement_m.as_deref().unwrap();
+            let arc_m = table.columns().unwrap().displacement_m.as_deref().unwrap();
             for (k, found) in (0..).zip(arc_m) {
                 assert!((found - LENGTH_M * angle(k)).abs() < 1.5e-9, "sample {k}: {found}");
             }
@@ -305,10 +333,13 @@ mod tests {
     fn a_column_that_is_chosen_or_has_the_word_itself_is_read() {
         let text = places((0..=100).map(angle), LENGTH_M);
         let arc = read(&text, &["displacement=x"]).unwrap();
-        let first_m = arc.columns().displacement_m.as_ref().unwrap()[0];
+        let first_m = arc.columns().unwrap().displacement_m.as_ref().unwrap()[0];
         assert!(first_m.total_cmp(&1.381_591_491).is_eq(), "{first_m}");
         let named =
             read("time,displacement,x,y\n0,0,5,5\n1,1,5,5\n2,2,5,5\n3,3,5,5\n", &[]).unwrap();
-        assert_eq!(named.columns().displacement_m.as_deref(), Some(&[0.0, 1.0, 2.0, 3.0][..]));
+        assert_eq!(
+            named.columns().unwrap().displacement_m.as_deref(),
+            Some(&[0.0, 1.0, 2.0, 3.0][..])
+        );
     }
 }

@@ -144,7 +144,6 @@ pub(super) fn doubt(samples: &mut Samples) {
 mod tests {
     use super::super::format::TableFormat;
     use super::super::motion::read_motion_table_as;
-    use super::super::path::read_path_table;
 
     /// A table of a wave with a bad sample in one column.
     fn file(heading: &str, columns: usize, bad: Option<(usize, f64)>) -> String {
@@ -165,7 +164,7 @@ mod tests {
         for heading in ["time,displacement [mm]", "time,angle [deg]", "time,velocity [mm/s]"] {
             let read = |bad, format: &TableFormat| {
                 let file = file(heading, 1, bad);
-                read_motion_table_as("m.csv", file.as_bytes(), 1.0, format)
+                read_motion_table_as("m.csv", file.as_bytes(), &[1.0], format)
             };
             let good = read(None, &TableFormat::default()).unwrap();
             let error = read(Some((0, 2.0)), &TableFormat::default()).unwrap_err().to_string();
@@ -179,7 +178,7 @@ mod tests {
             let mended = read(Some((0, 2.0)), &drop).unwrap();
             assert_eq!((good.reading().dropped(), mended.reading().dropped()), (0, 1));
             let [a, b] = [&good, &mended].map(|table| {
-                let columns = table.columns();
+                let columns = table.columns().unwrap();
                 columns.displacement_m.clone().or(columns.velocity_m_s.clone()).unwrap()
             });
             assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 2e-5), "off");
@@ -191,7 +190,9 @@ mod tests {
         let heading = "time,x [mm],y [mm],angle3 [deg]";
         for (column, name) in [(0, "x"), (1, "y"), (2, "angle3")] {
             let file = file(heading, 3, Some((column, -3.0)));
-            let read = |format: &TableFormat| read_path_table("p.csv", file.as_bytes(), format);
+            let read = |format: &TableFormat| {
+                read_motion_table_as("p.csv", file.as_bytes(), &[1.0; 3], format)
+            };
             let error = read(&TableFormat::default()).unwrap_err().to_string();
             assert!(error.starts_with(&format!("p.csv:52: {name} = ")), "{error}");
             let drop = TableFormat { drop_outliers: true, ..TableFormat::default() };

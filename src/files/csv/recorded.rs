@@ -2,15 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::MotionTable;
+use super::motion::{MotionTable, Sampled};
 use super::quality;
 use super::rows::{Place, TableError};
-use super::samples::refuse_samples;
 use super::uniform::Uniform;
 use crate::link::Gravity;
-use crate::motion::{Between, Ends, MotionColumns, Recording, TipMotion, Uncertainty, wrapped};
+use crate::motion::{
+    ArmPath, Ends, Motion, MotionColumns, PathColumn, Recording, TipMotion, Uncertainty, wrapped,
+};
 use crate::numeric::{CubicSpline, SplineEnds};
-use crate::recording::{jitter, rested};
+use crate::recording::{NoRest, jitter, rested};
 use crate::text::{plain, significant};
 
 /// Largest uncertainty of a displacement over its travel.
@@ -35,18 +36,23 @@ impl MotionTable {
         gravity: &Gravity,
         link_length_m: f64,
     ) -> Result<Self, TableError> {
-        let Some(first_rad) = self.first_angle_rad else { return Ok(self) };
+        let Sampled::Tip { columns, recording, first_angle_rad: Some(first_rad) } =
+            &mut self.sampled
+        else {
+            return Ok(self);
+        };
+        let first_rad = *first_rad;
         let other = gravity.start_angle_rad.filter(|own| (own - first_rad).abs() > SAME_ANGLE_RAD);
         if let Some(own) = other {
-            let place = Place { file: &self.name, line: self.lines.first().copied() };
+            let place = Place { file: &self.rows.name, line: self.rows.lines.first().copied() };
             let must =
                 format!("must be start_angle of the link file, {} rad, at the start", plain(own));
             return Err(place.refuse("angle", format!("{} rad", plain(first_rad)), must));
         }
-        for displacement in self.columns.displacement_m.iter_mut().flatten() {
+        for displacement in columns.displacement_m.iter_mut().flatten() {
             *displacement -= first_rad * link_length_m;
         }
-        self.recording.start_angle_rad = Some(first_rad);
+        recording.start_angle_rad = Some(first_rad);
         Ok(self)
     }
 
@@ -55,8 +61,10 @@ impl MotionTable {
     /// A velocity without other columns is integrated: the displacement is the integral of its not-a-knot cubic spline.
     ///
     /// # Errors
-    /// Those of [`TipMotion::with_ends`], with file and line.
-    pub fn into_motion(self) -> Result<TipMotion, TableError> {
+    /// Those of [`TipMotion::with_ends`] and [`ArmPath::new`], with file and line; a path of an arm that does not begin
+    /// and end at rest.
+    pub fn into_motion(self) -> Result<Motion, TableError> {
+        self.refuse_jump()?;
         let of_integral = self.with_integral();
         // Beyond its ends a cycle differs from its spline.
         let uniform = match of_integral.ends {
@@ -64,30 +72,49 @@ impl MotionTable {
             _ => of_integral.made_uniform(),
         };
         uniform.check_ends()?;
-        let Self { columns, name, lines, recording, ends, .. } = uniform;
-        let acceleration = columns.acceleration_m_s2.clone();
-        let motion = TipMotion::with_ends(columns, ends)
-            .map_err(|error| refuse_samples(&name, &lines, error.sample(), &error, error.hint()))?;
-        let moves_by_column = ends == Ends::AtRest && motion.ends() == Ends::Moving;
-        let mut recording = Recording { moves_by_column, ..recording };
-        if let Some(acceleration) = acceleration {
-            let of_integral =
-                quality::of_acceleration(&motion, &acceleration, recording.deviation());
-            recording.between = recording.between.or(of_integral);
-        }
-        let motion = motion.recorded(recording);
-        check_worth(&motion, &name)?;
+        let Self { sampled, rows, ends, .. } = uniform;
+        let motion = match sampled {
+            Sampled::Path { columns, lengths_m } => {
+                let path = ArmPath::new(columns, &lengths_m);
+                Motion::Path(path.map_err(|e| rows.refused(e.sample(), &e, e.hint()))?)
+            }
+            Sampled::Tip { columns, recording, .. } => {
+                let acceleration = columns.acceleration_m_s2.clone();
+                let motion = TipMotion::with_ends(columns, ends);
+                let motion = motion.map_err(|e| rows.refused(e.sample(), &e, e.hint()))?;
+                let moves_by_column = ends == Ends::AtRest && motion.ends() == Ends::Moving;
+                let mut recording = Recording { moves_by_column, ..recording };
+                if let Some(acceleration) = acceleration {
+                    let deviation = recording.deviation();
+                    let of_integral = quality::of_acceleration(&motion, &acceleration, deviation);
+                    recording.between = recording.between.or(of_integral);
+                }
+                Motion::Tip(motion.recorded(recording))
+            }
+        };
+        check_worth(&motion, &rows.name)?;
         Ok(motion)
     }
 
-    /// Refuses velocities at the ends from rounded rows, because they depend on only four rows.
+    /// Refuses velocities at the ends from rounded rows, because they depend on only four rows, and ends of a path that
+    /// are no rests.
     fn check_ends(&self) -> Result<(), TableError> {
-        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
-            &self.columns;
+        let place = Place { file: &self.rows.name, line: None };
+        let (columns, recording) = match &self.sampled {
+            Sampled::Path { .. } if self.ends != Ends::AtRest => {
+                let must = "must be rests: an arm returns to its start at rest between two periods of its inversion";
+                let hint = "leave --periodic and --moving-ends out".to_owned();
+                let error = place.refuse("ends of the path of an arm", "others", must);
+                return Err(error.with_hint(hint));
+            }
+            Sampled::Path { .. } => return Ok(()),
+            Sampled::Tip { columns, recording, .. } => (columns, recording),
+        };
+        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } = columns;
         let given = velocity_m_s.as_ref().or(acceleration_m_s2.as_ref());
         let displacement_m = displacement_m.as_deref().filter(|_| given.is_none());
         let (Some(samples), Some(uncertainty), Ends::Moving) =
-            (displacement_m, &self.recording.uncertainty, self.ends)
+            (displacement_m, &recording.uncertainty, self.ends)
         else {
             return Ok(());
         };
@@ -102,106 +129,153 @@ impl MotionTable {
             "velocity is missing: the decimals of the displacement determine it only to {} m/s",
             significant(off_m / step_s, 2)
         );
-        let place = Place { file: &self.name, line: None };
+        let place = Place { file: &self.rows.name, line: None };
         let hint = "add a column of the velocity, or write the displacement with more decimals";
         Err(place.refuse_whole(&must).with_hint(Some(hint.to_owned())))
     }
 
-    /// Declares normal noise of this standard deviation in m on the displacement; the rests at the ends become their
-    /// means.
+    /// Declares normal noise of this standard deviation in m on the displacement, or on all places of a path; the rests
+    /// at the ends become their means. A direction of a link has the noise of the arc that its tip makes.
     ///
     /// # Errors
-    /// [`TableError`] unless a displacement defines the motion and rests at both ends.
+    /// [`TableError`] unless places or directions define the motion and rest at both ends.
     pub fn with_noise(mut self, deviation_m: f64) -> Result<Self, TableError> {
-        let place = Place { file: &self.name, line: None };
-        let displacement_m = self.columns.displacement_m.as_deref();
-        let Some(given_m) = displacement_m.filter(|_| self.columns.acceleration_m_s2.is_none())
-        else {
-            let must = "--noise needs displacement or angle, and no acceleration";
-            return Err(place.refuse_whole(must));
+        let place = Place { file: &self.rows.name, line: None };
+        let declared = match &mut self.sampled {
+            Sampled::Tip { columns, recording, .. } => {
+                let displacement_m = columns.displacement_m.as_mut();
+                let Some(own_m) = displacement_m.filter(|_| columns.acceleration_m_s2.is_none())
+                else {
+                    let must = "--noise needs displacement or angle, and no acceleration";
+                    return Err(place.refuse_whole(must));
+                };
+                declare_noise(own_m, recording, deviation_m).map_err(|error| error.to_string())
+            }
+            Sampled::Path { columns, lengths_m } => columns.each_mut(lengths_m).try_for_each(
+                |(PathColumn { name, values, recording }, length_m)| {
+                    let noise = declare_noise(values, recording, deviation_m / length_m);
+                    noise.map_err(|error| format!("{name}: {error}"))
+                },
+            ),
         };
-        let (rested_m, moved_m) = rested(given_m, deviation_m).map_err(|error| {
+        declared.map_err(|why| {
             let hint =
                 "record the tip at rest before and after the motion, or state the noise as it is";
-            place.refuse_whole(&error.to_string()).with_hint(Some(hint.to_owned()))
+            place.refuse_whole(&why).with_hint(Some(hint.to_owned()))
         })?;
-        self.columns.displacement_m = Some(rested_m);
-        self.recording.uncertainty = Some(Uncertainty::Noisy { deviation_m, moved_m });
         Ok(self)
     }
 
     /// Sets a cut-off in Hz in place of a search.
     #[must_use]
     pub fn with_lowpass(mut self, hertz: f64) -> Self {
-        self.recording.lowpass_rad_s = Some(TAU * hertz);
+        self.record(|recording| recording.lowpass_rad_s = Some(TAU * hertz));
         self
     }
 
+    /// Changes the quality of all columns.
+    fn record(&mut self, change: impl Fn(&mut Recording)) {
+        match &mut self.sampled {
+            Sampled::Tip { recording, .. } => change(recording),
+            Sampled::Path { columns, lengths_m } => {
+                columns.each_mut(lengths_m).for_each(|(column, _)| change(&mut column.recording));
+            }
+        }
+    }
+
     /// The samples at `steps` steps from the first time on; the last one is the last of the table.
-    pub(super) fn at_steps(self, steps: usize, step_s: f64) -> Self {
-        let uniform = Uniform::of(&self.columns.time_s, steps, step_s);
-        let on_grid = |values: &Option<Vec<f64>>, ends| {
-            values.as_deref().map(|values| uniform.interpolated(values, ends))
+    pub(super) fn at_steps(mut self, steps: usize, step_s: f64) -> Self {
+        let known_s = self.time_s().clone();
+        let uniform = Uniform::of(&known_s, steps, step_s);
+        let spacing_s = Some(Uniform::over(&known_s).step_s);
+        let on_grid = |values: &mut Vec<f64>, ends| *values = uniform.interpolated(values, ends);
+        let displaced = |values: &mut Vec<f64>, recording: &mut Recording, ends| {
+            let spline_m = quality::of_spline_m(&known_s, values, ends);
+            recording.between.spline_m = recording.between.spline_m.max(spline_m);
+            on_grid(values, ends);
         };
-        let columns = &self.columns;
-        let known_s = &columns.time_s;
-        let spacing_s = Uniform::over(known_s).step_s;
-        let ends = self.ends.said_by(columns.velocity_m_s.as_deref());
-        let rests = if ends == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
-        let earlier = self.recording.between;
-        let between = match (&columns.acceleration_m_s2, &columns.displacement_m) {
-            (Some(own), _) => {
-                quality::of_spline_of_acceleration(known_s, own, self.recording.deviation())
+        match &mut self.sampled {
+            Sampled::Tip { columns, recording, .. } => {
+                let ends = self.ends.said_by(columns.velocity_m_s.as_deref());
+                let rests =
+                    if ends == Ends::AtRest { SplineEnds::Clamped } else { SplineEnds::NotAKnot };
+                match (&columns.acceleration_m_s2, &mut columns.displacement_m) {
+                    (Some(own), displacement) => {
+                        let deviation = recording.deviation();
+                        recording.between =
+                            quality::of_spline_of_acceleration(&known_s, own, deviation);
+                        displacement.iter_mut().for_each(|values| on_grid(values, rests));
+                    }
+                    (None, Some(own)) => displaced(own, recording, rests),
+                    (None, None) => {}
+                }
+                let others = [&mut columns.acceleration_m_s2, &mut columns.velocity_m_s];
+                others.into_iter().flatten().for_each(|own| on_grid(own, SplineEnds::NotAKnot));
+                columns.time_s.clone_from(&uniform.times_s);
             }
-            (None, Some(own)) => {
-                let spline_m = quality::of_spline_m(known_s, own, rests).max(earlier.spline_m);
-                Between { spline_m, ..earlier }
+            Sampled::Path { columns, lengths_m } => {
+                for (PathColumn { values, recording, .. }, _) in columns.each_mut(lengths_m) {
+                    displaced(values, recording, SplineEnds::Clamped);
+                }
+                columns.time_s.clone_from(&uniform.times_s);
             }
-            (None, None) => earlier,
-        };
-        let lines = uniform.lines(&self.lines);
-        let recording = Recording { spacing_s: Some(spacing_s), between, ..self.recording };
-        let columns = MotionColumns {
-            acceleration_m_s2: on_grid(&columns.acceleration_m_s2, SplineEnds::NotAKnot),
-            velocity_m_s: on_grid(&columns.velocity_m_s, SplineEnds::NotAKnot),
-            displacement_m: on_grid(&columns.displacement_m, rests),
-            time_s: uniform.times_s,
-        };
-        Self { columns, lines, recording, ..self }
+        }
+        self.rows.lines = uniform.lines(&self.rows.lines);
+        self.record(|recording| recording.spacing_s = spacing_s);
+        self
     }
 
     /// Replaces a velocity without other columns by its displacement.
     pub(super) fn with_integral(mut self) -> Self {
-        let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } =
-            self.columns;
-        let (velocity_m_s, displacement_m) = match (velocity_m_s, displacement_m) {
-            (Some(velocity), None) if acceleration_m_s2.is_none() => {
-                let ends = self.ends.said_by(Some(&velocity));
-                let integral = integral(&time_s, &velocity, ends);
-                if ends != Ends::Periodic {
-                    self.recording.between = quality::of_velocity(&time_s, &velocity);
-                }
-                // The displacement does not show the velocity's ends.
-                ((ends != Ends::AtRest).then_some(velocity), Some(integral))
-            }
-            given => given,
-        };
-        let columns = MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
-        Self { columns, ..self }
+        let Sampled::Tip { columns, recording, .. } = &mut self.sampled else { return self };
+        if columns.acceleration_m_s2.is_some() || columns.displacement_m.is_some() {
+            return self;
+        }
+        let Some(velocity) = columns.velocity_m_s.take() else { return self };
+        let ends = self.ends.said_by(Some(&velocity));
+        columns.displacement_m = Some(integral(&columns.time_s, &velocity, ends));
+        if ends != Ends::Periodic {
+            recording.between = quality::of_velocity(&columns.time_s, &velocity);
+        }
+        // The displacement does not show the velocity's ends.
+        columns.velocity_m_s = (ends != Ends::AtRest).then_some(velocity);
+        self
     }
 
     /// The samples on the uniform grid from the first time to the last. They are interpolated if the times are off the
     /// grid by more than their digits explain, but by at most [`LARGEST_JITTER`] steps.
     fn made_uniform(self) -> Self {
-        let MotionColumns { time_s, acceleration_m_s2, displacement_m, .. } = &self.columns;
-        let decides = displacement_m.as_deref().filter(|_| acceleration_m_s2.is_none());
-        let Some(jitter) = jitter(time_s, decides) else { return self };
+        let time_s = self.time_s();
+        let jitter = match &self.sampled {
+            Sampled::Tip { columns, .. } => {
+                let displacement_m = columns.displacement_m.as_deref();
+                jitter(time_s, displacement_m.filter(|_| columns.acceleration_m_s2.is_none()))
+            }
+            Sampled::Path { columns, .. } => {
+                columns.each().find_map(|column| jitter(time_s, Some(&column.values)))
+            }
+        };
+        if jitter.is_none() {
+            return self;
+        }
         let (steps, step_s) = (time_s.len() - 1, Uniform::over(time_s).step_s);
-        let lines = self.lines.clone();
-        let uniform = self.at_steps(steps, step_s);
-        let recording = Recording { jitter: Some(jitter), ..uniform.recording };
-        Self { lines, recording, ..uniform }
+        let rows = self.rows.clone();
+        let mut uniform = self.at_steps(steps, step_s);
+        uniform.record(|recording| recording.jitter = jitter);
+        Self { rows, ..uniform }
     }
+}
+
+/// Declares noise of this standard deviation on places or directions.
+fn declare_noise(
+    values: &mut Vec<f64>,
+    recording: &mut Recording,
+    deviation_m: f64,
+) -> Result<(), NoRest> {
+    let (rested, moved_m) = rested(values, deviation_m)?;
+    *values = rested;
+    recording.uncertainty = Some(Uncertainty::Noisy { deviation_m, moved_m });
+    Ok(())
 }
 
 /// Displacement in m from a velocity.
@@ -217,13 +291,12 @@ fn integral(time_s: &[f64], velocity_m_s: &[f64], ends: Ends) -> Vec<f64> {
     all[len..2 * len].iter().map(|m| m - all[len]).collect()
 }
 
-/// Refuses a displacement that hardly exceeds its uncertainty. The uncertainty from velocities or accelerations is an
+/// Refuses displacements that hardly exceed their uncertainty. The uncertainty from velocities or accelerations is an
 /// error of the solution, which warns of it.
-fn check_worth(motion: &TipMotion, name: &str) -> Result<(), TableError> {
+fn check_worth(motion: &Motion, name: &str) -> Result<(), TableError> {
     let uncertain = motion.recording().uncertainty.filter(|own| own.times() == 0);
-    let Some(tolerance_m) = uncertain.and(motion.known_to_m()) else { return Ok(()) };
-    let grid = motion.grid();
-    let travel_m = motion.target(grid.time_s(0), grid.end_s()).largest_travel_m();
+    let Some(tolerance_m) = uncertain.and_then(|_| motion.known_to_m()) else { return Ok(()) };
+    let travel_m = motion.largest_travel_m();
     if tolerance_m <= LEAST_WORTH * travel_m {
         return Ok(());
     }
@@ -235,7 +308,8 @@ fn check_worth(motion: &TipMotion, name: &str) -> Result<(), TableError> {
     );
     let hint = "write the samples with more decimals, or record them with less noise";
     let place = Place { file: name, line: None };
-    Err(place.refuse("displacement", found, must).with_hint(Some(hint.to_owned())))
+    let what = if motion.tip().is_some() { "displacement" } else { "path" };
+    Err(place.refuse(what, found, must).with_hint(Some(hint.to_owned())))
 }
 
 #[cfg(test)]

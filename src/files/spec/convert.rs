@@ -12,28 +12,22 @@ use crate::link::{
 };
 use crate::result::{Limits, Remark};
 
-/// The checked content of a link file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Specification {
-    /// The physical link.
-    pub link: Link,
-    /// Mesh of the link.
-    pub mesh: MeshPlan,
-    /// Tolerances, window and modes of the inversion.
-    pub analysis: Analysis,
-    /// Largest allowed values of link and motor.
-    pub limits: Limits,
-    /// Possible but unusual values, often a slip of units.
-    pub remarks: Vec<Remark>,
+/// The keys of one link, checked.
+pub(super) struct LinkKeys {
+    pub(super) link: Link,
+    pub(super) mesh: MeshPlan,
+    pub(super) analysis: Analysis,
+    pub(super) limits: Limits,
+    pub(super) remarks: Vec<Remark>,
 }
 
-/// Reads the specification from a tree.
-pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
+/// Reads the keys of one link from a tree.
+pub(super) fn link_keys(tree: &Node) -> Result<LinkKeys, Fault> {
     convert(RawSpecification::deserialize(tree)?)
 }
 
 /// Converts the raw form to the checked one.
-fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
+fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
     if raw.segments.is_empty() {
         return Err(Fault::new("segments", "must hold at least one [[segments]]"));
     }
@@ -106,7 +100,7 @@ fn convert(raw: RawSpecification) -> Result<Specification, Fault> {
     let mesh = MeshPlan::new(&link, &own_elements, count, tolerance)?;
     let analysis = analysis(&raw.analysis)?;
     let limits = Limits::new(raw.limits.0.iter().copied())?.check(link.drive())?;
-    Ok(Specification { link, mesh, analysis, limits, remarks })
+    Ok(LinkKeys { link, mesh, analysis, limits, remarks })
 }
 
 fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {

@@ -1,10 +1,8 @@
 //! Files of a link, and of an arm: a chain of links, each with the keys of a link file.
 
-use std::mem;
-
 use serde::Deserialize;
 
-use super::convert::{Specification, specification_of};
+use super::convert::{LinkKeys, link_keys};
 use super::error::{Fault, SpecError};
 use super::overrides::{Override, apply};
 use super::raw::{RawAnalysis, RawMesh};
@@ -12,7 +10,7 @@ use super::tree::{Kind, Node, Place};
 use super::value::{AlongAxes, Angle, tables};
 use crate::beam::MeshPlan;
 use crate::inverse::Analysis;
-use crate::link::{Arm, ArmLink, ArmParts, Elbow};
+use crate::link::{Arm, ArmLink, ArmParts, Elbow, Link};
 use crate::result::{Limits, Remark};
 
 /// Keys that an arm has once, for all its links.
@@ -21,55 +19,32 @@ pub(super) const SHARED: [&str; 2] = ["mesh", "analysis"];
 /// Further keys of an arm that apply to its link if it has only one.
 pub(super) const OF_ARM: [&str; 3] = ["title", "gravity", "start_angle"];
 
-/// The checked content of an arm file.
+/// The checked content of a file: one link, or an arm of several.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ArmSpecification {
-    /// The arm.
+pub struct Specification {
+    /// The arm. A link is an arm of one link.
     pub arm: Arm,
     /// Mesh of each link.
     pub meshes: Vec<MeshPlan>,
-    /// Tolerances and window of the inversion.
+    /// Tolerances, window and modes of the inversion.
     pub analysis: Analysis,
     /// Largest allowed values of each joint, its link and its motor.
     pub limits: Vec<Limits>,
     /// Possible but unusual values, often a slip of units.
     pub remarks: Vec<Remark>,
-    /// Line of the file, from 1, at which each link begins; `None` if a `--set` wrote it.
+    /// Line of the file, from 1, at which each link of several begins; `None` if a `--set` wrote it.
     pub lines: Vec<Option<usize>>,
 }
 
-/// Content of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Described {
-    /// One link, in either form of file.
-    Link(Box<Specification>),
-    /// An arm of two links or more.
-    Arm(Box<ArmSpecification>),
-}
-
-impl Described {
-    fn remarks(&mut self) -> &mut Vec<Remark> {
-        match self {
-            Self::Link(found) => &mut found.remarks,
-            Self::Arm(found) => &mut found.remarks,
-        }
+impl Specification {
+    /// The first link; a link file has no other.
+    pub fn link(&self) -> &Link {
+        &self.arm.links()[0].link
     }
-}
 
-/// A link is an arm of one link.
-impl From<Specification> for ArmSpecification {
-    fn from(Specification { link, mesh, analysis, limits, remarks }: Specification) -> Self {
-        let (meshes, limits, lines) = (vec![mesh], vec![limits], vec![None]);
-        Self { arm: Arm::from(link), meshes, analysis, limits, remarks, lines }
-    }
-}
-
-impl From<Described> for ArmSpecification {
-    fn from(described: Described) -> Self {
-        match described {
-            Described::Link(link) => Self::from(*link),
-            Described::Arm(arm) => *arm,
-        }
+    /// The mesh of the first link.
+    pub fn mesh(&self) -> &MeshPlan {
+        &self.meshes[0]
     }
 }
 
@@ -96,7 +71,7 @@ struct RawArmLink {
     name: Option<String>,
 }
 
-/// Reads the text of a link file and applies the `overrides` in their order.
+/// Reads the text of a file of a link or an arm, and applies the `overrides` in their order.
 ///
 /// Errors call the file `name`.
 ///
@@ -125,7 +100,7 @@ impl LinkDocument {
         Ok(Self { tree: Node::document(name, text)? })
     }
 
-    /// The specification of a single link with the `overrides` applied in their order.
+    /// The content of the file with the `overrides` applied in their order.
     ///
     /// # Errors
     /// Those of [`read_specification`].
@@ -134,35 +109,17 @@ impl LinkDocument {
         name: &str,
         overrides: &[Override],
     ) -> Result<Specification, SpecError> {
-        match self.described(name, overrides)? {
-            Described::Link(link) => Ok(*link),
-            Described::Arm(_) => {
-                let message = "one link is needed here, but the file has several";
-                let fault = Fault::new("links.1", message)
-                    .hinting("`flexlink solve` takes arms of several links".to_owned());
-                Err(located(fault, &self.changed(overrides)?, (name, overrides)))
-            }
-        }
-    }
-
-    /// The content of the file with the `overrides` applied in their order.
-    ///
-    /// # Errors
-    /// [`SpecError`] names the line, or the `--set`, and the wrong value.
-    pub fn described(&self, name: &str, overrides: &[Override]) -> Result<Described, SpecError> {
         let tree = self.changed(overrides)?;
-        let mut found =
-            described(&tree).map_err(|fault| located(fault, &tree, (name, overrides)))?;
+        let mut read =
+            specification_of(&tree).map_err(|fault| located(fault, &tree, (name, overrides)))?;
         // A multiplied value keeps the unit of the value before, so that only the latter is judged.
         if overrides.iter().any(Override::is_factor) {
             let given: Vec<_> =
                 overrides.iter().filter(|change| !change.is_factor()).cloned().collect();
-            let before = self.changed(&given).ok().and_then(|tree| described(&tree).ok());
-            if let Some(mut before) = before {
-                mem::swap(found.remarks(), before.remarks());
-            }
+            let before = self.changed(&given).ok().and_then(|tree| specification_of(&tree).ok());
+            read.remarks = before.map_or(read.remarks, |before| before.remarks);
         }
-        Ok(found)
+        Ok(read)
     }
 
     /// The file as a tree, with the changes applied in their order.
@@ -195,9 +152,9 @@ pub(super) fn located(
 }
 
 /// Reads a link or an arm from a tree.
-pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
+pub(super) fn specification_of(tree: &Node) -> Result<Specification, Fault> {
     if tree.get("links").is_none() {
-        return specification_of(tree).map(|link| Described::Link(Box::new(link)));
+        return link_keys(tree).map(of_one_link);
     }
     let raw = RawArm::deserialize(tree)?;
     let count = raw.links.len();
@@ -208,38 +165,43 @@ pub(super) fn described(tree: &Node) -> Result<Described, Fault> {
     let called = |link: usize| raw.links[link].name.clone().unwrap_or_else(|| link.to_string());
     let read = |link: usize| {
         let node = link_node(tree, (link, &called(link)), count)?;
-        specification_of(&node)
-            .map_err(|fault| fault.of_link((link, &called(link)), link + 1 == count))
+        link_keys(&node).map_err(|fault| fault.of_link((link, &called(link)), link + 1 == count))
     };
     if count == 1 {
         if raw.elbow.is_some() {
             return Err(Fault::new("elbow", "elbow has no meaning for an arm of one link"));
         }
-        return read(0).map(|link| Described::Link(Box::new(link)));
+        return read(0).map(of_one_link);
     }
     if tree.get("start_angle").is_some() {
         let message = "start_angle has no meaning for an arm of several links, which starts where its path starts";
         return Err(Fault::new("start_angle", message));
     }
-    let specifications = (0..count).map(read).collect::<Result<Vec<_>, _>>()?;
+    let each = (0..count).map(read).collect::<Result<Vec<_>, _>>()?;
     let lines = (0..count).map(|link| line_of(tree, link)).collect();
     let names = raw.links.into_iter().map(|link| link.name);
-    let analysis = specifications[0].analysis;
-    let mut found = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for (own, name) in specifications.into_iter().zip(names) {
-        found.0.push(ArmLink { name, link: own.link });
-        found.1.push(own.mesh);
-        found.2.push(own.limits);
-        found.3.extend(own.remarks);
+    let analysis = each[0].analysis;
+    let (mut links, mut meshes) = (Vec::new(), Vec::new());
+    let (mut limits, mut remarks) = (Vec::new(), Vec::new());
+    for (own, name) in each.into_iter().zip(names) {
+        links.push(ArmLink { name, link: own.link });
+        meshes.push(own.mesh);
+        limits.push(own.limits);
+        remarks.extend(own.remarks);
     }
     let arm = Arm::new(ArmParts {
         title: raw.title.unwrap_or_default(),
-        links: found.0,
+        links,
         gravity_m_s2: raw.gravity.map_or([0.0; 2], |AlongAxes(gravity)| gravity),
         elbow: raw.elbow,
     })?;
-    let (meshes, limits, remarks) = (found.1, found.2, found.3);
-    Ok(Described::Arm(Box::new(ArmSpecification { arm, meshes, analysis, limits, remarks, lines })))
+    Ok(Specification { arm, meshes, analysis, limits, remarks, lines })
+}
+
+/// A link is an arm of one link.
+fn of_one_link(LinkKeys { link, mesh, analysis, limits, remarks }: LinkKeys) -> Specification {
+    let (meshes, limits, lines) = (vec![mesh], vec![limits], vec![None]);
+    Specification { arm: Arm::from(link), meshes, analysis, limits, remarks, lines }
 }
 
 /// Line of the file at which a link begins.
@@ -293,9 +255,8 @@ mod tests {
 
     const LINK: &str = "segments = [{ length = 0.5, EI = 20, mass_per_length = 0.3 }]";
 
-    fn read(text: &str) -> Result<Described, String> {
-        let document = LinkDocument::read("arm.toml", text).map_err(|error| error.to_string())?;
-        document.described("arm.toml", &[]).map_err(|error| error.to_string())
+    fn read(text: &str) -> Result<Specification, String> {
+        read_specification("arm.toml", text, &[]).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -314,10 +275,7 @@ mod tests {
             format!("[[links]]\nname = 'upper'\ntip = {{ mass = 1, inertia = 0.01 }}\n{LINK}\n");
         let outer = format!("[[links]]\npayload = {{ mass = 0.1 }}\n{LINK}\n");
         let top = "gravity = [0, '-9.81 m/s^2']\nelbow = 'right'\nmesh.elements = 6\n";
-        let Ok(Described::Arm(found)) = read(&format!("{top}{inner}{outer}")) else {
-            panic!("an arm");
-        };
-        let ArmSpecification { arm, meshes, .. } = *found;
+        let Specification { arm, meshes, .. } = read(&format!("{top}{inner}{outer}")).unwrap();
         assert_eq!((arm.elbow(), arm.gravity_m_s2()), (Some(Elbow::Right), [0.0, -9.81]));
         assert_eq!((arm.name_of(0), arm.name_of(1)), ("link upper".into(), "link 2".into()));
         let carried = [0, 1].map(|link: usize| arm.links()[link].link.payload().mass_kg);

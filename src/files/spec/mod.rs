@@ -8,7 +8,7 @@
 //! let text = "segments = [{ length = '150 cm', EI = '5e4 N cm^2', mass_per_length = 0.8 }]";
 //! let stiffer: Override = "segments.*.EI*=4".parse()?;
 //! let specification = read_specification("link.toml", text, &[stiffer])?;
-//! assert_eq!(specification.link.segments()[0].bending_stiffness_n_m2.inner, 20.0);
+//! assert_eq!(specification.link().segments()[0].bending_stiffness_n_m2.inner, 20.0);
 //! # Ok::<(), flexlink::spec::SpecError>(())
 //! ```
 
@@ -27,8 +27,7 @@ mod tolerances;
 mod tree;
 mod value;
 
-pub use convert::Specification;
-pub use document::{ArmSpecification, Described, LinkDocument, read_specification};
+pub use document::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
 pub use free::{FreeValue, rewrite};
 pub use measured::{MeasuredFile, read_measurements};

@@ -317,7 +317,7 @@ mod tests {
     fn shear_stiffness_is_given_in_three_ways() {
         let bar = |keys: &str| {
             let read = read(&format!("theory = 'timoshenko'\n{BAR}{keys}"), &[]).unwrap();
-            read.link.segments()[0].timoshenko.unwrap()
+            read.link().segments()[0].timoshenko.unwrap()
         };
         let section = Section::Rectangle { width_m: 0.02, thickness_m: 0.1 };
         let (area, i) = (section.area_m2(), section.second_moment_m4());
@@ -341,7 +341,7 @@ mod tests {
         );
         let thick = |changes: &[&str]| -> Vec<bool> {
             let read = read(&text, changes).unwrap();
-            read.link.segments().iter().map(|own| own.timoshenko.is_some()).collect()
+            read.link().segments().iter().map(|own| own.timoshenko.is_some()).collect()
         };
         assert_eq!(thick(&[]), [true, false]);
         assert_eq!(thick(&["theory=euler-bernoulli"]), [false, false]);

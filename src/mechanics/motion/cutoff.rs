@@ -2,9 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::period::farthest_m;
 use super::recording::UNCERTAIN;
-use super::samples::{Ends, Source};
+use super::samples::Ends;
 use super::spectrum::{Cutoff, InputBand, LOOSER, ROLL_OFF, Shortfall, TipSpectrum, weight};
 use super::tip_motion::TipMotion;
 use crate::numeric::{FourierPair, fast_length, largest};
@@ -128,11 +127,7 @@ impl TipMotion {
 
     /// Keeps all frequencies of the samples, with the samples' uncertainty.
     fn all_frequencies(&self) -> Cutoff {
-        let farthest_m = match &*self.samples().source {
-            Source::Displacement { samples, .. } => farthest_m(samples[0], samples),
-            Source::Acceleration(_) => self.travel_m().abs(),
-        };
-        let input = self.uncertain(0.0, farthest_m).map(|noise| InputBand {
+        let input = self.uncertain(0.0, self.farthest_m()).map(|noise| InputBand {
             noise,
             sets_band: true,
             followed_m: 0.0,

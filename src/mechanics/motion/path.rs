@@ -6,9 +6,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::error::{MotionError, PathError};
-use super::period::{TipPeriod, farthest_m};
+use super::period::TipPeriod;
 use super::recording::{Recording, UNCERTAIN, Uncertainty};
 use super::samples::MotionColumns;
+use super::scale::MotionScale;
 use super::spectrum::{Cutoff, InputBand};
 use super::tip_motion::TipMotion;
 use crate::numeric::{TimeGrid, extremes};
@@ -62,23 +63,20 @@ impl PathColumns {
         }
     }
 
-    /// Multiplies the path's duration by a factor; the first sample's time stays.
-    ///
-    /// # Errors
-    /// [`MotionError::Scale`] for a factor that is not finite and above 0.
-    pub fn slowed(mut self, factor: f64) -> Result<Self, MotionError> {
-        let possible = [factor, factor.recip()].iter().all(|x| x.is_finite());
-        if !possible || factor <= 0.0 {
-            return Err(MotionError::Scale { distance: 1.0, duration: factor });
-        }
-        let first_s = self.time_s.first().copied().unwrap_or_default();
-        if factor.total_cmp(&1.0).is_ne() {
-            self.time_s.iter_mut().for_each(|t| *t = first_s + factor * (*t - first_s));
-            for column in self.tip.iter_mut().flatten().chain(self.angles.iter_mut().flatten()) {
-                column.recording = column.recording.scaled(1.0, factor);
-            }
-        }
-        Ok(self)
+    /// The columns beside the time, in their order.
+    pub fn each(&self) -> impl Iterator<Item = &PathColumn> {
+        self.tip.iter().flatten().chain(self.angles.iter().flatten())
+    }
+
+    /// [`PathColumns::each`], to be changed, each with the length in m that makes a displacement of it.
+    pub(crate) fn each_mut(
+        &mut self,
+        lengths_m: &[f64],
+    ) -> impl Iterator<Item = (&mut PathColumn, f64)> {
+        let lengths_m = lengths_m.iter().copied().chain(std::iter::repeat(1.0));
+        let angles = self.angles.iter_mut().zip(lengths_m);
+        let angles = angles.filter_map(|(column, length_m)| Some((column.as_mut()?, length_m)));
+        self.tip.iter_mut().flatten().map(|column| (column, 1.0)).chain(angles)
     }
 }
 
@@ -127,6 +125,8 @@ pub struct ArmPath {
     lengths_m: Vec<f64>,
     /// Directions in rad that the file contains besides the tip's place.
     beside: Vec<(usize, Vec<f64>)>,
+    /// Quality of all samples: the largest of each column's numbers, in m.
+    recording: Recording,
 }
 
 /// One coordinate over a period: value, rate and acceleration.
@@ -141,6 +141,7 @@ impl ArmPath {
     /// # Errors
     /// [`PathError`].
     pub fn new(columns: PathColumns, lengths_m: &[f64]) -> Result<Self, PathError> {
+        let dropped = columns.each().map(|column| column.recording.dropped).sum();
         let PathColumns { time_s, tip, angles } = columns;
         let links = lengths_m.len();
         let grid = TimeGrid::through(&time_s).map_err(MotionError::from)?;
@@ -174,16 +175,50 @@ impl ArmPath {
         }
         let lengths_m = all.iter().map(|(_, per_value)| *per_value).collect();
         let courses = all.into_iter().map(|own| {
-            // A change by the last decimal counts as constant.
-            let step_m = own.0.recording.uncertainty.map_or(0.0, |rounded| match rounded {
-                Uncertainty::Rounded { step_m, .. } => own.1 * step_m * LAST_DECIMAL,
-                _ => 0.0,
-            });
-            let is_held = range_m(&own) <= step_m.max(HELD * widest_m);
+            let is_held = range_m(&own) <= (own.1 * own.0.constant()).max(HELD * widest_m);
             Course::of(&time_s, own, is_held)
         });
-        let courses = courses.collect::<Result<_, _>>()?;
-        Ok(Self { grid, prescribed, courses, lengths_m, beside })
+        let courses: Vec<Course> = courses.collect::<Result<_, _>>()?;
+        let of_moving = courses.iter().filter_map(Course::moving).map(TipMotion::recording);
+        let coarser =
+            |a: Recording, b: Recording| if b.deviation() < a.deviation() { a } else { b };
+        let Some(coarsest) = of_moving.copied().reduce(coarser) else {
+            return Err(PathError::NoMotion);
+        };
+        let recording = Recording { dropped, ..coarsest };
+        Ok(Self { grid, prescribed, courses, lengths_m, beside, recording })
+    }
+
+    /// Quality of the samples, in m: that of the coarsest coordinate that moves, with the number of replaced samples of
+    /// all columns.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Estimate of the largest error of a coordinate in m from the samples; `None` for exact samples.
+    pub(super) fn known_to_m(&self) -> Option<f64> {
+        self.moving().filter_map(TipMotion::known_to_m).reduce(f64::max)
+    }
+
+    /// This path over another distance and duration: each coordinate changes by `distance` times as much from its first
+    /// sample. Directions besides the tip's place are dropped if they no longer belong to it.
+    ///
+    /// # Errors
+    /// Those of [`TipMotion::scaled`].
+    pub fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
+        let scaled = |course: &Course| match course {
+            Course::Held(value) => Ok(Course::Held(*value)),
+            Course::Moving(motion) => {
+                let start_m = motion.initial_displacement_m();
+                motion.scaled_about(scale, start_m).map(Course::Moving)
+            }
+        };
+        let courses = self.courses.iter().map(scaled).collect::<Result<Vec<_>, _>>()?;
+        let grid = courses.iter().find_map(Course::moving).map_or(self.grid, TipMotion::grid);
+        let recording = self.recording.scaled(scale.distance, scale.duration);
+        let is_as_long = scale.distance.total_cmp(&1.0).is_eq();
+        let beside = if is_as_long { self.beside.clone() } else { Vec::new() };
+        Ok(Self { grid, courses, beside, recording, ..self.clone() })
     }
 
     /// Grid of the input samples.
@@ -208,10 +243,12 @@ impl ArmPath {
     }
 
     fn moving(&self) -> impl Iterator<Item = &TipMotion> {
-        self.courses.iter().filter_map(|course| match course {
-            Course::Moving(motion) => Some(motion),
-            Course::Held(_) => None,
-        })
+        self.courses.iter().filter_map(Course::moving)
+    }
+
+    /// Largest travel of a coordinate from its first sample, in m.
+    pub(super) fn farthest_m(&self) -> f64 {
+        self.moving().map(TipMotion::farthest_m).fold(0.0, f64::max)
     }
 
     /// This path sampled twice as often.
@@ -229,29 +266,14 @@ impl ArmPath {
         Ok(Self { grid, courses, beside: Vec::new(), ..self.clone() })
     }
 
-    /// The coarsest rounding of the samples: number of decimals in the file's unit, and the last decimal in m; `None`
-    /// if all samples are exact.
-    pub fn rounded(&self) -> Option<(i32, f64)> {
-        let each = self.moving().filter_map(|motion| match motion.recording().uncertainty? {
-            Uncertainty::Rounded { decimals, step_m } => Some((decimals, step_m)),
-            _ => None,
-        });
-        each.max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
     /// Cut-offs of all coordinates that keep the tip within `tolerance` of the largest travel of a coordinate; constant
     /// coordinates keep all frequencies.
     pub(crate) fn cutoffs(&self, tolerance: f64) -> Vec<Cutoff> {
-        let travel_m = |motion: &TipMotion| {
-            let samples = motion.samples().displacements_m();
-            farthest_m(samples[0], samples)
-        };
-        let farthest_m = self.moving().map(travel_m).fold(0.0, f64::max);
-        let each_m = farthest_m / self.moving().count() as f64;
+        let each_m = self.farthest_m() / self.moving().count() as f64;
         let of = |course: &Course| match course {
             Course::Held(_) => Cutoff::ALL,
             Course::Moving(motion) => {
-                let found = motion.cutoff(tolerance * each_m / travel_m(motion));
+                let found = motion.cutoff(tolerance * each_m / motion.farthest_m());
                 let wanted_m =
                     if tolerance > 0.0 { tolerance.max(UNCERTAIN) * each_m } else { 0.0 };
                 let input = found.input.map(|input| InputBand { wanted_m, ..input });
@@ -370,7 +392,25 @@ impl Stray {
     }
 }
 
+impl PathColumn {
+    /// Range of the values below which the column counts as constant: a change by the last decimal, or noise.
+    fn constant(&self) -> f64 {
+        match self.recording.uncertainty {
+            Some(Uncertainty::Rounded { step_m, .. }) => step_m * LAST_DECIMAL,
+            Some(noise @ Uncertainty::Noisy { .. }) => 2.0 * noise.tolerance_m(self.values.len()),
+            _ => 0.0,
+        }
+    }
+}
+
 impl Course {
+    fn moving(&self) -> Option<&TipMotion> {
+        match self {
+            Self::Moving(motion) => Some(motion),
+            Self::Held(_) => None,
+        }
+    }
+
     fn of(
         time_s: &[f64],
         (column, length_m): (PathColumn, f64),
@@ -378,7 +418,10 @@ impl Course {
     ) -> Result<Self, PathError> {
         if is_held {
             let [low, high] = extremes(&column.values);
-            return Ok(Self::Held(length_m * (low + 0.5 * (high - low))));
+            let is_noisy = matches!(column.recording.uncertainty, Some(Uncertainty::Noisy { .. }));
+            let mean = || column.values.iter().sum::<f64>() / column.values.len() as f64;
+            let value = if is_noisy { mean() } else { low + 0.5 * (high - low) };
+            return Ok(Self::Held(length_m * value));
         }
         let displacement_m = column.values.iter().map(|value| length_m * value).collect();
         let columns = MotionColumns {

@@ -77,6 +77,15 @@ impl TipMotion {
     /// [`MotionError::Scale`] for factors out of their range, and those of [`TipMotion::new`] if the scaled numbers are
     /// too large.
     pub fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
+        self.scaled_about(scale, 0.0)
+    }
+
+    /// [`TipMotion::scaled`] with a displacement in m that stays.
+    pub(super) fn scaled_about(
+        &self,
+        scale: MotionScale,
+        still_m: f64,
+    ) -> Result<Self, MotionError> {
         if scale == MotionScale::default() {
             return Ok(self.clone());
         }
@@ -87,18 +96,20 @@ impl TipMotion {
         }
         let own = self.grid();
         let grid = TimeGrid { step_s: duration * own.step_s, ..own };
+        let from_m = (1.0 - distance) * still_m;
         let times = |samples: &[f64], factor: f64| samples.iter().map(|x| factor * x).collect();
+        let placed = |samples: &[f64]| samples.iter().map(|x| from_m + distance * x).collect();
         let scaled = self.on_grid(
             grid,
             distance / duration,
             |accelerations| times(accelerations, distance / duration.powi(2)),
-            |displacements| times(displacements, distance),
+            placed,
         )?;
         let velocity = distance / duration;
         let corrected = self
             .corrected()
             .map(|end| EndVelocity { velocity_m_s: velocity * end.velocity_m_s, share: end.share });
-        let start_m = distance * self.initial_displacement_m();
+        let start_m = from_m + distance * self.initial_displacement_m();
         let recording = self.recording().scaled(distance, duration);
         Ok(scaled.with_start(start_m, corrected).recorded(recording))
     }

@@ -27,6 +27,14 @@ impl TipMotion {
         self.noise().map(|noise| noise.largest_m())
     }
 
+    /// Largest distance of the displacements from the first one in m; for accelerations, the travel.
+    pub(super) fn farthest_m(&self) -> f64 {
+        match self.samples().displacements_m() {
+            [] => self.travel_m().abs(),
+            samples => farthest_m(samples[0], samples),
+        }
+    }
+
     /// Errors of the samples, if they move the tip noticeably.
     pub(super) fn uncertain(&self, tolerance: f64, travel_m: f64) -> Option<Noise> {
         let matters_m = MATTERS * if tolerance > 0.0 { tolerance } else { UNCERTAIN } * travel_m;
@@ -39,10 +47,7 @@ impl TipMotion {
         if own == Between::default() {
             return own;
         }
-        let way_m = match self.samples().displacements_m() {
-            [] => self.travel_m().abs(),
-            samples => farthest_m(samples[0], samples),
-        };
+        let way_m = self.farthest_m();
         let counts = own.displacement_m > INTEGRAL_COUNTS * way_m;
         let peak_m_s2 = largest(self.samples().forcing_m_s2());
         let above = |own: f64, least: f64| if own > least { own } else { 0.0 };

@@ -32,13 +32,15 @@ pub enum Specimen {
     Arm(Arm),
 }
 
-impl From<(Link, MeshPlan)> for Specimen {
-    fn from(own: (Link, MeshPlan)) -> Self {
-        Self::Link(Box::new(own))
-    }
-}
-
 impl Specimen {
+    /// The object of a file: a link with the plan of its mesh, or an arm of several links.
+    pub fn of(arm: Arm, plans: &[MeshPlan]) -> Self {
+        match (arm.links(), plans) {
+            ([own], [plan]) => Self::Link(Box::new((own.link.clone(), plan.clone()))),
+            _ => Self::Arm(arm),
+        }
+    }
+
     /// Number of times that the elements of an automatic plan are halved, or the orders of an arm's polynomials are
     /// raised, for measured values exact to a tolerance; 0 for other plans.
     pub(super) fn refinements<E>(

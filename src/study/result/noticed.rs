@@ -7,9 +7,9 @@ use super::peak::Peaks;
 use super::remark::{DENSITIES_KG_M3, DURATIONS_S, FIRST_FREQUENCIES_HZ, MODULI_PA, Remark};
 use crate::beam::Mesh;
 use crate::inverse::{JointMotion, Solution};
-use crate::link::Link;
+use crate::link::{Arm, Link};
 use crate::modal::Thickness;
-use crate::motion::{ArmPath, TipMotion, Uncertainty};
+use crate::motion::{Motion, Uncertainty};
 
 /// Least excess of a jumping acceleration over its samples that causes a remark, as a share.
 const OVERSHOOT: f64 = 0.05;
@@ -57,8 +57,8 @@ impl Remark {
     }
 
     /// Remarks on a motion that moves the tip by `travel_m`; the tip may stray by the share `tolerance` of it.
-    pub fn on_motion(link: &Link, motion: &TipMotion, travel_m: f64, tolerance: f64) -> Vec<Self> {
-        let length_m = link.length_m();
+    pub fn on_motion(arm: &Arm, motion: &Motion, travel_m: f64, tolerance: f64) -> Vec<Self> {
+        let length_m = arm.length_m();
         let duration = Self::on_duration(motion);
         let travel =
             (travel_m > MOST_TRAVEL * length_m).then_some(Self::Travel { travel_m, length_m });
@@ -67,7 +67,7 @@ impl Remark {
     }
 
     /// A remark on the duration of a motion.
-    pub fn on_duration(motion: &TipMotion) -> Option<Self> {
+    pub fn on_duration(motion: &Motion) -> Option<Self> {
         let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
         let duration_s = grid.time_s(until) - grid.time_s(from);
         let is_usual = DURATIONS_S.contains(&duration_s);
@@ -105,33 +105,19 @@ impl Remark {
         joints.filter_map(of).collect()
     }
 
-    /// A remark on the digits of an arm's path that leads its tip over `travel_m`; the tip may stray by the share
-    /// `tolerance` of it.
-    pub fn on_path(path: &ArmPath, travel_m: f64, tolerance: f64) -> Option<Self> {
-        let (decimals, step_m) = path.rounded()?;
-        let followed = step_m / travel_m;
-        (tolerance > 0.0 && followed > tolerance).then_some(Self::PathDigits {
-            decimals,
-            half_step_m: 0.5 * step_m,
-            followed,
-            tolerance,
-        })
-    }
-
-    /// A remark on samples that were replaced, if any were.
-    pub fn on_dropped(samples: usize) -> Option<Self> {
-        (samples > 0).then_some(Self::DroppedOutliers { samples })
-    }
-
     /// Remarks on the accuracy of the samples of a motion.
-    fn on_samples(motion: &TipMotion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
-        let (grid, recording) = (motion.grid(), motion.recording());
+    fn on_samples(motion: &Motion, travel_m: f64, tolerance: f64) -> impl Iterator<Item = Self> {
+        let (grid, recording, tip) = (motion.grid(), motion.recording(), motion.tip());
         let jitter = recording.jitter.map(|steps| Self::Jitter { steps, step_s: grid.step_s });
-        let [before_m_s, after_m_s] = motion.end_velocities_m_s();
-        let moves = recording.moves_by_column.then_some(Self::MovingEnds { before_m_s, after_m_s });
+        let moves = tip.filter(|_| recording.moves_by_column).map(|motion| {
+            let [before_m_s, after_m_s] = motion.end_velocities_m_s();
+            Self::MovingEnds { before_m_s, after_m_s }
+        });
         let uncertain = recording.uncertainty.and_then(|uncertainty| {
-            let followed_m = match uncertainty {
-                Uncertainty::Integrated { .. } => motion.cutoff(tolerance).followed_m()?,
+            let followed_m = match (uncertainty, tip) {
+                (Uncertainty::Integrated { .. }, Some(tip)) => {
+                    tip.cutoff(tolerance).followed_m()?
+                }
                 _ => uncertainty.tolerance_m(grid.len),
             };
             let followed = followed_m / travel_m;
@@ -139,7 +125,11 @@ impl Remark {
             let is_raised = tolerance > 0.0 && followed > tolerance;
             (is_raised && recording.lowpass_rad_s.is_none()).then_some(match uncertainty {
                 Uncertainty::Rounded { decimals, step_m } => {
-                    Self::FewDigits { decimals, half_step_m: 0.5 * step_m, followed, tolerance }
+                    let half_step_m = 0.5 * step_m;
+                    match tip {
+                        Some(_) => Self::FewDigits { decimals, half_step_m, followed, tolerance },
+                        None => Self::PathDigits { decimals, half_step_m, followed, tolerance },
+                    }
                 }
                 Uncertainty::Noisy { deviation_m, moved_m } => {
                     Self::Noise { deviation_m, moved_m, followed, tolerance }
@@ -151,7 +141,8 @@ impl Remark {
                 }
             })
         });
-        let dropped = Self::on_dropped(recording.dropped);
+        let samples = recording.dropped;
+        let dropped = (samples > 0).then_some(Self::DroppedOutliers { samples });
         jitter.into_iter().chain(dropped).chain(moves).chain(uncertain)
     }
 }

@@ -7,13 +7,13 @@ const LIST: &str = "model = 'modal'\nratios = [0.02, 0.05]";
 const SERIES: &str = "model = 'caughey'\nmodes = [1, 3]\nratios = [0.02, 0.05]";
 
 fn law(keys: &str) -> Damping {
-    read(&format!("{SHORT}[damping]\n{keys}\n")).unwrap().link.damping().clone()
+    read(&format!("{SHORT}[damping]\n{keys}\n")).unwrap().link().damping().clone()
 }
 
 /// The law of a file with these keys under these settings.
 fn law_with(keys: &str, settings: &[&str]) -> Damping {
     let specification = read_with(&format!("{SHORT}[damping]\n{keys}\n"), settings);
-    specification.unwrap().link.damping().clone()
+    specification.unwrap().link().damping().clone()
 }
 
 fn modal(ratios: &[f64]) -> Damping {

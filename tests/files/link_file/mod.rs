@@ -101,7 +101,8 @@ fn shown(error: &SpecError) -> String {
 
 #[test]
 fn the_whole_example_is_read_in_si() {
-    let Specification { link, mesh, analysis, limits, .. } = read(EXAMPLE).unwrap();
+    let own = read(EXAMPLE).unwrap();
+    let (link, mesh, analysis, limits) = (own.link(), own.mesh(), own.analysis, own.limits[0]);
     assert_eq!(link.title(), "Bayo (1987), example 1: I = 0.25e-2 cm^4");
     let [root, beam] = link.segments() else {
         panic!("{:?}", link.segments());
@@ -129,28 +130,29 @@ fn the_whole_example_is_read_in_si() {
     assert_eq!(limits.of("motor_power"), Some(100.0));
     let total = Some(ElementCount::Total(10));
     let plan = MeshPlan::new(&link, &[Some(1), Some(9)], total, 1e-6);
-    assert_eq!(mesh, plan.unwrap());
+    assert_eq!(*mesh, plan.unwrap());
     let window = Analysis::new(1e-6, Some(0.5), Some(0.5));
     assert_eq!(analysis, window.unwrap().keeping_modes(5).unwrap());
 }
 
 #[test]
 fn only_segments_are_required() {
-    let Specification { link, mesh, analysis, limits, .. } = read(SHORT).unwrap();
+    let own = read(SHORT).unwrap();
+    let (link, mesh, analysis, limits) = (own.link(), own.mesh(), own.analysis, own.limits[0]);
     assert_eq!((link.drive(), limits), (None, Limits::default()));
     assert_eq!(link.title(), "");
     assert_eq!(*link.hub(), Hub::default());
     assert_eq!(*link.damping(), Damping::None);
     assert_eq!(analysis, Analysis::default());
     let plan = MeshPlan::new(&link, &[None], None, MeshPlan::DEFAULT_TOLERANCE);
-    assert_eq!(mesh, plan.unwrap());
+    assert_eq!(*mesh, plan.unwrap());
 }
 
 #[test]
 fn stiffness_and_mass_follow_from_material_and_section() {
     let segment = |keys: &str| {
         let specification = read(&format!("[[segments]]\nlength = 1\n{keys}\n")).unwrap();
-        let segment = &specification.link.segments()[0];
+        let segment = &specification.link().segments()[0];
         (segment.bending_stiffness_n_m2, segment.mass_per_length_kg_m)
     };
     let paper = segment(

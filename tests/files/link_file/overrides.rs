@@ -5,7 +5,7 @@ use flexlink::spec::Override;
 use super::{EXAMPLE, SHORT, read_with};
 
 fn link(settings: &[&str]) -> Link {
-    read_with(EXAMPLE, settings).unwrap().link
+    read_with(EXAMPLE, settings).unwrap().link().clone()
 }
 
 /// Inner stiffness of each segment.
@@ -34,10 +34,10 @@ fn a_value_needs_no_quotes_and_an_absent_table_is_added() {
         assert!((link(&[set]).payload().mass_kg - 0.05).abs() < 1e-17, "{set}");
     }
     let short = read_with(SHORT, &["hub.inertia=0.2", "damping.ratio=0.02"]).unwrap();
-    assert!((short.link.hub().inertia_kg_m2 - 0.2).abs() < 1e-17);
+    assert!((short.link().hub().inertia_kg_m2 - 0.2).abs() < 1e-17);
     let auto = read_with(SHORT, &["mesh.elements=auto"]).unwrap();
-    let plan = MeshPlan::new(&auto.link, &[None], Some(ElementCount::Auto), 1e-6);
-    assert_eq!(auto.mesh, plan.unwrap());
+    let plan = MeshPlan::new(auto.link(), &[None], Some(ElementCount::Auto), 1e-6);
+    assert_eq!(*auto.mesh(), plan.unwrap());
 }
 
 #[test]
@@ -46,14 +46,14 @@ fn a_factor_multiplies_numbers_quantities_and_both_ends_of_a_taper() {
     assert_eq!(link(&["masses.*.mass*=2"]).masses()[0].mass_kg, 0.1);
     assert_eq!(link(&["hub.inertia*=2"]).hub().inertia_kg_m2, 0.2);
     let taper = "[[segments]]\nlength = 1\nEI = ['5e4 N cm^2', 4]\nmass_per_length = 0.8\n";
-    let tapered = read_with(taper, &["segments.0.EI*=1.5"]).unwrap().link;
+    let tapered = read_with(taper, &["segments.0.EI*=1.5"]).unwrap().link().clone();
     let ei = tapered.segments()[0].bending_stiffness_n_m2;
     assert_eq!((ei.inner, ei.outer), (7.5, 6.0));
     let twice = ["segments.*.elements*=2", "mesh.elements*=2"];
     let finer = read_with(EXAMPLE, &twice).unwrap();
     let total = Some(ElementCount::Total(20));
-    let plan = MeshPlan::new(&finer.link, &[Some(2), Some(18)], total, 1e-6);
-    assert_eq!(finer.mesh, plan.unwrap());
+    let plan = MeshPlan::new(finer.link(), &[Some(2), Some(18)], total, 1e-6);
+    assert_eq!(*finer.mesh(), plan.unwrap());
 }
 
 #[test]
@@ -61,11 +61,11 @@ fn a_product_is_changed_where_the_file_gives_its_factors_instead() {
     let material = "[[segments]]\nlength = 1\nE = 2e11\nI = 2.5e-11\ndensity = 8e3\narea = 1e-4\n";
     let settings = ["segments.*.EI*=4", "segments.0.mass_per_length*=0.5"];
     let changed = read_with(material, &settings).unwrap();
-    let segment = &changed.link.segments()[0];
+    let segment = &changed.link().segments()[0];
     assert!((segment.bending_stiffness_n_m2.inner - 20.0).abs() < 1e-12);
     assert!((segment.mass_per_length_kg_m.outer - 0.4).abs() < 1e-14);
     let replaced = read_with(material, &["segments.*.EI=20", "segments.0.mass_per_length=0.5"]);
-    let replaced = &replaced.unwrap().link.segments()[0].clone();
+    let replaced = &replaced.unwrap().link().segments()[0].clone();
     assert_eq!(replaced.bending_stiffness_n_m2.inner.to_bits(), 20.0_f64.to_bits());
     assert_eq!(replaced.mass_per_length_kg_m.inner.to_bits(), 0.5_f64.to_bits());
 }
@@ -84,7 +84,7 @@ fn a_product_takes_the_place_of_a_section_that_serves_nothing_else() {
     let section = "section = { shape = 'circle', diameter = 0.01 }\n";
     let with = |rest: &str| format!("[[segments]]\nlength = 1\n{section}{rest}");
     let changed = |rest: &str, settings: &[&str]| {
-        let read = read_with(&with(rest), settings).map(|read| read.link.segments()[0].clone());
+        let read = read_with(&with(rest), settings).map(|read| read.link().segments()[0].clone());
         read.map(|s| (s.bending_stiffness_n_m2.inner, s.mass_per_length_kg_m.inner))
     };
     let area_m2 = 0.25 * std::f64::consts::PI * 1e-4;
@@ -111,12 +111,12 @@ fn elements_that_are_set_take_the_place_of_those_of_the_segments() {
         [("mesh.elements=40", ElementCount::Total(40)), ("mesh.elements=auto", ElementCount::Auto)]
     {
         let read = read_with(EXAMPLE, &[set]).unwrap();
-        let plan = MeshPlan::new(&read.link, &[None, None], Some(count), 1e-6).unwrap();
-        assert_eq!(read.mesh, plan, "{set}");
+        let plan = MeshPlan::new(read.link(), &[None, None], Some(count), 1e-6).unwrap();
+        assert_eq!(*read.mesh(), plan, "{set}");
     }
     // In their order: a later one for a segment holds beside it.
     let read = read_with(EXAMPLE, &["mesh.elements=40", "segments.root.elements=3"]).unwrap();
     let total = Some(ElementCount::Total(40));
-    let plan = MeshPlan::new(&read.link, &[Some(3), None], total, 1e-6).unwrap();
-    assert_eq!(read.mesh, plan);
+    let plan = MeshPlan::new(read.link(), &[Some(3), None], total, 1e-6).unwrap();
+    assert_eq!(*read.mesh(), plan);
 }

@@ -17,7 +17,7 @@ fn specs() -> Vec<(String, String)> {
 fn link(name: &str) -> Link {
     let specs = specs();
     let (_, text) = specs.iter().find(|(file, _)| file == name).unwrap();
-    read_specification(name, text, &[]).unwrap().link
+    read_specification(name, text, &[]).unwrap().link().clone()
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::{Bench, LINK, MOTION, repository};
 fn link_of(file: &str, changes: &[&str]) -> Link {
     let text = std::fs::read_to_string(repository(file)).unwrap();
     let changes: Vec<_> = changes.iter().map(|change| change.parse().unwrap()).collect();
-    read_specification(file, &text, &changes).unwrap().link
+    read_specification(file, &text, &changes).unwrap().link().clone()
 }
 
 /// Whether two numbers are one but for round-off.

@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 
 use flexlink::beam::ElementCount;
-use flexlink::csv::{TableFormat, read_path_table};
+use flexlink::csv::{MotionTable, TableFormat, read_motion_table_as};
 use flexlink::inverse::{Analysis, JointMotion, PerQuantity, QuantityErrors, Solution};
 use flexlink::link::{Arm, Damping, Hub, LinkParts, Payload, Segment};
 use flexlink::motion::{ArmPath, Motion};
@@ -22,17 +22,17 @@ use crate::elastica;
 use crate::recordings::{Random, Shape, min_jerk, septic, sine};
 
 /// A way from rest to rest: places of the tip or directions of the chords, each from one value to another by one profile.
-struct Way {
-    names: Vec<String>,
-    ends: Vec<[f64; 2]>,
-    shape: Shape,
-    duration_s: f64,
-    steps: u32,
+pub(super) struct Way {
+    pub(super) names: Vec<String>,
+    pub(super) ends: Vec<[f64; 2]>,
+    pub(super) shape: Shape,
+    pub(super) duration_s: f64,
+    pub(super) steps: u32,
 }
 
 impl Way {
     /// A file of it with every `stride`-th sample and so many decimals.
-    fn file(&self, stride: usize, decimals: usize) -> String {
+    pub(super) fn file(&self, stride: usize, decimals: usize) -> String {
         let mut text = format!("time,{}\n", self.names.join(","));
         for k in (0..=self.steps).step_by(stride) {
             let share = f64::from(k) / f64::from(self.steps);
@@ -48,12 +48,21 @@ impl Way {
 
     fn path(&self, arm: &Arm, decimals: usize) -> ArmPath {
         let text = self.file(1, decimals);
-        let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default()).unwrap();
-        table.path(&arm.lengths_m()).unwrap()
+        path_of(&read(&text, arm))
     }
 }
 
-fn random_arm(random: &mut Random, links: usize) -> Arm {
+pub(super) fn read(text: &str, arm: &Arm) -> MotionTable {
+    let (lengths_m, format) = (arm.lengths_m(), TableFormat::default());
+    read_motion_table_as("path.csv", text.as_bytes(), &lengths_m, &format).unwrap()
+}
+
+pub(super) fn path_of(table: &MotionTable) -> ArmPath {
+    let Motion::Path(path) = table.clone().into_motion().unwrap() else { panic!("a path") };
+    path
+}
+
+pub(super) fn random_arm(random: &mut Random, links: usize) -> Arm {
     let gravity_m_s2 = [0.0, if random.next() < 0.5 { -9.81 } else { 0.0 }];
     let (mut length_m, mut stiffness, mut mass) = (random.between(0.3, 0.7), 1.0, 0.5);
     stiffness *= random.between(60.0, 300.0) * length_m * length_m;
@@ -76,7 +85,7 @@ fn random_arm(random: &mut Random, links: usize) -> Arm {
     arm(&parts, gravity_m_s2)
 }
 
-fn random_way(random: &mut Random, arm: &Arm, case: usize) -> Way {
+pub(super) fn random_way(random: &mut Random, arm: &Arm, case: usize) -> Way {
     let lengths_m = arm.lengths_m();
     let shapes: [Shape; 3] = [septic, min_jerk, sine];
     let shape = shapes[case % 3];
@@ -118,7 +127,7 @@ fn apart(found: &Solution, exact: &Solution, joint: usize, of: fn(&JointMotion) 
 
 /// True over stated errors of the torque, the angle and the rate of each joint: that of the input alone, and that with all
 /// other kinds.
-fn ratios(found: &Solution, exact: &Solution) -> Vec<[f64; 2]> {
+pub(super) fn ratios(found: &Solution, exact: &Solution) -> Vec<[f64; 2]> {
     let mut ratios = Vec::new();
     let mut add = |apart: f64, own: QuantityErrors| {
         let input = own.input.unwrap();
@@ -175,9 +184,9 @@ fn the_stated_input_error_holds_for_coarse_paths_that_are_resampled() {
         let way = Way { steps: 400, ..random_way(&mut random, &arm, case) };
         let exact = solved(&arm, &way.path(&arm, 16), ElementCount::Auto, &Analysis::default());
         let text = way.file([40, 20, 16][case % 3], 16);
-        let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default()).unwrap();
+        let table = read(&text, &arm);
         let table = table.resampled(way.duration_s / 400.0).unwrap();
-        let path = table.path(&arm.lengths_m()).unwrap();
+        let path = path_of(&table);
         let found = solved(&arm, &path, ElementCount::Auto, &Analysis::default());
         let found = ratios(&found, &exact);
         println!("case {case}: {found:.3?}");

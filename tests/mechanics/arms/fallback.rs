@@ -7,7 +7,7 @@ use flexlink::inverse::{
 };
 use flexlink::link::Arm;
 use flexlink::motion::{ArmPath, PathColumns};
-use flexlink::spec::{Described, LinkDocument};
+use flexlink::spec::read_specification;
 
 use super::inversion::{column, largest, moved, path, plans, solved};
 
@@ -20,11 +20,7 @@ const BY_M: [f64; 2] = [-0.4, 1.1];
 fn heavy_elbow(damping: &str) -> Arm {
     let text = include_str!("../../../specs/arms/deluca_siciliano.toml");
     let text = text.replace("{ model = \"rayleigh\", beta = 1e-3 }", damping);
-    let document = LinkDocument::read("arm.toml", &text).expect("a file");
-    match document.described("arm.toml", &[]).expect("an arm") {
-        Described::Arm(found) => found.arm,
-        Described::Link(_) => unreachable!("two links"),
-    }
+    read_specification("arm.toml", &text, &[]).expect("an arm").arm
 }
 
 /// The tip on a line across the workspace in 3 s, by the step of seventh order.

@@ -6,6 +6,7 @@ mod fallback;
 mod inversion;
 mod laws;
 mod newton_euler;
+mod noise;
 mod pose;
 mod prototype;
 mod random;

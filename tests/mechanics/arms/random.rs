@@ -2,7 +2,7 @@
 
 use flexlink::elastica::Kept;
 use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
-use flexlink::spec::LinkDocument;
+use flexlink::spec::read_specification;
 use proptest::prelude::*;
 
 use super::laws::{
@@ -185,10 +185,7 @@ proptest! {
         let gravity = if has_weight { "gravity = [1.0, -9.0]\n" } else { "" };
         let once = format!("title = 'one'\n{gravity}");
         let mesh = format!("mesh.elements = {elements}\n");
-        let read = |text: &str| {
-            let document = LinkDocument::read("link.toml", text).expect("a file");
-            document.described("link.toml", &[]).expect("a link")
-        };
+        let read = |text: &str| read_specification("link.toml", text, &[]).expect("a link");
         let arm = read(&format!("{once}{mesh}[[links]]\nname = 'only'\n{own}"));
         prop_assert_eq!(read(&format!("{once}{own}{mesh}")), arm);
     }

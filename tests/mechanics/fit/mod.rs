@@ -52,7 +52,7 @@ fn fitted_along(
     Open { profile, step_s, .. }: Open,
     course: &Course,
 ) -> Result<Fit, FitError> {
-    let Specification { link, mesh, analysis, .. } = link;
+    let (analysis, link, mesh) = (&link.analysis, link.link(), link.mesh());
     let (arm, motion) =
         (&link.clone().into(), OpenMotion { profile, along: Along::Arc(course), step_s });
     let (plans, limits, memory_bytes) = (from_ref(mesh), from_ref(&limits), None);
@@ -68,7 +68,7 @@ fn motor_torque(limit_n_m: f64) -> Limits {
 }
 
 fn solved(link: &Specification, motion: Open, steps: usize) -> Option<Solution> {
-    let Specification { link, mesh, analysis, .. } = link;
+    let (analysis, link, mesh) = (&link.analysis, link.link(), link.mesh());
     let Open { profile, distance_m, step_s } = motion;
     let motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0])).ok()?;
     invert(link, mesh, &motion, analysis).ok()
@@ -262,7 +262,7 @@ fn the_shortest_cycle_within_a_torque_in_the_mean_is_found() {
     let rms = |course: &Course, steps: usize| {
         let columns = course.sampled(motion.profile, motion.step_s, steps, [0, 0]).unwrap();
         let motion = TipMotion::with_ends(columns, Ends::Periodic).unwrap();
-        let Specification { link, mesh, analysis, .. } = &link;
+        let (analysis, link, mesh) = (&link.analysis, link.link(), link.mesh());
         let solution = invert(link, mesh, &motion, analysis).unwrap();
         let torque = &solution.hub().torque_n_m;
         let mean = torque.iter().map(|own| own * own).sum::<f64>() / torque.len() as f64;

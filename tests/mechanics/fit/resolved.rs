@@ -3,7 +3,6 @@
 use flexlink::inverse::{Solution, invert};
 use flexlink::motion::{Profile, TipMotion};
 use flexlink::result::{Fit, Limits, Reached, reached};
-use flexlink::spec::Specification;
 
 use super::{Open, fitted, link, motor_torque, open, solved, torque};
 
@@ -50,7 +49,8 @@ fn closest(limits: &Limits, solution: &Solution) -> Reached {
 /// What the samples of a motion say, at an eighth of the step and on elements a quarter as long.
 fn finer(settings: &[&str], motion: Open, steps: usize) -> Solution {
     let settings = [settings, &["mesh.elements=40"]].concat();
-    let Specification { link, mesh, analysis, .. } = link(&settings);
+    let own = link(&settings);
+    let (analysis, link, mesh) = (own.analysis, own.link().clone(), own.mesh().clone());
     let Open { profile, distance_m, step_s } = motion;
     let mut motion = TipMotion::new(profile.sampled(distance_m, step_s, steps, [0, 0])).unwrap();
     for _ in 0..3 {

@@ -5,15 +5,12 @@ use std::f64::consts::TAU;
 use super::fitted;
 use flexlink::fit::{ArmMode, HubEnd, Measured, Measurements, Observable};
 use flexlink::response::{PoseMode, arm_modes};
-use flexlink::spec::{ArmSpecification, Described, LinkDocument};
+use flexlink::spec::{Specification, read_specification};
 
 const ARM: &str = include_str!("../../../specs/arms/two_links.toml");
 
-fn arm(text: &str) -> ArmSpecification {
-    match LinkDocument::read("arm.toml", text).unwrap().described("arm.toml", &[]).unwrap() {
-        Described::Arm(found) => *found,
-        Described::Link(_) => panic!("one link"),
-    }
+fn arm(text: &str) -> Specification {
+    read_specification("arm.toml", text, &[]).unwrap()
 }
 
 fn measured(observable: Observable, value: f64) -> Measured {

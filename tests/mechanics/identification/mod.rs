@@ -17,7 +17,7 @@ use std::path::Path;
 use flexlink::fit::{FitOutcome, Free, LinkFitError, Measurements, Specimen, fit};
 use flexlink::link::Payload;
 use flexlink::model::Sensor;
-use flexlink::spec::{Described, FreeValue, LinkDocument, Override, SpecError, read_measurements};
+use flexlink::spec::{FreeValue, LinkDocument, Override, SpecError, read_measurements};
 use num_complex::Complex64;
 
 use crate::theory::closed_form::UniformLink;
@@ -34,10 +34,8 @@ fn fitted(
     let specimen_at = |factors: &[f64]| {
         let changes = values.iter().zip(factors).map(|(value, factor)| value.times(*factor));
         let changes: Vec<Override> = changes.collect::<Result<_, _>>()?;
-        Ok(match document.described("link.toml", &changes)? {
-            Described::Link(own) => Specimen::from((own.link, own.mesh)),
-            Described::Arm(own) => Specimen::Arm(own.arm),
-        })
+        let own = document.specification("link.toml", &changes)?;
+        Ok(Specimen::of(own.arm, &own.meshes))
     };
     fit(measured, &bounds, specimen_at)
 }

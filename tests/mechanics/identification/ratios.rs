@@ -4,7 +4,7 @@ use flexlink::beam::Mesh;
 use flexlink::fit::{HubEnd, Measured, Measurements, Observable};
 use flexlink::modal::{DampingLaw, PoseHub};
 use flexlink::response::{arm_modes, damping_ratios};
-use flexlink::spec::{Described, LinkDocument};
+use flexlink::spec::read_specification;
 use nalgebra::{DMatrix, Matrix4};
 
 use super::fitted;
@@ -120,13 +120,10 @@ fn modal_damping(mass: &DMatrix<f64>, bending: &DMatrix<f64>, ratio: f64) -> DMa
 
 /// The program's ratios of the first four modes.
 fn found(text: &str, hub: PoseHub) -> Vec<f64> {
-    let document = LinkDocument::read("link.toml", text).unwrap();
-    let Described::Link(own) = document.described("link.toml", &[]).unwrap() else {
-        panic!("a link")
-    };
-    let mesh = Mesh::new(&own.link, &own.mesh).unwrap();
-    let law = DampingLaw::of(&own.link, &mesh).unwrap();
-    damping_ratios((&own.link, &mesh, &law), hub, &hub.frequencies(&mesh, 4))
+    let own = read_specification("link.toml", text, &[]).unwrap();
+    let mesh = Mesh::new(own.link(), own.mesh()).unwrap();
+    let law = DampingLaw::of(own.link(), &mesh).unwrap();
+    damping_ratios((own.link(), &mesh, &law), hub, &hub.frequencies(&mesh, 4))
 }
 
 fn with(mut matrix: DMatrix<f64>, at_hub: f64) -> DMatrix<f64> {
@@ -240,10 +237,7 @@ fn joints_of_an_arm_rub_as_the_hub_of_a_link_does() {
              damping = {{ model = 'rayleigh', beta = 2e-4 }}\n{drive}\
              [[links]]\nsegments = [{{ length = 0.01, EI = 1.0, mass_per_length = 1e-4 }}]\n"
         );
-        let document = LinkDocument::read("arm.toml", &arm).unwrap();
-        let Described::Arm(own) = document.described("arm.toml", &[]).unwrap() else {
-            panic!("an arm")
-        };
+        let own = read_specification("arm.toml", &arm, &[]).unwrap();
         let modes = arm_modes(&own.arm, &[0.3, 0.3], 1, 1e-8).unwrap();
         // The two swings of the free joints come first.
         let mode = if spring.is_some() { &modes.held.modes[0] } else { &modes.free.modes[2] };

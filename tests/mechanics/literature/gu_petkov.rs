@@ -17,7 +17,7 @@ const FILE: &str = "gu_petkov.toml";
 
 #[test]
 fn the_rigid_inertia_counts_from_the_axis_and_not_from_the_root() {
-    let link = specification(FILE, &[]).link;
+    let link = specification(FILE, &[]).link().clone();
     let rod = 0.54 * (1.04_f64.powi(3) - 0.04_f64.powi(3)) / 3.0;
     let expected = 0.1 + rod + 0.25 * 1.04 * 1.04;
     assert!((link.rigid_inertia_kg_m2() / expected - 1.0).abs() < 1e-14);
@@ -28,7 +28,7 @@ fn the_rigid_inertia_counts_from_the_axis_and_not_from_the_root() {
 fn clamped_frequencies_know_nothing_of_the_hub_radius() {
     for factor in ["0.6", "1", "1.4"] {
         let payload = format!("payload.mass*={factor}");
-        let link = specification(FILE, &[&payload]).link;
+        let link = specification(FILE, &[&payload]).link().clone();
         let mu = link.payload().mass_kg / 0.54;
         let numbers =
             roots(|b| 1.0 / b.cosh() + b.cos() + mu * b * (b.cos() * b.tanh() - b.sin()), 3);
@@ -60,7 +60,7 @@ fn free_hub(b: f64, mu: f64) -> f64 {
 fn frequencies_of_the_free_hub_know_its_radius() {
     for factor in ["0.6", "1", "1.4"] {
         let payload = format!("payload.mass*={factor}");
-        let link = specification(FILE, &[&payload]).link;
+        let link = specification(FILE, &[&payload]).link().clone();
         let mu = link.payload().mass_kg / 0.54;
         let expected = closed_form::frequencies(&link, &roots(|b| free_hub(b, mu), 3));
         let found = frequencies(FILE, &[FINE, &payload], 3);

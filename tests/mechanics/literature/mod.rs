@@ -45,18 +45,25 @@ fn specification(name: &str, settings: &[&str]) -> Specification {
 /// A trajectory of this repository.
 fn motion(name: &str, link: &Link) -> TipMotion {
     let bytes = fs::read(file("trajectories", name)).unwrap();
-    read_motion_table(name, &bytes, link.length_m()).unwrap().into_motion().unwrap()
+    read_motion_table(name, &bytes, link.length_m())
+        .unwrap()
+        .into_motion()
+        .unwrap()
+        .into_tip()
+        .unwrap()
 }
 
 /// The first natural frequencies of a link in rad/s, its hub free of torque.
 fn frequencies(name: &str, settings: &[&str], count: usize) -> Vec<f64> {
-    let Specification { link, mesh, .. } = specification(name, settings);
+    let own = specification(name, settings);
+    let (link, mesh) = (own.link().clone(), own.mesh().clone());
     natural_frequencies(&Mesh::new(&link, &mesh).unwrap(), count)
 }
 
 /// The first natural frequencies of a link in rad/s, its hub clamped.
 fn clamped_frequencies(name: &str, settings: &[&str], count: usize) -> Vec<f64> {
-    let Specification { link, mesh, .. } = specification(name, settings);
+    let own = specification(name, settings);
+    let (link, mesh) = (own.link().clone(), own.mesh().clone());
     held_frequencies(&Mesh::new(&link, &mesh).unwrap(), f64::INFINITY, count)
 }
 
@@ -91,7 +98,7 @@ fn assert_clamped_frequency(name: &str, printed_hz: f64, last_digit_hz: f64) {
 /// Fails unless the first frequencies of a uniform link, clamped and free, are those of the closed form.
 #[track_caller]
 fn assert_closed_form(name: &str, count: usize) {
-    let link = specification(name, &[]).link;
+    let link = specification(name, &[]).link().clone();
     let uniform = Uniform::of(&link);
     let clamped = closed_form::frequencies(&link, &uniform.clamped_numbers(count));
     assert_close(&clamped_frequencies(name, &[FINE], count), &clamped, 1e-9);

@@ -26,6 +26,6 @@ fn clamped_and_free_frequencies_are_those_of_the_closed_form() {
 
 #[test]
 fn the_hub_carries_its_friction() {
-    let hub = *specification(FILE, &[]).link.hub();
+    let hub = *specification(FILE, &[]).link().hub();
     assert!((hub.viscous_friction_n_m_s_rad - 0.015).abs() < 1e-15);
 }

@@ -39,13 +39,18 @@ fn text(folder: &str, name: &str) -> String {
 fn example(file: &str, settings: &[&str]) -> (Link, MeshPlan) {
     let overrides: Vec<Override> = settings.iter().map(|set| set.parse().unwrap()).collect();
     let read = read_specification(file, &text("specs", file), &overrides).unwrap();
-    (read.link, read.mesh)
+    (read.link().clone(), read.mesh().clone())
 }
 
 fn motion(link: &Link) -> TipMotion {
     let name = "sine_0.88s.csv";
     let text = text("trajectories", name);
-    read_motion_table(name, text.as_bytes(), link.length_m()).unwrap().into_motion().unwrap()
+    read_motion_table(name, text.as_bytes(), link.length_m())
+        .unwrap()
+        .into_motion()
+        .unwrap()
+        .into_tip()
+        .unwrap()
 }
 
 fn solution(file: &str, settings: &[&str], analysis: &Analysis) -> Solution {

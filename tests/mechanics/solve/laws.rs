@@ -202,7 +202,12 @@ fn the_units_of_the_file_do_not_matter() {
         let rows: Vec<String> =
             rows.map(|(t, a)| format!("{:e},{:e}", t * time, a * unit)).collect();
         let text = format!("{header}\n{}\n", rows.join("\n"));
-        read_motion_table("move.csv", text.as_bytes(), 1.5).unwrap().into_motion().unwrap()
+        read_motion_table("move.csv", text.as_bytes(), 1.5)
+            .unwrap()
+            .into_motion()
+            .unwrap()
+            .into_tip()
+            .unwrap()
     };
     let si = solved(&link, 8, &file("time,acceleration", 1.0, 1.0));
     for (header, time, unit) in [
@@ -226,9 +231,13 @@ fn an_angle_is_a_displacement_over_the_length() {
     let text = format!("time,angle [deg]\n{}\n", degrees.join("\n"));
     let table = read_motion_table("turn.csv", text.as_bytes(), link.length_m()).unwrap();
     let plan = mesh_of(&link, 8);
-    let turned =
-        invert(&link, &plan, &table.into_motion().unwrap(), &whole_band(Analysis::default()))
-            .unwrap();
+    let turned = invert(
+        &link,
+        &plan,
+        &table.into_motion().unwrap().into_tip().unwrap(),
+        &whole_band(Analysis::default()),
+    )
+    .unwrap();
     let difference =
         torque_difference(&solved(&link, 8, &displaced(time_s, displacement)), &turned, 0);
     assert!(difference < 1e-8, "{difference:e}");
