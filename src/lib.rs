@@ -1,10 +1,10 @@
 //! flexlink: the hub torque that makes the tip of a flexible link follow a wanted motion.
 //!
-//! A straight link turns about a hub, in the horizontal plane or under gravity. From the wanted motion of its *tip* this
-//! library computes the torque of the motor at the *hub* (E. Bayo, *A Finite-Element Approach to Control the End-Point
-//! Motion of a Single-Link Flexible Robot*, J. Robotic Systems 4(1), 1987; "eq n" in these docs is that paper's
-//! numbering). The torque starts before the tip moves and outlasts its motion, because bending waves travel at finite
-//! speed. Arms have up to nine such links.
+//! A straight link turns about a hub, in the horizontal plane or under gravity. From the wanted motion of the link's
+//! *tip* this library computes the torque of the motor at the *hub* (E. Bayo, *A Finite-Element Approach to Control the
+//! End-Point Motion of a Single-Link Flexible Robot*, J. Robotic Systems 4(1), 1987; "eq n" in these docs is an
+//! equation of this paper). The torque starts before the tip moves and outlasts its motion, because bending waves travel at
+//! finite speed. Arms have up to nine such links.
 //!
 //! # From a tip motion to a torque
 //!
@@ -19,31 +19,32 @@
 //!                                                FitOutcome ─► page, store
 //! ```
 //!
-//! The sources have five floors. A room uses only rooms of rows above its own (`tests/layers` holds it to that).
+//! The sources have five floors, and a floor has rooms. A room uses only rooms above it in this table (`tests/layers`
+//! checks the imports).
 //!
 //! | floor | room | holds |
 //! |---|---|---|
-//! | `mechanics` | [`text`] | numbers and pieces of an input as messages show them |
-//! | | [`system`] | memory that the system leaves to this process |
+//! | `mechanics` | [`text`] | numbers and excerpts of an input as messages show them |
+//! | | [`system`] | memory that this process may still take; the request to stop it |
 //! | | [`numeric`] | time grids, Fourier pairs, roots, eigenvalues, splines, units, Student's t: mathematics that knows no beam |
-//! | | [`link`] | the physical link, and arms of several, checked at construction |
-//! | | [`motion`] | the motion of a tip, and the path of an arm, checked at construction, its spectrum, analytic profiles and curves |
+//! | | [`link`] | the physical link, and arms of several links, checked at construction |
+//! | | [`motion`] | the motion of a tip and the path of an arm, checked at construction; spectra, analytic profiles and curves |
 //! | | [`beam`] | mesh, one element, and the recursion that condenses the link to its hub |
-//! | | [`recording`] | what the digits, times and rests of a recorded motion are worth |
+//! | | [`recording`] | quality of a recorded motion: the digits and times of its samples, rests at its ends |
 //! | | [`modal`] | natural frequencies, modes and zeros of torque → tip; damping laws |
-//! | | [`model`] | a link under a motion of its tip at one frequency: by recursion, by modes, dense |
-//! | | [`elastica`] | links under gravity and at large angles, and arms of them: second-order terms as loads, iterated |
-//! | | [`response`] | direct dynamics: torque or hub motion in, motion out, independent of the FFT; joints of an arm moved, its small motions about a pose |
-//! | | [`inverse`] | period and padding, the inversion of links and of arms, what it costs, warnings, motions of the nodes |
+//! | | [`model`] | response of a link to a motion of its tip at one frequency, computed in three ways: by recursion, by modes, by dense matrices |
+//! | | [`elastica`] | links and arms under gravity and at large angles: second-order terms as loads, iterated |
+//! | | [`response`] | direct dynamics, independent of the FFT: the motion under a torque or with a prescribed hub or joints; small motions of an arm about a pose |
+//! | | [`inverse`] | the inversion of links and of arms: period and padding, errors, memory, warnings, motions of the nodes |
 //! | `study` | [`compare`] | tables against tables, column by column; tolerances |
-//! | | [`result`] | the numbers that a person reads first; a simulation beside a recording; a result read back |
-//! | | [`sweep`] | many cases in parallel, their order kept; their numbers; shards |
-//! | | [`verify`] | every approximation of a solution measured by other means |
-//! | | [`fit`] | a link from measured frequencies, zeros and damping ratios; what these do not determine |
+//! | | [`result`] | peaks and other numbers of a run, limits; a simulation beside a recording; a run read back |
+//! | | [`sweep`] | many cases in parallel, in a fixed order; their numbers; shards |
+//! | | [`verify`] | every approximation of a solution, measured by an independent method |
+//! | | [`fit`] | parameters of a link from measured frequencies, zeros and damping ratios; which of them these do not determine |
 //! | `files` | [`spec`] | link file and `--set` → [`link::Link`]; files of tolerances and of measured values |
 //! | | [`csv`] | CSV → motion, torque, hub reference, any table; numbers as text |
-//! | | [`measured`] | a file of measured values with the responses and records that it names |
-//! | | [`store`] | a run's folder with its CSV and summary.json, and back; the file of a sweep; golden files |
+//! | | [`measured`] | a file of measured values, with the files of responses and records that it names |
+//! | | [`store`] | the folder of a run, CSV files and summary.json, written and read; the file of a sweep; golden files |
 //! | `page` | [`page`] | a result or a fit as figures, and as a page to look at |
 //! | `cli` | `terminal` | printed text, exit codes, progress, memory, threads, signals |
 //! | | `options` | options that several commands share, and the inputs that they name |
@@ -90,28 +91,33 @@
 //! | ξ | material damping ratio, `ratio` (eq 16) | |
 //! | α, β | Rayleigh damping | 1/s, s |
 //! | ζ | viscous damping ratio of one mode | |
+//! | (v, φ) | displacement and slope of a node, the degrees of freedom of the mesh | m, rad |
 //! | φ, q, p | shape of a mode, its coordinate, its hub angle: `q̈ + 2ζωq̇ + ω²q = pT` | 1/√kg, m √kg, 1/(m √kg) |
 //! | w', ψ, u | slope of the link from its chord, its angle `asin w'`, shortening along the chord ([`elastica`]) | , rad, m |
 //! | ℓ, Δ | length of the chord, and by how much it is shorter than the link: `−u` at the tip | m |
 //! | g | gravity in the plane of motion, `gravity_m_s2` | m/s² |
 //! | κ | relative complex stiffness, 1 + 2iξ or 1 + iωβ | |
-//! | λ | ω²(1 + α/(iω))/κ, `lambda`: all that the recursion needs to know of frequency and damping | 1/s² |
-//! | A | apparent inertia of all that is outboard, [`beam::Inertia`] | kg, kg m, kg m² |
+//! | λ | ω²(1 + α/(iω))/κ, `lambda`: the recursion depends on frequency and damping through λ alone | 1/s² |
+//! | A | apparent inertia of the part outboard of a node, [`beam::Inertia`] | kg, kg m, kg m² |
 //! | d, R, G | deformation of an element, its rigid transfer, its gain [`beam::Gain`] | |
 //! | e | deflection and slope for θ = 1; `deflections_s2` are `e/(λ(L + e_tip))` | |
 //! | z | zero of torque → tip | 1/s |
 //!
-//! A caret in a comment marks a complex amplitude of e^{+iωt}.
+//! A caret in a comment marks a complex amplitude of e^{+iωt}. Three letters have further meanings. φ is also the angle
+//! of a motor, `φ = n (θ + T/k)`, and in `response/chain.rs` that of the hub. κ is the shear coefficient in κ G A, the
+//! curvature in [`elastica`] and the spring at the hub in `response/link_ratios.rs`. ψ is the rotation of a
+//! cross-section with shear, in `response/chain.rs` the slope of the link from the hub's tangent line, and in
+//! `response/shape.rs` a mode.
 //!
 //! # Where to change it
 //!
 //! | change | place |
 //! |---|---|
-//! | boundary condition of the hub | `mechanics/beam/recursion.rs`, `HubResponse::at_axis`: it moves the link's apparent inertia to the axis and adds the hub's. `batch/hub.rs` has the same for vectors of frequencies |
-//! | a joint of another kind | its parameters: [`link::Hub`]; its unit motion: [`beam`] (`recursion`, `pivoted`, `loaded`) and `mechanics/response/shape.rs`; its names of files and columns: `files/store/names.rs` and `files/csv/heading.rs` |
-//! | a column of torque.csv | `files/store/names.rs` has its name, `run_tables.rs` beside it the history |
+//! | boundary condition of the hub | `mechanics/beam/recursion.rs`: `hub_response` puts the root on the hub's radius, `HubResponse::at_axis` adds the hub's inertia. `pivoted.rs` and `loaded.rs` beside it repeat both; so does `batch/hub.rs` for counting modes. `mechanics/model/dense.rs`, `modal` (`basis`, `pose`, `shape`) and `response/chain.rs` assemble separate matrices. The friction of the joint joins in `inverse/spectra.rs`, `elastica/on_chord.rs` (for arms `arm_links.rs`) and `response/play.rs`; `friction_n_m_s_rad` finds all places |
+//! | a joint that slides | It does not exist yet. Its parameters belong in [`link::Hub`] and `files/spec/raw.rs`. The rotation `v = xθ` is in `mechanics/beam`, `modal/shape.rs`, `model/dense.rs`, `elastica/kinematics.rs`, and `response/chain.rs` and `balance.rs`. Angles in rad run from there to `study/result/quantities.rs`, to the columns in `files/store/names.rs` and `files/csv/heading.rs`, and to the page |
+//! | a column of torque.csv | its name in `TORQUE` in `files/store/names.rs`; its history in `of_solution` and `of_played` in `run_tables.rs`. `read_run.rs` refuses a table without the column: raise `FORMAT` in `json.rs`. All columns of the file share the decimals of one peak |
 //! | a number of each joint in summary.json, sweeps and limits | one entry in `study/result/quantities.rs` |
-//! | a warning | a variant of the room's enum, with its text and hint. `Solution::warnings` holds it; `cli` prints it, `store` writes it into summary.json, and `--deny-warnings` ends with exit code 4 |
+//! | a warning | a variant of [`inverse::Warning`], [`response::SimulationWarning`] or [`fit::FitWarning`]; all become a [`result::Notice`]. The compiler demands its text, kind and hint. `Solution`, `Played` and `FitOutcome` return it, each command prints it, `store` writes it. Commands with `--deny-warnings` pass the number to `WarningArgs::refuse`, which ends with exit code 4; `tests/cli/warnings.rs` checks the commands |
 //! | an option of several commands | `cli/options` |
 //!
 //! # Invariants
@@ -119,7 +125,7 @@
 //! * [`numeric`] knows no beam, [`link`] knows no file.
 //! * Only the floor `files` reads and writes files of the user. Only `cli` prints.
 //! * A [`link::Link`] or [`motion::TipMotion`] is valid from its construction. Input is refused, not repaired.
-//! * Warnings are returned values.
+//! * Functions return warnings; they never print them.
 //! * Everything inside is SI.
 //! * The same input gives the same bytes, on any number of threads and on every processor. No sum depends on the
 //!   sharing of work or on the width of vectors, no product is fused with a sum, and all functions beyond the square

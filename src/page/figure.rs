@@ -1,4 +1,4 @@
-//! Content of a figure in numbers, as a table, and as a separate file.
+//! A figure in numbers, its table, and its files.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -18,21 +18,21 @@ pub struct Figure {
     pub id: Cow<'static, str>,
     /// Heading.
     pub(super) title: String,
-    /// Text below the figure.
+    /// Sentences below the figure.
     pub(super) caption: String,
-    /// Formula behind the figure.
+    /// Formula of the quantities in the figure.
     pub(super) formula: Cow<'static, str>,
     pub(super) x: Axis,
     pub(super) y: Axis,
-    /// Shaded ranges of x.
+    /// Shaded ranges of x, such as the lead of a torque.
     pub(super) spans: Vec<Span>,
-    /// A named area behind all lines, from 0 to 1 of the height.
+    /// A named area behind all lines; its values, from 0 to 1, are shares of the figure's height.
     pub(super) backdrop: Option<Curve>,
     /// Colour map behind all lines.
     pub(super) map: Option<ColourMap>,
-    /// A line above the colours, with a separate y axis.
+    /// A line above the colour map, with a y axis of its quantity.
     pub(super) strip: Option<(Curve, Axis)>,
-    /// Lines.
+    /// Lines, drawn in this order.
     pub(super) curves: Vec<Curve>,
     /// Named values of x.
     pub(super) marks: Vec<Mark>,
@@ -56,7 +56,7 @@ pub(super) enum Stroke {
 }
 
 impl Stroke {
-    /// Classes in the style sheet.
+    /// Names of its classes in the style sheet.
     pub(super) fn classes(self) -> String {
         match self {
             Self::Solid(colour) | Self::Dotted(colour) => format!("line s{colour}"),
@@ -91,16 +91,17 @@ impl Curve {
         Self { name: name.to_owned(), stroke, points }
     }
 
-    /// Adds a limit to the lines of a figure, in the colour of the limited line. Returns a remark for the caption
-    /// instead if the limit lies so far above the lines that they would be small.
+    /// Adds a limit to the lines of a figure, in the colour of the limited line; `owner` is empty or a word before
+    /// "limit". A limit far above the lines would make them small: the function then adds no line, and returns a
+    /// sentence for the caption.
     pub(super) fn add_limit(
         curves: &mut Vec<Self>,
         limit: Option<f64>,
-        (whose, unit): (&str, &str),
+        (owner, unit): (&str, &str),
         colour: usize,
     ) -> String {
         let Some(limit) = limit else { return String::new() };
-        let name = format!("{whose} limit {} {unit}", given(limit)).trim_start().to_owned();
+        let name = format!("{owner} limit {} {unit}", given(limit)).trim_start().to_owned();
         let Some(line) = Self::limit((limit, &name), colour, curves) else {
             return format!(" The {name} is beyond the figure.");
         };
@@ -108,29 +109,30 @@ impl Curve {
         String::new()
     }
 
-    /// A line at ± a limit over the lines of a figure; below 0 only if they get there.
-    fn limit((limit, name): (f64, &str), colour: usize, of: &[Self]) -> Option<Self> {
+    /// A line at a limit, over the x of the first of `curves`; also at minus the limit if some curve falls below 0 by a
+    /// twentieth of the peak. `None` for a limit of more than three times the peak, and without points.
+    fn limit((limit, name): (f64, &str), colour: usize, curves: &[Self]) -> Option<Self> {
         const FAR: f64 = 3.0;
-        let values = || of.iter().flat_map(|curve| curve.points.iter().map(|(_, value)| *value));
+        let values = || curves.iter().flat_map(|line| line.points.iter().map(|(_, value)| *value));
         let peak = values().fold(0.0_f64, |peak, value| peak.max(value.abs()));
-        let points = &of.first()?.points;
-        let [first, last] = [points.first()?.0, points.last()?.0];
-        let mut lines = vec![(first, limit), (last, limit)];
+        let x = &curves.first()?.points;
+        let [first, last] = [x.first()?.0, x.last()?.0];
+        let mut points = vec![(first, limit), (last, limit)];
         if values().any(|value| value < -0.05 * peak) {
-            lines.extend([(f64::NAN, f64::NAN), (first, -limit), (last, -limit)]);
+            points.extend([(f64::NAN, f64::NAN), (first, -limit), (last, -limit)]);
         }
         let name = name.to_owned();
-        (limit <= FAR * peak).then_some(Self { name, stroke: Stroke::Limit(colour), points: lines })
+        (limit <= FAR * peak).then_some(Self { name, stroke: Stroke::Limit(colour), points })
     }
 
-    /// Value of the point nearest to an x; `None` beyond the line's ends.
-    fn value_at(&self, at: f64) -> Option<f64> {
+    /// Value of the point whose x is nearest to this one; `None` beyond the line's ends.
+    fn value_near(&self, x: f64) -> Option<f64> {
         let points = &self.points;
-        let inside = points.first()?.0 <= at && at <= points.last()?.0;
-        let next = points.partition_point(|(x, _)| *x < at).min(points.len() - 1);
+        let is_inside = points.first()?.0 <= x && x <= points.last()?.0;
+        let next = points.partition_point(|point| point.0 < x).min(points.len() - 1);
         let before = next.saturating_sub(1);
-        let nearest = if at - points[before].0 < points[next].0 - at { before } else { next };
-        inside.then_some(points[nearest].1)
+        let nearest = if x - points[before].0 < points[next].0 - x { before } else { next };
+        is_inside.then_some(points[nearest].1)
     }
 }
 
@@ -157,11 +159,12 @@ pub(super) struct Mark {
 pub struct Figures {
     /// Figures in the order of a page.
     pub drawn: Vec<Figure>,
-    /// Missing figures with reasons: `waves, since no nodal displacements were written`.
+    /// Titles of missing figures, with reasons: `waves, since no nodal displacements were written`.
     pub omitted: Vec<String>,
 }
 
 impl Figures {
+    /// Adds a figure, or the reason why it is missing. A figure with extreme numbers counts as missing.
     pub(super) fn add(&mut self, figure: Result<Figure, String>) {
         match figure {
             Ok(figure) if figure.is_extreme() => {
@@ -184,7 +187,7 @@ const ROWS: usize = 16;
 /// Number of rows of a map over time in its table.
 const MAP_ROWS: usize = 5;
 
-/// Digits of the table's numbers; for a map of fields those of its CSV file.
+/// Significant digits of the numbers in a table. A map of fields keeps the digits of its CSV file.
 const DIGITS: usize = 4;
 const FIELD_DIGITS: usize = 6;
 
@@ -214,16 +217,17 @@ impl Figure {
         Self { curves, ..Self::new(id, title, caption, x, y) }
     }
 
-    /// Sets the formula behind the figure.
+    /// Sets the formula of the quantities in the figure.
     pub(super) fn by(self, formula: impl Into<Cow<'static, str>>) -> Self {
         Self { formula: formula.into(), ..self }
     }
 
-    /// True if a page of a run shows the figure first: torque, tip, hub and motor, or joints.
+    /// True if a page of a run shows the figure before the others. The leading figures are those of the torques, the
+    /// tip, the hub and the motors, and of an arm also the angle, rate and power of each joint; but not the tip under
+    /// the rigid link's torque.
     pub(super) fn leads(&self) -> bool {
-        const FIRST: [&str; 7] = ["torque", "tip", "hub", "motor", "angle", "rate", "power"];
-        let is_first = FIRST.iter().any(|first| self.id.starts_with(first));
-        is_first && self.id != "tip-under-rigid-torque"
+        const LEADING: [&str; 7] = ["torque", "tip", "hub", "motor", "angle", "rate", "power"];
+        LEADING.iter().any(|id| self.id.starts_with(id)) && self.id != "tip-under-rigid-torque"
     }
 
     /// True if the numbers are too large or too small for a drawing.
@@ -233,17 +237,17 @@ impl Figure {
         is_map || [&self.x, &self.y].into_iter().chain(strip).any(Axis::is_extreme)
     }
 
-    /// Numbers of drawn points and of all points of the first line, if they differ.
+    /// Number of drawn points of the first line, and number of all its points. `None` if the figure shows all points.
     pub(super) fn thinned(&self) -> Option<(usize, usize)> {
         let (drawn, all) =
             (thinned(&self.curves).first()?.points.len(), self.curves.first()?.points.len());
         (drawn < all).then_some((drawn, all))
     }
 
-    /// Headings and rows of a table: evenly spaced values of x, with the value of each line; for a map all fields, or
-    /// some rows.
+    /// Headings and rows of a table. Each row has an x, evenly spaced, and the values of all lines there. A map of
+    /// fields has a line for each of its rows, a map over time for some of its rows.
     pub(super) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let (mut lines, unit, most, count) = match &self.map {
+        let (mut lines, unit, most_rows, digit_count) = match &self.map {
             Some(map) if map.fields.is_some() => {
                 (self.map_lines(map), "", usize::MAX, FIELD_DIGITS)
             }
@@ -253,54 +257,55 @@ impl Figure {
         lines.retain(|line| line.stroke.has_values());
         let Some(first) = lines.first() else { return (vec![], vec![]) };
         let text =
-            |value: f64| if value.is_finite() { digits(value, count) } else { String::new() };
+            |value: f64| if value.is_finite() { digits(value, digit_count) } else { String::new() };
         let mut head = vec![self.x.title()];
         head.extend(lines.iter().map(|line| in_unit(&line.name, unit)));
         let row = |k: usize| {
-            let at = first.points[k].0;
-            let values = lines.iter().map(|line| line.value_at(at).map_or(String::new(), text));
-            std::iter::once(text(at)).chain(values).collect()
+            let x = first.points[k].0;
+            let values = lines.iter().map(|line| line.value_near(x).map_or(String::new(), text));
+            std::iter::once(text(x)).chain(values).collect()
         };
-        (head, evenly(first.points.len(), most).into_iter().map(row).collect())
+        (head, evenly(first.points.len(), most_rows).into_iter().map(row).collect())
     }
 
-    /// All rows of a map of fields, or some rows of a map over time, as lines.
+    /// All rows of a map of fields, or some rows of a map over time, as lines over x.
     fn map_lines(&self, map: &ColourMap) -> Vec<Curve> {
-        let line = |at: f64, points: Vec<(f64, f64)>| {
-            let at = if map.fields.is_some() { given(at) } else { significant(at, 3) };
-            let place = format!("{} = {at} {}", self.y.name, self.y.unit);
+        let line = |y: f64, points: Vec<(f64, f64)>| {
+            let y = if map.fields.is_some() { given(y) } else { significant(y, 3) };
+            let place = format!("{} = {y} {}", self.y.name, self.y.unit);
             let name = in_unit(&format!("{} at {}", map.name, place.trim_end()), &map.unit);
             Curve { name, stroke: Stroke::Solid(1), points }
         };
         if let Some(Fields { places: [x, y], values }) = &map.fields {
             let points = |row: &Vec<f64>| x.iter().copied().zip(row.iter().copied()).collect();
-            return y.iter().zip(values).map(|(at, row)| line(*at, points(row))).collect();
+            return y.iter().zip(values).map(|(y, row)| line(*y, points(row))).collect();
         }
-        let place = |range: &Range<f64>, k: usize, len: usize| {
-            range.start + (range.end - range.start) * (k as f64 + 0.5) / len as f64
+        // The numbers of a map over time belong to the centres of equal cells.
+        let centre = |range: &Range<f64>, cell: usize, cells: usize| {
+            range.start + (range.end - range.start) * (cell as f64 + 0.5) / cells as f64
         };
-        let of_row = |row: usize| {
+        let line_of_row = |row: usize| {
             let values = &map.rows[row];
-            let x = (0..values.len()).map(|k| place(&self.x.range, k, values.len()));
-            line(place(&self.y.range, row, map.rows.len()), x.zip(values.iter().copied()).collect())
+            let x = (0..values.len()).map(|cell| centre(&self.x.range, cell, values.len()));
+            let y = centre(&self.y.range, row, map.rows.len());
+            line(y, x.zip(values.iter().copied()).collect())
         };
-        evenly(map.rows.len(), MAP_ROWS).into_iter().map(of_row).collect()
+        evenly(map.rows.len(), MAP_ROWS).into_iter().map(line_of_row).collect()
     }
 }
 
-/// Lines as drawn. All points if they are few; otherwise the lowest and the highest of every line in each part of x, so
-/// that no peak is lost. Lines over the same x keep the same points.
+/// Lines as drawn. Few points stay as they are. Of many, each part of x keeps the lowest and the highest point of every
+/// line, so that no peak is lost; all lines over the same x keep these points of all of them.
 pub(super) fn thinned(curves: &[Curve]) -> Vec<Curve> {
-    let is_same = |pair: (&(f64, f64), &(f64, f64))| pair.0.0.total_cmp(&pair.1.0).is_eq();
+    let has_same_x = |(a, b): (&(f64, f64), &(f64, f64))| a.0.total_cmp(&b.0).is_eq();
     let thin = |curve: &Curve| {
-        let own = &curve.points;
-        let of_same = curves
-            .iter()
-            .map(|other| &other.points[..])
-            .filter(|points| points.len() == own.len() && own.iter().zip(*points).all(is_same));
-        let points =
-            drawn_points(&of_same.collect::<Vec<_>>(), own.len()).map(|k| own[k]).collect();
-        Curve { points, ..curve.clone() }
+        let all = &curve.points;
+        let is_alike = |other: &&[(f64, f64)]| {
+            other.len() == all.len() && all.iter().zip(*other).all(has_same_x)
+        };
+        let alike = curves.iter().map(|other| &other.points[..]).filter(is_alike);
+        let kept = drawn_points(&alike.collect::<Vec<_>>(), all.len());
+        Curve { points: kept.map(|k| all[k]).collect(), ..curve.clone() }
     };
     curves.iter().map(thin).collect()
 }
@@ -311,7 +316,7 @@ pub(super) fn evenly(len: usize, most: usize) -> Vec<usize> {
     (0..count).map(|k| if count < 2 { 0 } else { k * (len - 1) / (count - 1) }).collect()
 }
 
-/// Style sheet of a separate figure file: the light colours of the page.
+/// Style sheet of a figure's SVG file: the light colours of the page.
 pub(super) const STYLE: &str = include_str!("figure.css");
 
 /// Font of the pictures, the same on every machine.
@@ -321,10 +326,10 @@ const FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 const SCALE: f32 = 2.0;
 
 impl Figure {
-    /// The figure as a separate SVG file.
+    /// The figure as an SVG file, with its styles, title and caption inside.
     pub fn svg_file(&self) -> String {
         let drawing = self.svg().into_string();
-        let head_len = drawing.find('>').map_or(0, |at| at + 1);
+        let head_len = drawing.find('>').map_or(0, |end| end + 1);
         let (head, rest) = drawing.split_at(head_len);
         let style = html! {
             title { (self.title) }
@@ -347,7 +352,8 @@ impl Figure {
             font_family: "DejaVu Sans".to_owned(),
             ..usvg::Options::default()
         };
-        let tree = usvg::Tree::from_str(&self.svg_file(), &options).map_err(|e| e.to_string())?;
+        let tree =
+            usvg::Tree::from_str(&self.svg_file(), &options).map_err(|error| error.to_string())?;
         let size = tree.size().to_int_size().scale_by(SCALE).ok_or("its size is none")?;
         let mut pixels =
             tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("its size is none")?;
@@ -372,8 +378,8 @@ mod tests {
             limit.points.iter().map(|(_, y)| *y).filter(|y| y.is_finite()).collect();
         assert_eq!((heights, &limit.name[..]), (vec![2.0, 2.0, -2.0, -2.0], "limit 2 N m"));
         assert_eq!(Curve::limit((2.0, "a"), 1, &curve(&[0.0, 1.5])).unwrap().points.len(), 2);
-        let told = Curve::add_limit(&mut curves, Some(20.0), ("motor's", "N m"), 1);
+        let remark = Curve::add_limit(&mut curves, Some(20.0), ("motor's", "N m"), 1);
         let beyond = " The motor's limit 20 N m is beyond the figure.";
-        assert_eq!((told.as_str(), curves.len()), (beyond, 2));
+        assert_eq!((remark.as_str(), curves.len()), (beyond, 2));
     }
 }

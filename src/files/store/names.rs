@@ -61,6 +61,8 @@ pub(super) static RIGID_TORQUE: JointFile = JointFile {
     columns: &[["rigid_torque_n_m", "rigid_torque#_n_m"]],
     shares_decimals: true,
 };
+/// Beginning of the names of columns for rigid links, which only a solution has.
+pub(super) const RIGID: &str = "rigid_";
 /// Angles of the hub or of the joints. A simulation writes the first three columns.
 pub(super) static ANGLE: JointFile = JointFile::new(
     ["hub_angle.csv", "joint_angles.csv"],

@@ -1,4 +1,5 @@
-//! A run from its summary and its tables: read from a folder, or taken from memory before writing.
+//! Makes a stored run of a summary and tables: of those in a folder, or of those in memory that a command is about to
+//! write.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -7,8 +8,8 @@ use serde_json::Value;
 
 use super::json::newer;
 use super::names::{
-    ANGLE, DEFLECTIONS, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID_TORQUE, SUMMARY,
-    TIP, TORQUE,
+    ANGLE, DEFLECTIONS, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID, RIGID_TORQUE,
+    SUMMARY, TIP, TORQUE,
 };
 use super::outputs::RunOutputs;
 use super::read_tables::{
@@ -19,19 +20,27 @@ use super::summary::{LinkRecord, STATIONS, Summary, numbers_in};
 use crate::beam::{Mesh, MeshPlan, NodalHistories};
 use crate::csv::{Place, TableError};
 use crate::inverse::NodalTable;
-use crate::link::{Drive, Link};
+use crate::link::{Drive, Link, POSITION_TOLERANCE};
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::result::{
     StoredArc, StoredJoint, StoredLink, StoredMotor, StoredNodes, StoredRun, StoredTarget,
 };
 
+/// Number of the first column of a joint: a torque, or in [`ANGLE`] its angle.
+const FIRST: usize = 0;
+/// Numbers of the columns with a joint's rate and with its angle in a rigid link, in [`ANGLE`].
+const RATE: usize = 1;
+const RIGID_ANGLE: usize = 3;
+/// Number of the column with a motor's rate, in [`MOTOR`].
+const MOTOR_RATE: usize = 2;
+
 /// Histories by file and column.
 type Histories = BTreeMap<(&'static str, String), Vec<f64>>;
 
-/// Quantities at nodes by file: for each link and each letter of the file.
+/// Quantities at nodes by file, for each link and each letter of the file's columns.
 type Nodal = BTreeMap<&'static str, Vec<Vec<StoredNodes>>>;
 
-/// A run without its summary.
+/// Links and tables of a run, beside its summary. [`Parts::stored`] moves them into a [`StoredRun`].
 struct Parts {
     /// Name of its folder.
     name: String,
@@ -39,7 +48,7 @@ struct Parts {
     links: Vec<(String, Link)>,
     /// Distances of the nodes of each link from its joint in m.
     nodes_m: Vec<Vec<f64>>,
-    /// The mesh of a single link.
+    /// The mesh of a single link; `None` for an arm.
     mesh: Option<Mesh>,
     times_s: Vec<f64>,
     histories: Histories,
@@ -63,15 +72,15 @@ pub(super) fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
     read().map_err(|error| newer(error, &summary.flexlink))
 }
 
-/// Reads the tables of a run with this summary, which is at `place`.
+/// Reads the tables of a run with this summary, whose file is `place`.
 fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Parts, TableError> {
-    let links = links_of(summary, place)?;
+    let links = read_links(summary, place)?;
     let count = links.len();
     let nodes_file = folder.file(NODES)?;
     let nodes_place = Place { file: &nodes_file.shown, line: None };
     let nodes_m = read_nodes(&nodes_file, count)?;
     let mesh = if let [(_, link)] = &links[..] {
-        let nodes_m = nodes_m.first().map_or(&[][..], |own| own);
+        let nodes_m = nodes_m.first().map_or(&[][..], Vec::as_slice);
         let plan = MeshPlan::through(link, nodes_m, &summary.stations_m());
         let mesh = plan.and_then(|plan| Mesh::new(link, &plan));
         Some(mesh.map_err(|error| nodes_place.refuse_whole(&error.to_string()))?)
@@ -81,26 +90,27 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     };
 
     let is_solved = summary.is_solved();
-    let all: Vec<usize> = (0..count).collect();
-    let mut torque = Table::of(&folder.file(TORQUE.name(count))?, &TORQUE.columns(count, &all))?;
+    let joints: Vec<usize> = (0..count).collect();
+    let mut torque = Table::of(&folder.file(TORQUE.name(count))?, &TORQUE.columns(count, &joints))?;
     torque.check_even()?;
     check_window(&torque, summary)?;
+    // The times of the torque, to which all other tables must keep.
     let times_s = torque.take(TIME);
-    let of = (TORQUE.name(count), &times_s[..]);
-    let is_driven = |joint: &usize| count == 1 || links[*joint].1.drive().is_some();
-    let driven: Vec<usize> = all.iter().copied().filter(is_driven).collect();
-    let mut tables = vec![(&TORQUE, TORQUE.columns(count, &all), torque)];
+    let times = (TORQUE.name(count), &times_s[..]);
+    let has_drive = |joint: &usize| count == 1 || links[*joint].1.drive().is_some();
+    let driven: Vec<usize> = joints.iter().copied().filter(has_drive).collect();
+    let mut tables = vec![(&TORQUE, TORQUE.columns(count, &joints), torque)];
     for (file, joints, is_there) in [
-        (&ANGLE, &all, true),
-        (&TIP, &all, true),
-        (&RIGID_TORQUE, &all, is_solved),
+        (&ANGLE, &joints, true),
+        (&TIP, &joints, true),
+        (&RIGID_TORQUE, &joints, is_solved),
         (&MOTOR, &driven, is_solved && !driven.is_empty() && folder.has(MOTOR.name(count))),
     ] {
         if is_there {
             let mut columns = file.columns(count, joints);
-            columns.retain(|name| is_solved || !name.starts_with("rigid_"));
+            columns.retain(|name| is_solved || !name.starts_with(RIGID));
             let table = Table::of(&folder.file(file.name(count))?, &columns)?;
-            table.check_times(of, 1)?;
+            table.check_times(times, 1)?;
             tables.push((file, columns, table));
         }
     }
@@ -109,16 +119,16 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
         columns.into_iter().map(history)
     });
     let histories = histories.collect();
-    let nodes: Vec<usize> = nodes_m.iter().map(Vec::len).collect();
+    let counts: Vec<usize> = nodes_m.iter().map(Vec::len).collect();
     let arguments = &summary.origin().arguments;
-    let is_chosen = arguments.iter().any(|own| own == "--nodes" || own == STATIONS);
+    let is_chosen = arguments.iter().any(|option| option == "--nodes" || option == STATIONS);
     let mut nodal = Nodal::new();
-    for file in [&DEFLECTIONS, &PLACES, &MOMENTS] {
+    // The page draws the links of an arm at their places. It needs this table, and not the first one, of deflections.
+    let is_arm = count > 1;
+    for file in [&DEFLECTIONS, &PLACES, &MOMENTS].into_iter().skip(usize::from(is_arm)) {
         let name = file.name(count);
-        // Places of an arm replace its deflections.
-        let is_read = !(count > 1 && name == DEFLECTIONS.name(count));
-        if is_read && (folder.has(name) || (count > 1 && name == PLACES.name(count))) {
-            nodal.insert(name, read_nodal(&folder.file(name)?, file, (&nodes, is_chosen), of)?);
+        if folder.has(name) || (is_arm && name == PLACES.name(count)) {
+            nodal.insert(name, read_nodal(&folder.file(name)?, file, (&counts, is_chosen), times)?);
         }
     }
     let target = folder.target(&summary.files, count)?;
@@ -126,8 +136,8 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     Ok(Parts { name, links, nodes_m, mesh, times_s, histories, nodal, target })
 }
 
-/// Names and links in a summary. The name of an unnamed link is its number.
-fn links_of(summary: &Summary, place: Place) -> Result<Vec<(String, Link)>, TableError> {
+/// Names and links from a summary. The name of an unnamed link is its number.
+fn read_links(summary: &Summary, place: Place) -> Result<Vec<(String, Link)>, TableError> {
     if !summary.is_of_arm() {
         let link = summary.link().map_err(|error| place.refuse_whole(&format!("link.{error}")))?;
         return Ok(vec![("1".to_owned(), link)]);
@@ -136,13 +146,13 @@ fn links_of(summary: &Summary, place: Place) -> Result<Vec<(String, Link)>, Tabl
     let missing = || place.refuse_whole("arm.links must be a list of two links or more");
     let link = |(k, entry): (usize, &Value)| {
         let name = entry["name"].as_str().map_or_else(|| (k + 1).to_string(), str::to_owned);
-        let refused = |error: String| place.refuse_whole(&format!("arm.links.{k}: {error}"));
+        let refuse = |error: String| place.refuse_whole(&format!("arm.links.{k}: {error}"));
         let record = serde_json::from_value::<LinkRecord>(entry["link"].clone());
         let drive = serde_json::from_value::<Option<Drive>>(entry["drive"].clone());
         let (record, drive) = record
             .and_then(|record| Ok((record, drive?)))
-            .map_err(|error| refused(error.to_string()))?;
-        let link = record.link(&name, drive).map_err(|error| refused(error.to_string()))?;
+            .map_err(|error| refuse(error.to_string()))?;
+        let link = record.link(&name, drive).map_err(|error| refuse(error.to_string()))?;
         Ok((name, link))
     };
     links.ok_or_else(missing)?.iter().enumerate().map(link).collect()
@@ -154,13 +164,12 @@ fn check_nodes(
     links: &[(String, Link)],
     place: Place,
 ) -> Result<(), TableError> {
-    let is_whole = |(own, (_, link)): (&Vec<f64>, &(String, Link))| {
-        let length_m = link.length_m();
-        let is_at = |x_m: Option<&f64>, end_m: f64| {
-            x_m.is_some_and(|x_m| (x_m - end_m).abs() <= 1e-9 * length_m)
-        };
-        let rises = own.windows(2).all(|pair| pair[0] < pair[1]);
-        rises && is_at(own.first(), link.hub().radius_m) && is_at(own.last(), length_m)
+    let is_whole = |(nodes_m, (_, link)): (&Vec<f64>, &(String, Link))| {
+        let (root_m, tip_m) = (link.hub().radius_m, link.length_m());
+        let is_same = |x_m: f64, end_m: f64| (x_m - end_m).abs() <= POSITION_TOLERANCE * tip_m;
+        let ends = nodes_m.first().zip(nodes_m.last());
+        ends.is_some_and(|(first_m, last_m)| is_same(*first_m, root_m) && is_same(*last_m, tip_m))
+            && nodes_m.windows(2).all(|pair| pair[0] < pair[1])
     };
     if nodes_m.len() == links.len() && nodes_m.iter().zip(links).all(is_whole) {
         return Ok(());
@@ -170,16 +179,18 @@ fn check_nodes(
 }
 
 impl Parts {
+    /// Moves a history out: of a joint, from a column by its number.
     fn take(&mut self, file: &JointFile, joint: usize, column: usize) -> Option<Vec<f64>> {
         let count = self.links.len();
         self.histories.remove(&(file.name(count), file.column(count, joint, column)))
     }
 
+    /// Moves the quantities of a table at nodes out, for each link and letter.
     fn take_nodes(&mut self, file: &NodalFile) -> Vec<Vec<StoredNodes>> {
         self.nodal.remove(file.name(self.links.len())).unwrap_or_default()
     }
 
-    /// Takes the histories of a joint, and its numbers from the summary, which is at `place`.
+    /// Moves the histories of a joint out, and adds its numbers from the summary, whose file is `place`.
     fn joint(
         &mut self,
         k: usize,
@@ -190,29 +201,30 @@ impl Parts {
         let is_alone = self.links.len() == 1;
         // A single link has its numbers in one object, an arm in a list.
         let [results, errors, limits] = ["results", "errors", "limits"].map(|key| &values[key]);
-        let (of, [results, errors, limits]) = if is_alone {
+        let (prefix, [results, errors, limits]) = if is_alone {
             (String::new(), [results, errors, limits])
         } else {
-            let of = format!("joints.{k}.");
-            (of, [&results["joints"][k], &errors["joints"][k], &limits[k]])
+            let prefix = format!("joints.{k}.");
+            (prefix, [&results["joints"][k], &errors["joints"][k], &limits[k]])
         };
+        // A solution has both numbers of each joint, null without one.
         for key in ["lead_s", "lag_s"].into_iter().filter(|_| summary.is_solved()) {
             let missing = match results {
                 Value::Object(numbers) => match numbers.get(key) {
                     Some(value) if value.is_null() || value.is_number() => continue,
-                    _ => format!("results.{of}{key}"),
+                    _ => format!("results.{prefix}{key}"),
                 },
                 _ => "results".to_owned(),
             };
             return Err(place.refuse_whole(&format!("{missing} is missing")));
         }
-        let motor = self.take(&MOTOR, k, 0).zip(self.take(&MOTOR, k, 2));
+        let motor = self.take(&MOTOR, k, FIRST).zip(self.take(&MOTOR, k, MOTOR_RATE));
         Ok(StoredJoint {
-            torque_n_m: self.take(&TORQUE, k, 0).unwrap_or_default(),
-            angle_rad: self.take(&ANGLE, k, 0).unwrap_or_default(),
-            rate_rad_s: self.take(&ANGLE, k, 1).unwrap_or_default(),
-            rigid_torque_n_m: self.take(&RIGID_TORQUE, k, 0),
-            rigid_angle_rad: self.take(&ANGLE, k, 3),
+            torque_n_m: self.take(&TORQUE, k, FIRST).unwrap_or_default(),
+            angle_rad: self.take(&ANGLE, k, FIRST).unwrap_or_default(),
+            rate_rad_s: self.take(&ANGLE, k, RATE).unwrap_or_default(),
+            rigid_torque_n_m: self.take(&RIGID_TORQUE, k, FIRST),
+            rigid_angle_rad: self.take(&ANGLE, k, RIGID_ANGLE),
             motor: motor.map(|(torque_n_m, rate_rad_s)| StoredMotor { torque_n_m, rate_rad_s }),
             readings: if is_alone { summary.readings() } else { numbers_in(results, "") },
             errors: errors_by_kind(errors),
@@ -220,7 +232,7 @@ impl Parts {
         })
     }
 
-    /// Takes the motion of a single link along its arc.
+    /// Moves the motion of a single link along its arc out; `None` for an arm.
     fn arc(&mut self, hub: &StoredJoint, summary: &Summary) -> Option<StoredArc> {
         let mesh = self.mesh.take()?;
         let [displacement_m, velocity_m_s, acceleration_m_s2] =
@@ -228,6 +240,7 @@ impl Parts {
         let origin_rad = origin_rad(&self.links[0].1, hub, &displacement_m);
         let [written, displacements] =
             [&DEFLECTIONS, &PLACES].map(|file| self.take_nodes(file).into_iter().flatten().next());
+        // Unless the run wrote deflections, they follow from displacements and hub angle.
         let computed = || {
             let hub = (&hub.angle_rad[..], origin_rad?);
             Some(deflections(displacements?, mesh.nodes_m(), hub, &self.times_s))
@@ -242,17 +255,18 @@ impl Parts {
         })
     }
 
-    /// Puts summary and tables of a run together.
+    /// The run of these links and tables and of the summary, whose file is `place`.
     fn stored(mut self, summary: &Summary, place: Place) -> Result<StoredRun, TableError> {
         let values = &summary.values;
         let joints = (0..self.links.len()).map(|k| self.joint(k, summary, place));
         let joints = joints.collect::<Result<Vec<_>, _>>()?;
         let arc = self.arc(&joints[0], summary);
-        let moves = |key: &str| summary.number("motion", key, place);
-        let moving = || Ok((moves("moves_from_s")?, moves("moves_until_s")?));
-        let of_arm = |axis: usize| values["arm"]["gravity_m_s2"][axis].as_f64().unwrap_or(0.0);
-        let of_link = self.links[0].1.gravity().map(|gravity| gravity.acceleration_m_s2);
-        // The places of an arm, whose tip has two columns for each order.
+        let time_s = |key: &str| summary.number("motion", key, place);
+        let moving_s = || Ok((time_s("moves_from_s")?, time_s("moves_until_s")?));
+        // A summary has the gravity of a single link in the link, of an arm beside its links.
+        let of_link_m_s2 = self.links[0].1.gravity().map(|gravity| gravity.acceleration_m_s2);
+        let of_arm_m_s2 = |axis: usize| values["arm"]["gravity_m_s2"][axis].as_f64().unwrap_or(0.0);
+        // x and y of an arm's tip. `arc` has moved the tip of a single link out.
         let tip_m = [0, 1].map(|axis| self.take(&TIP, 0, axis).unwrap_or_default());
         let places = self.take_nodes(&PLACES);
         let nodal_times_s = places.iter().flatten().next().map(|axis| axis.times_s.clone());
@@ -284,8 +298,8 @@ impl Parts {
                 Some("angles") => Some(Prescribed::Angles),
                 _ => None,
             },
-            moving_s: summary.is_solved().then(moving).transpose()?,
-            gravity_m_s2: of_link.unwrap_or_else(|| [0, 1].map(of_arm)),
+            moving_s: summary.is_solved().then(moving_s).transpose()?,
+            gravity_m_s2: of_link_m_s2.unwrap_or_else(|| [0, 1].map(of_arm_m_s2)),
             readings: summary.readings(),
             checks: summary.verification.iter().flatten().flatten().cloned().collect(),
             warnings: summary.warnings.clone(),
@@ -295,39 +309,41 @@ impl Parts {
     }
 }
 
-/// Kind of the error of a tip: the distance from the wanted motion is known at every moment.
+/// Kind of an error that is stored as one number, without a kind: the tip's distance from the wanted motion.
 const WANTED: &str = "from the wanted motion";
 
-/// Errors of each quantity by kind. A number alone is an error of the tip.
+/// Errors of each quantity by kind. Most quantities have an object of kinds. The errors of a solution's tip are two
+/// numbers: `tip`, from the wanted motion, and `tip_model`, of the kind `model`.
 fn errors_by_kind(stored: &Value) -> Vec<(String, Vec<(String, f64)>)> {
-    let mut found: Vec<(String, Vec<(String, f64)>)> = Vec::new();
+    let mut errors: Vec<(String, Vec<(String, f64)>)> = Vec::new();
     for (key, value) in stored.as_object().into_iter().flatten() {
         let (quantity, kind) =
             key.strip_suffix("_model").map_or((&key[..], WANTED), |quantity| (quantity, "model"));
-        let alone = value.as_f64().map(|error| (kind.to_owned(), error));
-        let kinds = numbers_in(value, "").into_iter().chain(alone);
-        match found.iter_mut().find(|(own, _)| own == quantity) {
+        let number = value.as_f64().map(|error| (kind.to_owned(), error));
+        let kinds = numbers_in(value, "").into_iter().chain(number);
+        match errors.iter_mut().find(|(name, _)| name == quantity) {
             Some((_, all)) => all.extend(kinds),
-            None => found.push((quantity.to_owned(), kinds.collect())),
+            None => errors.push((quantity.to_owned(), kinds.collect())),
         }
     }
-    found.retain(|(_, kinds)| !kinds.is_empty());
-    found
+    errors.retain(|(_, kinds)| !kinds.is_empty());
+    errors
 }
 
-/// Direction of the chord in rad where the tip's displacement is 0. Unknown if gravity makes hub angles absolute and
-/// the folder does not show the zero of displacements.
+/// Direction of the chord in rad where the tip's displacement is 0. Without gravity it is 0. With gravity it is the
+/// link's start angle, or follows from the first hub angle of the rigid link and the first displacement of the tip.
+/// Where the folder shows neither, it is 0 if gravity does not act. If it acts, hub angles are absolute: `None`.
 fn origin_rad(link: &Link, hub: &StoredJoint, tip_m: &[f64]) -> Option<f64> {
     let Some(gravity) = link.gravity() else { return Some(0.0) };
-    let rigid = || {
+    let of_rigid = || {
         let (first_rad, first_m) = (hub.rigid_angle_rad.as_ref()?.first()?, tip_m.first()?);
         Some(first_rad - first_m / link.length_m())
     };
-    let given = gravity.start_angle_rad.or_else(rigid);
-    if gravity.acts() { given } else { Some(given.unwrap_or(0.0)) }
+    let start_rad = gravity.start_angle_rad.or_else(of_rigid);
+    if gravity.acts() { start_rad } else { Some(start_rad.unwrap_or(0.0)) }
 }
 
-/// Copies of the nodes' histories at one time while the program makes a page.
+/// Number of copies of the nodes' histories that exist at one time while the program makes a page.
 const COPIES: usize = 4;
 
 impl RunOutputs {
@@ -344,7 +360,7 @@ impl RunOutputs {
         let count = tables.links.len();
         let mut histories = Histories::new();
         for table in &tables.histories {
-            // A page shows only these tables.
+            // A page reads no other tables over time.
             let is_shown = [&TORQUE, &RIGID_TORQUE, &ANGLE, &TIP, &MOTOR]
                 .iter()
                 .any(|file| file.name(count) == table.file.name(count));
@@ -356,32 +372,32 @@ impl RunOutputs {
             }
         }
         let mut nodal = Nodal::new();
-        let is_shown = |name: &str| name != DEFLECTIONS.name(count);
-        for table in tables.nodal.iter().filter(|table| is_shown(table.file.name(count))) {
+        // The deflections of an arm are not read from its folder, either.
+        let is_read = |name: &str| name != DEFLECTIONS.name(count);
+        for table in tables.nodal.iter().filter(|table| is_read(table.file.name(count))) {
             let times_s = times_s(&table.times);
             let empty = StoredNodes { nodes: vec![], times_s, histories: vec![] };
-            let mut found = vec![vec![empty; table.file.letters(count).len()]; count];
+            let mut links = vec![vec![empty; table.file.letters(count).len()]; count];
             for column in &table.columns {
-                let nodes = &mut found[column.link][column.letter];
-                nodes.nodes.push(column.node);
-                nodes.histories.push(column.values.to_vec());
+                let quantity = &mut links[column.link][column.letter];
+                quantity.nodes.push(column.node);
+                quantity.histories.push(column.values.to_vec());
             }
-            nodal.insert(table.file.name(count), found);
+            nodal.insert(table.file.name(count), links);
         }
         if let Some(deflections) = &tables.on_request {
-            let histories = in_order(deflections.histories());
-            nodal.insert(DEFLECTIONS.name(count), vec![vec![histories]]);
+            nodal.insert(DEFLECTIONS.name(count), vec![vec![in_order(deflections.histories())]]);
             if self.moments {
-                let histories = in_order(deflections.moments().histories());
-                nodal.insert(MOMENTS.name(count), vec![vec![histories]]);
+                let moments = in_order(deflections.moments().histories());
+                nodal.insert(MOMENTS.name(count), vec![vec![moments]]);
             }
         }
         let grid = tables.histories.first().map(|table| table.grid.thinned(NonZeroUsize::MIN));
-        let links = tables.links.iter().map(|own| (own.name.clone(), own.link.clone()));
+        let links = tables.links.iter().map(|entry| (entry.name.clone(), entry.link.clone()));
         let parts = Parts {
             name: String::new(),
             links: links.collect(),
-            nodes_m: tables.links.iter().map(|own| own.nodes_m.to_vec()).collect(),
+            nodes_m: tables.links.iter().map(|entry| entry.nodes_m.to_vec()).collect(),
             mesh: tables.mesh.cloned(),
             times_s: grid.map_or_else(Vec::new, |grid| times_s(&grid)),
             histories,

@@ -74,7 +74,7 @@ pub(super) struct BentMotion {
 impl BentMotion {
     /// The motion before its first sample, with the holding torques; displacements of one link count from a direction
     /// in rad.
-    pub(super) fn begun(
+    pub(super) fn empty(
         linkage: &Linkage,
         from_rad: f64,
         (steps, samples): (usize, usize),

@@ -1,4 +1,5 @@
-//! Steps bent links in time, finer and finer: each joint under a torque, or moved as prescribed.
+//! Integrates the motion of bent links in time, with each joint under a torque or moved as prescribed; refines it until
+//! it settles.
 
 use super::balance::Balance;
 use super::bent::BentMotion;
@@ -11,19 +12,22 @@ use super::radau::{Motion, Radau};
 use super::state::settle;
 use crate::numeric::{TimeGrid, dot};
 
-/// Most steps of a refined motion.
-const LONGEST: usize = 1 << 20;
+/// Number of steps that ends the refinement: the first level with more steps is the last one.
+const LAST_STEPS: usize = 1 << 20;
 
 /// Orders that each refinement adds to the polynomials.
 const MORE_ORDERS: usize = 2;
 
-/// Largest change of a settled motion by the last refinement, over the motion.
+/// Change by the last refinement, over the motion, above which a motion counts as unsettled.
 const UNSETTLED: f64 = 1e-4;
 
 /// Largest change of an angle in rad that is round-off.
-const STILL_RAD: f64 = 1e-12;
+const ROUND_OFF_RAD: f64 = 1e-12;
 
-/// Input of one joint: a torque, with a reaction around an angle, or an acceleration.
+/// An instant: the number of a sample, and the share of the interval after it.
+type Instant = (usize, f64);
+
+/// Input of one joint: a torque, with friction and feedback about an aim, or a prescribed acceleration.
 #[derive(Debug, Clone)]
 pub(super) enum Drive {
     Torque(Driving, HubReaction),
@@ -32,7 +36,7 @@ pub(super) enum Drive {
 
 /// Coordinates and rates at the start.
 #[derive(Debug, Clone)]
-pub(super) struct Begun {
+pub(super) struct InitialMotion {
     pub(super) q: Vec<f64>,
     pub(super) rates: Vec<f64>,
     /// Direction in rad of zero displacement for one link.
@@ -51,52 +55,54 @@ pub(super) struct Cycle {
 pub(super) struct Problem<'a> {
     pub(super) linkage: Linkage,
     pub(super) drives: &'a [Drive],
-    /// Angle of each joint in rad without a feedback torque.
+    /// Angle of each joint in rad from which the stiffness of its feedback acts; the input contains the torque for the
+    /// motion of the reference.
     pub(super) aims_rad: Vec<f64>,
     pub(super) grid: &'a TimeGrid,
-    pub(super) start: Begun,
+    pub(super) start: InitialMotion,
     pub(super) cycle: Option<Cycle>,
 }
 
 /// Refines the motion until tip and joints change by less than `tolerance` of their motion, or to the finest level.
-/// `problem` receives the additional orders of the polynomials and the coarser motion, `watch` each sample.
+/// Each refinement halves the step and adds orders to the polynomials. `problem` receives the number of added orders
+/// and the coarser motion, `watch` the progress at each sample.
 ///
 /// # Errors
 /// [`SimulationError`].
-pub(super) fn settled<'a>(
+pub(super) fn refine<'a>(
     problem: impl Fn(usize, Option<&BentMotion>) -> Result<Problem<'a>, SimulationError>,
     (samples, tolerance, most_refinements): (usize, f64, usize),
     watch: &dyn Fn(PlayProgress),
 ) -> Result<BentMotion, SimulationError> {
-    let played = |refinement: usize, before: Option<&BentMotion>| {
-        let at = |done| watch(PlayProgress { refinement, done, samples });
-        problem(refinement * MORE_ORDERS, before)?.played(1 << refinement, at)
+    let play = |refinement: usize, coarser: Option<&BentMotion>| {
+        let report = |done| watch(PlayProgress { refinement, done, samples });
+        problem(refinement * MORE_ORDERS, coarser)?.play(1 << refinement, report)
     };
-    let mut coarse = played(0, None);
-    for finer in 1..=most_refinements {
-        let is_last = finer == most_refinements || (samples << finer) > LONGEST;
-        let before = match coarse {
-            Ok(before) => before,
+    let mut finest = play(0, None);
+    for refinement in 1..=most_refinements {
+        let is_last = refinement == most_refinements || (samples << refinement) > LAST_STEPS;
+        let coarser = match finest {
+            Ok(motion) => motion,
             // Shorter steps may converge where long ones do not.
             Err(SimulationError::NotConverged { .. }) if !is_last => {
-                coarse = played(finer, None);
+                finest = play(refinement, None);
                 continue;
             }
-            Err(_) => return coarse,
+            Err(_) => return finest,
         };
-        let mut motion = played(finer, Some(&before))?;
-        let (change, moved) = (motion.change_from(&before), motion.moved());
-        let least = [STILL_RAD * motion.play.length_m(), STILL_RAD];
-        let is_within =
-            |share: f64| (0..2).all(|of| change[of] <= (share * moved[of]).max(least[of]));
+        let mut motion = play(refinement, Some(&coarser))?;
+        // Both are arrays: tip in m, joints in rad.
+        let (change, travel) = (motion.change_from(&coarser), motion.moved());
+        let least = [ROUND_OFF_RAD * motion.play.length_m(), ROUND_OFF_RAD];
+        let is_within = |share: f64| (0..2).all(|k| change[k] <= (share * travel[k]).max(least[k]));
         (motion.play.change, motion.play.is_unsettled) = (change, !is_within(UNSETTLED));
         let is_settled = is_within(tolerance);
-        coarse = Ok(motion);
+        finest = Ok(motion);
         if is_settled || is_last {
             break;
         }
     }
-    coarse
+    finest
 }
 
 impl Drive {
@@ -106,32 +112,34 @@ impl Drive {
         }
     }
 
-    /// Puts an input into the equation of a joint, the coordinate of this number.
+    /// Puts an input into the equation of a joint, whose angle is coordinate number `joint`. A torque, less the
+    /// reaction that opposes the motion, joins the forces. An acceleration replaces the equation by `q̈ = input`.
     fn apply(
         &self,
         (input, aim_rad): (f64, f64),
         joint: usize,
         (q, rates): (&[f64], &[f64]),
-        into: &mut Balance,
+        balance: &mut Balance,
     ) {
-        let count = q.len();
+        let (count, Balance { mass, force }) = (q.len(), balance);
         match self {
             Self::Torque(_, reaction) => {
-                into.force[joint] += input - reaction.torque_n_m(q[joint] - aim_rad, rates[joint]);
+                force[joint] += input - reaction.torque_n_m(q[joint] - aim_rad, rates[joint]);
             }
             Self::Acceleration(_) => {
-                into.mass[joint * count..][..count].fill(0.0);
-                into.mass[joint * count + joint] = 1.0;
-                into.force[joint] = input;
+                mass[joint * count..][..count].fill(0.0);
+                mass[joint * count + joint] = 1.0;
+                force[joint] = input;
             }
         }
     }
 }
 
 impl Problem<'_> {
-    /// Plays with `steps` steps from one sample to the next; `at` receives the number of finished samples.
-    fn played(self, steps: usize, at: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
+    /// Integrates with `steps` steps from one sample to the next; `report` receives the number of finished samples.
+    fn play(self, steps: usize, report: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
         let (grid, count) = (*self.grid, self.linkage.count);
+        // Linear parts of all forces, for the matrix of Radau's iteration.
         let (mut stiffness, mut damping) =
             (self.linkage.stiffness.clone(), self.linkage.damping.clone());
         for (joint, drive) in self.linkage.joints.iter().zip(self.drives) {
@@ -142,19 +150,21 @@ impl Problem<'_> {
         }
         let mut radau = Radau::new(grid.step_s / steps as f64, &stiffness, &damping);
         let mut balance = Balance::default();
-        let Begun { q, rates, from_rad } = self.start.clone();
+        let InitialMotion { q, rates, from_rad } = self.start.clone();
         let mut motion = Motion { q, rates, accelerations: vec![0.0; count] };
         let rest = vec![0.0; count];
         let is_arm = self.linkage.links.len() > 1;
+        // The holding torques balance all other forces: of an arm those of its shape at rest, of one link also those of
+        // its rates at the start.
         self.linkage.balance(&motion.q, if is_arm { &rest } else { &motion.rates }, &mut balance);
         let holding_n_m = self.linkage.joints.iter().map(|joint| -balance.force[*joint]);
-        let mut played = BentMotion::begun(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
+        let mut played = BentMotion::empty(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
         self.accelerate(0, &mut motion, &mut balance)?;
         if let Some(Cycle { grid: cycle, is_free }) = self.cycle {
             settle(&mut motion, cycle, is_free, |motion, sample| {
                 (0..steps).try_for_each(|step| self.step(&mut radau, motion, (sample, step, steps)))
             })?;
-            self.accelerate_torques(0, &mut motion, &mut balance)?;
+            self.accelerate_under_torques(0, &mut motion, &mut balance)?;
         }
         self.observe(0, &motion, &mut balance, &mut played);
         for sample in 1..grid.len {
@@ -162,13 +172,15 @@ impl Problem<'_> {
                 .map(|sum| sum.last().copied().unwrap_or_default());
             for step in 0..steps {
                 self.step(&mut radau, &mut motion, (sample - 1, step, steps))?;
+                // An arm's energy is summed over the stages; `checks` integrates that of one link from its samples.
                 if is_arm {
-                    let reached = radau.reached();
-                    lost_j += radau
-                        .integral(reached.iter().map(|own| self.linkage.lost_w(&own.rates, 0.0)));
-                    let powers = reached.iter().enumerate().map(|(stage, own)| {
-                        let s = place(stage, step, steps);
-                        self.power_w((sample - 1, s), own, &mut balance)
+                    let stages = radau.reached();
+                    // In an arm the damping turns with no reference.
+                    let losses = stages.iter().map(|stage| self.linkage.lost_w(&stage.rates, 0.0));
+                    lost_j += radau.integral(losses);
+                    let powers = stages.iter().enumerate().map(|(number, stage)| {
+                        let share = interval_share(number, step, steps);
+                        self.power_w((sample - 1, share), stage, &mut balance)
                     });
                     work_j += radau.integral(powers);
                 }
@@ -177,26 +189,26 @@ impl Problem<'_> {
                 played.play.work_j.push(work_j);
                 played.play.lost_j.push(lost_j);
             }
-            self.accelerate_torques(sample, &mut motion, &mut balance)?;
+            self.accelerate_under_torques(sample, &mut motion, &mut balance)?;
             self.observe(sample, &motion, &mut balance, &mut played);
-            at(sample + 1);
+            report(sample + 1);
         }
         Ok(played)
     }
 
-    /// Adds the motion at a sample.
+    /// Adds the motion at a sample, with its torques, to the histories of `played`.
     fn observe(
         &self,
         sample: usize,
         motion: &Motion,
         balance: &mut Balance,
-        into: &mut BentMotion,
+        played: &mut BentMotion,
     ) {
         let torques_n_m = self.torques_n_m((sample, 0.0), motion, balance);
-        into.observe(motion, torques_n_m, self.turning_rad_s((sample, 0.0)));
+        played.observe(motion, torques_n_m, self.turning_rad_s((sample, 0.0)));
     }
 
-    /// Makes one step of several after a sample.
+    /// Makes step number `step` of the `steps` after a sample.
     fn step(
         &self,
         radau: &mut Radau<'_>,
@@ -205,29 +217,29 @@ impl Problem<'_> {
     ) -> Result<(), SimulationError> {
         let is_done = radau.advance(motion, |stage, q, rates, balance| {
             self.linkage.balance(q, rates, balance);
-            self.apply((sample, place(stage, step, steps)), (q, rates), balance);
+            self.apply((sample, interval_share(stage, step, steps)), (q, rates), balance);
         });
         let time_s = self.grid.time_s(sample + 1);
         if is_done { Ok(()) } else { Err(SimulationError::NotConverged { time_s }) }
     }
 
-    /// Applies the inputs of all joints a part s of a step after a sample.
-    fn apply(&self, at: (usize, f64), motion: (&[f64], &[f64]), balance: &mut Balance) {
-        self.linkage.turn(self.turning_rad_s(at), balance);
+    /// Applies the inputs of all joints at an instant.
+    fn apply(&self, time: Instant, (q, rates): (&[f64], &[f64]), balance: &mut Balance) {
+        self.linkage.turn(self.turning_rad_s(time), balance);
         let joints = self.linkage.joints.iter().zip(self.drives).zip(&self.aims_rad);
         for ((joint, drive), aim_rad) in joints {
-            drive.apply((drive.driving().within(at), *aim_rad), *joint, motion, balance);
+            drive.apply((drive.driving().within(time), *aim_rad), *joint, (q, rates), balance);
         }
     }
 
-    /// Rate of the first joint's reference in rad/s, a part s of a step after a sample; the damping of a loop turns
-    /// with it.
-    fn turning_rad_s(&self, at: (usize, f64)) -> f64 {
+    /// Rate in rad/s of the first joint's reference at an instant; the damping of a loop turns with it.
+    fn turning_rad_s(&self, time: Instant) -> f64 {
         let turning = self.drives[0].driving().turning.as_ref();
-        turning.map_or(0.0, |turning| turning.within(at))
+        turning.map_or(0.0, |turning| turning.within(time))
     }
 
-    /// Computes the accelerations at a sample. Where the masses are singular, those of the last step stay.
+    /// Computes the accelerations at a sample. Where the mass matrix is singular, the accelerations of the last step's
+    /// end stay.
     fn accelerate(
         &self,
         sample: usize,
@@ -236,17 +248,18 @@ impl Problem<'_> {
     ) -> Result<(), SimulationError> {
         self.linkage.balance(&motion.q, &motion.rates, balance);
         self.apply((sample, 0.0), (&motion.q, &motion.rates), balance);
-        if let Some(now) = balance.accelerations() {
-            motion.accelerations = now;
+        if let Some(accelerations) = balance.accelerations() {
+            motion.accelerations = accelerations;
         }
-        if motion.q.iter().chain(&motion.rates).all(|own| own.is_finite()) {
+        if motion.q.iter().chain(&motion.rates).all(|value| value.is_finite()) {
             return Ok(());
         }
         Err(SimulationError::NotFinite { time_s: self.grid.time_s(sample) })
     }
 
-    /// The accelerations under torques, which may jump at a sample: the last step's end has those of the torque before.
-    fn accelerate_torques(
+    /// Computes the accelerations at a sample again if a joint is under a torque. The torque may jump at the sample,
+    /// and the last step ended with the torque before the jump.
+    fn accelerate_under_torques(
         &self,
         sample: usize,
         motion: &mut Motion,
@@ -258,41 +271,47 @@ impl Problem<'_> {
         Ok(())
     }
 
-    /// Torque of each joint in N m, a part s of a step after a sample: the torque of its motor, or the torque for its
-    /// prescribed motion.
-    fn torques_n_m(&self, at: (usize, f64), motion: &Motion, balance: &mut Balance) -> Vec<f64> {
+    /// Torque of the motor of each joint in N m at an instant. With friction b, all other forces f, and the feedback's
+    /// stiffness k and damping d about the aim q₀:
+    ///
+    /// ```text
+    /// T = (M q̈)_joint − f + b q̇                      for a prescribed acceleration
+    /// T = input − k (q − q₀) − d q̇                   under a torque
+    /// ```
+    fn torques_n_m(&self, time: Instant, motion: &Motion, balance: &mut Balance) -> Vec<f64> {
         let Motion { q, rates, accelerations } = motion;
+        // M and f without the equations that `apply` replaces.
         if self.drives.iter().any(|drive| matches!(drive, Drive::Acceleration(_))) {
             self.linkage.balance(q, rates, balance);
         }
         let frictions = &self.linkage.friction_n_m_s_rad;
         let joints = self.linkage.joints.iter().zip(frictions).zip(&self.aims_rad);
         let torque = |(drive, ((joint, friction), aim_rad)): (&Drive, ((&usize, &f64), &f64))| {
-            let rubbed = friction * rates[*joint];
+            let friction_n_m = friction * rates[*joint];
             match drive {
                 Drive::Acceleration(_) => {
                     let row = &balance.mass[joint * q.len()..][..q.len()];
-                    dot(row, accelerations) - balance.force[*joint] + rubbed
+                    dot(row, accelerations) - balance.force[*joint] + friction_n_m
                 }
-                // Friction acts on the joint; the rest of the reaction is the motor's.
+                // The reaction includes the friction, which is no torque of the motor.
                 Drive::Torque(driving, reaction) => {
-                    let opposed = reaction.torque_n_m(q[*joint] - aim_rad, rates[*joint]);
-                    driving.within(at) - (opposed - rubbed)
+                    let reaction_n_m = reaction.torque_n_m(q[*joint] - aim_rad, rates[*joint]);
+                    driving.within(time) - (reaction_n_m - friction_n_m)
                 }
             }
         };
         self.drives.iter().zip(joints).map(torque).collect()
     }
 
-    /// Power of all torques in W.
-    fn power_w(&self, at: (usize, f64), motion: &Motion, balance: &mut Balance) -> f64 {
-        let torques = self.torques_n_m(at, motion, balance);
+    /// Power of all motors in W at an instant.
+    fn power_w(&self, time: Instant, motion: &Motion, balance: &mut Balance) -> f64 {
+        let torques = self.torques_n_m(time, motion, balance);
         let joints = self.linkage.joints.iter().zip(torques);
         joints.map(|(joint, torque)| torque * motion.rates[*joint]).sum()
     }
 }
 
-/// Place of a stage of one step, as a part of the interval between two samples.
-fn place(stage: usize, step: usize, steps: usize) -> f64 {
+/// Time of a stage of a step after a sample, as a share of the interval to the next sample.
+fn interval_share(stage: usize, step: usize, steps: usize) -> f64 {
     (step as f64 + Radau::places()[stage]) / steps as f64
 }

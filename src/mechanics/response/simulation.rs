@@ -2,7 +2,7 @@
 
 use super::bent::BentMotion;
 use super::chain::play_bytes;
-use super::driver::{Begun, Cycle, Drive, Problem, settled};
+use super::driver::{Cycle, Drive, InitialMotion, Problem, refine};
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
@@ -136,7 +136,7 @@ fn play_bent(
     }
     let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
     let refined = (grid.len, tolerance, MOST_REFINEMENTS);
-    let mut motion = settled(|more, before| bending.problem(more, before), refined, watch)?;
+    let mut motion = refine(|more, before| bending.problem(more, before), refined, watch)?;
     if links.len() > 1 {
         let weight_n_m = arm.weight_moment_n_m();
         for joint in &mut motion.joints {
@@ -252,7 +252,7 @@ impl Bending<'_> {
         link: &Link,
         linkage: &Linkage,
         state: Option<&State>,
-    ) -> Result<Begun, SimulationError> {
+    ) -> Result<InitialMotion, SimulationError> {
         let given_rad = self.play.origin_rad(link);
         let rates = vec![0.0; linkage.count];
         let chain = &linkage.links[0];
@@ -260,13 +260,13 @@ impl Bending<'_> {
             let (q, own) = linkage.of_state(state)?;
             let first_rad = direction(chain.tip(&q, &rates).at_m, q[0]);
             let level_rad = if link.has_weight() { first_rad } else { 0.0 };
-            return Ok(Begun { q, rates: own, from_rad: given_rad.unwrap_or(level_rad) });
+            return Ok(InitialMotion { q, rates: own, from_rad: given_rad.unwrap_or(level_rad) });
         }
         let start_rad = self.play.start_m(link) / link.length_m() + given_rad.unwrap_or(0.0);
         let mut straight = vec![0.0; linkage.count];
         straight[0] = start_rad;
         if !link.has_weight() {
-            return Ok(Begun { q: straight, rates, from_rad: given_rad.unwrap_or(0.0) });
+            return Ok(InitialMotion { q: straight, rates, from_rad: given_rad.unwrap_or(0.0) });
         }
         let held = match self.play.input {
             Input::Torques(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
@@ -276,7 +276,7 @@ impl Bending<'_> {
         let q = resting(chain, &straight, held).ok_or(SimulationError::NoRest)?;
         // With a prescribed hub the weight determines the chord.
         let first_rad = direction(chain.tip(&q, &rates).at_m, start_rad);
-        Ok(Begun { q, rates, from_rad: given_rad.unwrap_or(first_rad) })
+        Ok(InitialMotion { q, rates, from_rad: given_rad.unwrap_or(first_rad) })
     }
 
     /// An arm before the input, at rest or in a state.
@@ -284,10 +284,10 @@ impl Bending<'_> {
         &self,
         linkage: &Linkage,
         state: Option<&State>,
-    ) -> Result<Begun, SimulationError> {
+    ) -> Result<InitialMotion, SimulationError> {
         if let Some(state) = state {
             let (q, rates) = linkage.of_state(state)?;
-            return Ok(Begun { q, rates, from_rad: 0.0 });
+            return Ok(InitialMotion { q, rates, from_rad: 0.0 });
         }
         let first_rad: Vec<f64> = match self.play.input {
             Input::Angles(joints) => joints.iter().map(|own| own.angle_rad()[0]).collect(),
@@ -299,7 +299,7 @@ impl Bending<'_> {
             (Input::Torques(_), None) => return Err(SimulationError::NoStartAngle),
         };
         let q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
-        Ok(Begun { q, rates: vec![0.0; linkage.count], from_rad: 0.0 })
+        Ok(InitialMotion { q, rates: vec![0.0; linkage.count], from_rad: 0.0 })
     }
 }
 
@@ -342,11 +342,11 @@ pub fn move_arm(
         for (joint, moved) in linkage.joints.iter().zip(joints) {
             rates[*joint] = moved.rate_rad_s;
         }
-        let start = Begun { q, rates, from_rad: 0.0 };
+        let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
         Ok(Problem { linkage, drives: &drives, aims_rad, grid, start, cycle: None })
     };
-    let motion = settled(problem, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
+    let motion = refine(problem, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
     Ok(of_motion(motion, (*grid, grid.len), Vec::new(), Vec::new()))
 }
 

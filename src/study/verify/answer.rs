@@ -1,4 +1,5 @@
-//! A solution with its limits and its written torques, as the checks read it; the errors of a verification.
+//! The input of the checks of a verification: a solution, its limits and its written torques. The errors of a
+//! verification.
 
 use thiserror::Error;
 
@@ -24,8 +25,9 @@ pub struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// Tolerance of the solved tip against the wanted one, as a share of its travel. For a path of angles the arcs of
-    /// its links set the cut-off; they may be longer than the travel of the tip.
+    /// Tolerance of the solved tip against the wanted one, as a share of its travel. For the path of an arm it is at
+    /// least the solution's tip error: where the path prescribes angles, the arcs of the links set the cut-off, and
+    /// they may be longer than the travel of the tip.
     pub(super) fn tip_tolerance(&self) -> f64 {
         let Solution { analysis, motion, tip_error, .. } = self.solution;
         match motion {
@@ -69,9 +71,11 @@ impl VerificationError {
     }
 }
 
-/// Obstacle to playing a solution: a reason for its checks, or an error that ends the verification.
+/// Obstacle to playing a solution.
 pub(super) enum Unplayed {
+    /// Why the checks by playing do not apply, in words.
     Reason(String),
+    /// An error that ends the verification.
     Error(VerificationError),
 }
 
@@ -87,7 +91,7 @@ impl<E: Into<VerificationError>> From<E> for Unplayed {
             VerificationError::Simulation(SimulationError::MasslessHub) => {
                 "the hub moves no mass".into()
             }
-            error => Self::Error(error),
+            other => Self::Error(other),
         }
     }
 }

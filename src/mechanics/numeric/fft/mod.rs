@@ -1,13 +1,14 @@
 //! A real Fourier transform whose bits do not depend on the processor or the operating system.
 //!
 //! The usual libraries (rustfft, and realfft over it) take the factors `e^{2πi k/N}` from the system's sine and cosine,
-//! and choose algorithm and rounding by processor. Here the order of operations depends on the length alone, products
-//! and sums are rounded one by one, and sines come from `libm`. The width of the processor's vectors only sets how many
-//! columns are transformed at a time.
+//! and choose algorithm and rounding by processor. Here the order of operations depends on the length alone, every
+//! product and every sum is rounded, and sines come from `libm`. The width of the processor's vectors only sets how
+//! many columns are transformed at a time.
 //!
-//! [`FourierPair`] is the interface; `transform` holds the real transform by a complex one over rows and columns,
-//! `passes` the butterflies along a row or column, `vector` eight complex numbers side by side. The tests compare it
-//! with the definition in 106 bits, and with realfft.
+//! [`FourierPair`] is the interface. `transform` computes a real transform by a complex one of half the length, split
+//! into rows and columns; `passes` has the butterflies along a row or a column, `vector` eight complex numbers side by
+//! side. A length with a large prime factor takes a chirp. The tests compare the transforms with their definition in
+//! 106 bits, and with realfft.
 
 mod passes;
 #[cfg(test)]
@@ -37,32 +38,33 @@ use crate::system::end_if_stopped;
 /// ```
 /// so that `X_k` is the complex amplitude of `e^{+iω_k t}` with `ω_k = 2πk/P` (Bayo 1987, eq 13).
 #[derive(Debug, Clone)]
-pub struct FourierPair(Arc<Kind>);
+pub struct FourierPair(Arc<Method>);
 
-/// Method for one length.
+/// Method of transformation, chosen by the length.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "it is always behind an Arc")]
-enum Kind {
+enum Method {
     Passes(Plan),
     Chirp(Chirp),
 }
 
-/// Largest prime factor of a half length for passes, whose time grows with the factor; a larger one needs a chirp.
+/// Largest prime factor of N/2 that is transformed by passes. Their time grows with the factor, that of a chirp does
+/// not.
 const LARGEST_FACTOR: usize = 150;
 
-/// Transform of any length N as a convolution with a chirp, in time N log N (Bluestein, IEEE Trans. Audio and
-/// Electroacoustics 18(4), 1970): with `jk = (j² + k² − (k − j)²)/2`
+/// Transform of any length N as a convolution with the chirp w, in time N log N (Bluestein, IEEE Trans. Audio and
+/// Electroacoustics 18(4), 1970). From `jk = (j² + k² − (k − j)²)/2` follows
 ///
 /// ```text
 /// Σ_j x_j e^{−2πi jk/N} = w̄_k Σ_j (x_j w̄_j) w_{k−j},   w_j = e^{πi j²/N}
 /// ```
 #[derive(Debug)]
 struct Chirp {
-    /// w of the samples.
+    /// w of the N samples.
     turns: Vec<Complex64>,
-    /// The pair that convolves.
+    /// The Fourier pair for the convolution, at least twice as long.
     pair: FourierPair,
-    /// Amplitudes of the real and of the imaginary part of w on its samples, from −N + 1 to N − 1.
+    /// Amplitudes of the real and of the imaginary part of w, from −N + 1 to N − 1.
     kernel: [Vec<Complex64>; 2],
 }
 
@@ -72,51 +74,59 @@ impl Chirp {
         let turns: Vec<Complex64> =
             (0..len).map(turn).map(|[re, im]| Complex64::new(re, im)).collect();
         let pair = FourierPair::fast(2 * len);
-        let around = |part: fn(&Complex64) -> f64| {
+        let amplitudes = |part: fn(&Complex64) -> f64| {
             let mut samples = vec![0.0; pair.len()];
             for (j, turn) in turns.iter().enumerate() {
                 samples[j] = part(turn);
+                // w_{−j} = w_j, and the samples repeat with the period of the pair.
                 samples[(pair.len() - j) % pair.len()] = part(turn);
             }
             pair.amplitudes(samples)
         };
-        let kernel = [around(|turn| turn.re), around(|turn| turn.im)];
+        let kernel = [amplitudes(|turn| turn.re), amplitudes(|turn| turn.im)];
         Self { turns, pair, kernel }
     }
 
-    /// `Σ_j x_j e^{−2πi jk/N}` for k < `count`.
-    fn transformed(&self, values: impl Iterator<Item = Complex64>, count: usize) -> Vec<Complex64> {
-        let turned: Vec<Complex64> =
+    /// `Σ_j x_j e^{−2πi jk/N}` for k < `count`, without the factor 1/N.
+    fn transform(&self, values: impl Iterator<Item = Complex64>, count: usize) -> Vec<Complex64> {
+        // The pair transforms real samples, so that real and imaginary parts are convolved one by one.
+        let factors: Vec<Complex64> =
             values.zip(&self.turns).map(|(value, turn)| value * turn.conj()).collect();
-        let of = |part: fn(&Complex64) -> f64| {
-            self.pair.amplitudes(turned.iter().map(part).collect::<Vec<f64>>())
+        let amplitudes = |part: fn(&Complex64) -> f64| {
+            self.pair.amplitudes(factors.iter().map(part).collect::<Vec<f64>>())
         };
-        let [real, imaginary] = [of(|turned| turned.re), of(|turned| turned.im)];
+        let spectra = [amplitudes(|factor| factor.re), amplitudes(|factor| factor.im)];
+        // Both amplitudes of a product are over the length of the pair, their convolution needs it once.
         let scale = self.pair.len() as f64;
-        let convolved = |own: usize, other: usize, sign: f64| {
-            let pairs = real.iter().zip(&self.kernel[own]);
-            let others = imaginary.iter().zip(&self.kernel[other]);
-            let products = pairs.zip(others).map(|((a, b), (c, d))| (a * b + c * d * sign) * scale);
+        // The real parts with one part of the kernel, plus or minus the imaginary parts with the other.
+        let convolution = |kernel_of_re: usize, kernel_of_im: usize, sign: f64| {
+            let re = spectra[0].iter().zip(&self.kernel[kernel_of_re]);
+            let im = spectra[1].iter().zip(&self.kernel[kernel_of_im]);
+            let products = re.zip(im).map(|((a, b), (c, d))| (a * b + c * d * sign) * scale);
             self.pair.samples(products.collect::<Vec<_>>())
         };
-        let (real, imaginary) = (convolved(0, 1, -1.0), convolved(1, 0, 1.0));
+        let (real, imaginary) = (convolution(0, 1, -1.0), convolution(1, 0, 1.0));
         let sums = real.into_iter().zip(imaginary).zip(&self.turns).take(count);
         sums.map(|((re, im), turn)| Complex64::new(re, im) * turn.conj()).collect()
     }
 
+    /// Amplitudes of samples, times `scale`.
     fn amplitudes(&self, samples: &[f64], scale: f64) -> Vec<Complex64> {
         let values = samples.iter().map(|sample| Complex64::from(*sample));
-        let mut found = self.transformed(values, samples.len() / 2 + 1);
-        for amplitude in &mut found {
+        let mut amplitudes = self.transform(values, samples.len() / 2 + 1);
+        for amplitude in &mut amplitudes {
             *amplitude *= scale;
         }
-        // Real samples have real amplitudes at both ends.
+        // Real samples have real amplitudes at zero and at the Nyquist frequency.
         for end in [0, samples.len() / 2] {
-            found[end].im = 0.0;
+            amplitudes[end].im = 0.0;
         }
-        found
+        amplitudes
     }
 
+    /// Writes the samples of amplitudes, `Re Σ_k X_k e^{+2πi jk/N}` over k = 0 … N/2. The factor 2 stands for `X_{−k}`.
+    /// Since the transform has the other sign, it receives the conjugate of each amplitude: the conjugate of the sum
+    /// has the same real part.
     fn samples(&self, amplitudes: &[Complex64], samples: &mut [f64]) {
         let last = samples.len() / 2;
         let values = amplitudes.iter().enumerate().map(|(k, amplitude)| match k {
@@ -124,11 +134,12 @@ impl Chirp {
             k if k == last => amplitude.re.into(),
             _ => 2.0 * amplitude.conj(),
         });
-        let found = self.transformed(values, samples.len());
-        samples.iter_mut().zip(found).for_each(|(sample, found)| *sample = found.re);
+        let sums = self.transform(values, samples.len());
+        samples.iter_mut().zip(sums).for_each(|(sample, sum)| *sample = sum.re);
     }
 }
 
+/// Largest prime factor of a number.
 fn largest_factor(mut number: usize) -> usize {
     let (mut factor, mut largest) = (2, 1);
     while factor * factor <= number {
@@ -141,7 +152,7 @@ fn largest_factor(mut number: usize) -> usize {
 }
 
 impl FourierPair {
-    /// Plans the pair for at least `len` samples: the next length that is fast to transform.
+    /// Plans the pair for N ≥ `len` samples, N being the next length that is fast to transform.
     pub fn fast(len: usize) -> Self {
         Self::new(fast_length(len))
     }
@@ -154,17 +165,17 @@ impl FourierPair {
     pub(crate) fn new(len: usize) -> Self {
         assert!(len > 0 && len.is_multiple_of(2), "a Fourier pair needs an even length, not {len}");
         Self(Arc::new(if largest_factor(len / 2) > LARGEST_FACTOR {
-            Kind::Chirp(Chirp::new(len))
+            Method::Chirp(Chirp::new(len))
         } else {
-            Kind::Passes(Plan::new(len / 2))
+            Method::Passes(Plan::new(len / 2))
         }))
     }
 
     /// Number N of samples.
     pub fn len(&self) -> usize {
         match &*self.0 {
-            Kind::Passes(plan) => 2 * plan.points,
-            Kind::Chirp(chirp) => chirp.turns.len(),
+            Method::Passes(plan) => 2 * plan.points,
+            Method::Chirp(chirp) => chirp.turns.len(),
         }
     }
 
@@ -183,13 +194,13 @@ impl FourierPair {
         }
         let samples = &samples[..self.len()];
         let plan = match &*self.0 {
-            Kind::Passes(plan) => plan,
-            Kind::Chirp(chirp) => return chirp.amplitudes(samples, scale),
+            Method::Passes(plan) => plan,
+            Method::Chirp(chirp) => return chirp.amplitudes(samples, scale),
         };
-        let mut found = vec![Complex64::ZERO; self.len() / 2 + 1];
-        let (scratch, amplitudes) = (&mut Scratch::default(), &mut found[..]);
+        let mut all = vec![Complex64::ZERO; self.len() / 2 + 1];
+        let (scratch, amplitudes) = (&mut Scratch::default(), &mut all[..]);
         Arch::new().dispatch(Forward { plan, samples, scale, scratch, amplitudes });
-        found
+        all
     }
 
     /// The N samples of the amplitudes `X_0 …`; missing amplitudes count as zero, and those beyond `X_{N/2}` are
@@ -207,7 +218,7 @@ impl FourierPair {
     /// Writes the result of [`Self::samples`] into `samples`; `scratch` is working memory, reusable across calls.
     ///
     /// # Panics
-    /// If there are more than N/2 + 1 amplitudes or `samples` has not N places.
+    /// With more than N/2 + 1 amplitudes, or unless `samples` has N places.
     pub(crate) fn write_samples(
         &self,
         amplitudes: &[Complex64],
@@ -219,10 +230,10 @@ impl FourierPair {
         assert!(amplitudes.len() <= bins, "{} amplitudes for {bins} bins", amplitudes.len());
         assert_eq!(samples.len(), len, "samples of a Fourier pair");
         match &*self.0 {
-            Kind::Passes(plan) => {
+            Method::Passes(plan) => {
                 Arch::new().dispatch(Inverse { plan, amplitudes, scratch, samples });
             }
-            Kind::Chirp(chirp) => chirp.samples(amplitudes, samples),
+            Method::Chirp(chirp) => chirp.samples(amplitudes, samples),
         }
     }
 }
@@ -239,7 +250,7 @@ pub(crate) fn fast_length(len: usize) -> usize {
     while fives < best {
         let mut odd = fives;
         while odd < best {
-            // The power of two that lifts `odd` to `len`, and at least one factor of two.
+            // The least power of two that lifts `odd` to `len`: at least 2, so that the length is even.
             let twos = len.div_ceil(odd).next_power_of_two().max(2);
             best = best.min(odd * twos);
             odd *= 3;

@@ -269,7 +269,7 @@ fn a_length_with_a_large_prime_factor_has_the_same_transform() {
     for len in [2 * 151, 2 * 1009, 6 * 401] {
         let x = noise(len);
         let pair = FourierPair::new(len);
-        assert!(matches!(&*pair.0, super::Kind::Chirp(_)), "{len}");
+        assert!(matches!(&*pair.0, super::Method::Chirp(_)), "{len}");
         let plan = Plan::new(len / 2);
         let mut amplitudes = vec![Complex64::ZERO; len / 2 + 1];
         let scale = 1.0 / len as f64;
