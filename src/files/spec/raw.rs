@@ -46,7 +46,7 @@ pub(super) struct RawSpecification {
     pub(super) masses: Vec<RawMass>,
     /// Payload at the tip.
     pub(super) payload: RawPayload,
-    /// Damping of the link; without this table there is none.
+    /// Damping of the link; without this table the link is undamped.
     pub(super) damping: Option<RawDamping>,
     /// Gear and joint between motor and hub; adds the tables of motor and held modes.
     pub(super) drive: Option<RawDrive>,

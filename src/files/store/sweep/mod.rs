@@ -70,7 +70,7 @@ impl SweepFile {
         Ok((file.begun(header)?, left))
     }
 
-    /// Continues the rows of an interrupted run, or begins if there are none.
+    /// Continues the rows of an interrupted run; without rows it begins anew.
     ///
     /// # Errors
     /// The outer ones as [`SweepFile::begin`]; the inner ones for rows of another sweep.
