@@ -11,51 +11,49 @@ use flexlink::fit::{FitOutcome, Replaced};
 use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
-use crate::arm::Arm;
-use crate::interrupt::until_pressed;
-use crate::link::{Link, Source, described_by};
-use crate::messages::{Raised, objects, usage, warn};
+use crate::link::Link;
+use crate::messages::{Raised, loaded, objects, usage, warn};
+use crate::threads::until_pressed;
 
 /// A link or an arm fitted to measurements.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Fit {
-    source: Source,
+    /// Name of the link file in messages.
+    shown: String,
     outcome: FitOutcome,
     /// The link file with the fitted values.
     text: String,
     /// The record in JSON.
     record: String,
+    warnings: Vec<Notice>,
 }
 
-/// Fits free values of a link or an arm to the measured ones in a file, as ``flexlink fit``: ``free`` are paths as for
+/// Fits free values of a link or an arm to measurements in a file, as ``flexlink fit``. ``free`` lists paths as for
 /// changes, ``"hub.inertia"`` or with bounds ``"hub.inertia=0.01:1"``.
 #[pyfunction]
 #[pyo3(signature = (link, measured, free))]
 pub(crate) fn fit(
     py: Python<'_>,
-    link: &Bound<'_, PyAny>,
+    link: &Link,
     measured: PathBuf,
     free: Vec<String>,
 ) -> PyResult<Fit> {
-    let source = match link.cast::<Arm>() {
-        Ok(arm) => &arm.get().source,
-        Err(_) => &described_by::<Link>(link)?.get().source,
-    };
-    let fit = until_pressed(py, || fitted(source, &measured, &free))?;
-    warn(py, &fit.warnings())?;
+    let fit = until_pressed(py, || fitted(link, &measured, &free))?;
+    warn(py, &fit.warnings)?;
     Ok(fit)
 }
 
-fn fitted(source: &Source, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
-    let (link, own) = (source.file.clone(), source.described()?);
-    let unfitted = Unfitted { link, own, changes: source.overrides(&[])? };
+fn fitted(link: &Link, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
+    let (source, own) = (&link.source, link.source.described()?);
+    let unfitted = Unfitted { link: source.file.clone(), own, changes: source.overrides(&[])? };
     let sets = source.changes.iter().flat_map(|change| option("--set", change));
     let arguments = sets.chain(free.iter().flat_map(|path| option("--free", path))).collect();
     let (problem, ..) = Problem::read(unfitted, free, measured, arguments)?;
     let outcome = problem.fit(&|_| {})?;
     let (text, replaced): (String, Vec<Replaced>) = problem.fitted(&outcome)?;
     let record = fit_json(&problem.inputs, &replaced, &outcome);
-    Ok(Fit { source: source.clone(), outcome, text, record })
+    let warnings = outcome.warnings().into_iter().map(Notice::from).collect();
+    Ok(Fit { shown: source.file.shown.clone(), outcome, text, record, warnings })
 }
 
 #[pymethods]
@@ -66,10 +64,11 @@ impl Fit {
         self.outcome.values.iter().map(|value| (value.path.clone(), value.factor)).collect()
     }
 
-    /// What the record of ``flexlink fit`` holds: values with their standard errors and intervals, residuals, what the data do not determine.
+    /// Content of the record of ``flexlink fit``: values with their standard errors and intervals, residuals, and the
+    /// values that the data do not determine.
     #[getter]
     fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.call_method1("loads", (&self.record,))
+        loaded(py, &self.record)
     }
 
     /// True if the data fit the link and determine all free values.
@@ -78,10 +77,10 @@ impl Fit {
         self.outcome.misfit.is_none()
     }
 
-    /// What the user must know: warnings that were given to Python's filters, too.
-    #[getter(warnings)]
-    fn warning_objects<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.warnings())
+    /// Warnings, which Python's filters received, too.
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        objects(py, &self.warnings)
     }
 
     /// The text of the link file with the fitted values, comments and all else kept.
@@ -90,27 +89,22 @@ impl Fit {
         &self.text
     }
 
-    /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused where the fit is not to be believed.
+    /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused if the fit is not
+    /// credible.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
         Ok(py.detach(|| self.write_to(&path))?)
     }
 
     fn __repr__(&self) -> String {
-        format!("Fit(rms_misfit={:.3e}, is_believed={})", self.outcome.rms_misfit, {
-            if self.is_believed() { "True" } else { "False" }
-        })
+        let is_believed = if self.is_believed() { "True" } else { "False" };
+        format!("Fit(rms_misfit={:.3e}, is_believed={is_believed})", self.outcome.rms_misfit)
     }
 }
 
 impl Fit {
-    fn warnings(&self) -> Vec<Notice> {
-        let warnings = self.outcome.warnings().into_iter();
-        warnings.map(Notice::from).collect()
-    }
-
     fn write_to(&self, path: &Path) -> Result<(), Failure> {
         if let Some(misfit) = &self.outcome.misfit {
-            return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));
+            return Err(usage(&format!("{}: {misfit}", self.shown), None));
         }
         check_output(path)?;
         let record = fit_record(path);

@@ -6,25 +6,23 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use flexlink::cli::options::common::refuse_for_arms;
 use flexlink::cli::options::inputs::scale_arguments;
-use flexlink::cli::problem::{Problem as Solvable, Solved};
+use flexlink::cli::problem::Solved;
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
 use flexlink::cli::terminal::{Exit, Failure};
-use flexlink::csv::{InputFile, PathTable};
 use flexlink::inverse::Resources;
-use flexlink::motion::{MotionScale, Periods, TipMotion};
+use flexlink::motion::{MotionError, MotionScale, Periods};
 use flexlink::result::Notice;
-use flexlink::spec::{ArmSpecification, Described, LinkDocument, Specification};
+use flexlink::spec::{ArmSpecification, LinkDocument};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
-use crate::arm::{Arm, GivenPath};
-use crate::keywords::{self, solve_options};
+use crate::keywords::{solve_options, take};
 use crate::link::{Link, Source};
 use crate::messages::usage;
-use crate::motion::{Given, MOTION, Motion};
-use crate::solved::SolvedRun;
+use crate::motion::{Call, Samples, Wanted};
+use crate::solution::{Solution, meshed};
+use crate::toml;
 
 /// Factors on the motion among the changes of a case.
 const DISTANCE: &str = "distance*";
@@ -37,15 +35,11 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    pub(crate) fn read(given: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let given = given.copy()?;
-        let take = |name: &str| -> PyResult<f64> {
-            let Some(factor) = given.get_item(name)? else { return Ok(1.0) };
-            given.del_item(name)?;
-            factor.extract()
-        };
-        let scale = MotionScale { distance: take(DISTANCE)?, duration: take(DURATION)? };
-        Ok(Self { link: keywords::changes(Some(&given))?, scale })
+    pub(crate) fn read(case: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let changes = case.copy()?;
+        let factor = |name: &str| take(&changes, name)?.map_or(Ok(1.0), |factor| factor.extract());
+        let scale = MotionScale { distance: factor(DISTANCE)?, duration: factor(DURATION)? };
+        Ok(Self { link: toml::changes(Some(&changes))?, scale })
     }
 }
 
@@ -76,8 +70,8 @@ impl Outputs {
         if folder.is_none()
             && let Some(option) = names.into_iter().find(|name| WRITTEN.contains(name))
         {
-            let must = "must be given with outputs: the table of a sweep holds no histories";
-            let hint = "outputs=FOLDER writes the results of each case into a folder of its own";
+            let must = "must come with outputs: the table of a sweep holds no histories";
+            let hint = "outputs=FOLDER writes the results of each case into a separate folder";
             return Err(usage(&format!("{option} without outputs, but {must}"), Some(hint)));
         }
         Ok(Self { arguments, options, folder, cases })
@@ -114,80 +108,57 @@ pub(crate) struct Shared {
     source: Source,
     document: LinkDocument,
     outputs: Outputs,
-    problem: Problem,
+    samples: Arc<Samples>,
+    /// The wanted motion of the unchanged link or arm.
+    wanted: Wanted,
+    /// Number of links, and the length in m of the first.
+    links: usize,
+    length_m: f64,
+    /// The periods of one link's motion, which most cases share.
+    periods: Option<Arc<Periods>>,
     pub(crate) kind: SweepKind,
     /// Memory in bytes for each of the cases that run at the same time, set at their start.
     pub(crate) memory_bytes: Option<usize>,
 }
 
-/// The problem of each case.
-enum Problem {
-    Link(Box<OfLink>),
-    Arm { given: Box<GivenPath>, path: Box<PathTable>, links: usize },
-}
-
-/// A motion as given, the motion of the unchanged link, and the periods that most cases share.
-struct OfLink {
-    given: Arc<Given>,
-    length_m: f64,
-    motion: TipMotion,
-    periods: Arc<Periods>,
-}
-
 impl Shared {
-    pub(crate) fn of_link(
+    /// Reads the motion of a call. Refuses a path that the unchanged arm cannot follow, and for an arm cases that scale the
+    /// distance: a path goes from place to place.
+    pub(crate) fn of(
         link: &Link,
-        (given, read): (Arc<Given>, Option<&Motion>),
-        outputs: Outputs,
-    ) -> Result<Self, Failure> {
-        let own = &link.specification.link;
-        let (motion, periods) = if let Some(read) = read {
-            read.refuse_other(own)?;
-            (read.tip.clone(), Arc::clone(&read.periods))
-        } else {
-            let (motion, _) = given.motion(own, &outputs.options)?;
-            let periods = Arc::new(Periods::of(&motion));
-            (motion, periods)
-        };
-        let kind = SweepKind::of_links(&[own]);
-        let problem =
-            Problem::Link(Box::new(OfLink { given, length_m: own.length_m(), motion, periods }));
-        Self::of(&link.source, outputs, problem, kind)
-    }
-
-    /// Refuses a distance that cases scale, too: a path goes from place to place.
-    pub(crate) fn of_arm(
-        arm: &Arm,
-        given: GivenPath,
+        call: Call<'_>,
         (outputs, cases): (Outputs, &[Case]),
     ) -> Result<Self, Failure> {
-        let SolveOptions { resample, scale, .. } = &outputs.options;
-        refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
-        let is_scaled = |case: &Case| case.scale.distance.total_cmp(&1.0).is_ne();
-        if let Some(number) = cases.iter().position(is_scaled) {
-            let message =
-                format!("cases[{number}]: {DISTANCE} is for one link, and the arm has several");
-            let hint = "duration* scales the times of a path, which goes from place to place";
-            return Err(usage(&message, Some(hint)));
-        }
-        let path = given.table(&outputs.options)?;
-        let arm_of = &arm.specification.arm;
-        path.path(&arm_of.lengths_m())?;
-        let joints = arm_of.links().len();
-        let kind =
-            SweepKind::of_links(&arm_of.links().iter().map(|own| &own.link).collect::<Vec<_>>());
-        let problem = Problem::Arm { given: Box::new(given), path: Box::new(path), links: joints };
-        Self::of(&arm.source, outputs, problem, kind)
-    }
-
-    fn of(
-        source: &Source,
-        outputs: Outputs,
-        problem: Problem,
-        kind: SweepKind,
-    ) -> Result<Self, Failure> {
-        let document = source.document()?;
-        Ok(Self { source: source.clone(), document, outputs, problem, kind, memory_bytes: None })
+        let (wanted, _) = call.wanted(link, &outputs.options)?;
+        let periods = match (&wanted, call.motion) {
+            (Wanted::Tip(_), Some(motion)) => Some(Arc::clone(&motion.periods)),
+            (Wanted::Tip(motion), None) => Some(Arc::new(Periods::of(motion))),
+            (Wanted::Path(path), _) => {
+                let is_scaled = |case: &Case| case.scale.distance.total_cmp(&1.0).is_ne();
+                if let Some(number) = cases.iter().position(is_scaled) {
+                    let several = "is for one link, and the arm has several";
+                    let message = format!("cases[{number}]: {DISTANCE} {several}");
+                    let hint =
+                        "duration* scales the times of a path, which goes from place to place";
+                    return Err(usage(&message, Some(hint)));
+                }
+                path.path(&link.specification.arm.lengths_m())?;
+                None
+            }
+        };
+        let links = link.specification.arm.links().iter().map(|own| &own.link);
+        Ok(Self {
+            source: link.source.clone(),
+            document: link.source.document()?,
+            outputs,
+            samples: call.samples,
+            wanted,
+            links: link.links(),
+            length_m: link.first().length_m(),
+            periods,
+            kind: SweepKind::of_links(&links.collect::<Vec<_>>()),
+            memory_bytes: None,
+        })
     }
 
     /// The row of a case, from 0. Failed writing of results ends the sweep.
@@ -200,78 +171,50 @@ impl Shared {
 
     fn outcome(&self, number: usize, case: &Case) -> Row {
         let overrides = self.source.overrides(&case.link)?;
-        let folder = self.outputs.folder_of(number);
         let described = self.document.described(&self.source.file.shown, &overrides)?;
-        let (problem, motion_file) = match described {
-            Described::Link(specification) => {
-                self.link_problem(*specification, case, folder.is_some())?
-            }
-            Described::Arm(specification) => self.arm_problem(*specification, case)?,
-        };
-        let periods = match &self.problem {
-            Problem::Link(of) => Some(&*of.periods),
-            Problem::Arm { .. } => None,
-        };
-        let resources =
-            Resources { memory_bytes: self.memory_bytes, periods, ..Resources::default() };
-        let arguments = self.outputs.arguments_of(case);
+        let specification = ArmSpecification::from(described);
+        let wanted = self.wanted_of(&specification, case)?;
+        let (folder, options) = (self.outputs.folder_of(number), &self.outputs.options);
+        let mut specification = meshed(specification, options)?;
+        if folder.is_none() && self.links == 1 {
+            specification.analysis = specification.analysis.without_tables();
+        }
+        let problem = wanted.problem(&self.source.file, specification)?;
+        let (memory_bytes, periods) = (self.memory_bytes, self.periods.as_deref());
+        let resources = Resources { memory_bytes, periods, ..Resources::default() };
         let source = self.source.changed(case.link.clone());
-        let run = SolvedRun::of(problem, &resources, (source, arguments))?;
+        let inputs = (source, Arc::clone(&self.samples), self.outputs.arguments_of(case));
+        let run = Solution::of(problem, &resources, inputs)?;
         let Solved { solution, metrics, exceeded, .. } = &run.solved;
         let numbers = self.kind.solved(&SolvedCase::of(solution, metrics));
         let own = solution.warnings.iter().map(Notice::from);
         let notices = own.chain(exceeded.iter().map(of_limit)).collect();
         if let Some(folder) = folder {
-            run.write_into(&folder, motion_file, Vec::new())?;
+            run.write_into(&folder, Vec::new())?;
         }
         Ok((numbers, notices))
     }
 
-    /// The problem of a case, and the file of its motion, if it has one.
-    fn link_problem(
-        &self,
-        specification: Specification,
-        case: &Case,
-        has_tables: bool,
-    ) -> Result<(Solvable, Option<&InputFile>), Failure> {
-        let Problem::Link(of) = &self.problem else {
-            return Err(usage(&"one link, but must be an arm as without the changes", None));
-        };
-        let OfLink { given, length_m, motion, .. } = &**of;
-        let options = &self.outputs.options;
-        let Specification { link, mesh, analysis, .. } = &specification;
-        // Angles are arcs of the link's length. A case may vary this length and the start angle.
-        let is_alike = link.length_m().total_cmp(length_m).is_eq() && link.gravity().is_none();
-        let motion = if is_alike { motion.clone() } else { given.motion(link, options)?.0 };
-        let motion = motion
-            .scaled(case.scale)
-            .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let mesh = options.nodes.mesh(link, mesh.clone())?;
-        let analysis =
-            if has_tables { options.analysis(analysis) } else { analysis.without_tables() };
-        let specification = Specification { mesh, analysis, ..specification };
-        Ok((Solvable::of_link(MOTION, specification, motion), given.file()))
-    }
-
-    /// The problem of a case of an arm, and the file of its path, if it has one.
-    fn arm_problem(
-        &self,
-        mut specification: ArmSpecification,
-        case: &Case,
-    ) -> Result<(Solvable, Option<&InputFile>), Failure> {
-        let Problem::Arm { given, path, links } = &self.problem else {
-            return Err(usage(&"an arm, but must be one link as without the changes", None));
-        };
-        let found = specification.arm.links().len();
-        if found != *links {
-            let must = format!("must be {links}, as many as without the changes");
-            return Err(usage(&format!("links = {found}, but {must}"), None));
+    /// The motion of a case.
+    fn wanted_of(&self, specification: &ArmSpecification, case: &Case) -> Result<Wanted, Failure> {
+        let arm = &specification.arm;
+        let count = arm.links().len();
+        if count != self.links {
+            let must = format!("must be {}, as many as without the changes", self.links);
+            return Err(usage(&format!("links = {count}, but {must}"), None));
         }
-        let path = path
-            .slowed(case.scale.duration)
-            .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let nodes = &self.outputs.options.nodes;
-        nodes.meshes(&specification.arm, &mut specification.meshes)?;
-        Ok((Solvable::of_arm(&self.source.file, specification, path)?, given.file()))
+        // Angles are arcs of the link's length. A case may vary this length and the start angle.
+        let is_alike = match arm.links() {
+            [own] => {
+                own.link.length_m().total_cmp(&self.length_m).is_eq()
+                    && own.link.gravity().is_none()
+            }
+            _ => true,
+        };
+        let options = &self.outputs.options;
+        let read = (!is_alike).then(|| self.samples.wanted(arm, options)).transpose()?;
+        let wanted = read.as_ref().map_or(&self.wanted, |(wanted, _)| wanted);
+        let refused = |error: MotionError| Failure::new(Exit::InputRefused, &error, error.hint());
+        wanted.scaled(case.scale).map_err(refused)
     }
 }

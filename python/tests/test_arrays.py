@@ -80,7 +80,7 @@ def test_what_is_no_motion_is_refused_by_name_and_index() -> None:
     assert refused(TIME[::-1], acceleration=ACCELERATION).startswith("motion: time[1] = 0.995 s")
     assert refused(TIME).startswith("motion: samples = nothing, but must be given")
     assert refused(TIME[:3], acceleration=ACCELERATION[:3]).startswith("motion: samples = 3, but")
-    assert refused(TIME, acceleration=ACCELERATION, angle=TIME).startswith("angle is given beside")
+    assert refused(TIME, acceleration=ACCELERATION, angle=TIME).startswith("angle stands beside")
     other = "unexpected keyword `nonsense`"
     assert refused(TIME, acceleration=ACCELERATION, nonsense=1).startswith(other)
     noise = "noise = -1: must be a length above 0"

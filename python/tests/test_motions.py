@@ -127,7 +127,7 @@ def test_a_motion_is_read_once_and_gives_the_same_bytes(tmp_path: Path) -> None:
 
 def test_angles_are_arcs_of_one_link() -> None:
     link, angle = strip(), MOVED / 1.5
-    with pytest.raises(flexlink.InputError, match="link = nothing, but must be given for angles"):
+    with pytest.raises(flexlink.InputError, match="link is missing: angles are arcs of its length"):
         flexlink.Motion(TIME, angle=angle)
     motion = flexlink.Motion(TIME, angle=angle, link=link)
     by_call = flexlink.solve(link, TIME, angle=angle)
@@ -159,15 +159,15 @@ def test_refusals_speak_of_keywords() -> None:
         "arrays are in SI; multiply them",
     )
     both = refused(solve, link, time, angle=MOVED, periodic=True, noise=1e-3)
-    assert "must not be given with" in both[0] and "--" not in both[0]
+    assert "must not stand beside" in both[0] and "--" not in both[0]
     motion = flexlink.Motion(TIME, displacement=MOVED)
-    beside = "is given beside a Motion, but must be given to it"
+    beside = "stands beside a Motion, but must be passed to it"
     assert refused(solve, link, motion, noise=1e-3)[0] == f"noise {beside}"
     assert refused(solve, link, motion, velocity=MOVED)[0] == f"velocity {beside}"
     to_solve = refused(flexlink.Motion, time, displacement=MOVED, moments=True)[0]
-    assert to_solve == "moments is given to a Motion, but must be given to solve"
+    assert to_solve == "moments is passed to a Motion, but must be passed to solve"
     arm = flexlink.Arm.read(ROOT / "specs/arms/two_links.toml")
-    assert refused(solve, arm, motion)[1] == "give time, x and y"
+    assert refused(solve, arm, motion)[1] == "pass time, x and y"
     profile = refused(flexlink.trajectory, "septik", distance=1, duration=1, step=0.01)
     assert profile[0].startswith('profile = "septik", but must be one of ')
     assert profile[1] == "did you mean `septic`?"

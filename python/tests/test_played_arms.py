@@ -129,10 +129,10 @@ def test_a_run_goes_on_from_the_state_of_another(tmp_path: Path) -> None:
     for state in (first, tmp_path / "state.json"):
         rest = flexlink.simulate(arm, time[100:], torque=torque[100:], state=state)
         assert abs(rest.joint_angle - whole.joint_angle[100:]).max() < 1e-6
-    with pytest.raises(flexlink.InputError, match="at must not be given with state"):
+    with pytest.raises(flexlink.InputError, match="at must not stand beside state"):
         flexlink.simulate(arm, time, torque=torque, at=[0.1, 0.5], state=first)
     with pytest.raises(TypeError, match="state = <class 'int'>, but must be an earlier"):
-        flexlink.simulate(arm, time, torque=torque, state=3)  # type: ignore[call-overload]
+        flexlink.simulate(arm, time, torque=torque, state=3)  # type: ignore[arg-type]
 
 
 def test_what_cannot_be_played_is_refused_in_words() -> None:
@@ -143,13 +143,13 @@ def test_what_cannot_be_played_is_refused_in_words() -> None:
     def refused(**keywords: object) -> str:
         given = {"torque": torque, "at": [0.0, 0.0]} | keywords
         with pytest.raises(flexlink.FlexlinkError) as caught:
-            flexlink.simulate(arm, time, **given)  # type: ignore[call-overload]
+            flexlink.simulate(arm, time, **given)  # type: ignore[arg-type]
         return str(caught.value)
 
     assert refused(torque=torque[:, 0]) == (
         "torque: shape = (101,), but must have the shape (101, 2)"
     )
-    assert refused(torque=None).startswith("torque = nothing, but must be given")
+    assert refused(torque=None).startswith("torque is missing")
     assert refused(at=None).startswith("at = nothing, but must say where the arm starts")
     assert refused(at=[0.1]).startswith("at = 1 directions, but must be 2 directions")
     assert refused(feedback=GAINS).startswith("one of feedback and reference")

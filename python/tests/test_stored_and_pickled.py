@@ -47,7 +47,7 @@ def test_what_a_folder_has_not_is_an_error_in_words(tmp_path: Path) -> None:
     solution = flexlink.solve(strip(), TIME, acceleration=ACCELERATION)
     solution.write(tmp_path / "r")
     run = flexlink.read(tmp_path / "r")
-    with pytest.raises(flexlink.InputError, match="moments = nothing, but must have been") as told:
+    with pytest.raises(flexlink.InputError, match="moments is missing: the run did not") as told:
         run.moments()
     assert told.value.hint is not None and "moments=True" in told.value.hint
     assert run.displacements().shape == (solution.time.size, solution.nodes.size)

@@ -92,7 +92,7 @@ def test_an_arms_cases_are_written(command: Command, tmp_path: Path) -> None:
 )
 def test_what_shapes_files_alone_is_refused_without_files(keywords: dict[str, Any]) -> None:
     name = next(iter(keywords))
-    message = f"{name} without outputs, but must be given with outputs"
+    message = f"{name} without outputs, but must come with outputs"
     with pytest.raises(flexlink.InputError, match=message) as told:
         flexlink.sweep(strip(), FACTORS, TIME, acceleration=ACCELERATION, **keywords)
     assert told.value.hint is not None and told.value.hint.startswith("outputs=FOLDER writes")

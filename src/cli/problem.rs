@@ -7,7 +7,7 @@ use crate::inverse::{
 };
 use crate::motion::{Ends, Motion, TipMotion};
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
-use crate::spec::{ArmSpecification, Described, Specification};
+use crate::spec::{ArmSpecification, Described};
 use crate::store::Findings;
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
@@ -42,7 +42,8 @@ impl Problem {
                 let (motion, reading) =
                     resample.motion_of(motion_file, &specification.link, read)?;
                 tell(&motion_file.shown, &reading);
-                Ok(Self::of_link(&motion_file.shown, *specification, scale.scaled(motion)?))
+                let motion = scale.scaled(motion)?;
+                Ok(Self::of_link(&motion_file.shown, (*specification).into(), motion))
             }
             Described::Arm(specification) => {
                 refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
@@ -54,9 +55,8 @@ impl Problem {
     }
 
     /// A link and the motion of a file with the name `file` in messages.
-    pub fn of_link(file: &str, specification: Specification, motion: TipMotion) -> Self {
-        let (specification, file) = (specification.into(), file.to_owned());
-        Self { specification, motion: Motion::Tip(motion), file, table: None }
+    pub fn of_link(file: &str, specification: ArmSpecification, motion: TipMotion) -> Self {
+        Self { specification, motion: Motion::Tip(motion), file: file.to_owned(), table: None }
     }
 
     /// An arm and the path in a table.

@@ -67,7 +67,7 @@ impl Cases<'_> {
             First::Link(first) => {
                 let specification = self.specification(values)?;
                 let motion = self.motion_of(first, &specification.link, values.motion)?;
-                Ok(Problem::of_link(&self.motion_file.shown, specification, motion))
+                Ok(Problem::of_link(&self.motion_file.shown, specification.into(), motion))
             }
             First::Arm { path, .. } => {
                 let scale = self.shared.scale.scale() * values.motion;
