@@ -16,10 +16,6 @@ Numbers are SI: m, kg, s, rad, N m. The functions do what the commands of the sa
 """
 
 from ._flexlink import (
-    Arm,
-    ArmRun,
-    ArmSimulation,
-    ArmSolution,
     Fit,
     Link,
     Motion,
@@ -44,6 +40,12 @@ from ._messages import (
     OutOfMemoryError,
     WriteError,
 )
+
+# A link is an arm of one link.
+Arm = Link
+ArmRun = Run
+ArmSimulation = Simulation
+ArmSolution = Solution
 
 __all__ = [
     "Arm",

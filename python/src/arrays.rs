@@ -1,10 +1,10 @@
-//! Columns of numbers in, samples out.
+//! Columns of numbers and other arguments of a call in, arrays out.
 
 use std::num::NonZeroUsize;
 
 use numpy::ndarray::ArrayView1;
 use numpy::{
-    PyArray1, PyArray2, PyArrayDescrMethods as _, PyArrayMethods as _, PyUntypedArray,
+    PyArray1, PyArray2, PyArray3, PyArrayDescrMethods as _, PyArrayMethods as _, PyUntypedArray,
     PyUntypedArrayMethods as _,
 };
 use pyo3::PyClass;
@@ -14,25 +14,25 @@ use pyo3::pyclass::boolean_struct::True;
 use pyo3::types::PyDict;
 
 use flexlink::cli::terminal::memory;
+use flexlink::numeric::TimeGrid;
 use flexlink::text::excerpt;
 
 use crate::messages::{Raised, usage};
 
 /// The numbers of a column: an array of one dimension, or its equivalent for NumPy. Converts whole numbers and other
 /// widths; refuses complex numbers, texts and objects.
-pub(crate) fn column(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
-    doubles(&array)
+pub(crate) fn column(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    doubles(&line(name, values)?)
 }
 
 /// The numbers of a column of places, rounded to decimals: floats of few digits have the decimals of the largest
 /// number.
-pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let array = numbers(name, given, ("one dimension", |shape| shape.len() == 1))?;
+pub(crate) fn places(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = line(name, values)?;
     if !is_short(&array) || array.is_empty() {
         return doubles(&array);
     }
-    let numpy = given.py().import("numpy")?;
+    let numpy = values.py().import("numpy")?;
     let largest = numpy.call_method1("abs", (&array,))?.call_method0("max")?;
     // Distance of one number of this type from the next.
     let step: f64 = numpy.call_method1("spacing", (largest,))?.call_method0("item")?.extract()?;
@@ -49,34 +49,37 @@ pub(crate) fn places(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>>
 /// The columns of an array with `rows` rows and `count` columns.
 pub(crate) fn columns(
     name: &str,
-    given: &Bound<'_, PyAny>,
+    values: &Bound<'_, PyAny>,
     (rows, count): (usize, usize),
 ) -> PyResult<Vec<Vec<f64>>> {
     let must = format!("the shape ({rows}, {count})");
-    let array = numbers(name, given, (&must, |shape| shape == [rows, count]))?;
+    let array = numbers(name, values, (&must, |shape| shape == [rows, count]))?;
     let numbers = doubles(&array.call_method0("ravel")?.cast_into()?)?;
     let column = |k: usize| numbers.iter().skip(k).step_by(count).copied().collect();
     Ok((0..count).map(column).collect())
 }
 
+/// An array of real numbers of one dimension.
+fn line<'py>(name: &str, values: &Bound<'py, PyAny>) -> Result<Bound<'py, PyUntypedArray>, Raised> {
+    numbers(name, values, ("one dimension", |shape| shape.len() == 1))
+}
+
 /// An array of real numbers of a shape.
 fn numbers<'py>(
     name: &str,
-    given: &Bound<'py, PyAny>,
+    values: &Bound<'py, PyAny>,
     (must, has_shape): (&str, impl FnOnce(&[usize]) -> bool),
 ) -> Result<Bound<'py, PyUntypedArray>, Raised> {
-    let array = given.py().import("numpy")?.call_method1("asarray", (given,))?;
+    let array = values.py().import("numpy")?.call_method1("asarray", (values,))?;
     let array = array.cast_into::<PyUntypedArray>().map_err(PyErr::from)?;
-    let kind = array.dtype().kind();
-    if !matches!(kind, b'f' | b'i' | b'u') {
-        let found = array.dtype();
-        let must = "must be real numbers";
-        let message = format!("{name}: dtype = {found}, but {must}");
+    let dtype = array.dtype();
+    if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
+        let message = format!("{name}: dtype = {dtype}, but must be real numbers");
         return Err(PyTypeError::new_err(message).into());
     }
     if !has_shape(array.shape()) {
-        let found = array.getattr("shape")?;
-        let message = format!("{name}: shape = {found}, but must have {must}");
+        let shape = array.getattr("shape")?;
+        let message = format!("{name}: shape = {shape}, but must have {must}");
         return Err(usage(&message, None).into());
     }
     Ok(array)
@@ -91,8 +94,8 @@ fn is_short(array: &Bound<'_, PyUntypedArray>) -> bool {
 /// it: 0.1 is 0.1.
 fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
     let texts = is_short(array).then(|| array.call_method1("astype", ("str",))).transpose()?;
-    let given = texts.as_ref().unwrap_or(array.as_any());
-    let array = given.call_method1("astype", ("float64",))?.cast_into::<PyArray1<f64>>()?;
+    let numbers = texts.as_ref().unwrap_or(array.as_any());
+    let array = numbers.call_method1("astype", ("float64",))?.cast_into::<PyArray1<f64>>()?;
     Ok(array.readonly().as_array().to_vec())
 }
 
@@ -100,22 +103,30 @@ fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
 pub(crate) struct Nodes(Vec<usize>);
 
 impl Nodes {
-    /// The nodes of a call, or all.
-    pub(crate) fn or_all(given: Option<Self>, all: usize) -> Vec<usize> {
-        given.map_or_else(|| (0..all).collect(), |own| own.0)
+    /// The nodes of a call, or all; and the stride. Refuses arrays that exceed the memory: their columns are computed one
+    /// by one, and then put into rows.
+    pub(crate) fn checked(
+        nodes: Option<Self>,
+        all: usize,
+        samples: usize,
+    ) -> Result<Vec<usize>, Raised> {
+        let nodes = nodes.map_or_else(|| (0..all).collect(), |listed| listed.0);
+        let bytes = samples.saturating_mul(nodes.len()).saturating_mul(3 * size_of::<f64>());
+        memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?;
+        Ok(nodes)
     }
 }
 
 impl<'py> FromPyObject<'_, 'py> for Nodes {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let must = "must be the numbers of nodes, whole ones from 0 on";
         let whole = |number: PyResult<Bound<'_, PyAny>>| -> PyResult<usize> {
             let number = number?;
             number.extract().map_err(|_| unlike("nodes", &number, must))
         };
-        let numbers = given.try_iter().map_err(|_| unlike("nodes", &given, must))?;
+        let numbers = value.try_iter().map_err(|_| unlike("nodes", &value, must))?;
         numbers.map(whole).collect::<PyResult<_>>().map(Self)
     }
 }
@@ -131,23 +142,16 @@ impl Every {
 impl<'py> FromPyObject<'_, 'py> for Every {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let found =
-            given.extract().map_err(|_| unlike("every", &given, "must be a whole number above 0"));
-        found.map(Self)
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let refused = |_| unlike("every", &value, "must be a whole number above 0");
+        value.extract().map(Self).map_err(refused)
     }
 }
 
 /// Refusal of an unsuitable argument.
-pub(crate) fn unlike(name: &str, found: &Bound<'_, PyAny>, must: &str) -> PyErr {
-    let shown = found.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+pub(crate) fn unlike(name: &str, value: &Bound<'_, PyAny>, must: &str) -> PyErr {
+    let shown = value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
     Raised::from(usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None)).into()
-}
-
-/// Refuses an array that exceeds the memory. Its columns are computed one by one, and then put into rows.
-pub(crate) fn check_rows(samples: usize, columns: usize) -> Result<(), Raised> {
-    let bytes = samples.saturating_mul(columns).saturating_mul(3 * size_of::<f64>());
-    Ok(memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?)
 }
 
 /// Samples of an object, as an array without a copy. The array keeps the object alive and is read-only.
@@ -167,6 +171,11 @@ where
     array
 }
 
+/// Times of a grid in s.
+pub(crate) fn times(grid: &TimeGrid) -> Vec<f64> {
+    (0..grid.len).map(|k| grid.time_s(k)).collect()
+}
+
 /// Histories of equal length as an array of a row for each sample and a column for each history.
 pub(crate) fn rows<'py>(
     py: Python<'py>,
@@ -176,6 +185,16 @@ pub(crate) fn rows<'py>(
     let mut numbers = Vec::with_capacity(samples * histories.len());
     numbers.extend((0..samples).flat_map(|k| histories.iter().map(move |own| own.as_ref()[k])));
     PyArray1::from_vec(py, numbers).reshape([samples, histories.len()])
+}
+
+/// x and y of nodes as an array over time, node and axis.
+pub(crate) fn places_of_nodes<'py>(
+    py: Python<'py>,
+    nodes: &[impl AsRef<[Vec<f64>]>],
+    samples: usize,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let histories: Vec<&Vec<f64>> = nodes.iter().flat_map(AsRef::as_ref).collect();
+    rows(py, &histories, samples)?.reshape([samples, nodes.len(), 2])
 }
 
 /// Columns as a dictionary of arrays.
@@ -188,30 +207,4 @@ pub(crate) fn dictionary(
         table.set_item(name.as_ref(), PyArray1::from_vec(py, values))?;
     }
     Ok(table)
-}
-
-/// Attributes of an object as a `pandas.DataFrame` over its time: `torque` of several joints as `torque1`, `torque2`, …, the
-/// place of a tip as `tip_x`, `tip_y`.
-pub(crate) fn frame<'py>(
-    of: &Bound<'py, impl PyClass>,
-    names: &[&str],
-) -> PyResult<Bound<'py, PyAny>> {
-    let (py, of) = (of.py(), of.as_any());
-    let index = PyDict::new(py);
-    let time = py.import("pandas")?.call_method1("Index", (of.getattr("time")?,))?;
-    index.set_item("index", time.call_method1("rename", ("time",))?)?;
-    let columns = PyDict::new(py);
-    for name in names {
-        let array = of.getattr(*name)?;
-        let Ok(array) = array.cast::<PyArray2<f64>>() else {
-            columns.set_item(name, array)?;
-            continue;
-        };
-        for (k, column) in array.call_method0("transpose")?.try_iter()?.enumerate() {
-            let number = (k + 1).to_string();
-            let suffix = if *name == "tip" { ["_x", "_y"][k] } else { &number };
-            columns.set_item(format!("{name}{suffix}"), column?)?;
-        }
-    }
-    py.import("pandas")?.call_method("DataFrame", (columns,), Some(&index))
 }

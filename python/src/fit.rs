@@ -8,22 +8,24 @@ use flexlink::cli::fit::{Problem, Unfitted, check_output};
 use flexlink::cli::options::common::option;
 use flexlink::cli::terminal::{Failure, console};
 use flexlink::fit::{FitOutcome, Replaced};
+use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
-use crate::arm::Arm;
-use crate::interrupt::until_pressed;
-use crate::link::{Link, Source, described_by};
-use crate::messages::{Raised, objects, usage, warn};
+use crate::link::Link;
+use crate::messages::{Raised, loaded, objects, usage, warn};
+use crate::threads::until_pressed;
 
 /// A link or an arm fitted to measurements.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Fit {
-    source: Source,
+    /// Name of the link file in messages.
+    shown: String,
     outcome: FitOutcome,
     /// The link file with the fitted values.
     text: String,
     /// The record in JSON.
     record: String,
+    warnings: Vec<Notice>,
 }
 
 /// Fits free values of a link or an arm to measurements in a file, as ``flexlink fit``. ``free`` lists paths as for
@@ -32,29 +34,26 @@ pub(crate) struct Fit {
 #[pyo3(signature = (link, measured, free))]
 pub(crate) fn fit(
     py: Python<'_>,
-    link: &Bound<'_, PyAny>,
+    link: &Link,
     measured: PathBuf,
     free: Vec<String>,
 ) -> PyResult<Fit> {
-    let source = match link.cast::<Arm>() {
-        Ok(arm) => &arm.get().source,
-        Err(_) => &described_by::<Link>(link)?.get().source,
-    };
-    let fit = until_pressed(py, || fitted(source, &measured, &free))?;
-    warn(py, &fit.outcome.warnings())?;
+    let fit = until_pressed(py, || fitted(link, &measured, &free))?;
+    warn(py, &fit.warnings)?;
     Ok(fit)
 }
 
-fn fitted(source: &Source, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
-    let (link, own) = (source.file.clone(), source.described()?);
-    let unfitted = Unfitted { link, own, changes: source.overrides(&[])? };
+fn fitted(link: &Link, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
+    let (source, own) = (&link.source, link.source.described()?);
+    let unfitted = Unfitted { link: source.file.clone(), own, changes: source.overrides(&[])? };
     let sets = source.changes.iter().flat_map(|change| option("--set", change));
     let arguments = sets.chain(free.iter().flat_map(|path| option("--free", path))).collect();
     let (problem, ..) = Problem::read(unfitted, free, measured, arguments)?;
     let outcome = problem.fit(&|_| {})?;
     let (text, replaced): (String, Vec<Replaced>) = problem.fitted(&outcome)?;
     let record = fit_json(&problem.inputs, &replaced, &outcome);
-    Ok(Fit { source: source.clone(), outcome, text, record })
+    let warnings = outcome.warnings().into_iter().map(Notice::from).collect();
+    Ok(Fit { shown: source.file.shown.clone(), outcome, text, record, warnings })
 }
 
 #[pymethods]
@@ -69,7 +68,7 @@ impl Fit {
     /// values that the data do not determine.
     #[getter]
     fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.call_method1("loads", (&self.record,))
+        loaded(py, &self.record)
     }
 
     /// True if the data fit the link and determine all free values.
@@ -79,9 +78,9 @@ impl Fit {
     }
 
     /// Warnings, which Python's filters received, too.
-    #[getter(warnings)]
-    fn warning_objects<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.outcome.warnings())
+    #[getter]
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        objects(py, &self.warnings)
     }
 
     /// The text of the link file with the fitted values, comments and all else kept.
@@ -97,16 +96,15 @@ impl Fit {
     }
 
     fn __repr__(&self) -> String {
-        format!("Fit(rms_misfit={:.3e}, is_believed={})", self.outcome.rms_misfit, {
-            if self.is_believed() { "True" } else { "False" }
-        })
+        let is_believed = if self.is_believed() { "True" } else { "False" };
+        format!("Fit(rms_misfit={:.3e}, is_believed={is_believed})", self.outcome.rms_misfit)
     }
 }
 
 impl Fit {
     fn write_to(&self, path: &Path) -> Result<(), Failure> {
         if let Some(misfit) = &self.outcome.misfit {
-            return Err(usage(&format!("{}: {misfit}", self.source.file.shown), None));
+            return Err(usage(&format!("{}: {misfit}", self.shown), None));
         }
         check_output(path)?;
         let record = fit_record(path);

@@ -2,8 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use clap::Parser;
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -11,20 +9,18 @@ use flexlink::cli::frf::Frf;
 use flexlink::cli::modes::{Wanted, computed};
 use flexlink::response::{PoseMode, SettledModes};
 use flexlink::result::{ModesResult, Notice, Setting};
-use flexlink::spec::Specification;
 
-use crate::arm::Arm;
 use crate::arrays::{dictionary, rows};
-use crate::interrupt::until_pressed;
-use crate::keywords;
-use crate::link::{Link, described_by};
+use crate::keywords::{parsed, renamed_arguments};
+use crate::link::Link;
 use crate::messages::{Raised, usage, warn};
+use crate::threads::until_pressed;
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
 ///
-/// ``at`` is the direction of a link under gravity in rad, or those of all links of an arm. The frequencies are then
-/// those of small motions there: ``free_hz`` with free joints and ``held_hz`` with held rotors, imaginary ones as
-/// negative numbers.
+/// ``at`` is the direction of a link under gravity in rad, or those of all links of an arm. The frequencies are then those
+/// of small motions there: ``free_hz`` with free joints and ``held_hz`` with held rotors, imaginary ones as negative
+/// numbers.
 ///
 /// >>> import flexlink
 /// >>> strip = {"length": 1.0, "EI": 10.0, "mass_per_length": 0.5}
@@ -38,35 +34,30 @@ use crate::messages::{Raised, usage, warn};
 #[pyo3(signature = (link, count=10, *, at=None))]
 pub(crate) fn modes<'py>(
     py: Python<'py>,
-    link: &Bound<'py, PyAny>,
+    link: &Link,
     count: usize,
     at: Option<Directions>,
 ) -> Result<Bound<'py, PyDict>, Raised> {
     if !(1..=1000).contains(&count) {
         return Err(usage(&format!("count = {count}, but must be 1 to 1000"), None).into());
     }
-    let at = at.map(Directions::list);
-    let specification = specification_of(link)?;
-    let found = || computed(&specification, at.as_deref(), count, Wanted::Modes);
-    let found = until_pressed(py, found)?;
+    let at = at.map(|at| match at {
+        Directions::One(angle) => vec![angle],
+        Directions::Each(angles) => angles,
+    });
+    let specification = &link.specification;
+    let compute = || computed(specification, at.as_deref(), count, Wanted::Modes);
+    let found = until_pressed(py, compute)?;
     warn(py, &found.warnings(&specification.arm))?;
-    match &found.setting {
-        Setting::Weightless => Ok(level(py, &found)?),
-        Setting::Straight { .. } => Ok(in_pose(py, &found)?),
+    let in_pose = [("free_hz", each(&found.free, hertz)), ("held_hz", each(&found.held, hertz))];
+    Ok(match &found.setting {
+        Setting::Weightless => level(py, &found)?,
+        Setting::Straight { .. } => dictionary(py, in_pose)?,
         Setting::AtRest { tip_m, holding_torques_n_m, .. } => {
-            let table = in_pose(py, &found)?;
-            table.set_item("holding_torque", PyArray1::from_slice(py, holding_torques_n_m))?;
-            table.set_item("tip", PyArray1::from_slice(py, tip_m))?;
-            Ok(table)
+            let at_rest = [("holding_torque", &holding_torques_n_m[..]), ("tip", &tip_m[..])];
+            let at_rest = at_rest.map(|(name, numbers)| (name, numbers.to_vec()));
+            dictionary(py, in_pose.into_iter().chain(at_rest))?
         }
-    }
-}
-
-/// A link or an arm; a link is an arm of one link.
-fn specification_of(link: &Bound<'_, PyAny>) -> PyResult<Specification> {
-    Ok(match link.cast::<Arm>() {
-        Ok(arm) => arm.get().specification.clone(),
-        Err(_) => described_by::<Link>(link)?.get().specification.clone(),
     })
 }
 
@@ -75,15 +66,6 @@ fn specification_of(link: &Bound<'_, PyAny>) -> PyResult<Specification> {
 pub(crate) enum Directions {
     One(f64),
     Each(Vec<f64>),
-}
-
-impl Directions {
-    pub(crate) fn list(self) -> Vec<f64> {
-        match self {
-            Self::One(angle) => vec![angle],
-            Self::Each(angles) => angles,
-        }
-    }
 }
 
 /// Numbers of all modes.
@@ -118,20 +100,8 @@ fn level<'py>(py: Python<'py>, found: &ModesResult) -> PyResult<Bound<'py, PyDic
     Ok(table)
 }
 
-fn in_pose<'py>(py: Python<'py>, found: &ModesResult) -> PyResult<Bound<'py, PyDict>> {
-    dictionary(py, [("free_hz", each(&found.free, hertz)), ("held_hz", each(&found.held, hertz))])
-}
-
-/// `from` is a word of Python.
+/// Options with another keyword: `from` is a word of Python.
 const RENAMED: [(&str, &str); 2] = [("from", "start"), ("to", "stop")];
-
-/// Keywords of `frf`.
-#[derive(Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Keywords {
-    #[command(flatten)]
-    frf: Frf,
-}
 
 /// Frequency response, as a dictionary of the columns that ``flexlink frf`` writes: for a link torque per tip
 /// acceleration, hub angle per tip displacement, tip displacement per torque.
@@ -150,19 +120,16 @@ struct Keywords {
 #[pyo3(signature = (link, **keywords))]
 pub(crate) fn frf<'py>(
     py: Python<'py>,
-    link: &Bound<'py, PyAny>,
+    link: &Link,
     keywords: Option<Bound<'py, PyDict>>,
 ) -> Result<Bound<'py, PyDict>, Raised> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    keywords::rename(&keywords, &RENAMED)?;
-    let mut arguments = keywords::arguments(&keywords)?;
+    let mut arguments = renamed_arguments(&keywords, &RENAMED)?;
     // The parser requires a file, but the call has the link itself.
     arguments.push("link".to_owned());
-    let read = Keywords::try_parse_from(arguments)
-        .map_err(|error| keywords::refused::<Frf>(&error, &[], &RENAMED))?;
-    let specification = specification_of(link)?;
-    let found = until_pressed(py, || read.frf.compute(&specification))?;
-    let coarse = found.error.and_then(|error| error.warning);
+    let frf: Frf = parsed(&arguments, &[], &RENAMED)?;
+    let response = until_pressed(py, || frf.compute(&link.specification))?;
+    let coarse = response.error.and_then(|error| error.warning);
     warn(py, &coarse.map(Notice::from).into_iter().collect::<Vec<_>>())?;
-    Ok(dictionary(py, found.columns)?)
+    Ok(dictionary(py, response.columns)?)
 }

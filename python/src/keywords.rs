@@ -1,13 +1,11 @@
-//! Keywords of a call as options of the command, dictionaries as TOML.
+//! Keywords of a call as options of the command.
 
 use std::error::Error as _;
-use std::fmt::Write as _;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyList, PyTuple};
 
 use flexlink::cli::options::common::option;
 use flexlink::cli::solve::run::SolveOptions;
@@ -15,17 +13,22 @@ use flexlink::cli::terminal::Failure;
 use flexlink::text::did_you_mean;
 
 use crate::messages::{Raised, usage};
-use crate::motion::COLUMNS;
 
-/// Gives keywords the names of their options.
-pub(crate) fn rename(keywords: &Bound<'_, PyDict>, renamed: &[(&str, &str)]) -> PyResult<()> {
-    for (option, name) in renamed {
-        if let Some(value) = keywords.get_item(name)? {
-            keywords.del_item(name)?;
-            keywords.set_item(option, value)?;
-        }
-    }
-    Ok(())
+/// Columns of a motion of one link, and of the tip of an arm.
+pub(crate) const OF_LINK: [&str; 4] = ["acceleration", "velocity", "displacement", "angle"];
+pub(crate) const OF_TIP: [&str; 2] = ["x", "y"];
+
+/// Keywords whose options have another name: `from` is a word of Python.
+pub(crate) type Renamed<'a> = &'a [(&'a str, &'a str)];
+
+/// Removes a keyword and returns its value, unless it is None.
+pub(crate) fn take<'py>(
+    keywords: &Bound<'py, PyDict>,
+    name: &str,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let Some(value) = keywords.get_item(name)? else { return Ok(None) };
+    keywords.del_item(name)?;
+    Ok((!value.is_none()).then_some(value))
 }
 
 /// Refuses options of the command with another form in a call.
@@ -45,24 +48,32 @@ pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised
 /// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value.
 /// Skips None and `False`.
 pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
-    let mut found = Vec::new();
-    for (key, value) in keywords {
-        let name = format!("--{}", key.extract::<String>()?.replace('_', "-"));
-        if value.is_none() {
-            continue;
-        }
+    renamed_arguments(keywords, &[])
+}
+
+/// Keywords as the command's arguments, some under other names.
+pub(crate) fn renamed_arguments(
+    keywords: &Bound<'_, PyDict>,
+    renamed: Renamed<'_>,
+) -> PyResult<Vec<String>> {
+    let mut arguments = Vec::new();
+    for (key, value) in keywords.iter().filter(|(_, value)| !value.is_none()) {
+        let word: String = key.extract()?;
+        let option_of = renamed.iter().find(|(_, keyword)| *keyword == word);
+        let name = option_of.map_or(&*word, |(option, _)| option);
+        let name = format!("--{}", name.replace('_', "-"));
         let of = value.get_type();
         if of.module()?.to_cow()? == "flexlink" {
             let must = "must be a number, a text or the path of a file";
             return Err(PyTypeError::new_err(format!("{key} = {of}, but {must}")));
         }
         match value.cast::<PyBool>() {
-            Ok(flag) if flag.is_true() => found.push(name),
+            Ok(flag) if flag.is_true() => arguments.push(name),
             Ok(_) => {}
-            Err(_) => found.extend(option(&name, words(&value)?)),
+            Err(_) => arguments.extend(option(&name, words(&value)?)),
         }
     }
-    Ok(found)
+    Ok(arguments)
 }
 
 /// Keywords of a `write` as arguments; refuses keywords outside the `known` ones.
@@ -104,18 +115,23 @@ fn words(value: &Bound<'_, PyAny>) -> PyResult<String> {
 
 /// Keywords as the options of `solve`.
 pub(crate) fn solve_options(arguments: &[String]) -> Result<SolveOptions, Failure> {
-    let refused =
-        |error| refused::<SolveOptions>(&error, &[&COLUMNS[..], &["x", "y"]].concat(), &[]);
-    SolveOptions::recorded(arguments).map_err(refused)
+    parsed(arguments, &[&OF_LINK[..], &OF_TIP].concat(), &[])
 }
 
-/// The parser's refusal of keywords for the options `T`. `others` are further keywords; `renamed` are options whose
-/// keywords have other names.
-pub(crate) fn refused<T: clap::Args>(
-    error: &clap::Error,
+/// Reads arguments as the options `T`. `others` are further keywords of the call.
+pub(crate) fn parsed<T: clap::Args>(
+    arguments: &[String],
     others: &[&str],
-    renamed: &[(&str, &str)],
-) -> Failure {
+    renamed: Renamed<'_>,
+) -> Result<T, Failure> {
+    let command = T::augment_args(clap::Command::new("").no_binary_name(true));
+    let matches = command.disable_help_flag(true).try_get_matches_from(arguments);
+    let read = matches.and_then(|matches| T::from_arg_matches(&matches));
+    read.map_err(|error| refused::<T>(&error, others, renamed))
+}
+
+/// The parser's refusal of keywords for the options `T`.
+fn refused<T: clap::Args>(error: &clap::Error, others: &[&str], renamed: Renamed<'_>) -> Failure {
     let keyword = |option: &str| keyword(option, renamed);
     let name = |kind| match error.get(kind)? {
         ContextValue::String(text) => Some(keyword(text)),
@@ -165,105 +181,9 @@ pub(crate) fn refused<T: clap::Args>(
 }
 
 /// The keyword of an option in the parser's form: `--scale-duration <FACTOR>`, `<PROFILE>`.
-fn keyword(option: &str, renamed: &[(&str, &str)]) -> String {
+fn keyword(option: &str, renamed: Renamed<'_>) -> String {
     let name = option.split([' ', '=']).next().unwrap_or_default();
     let name = name.trim_matches(['-', '<', '>']).replace('-', "_").to_lowercase();
     let renamed = renamed.iter().find(|(own, _)| *own == name);
     renamed.map_or(name, |(_, keyword)| (*keyword).to_owned())
-}
-
-/// Changes of a link file in the form of `--set`: `{"segments.*.EI*": 4}` as `segments.*.EI*=4`.
-pub(crate) fn changes(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
-    let change = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        let key: String = key.extract()?;
-        Ok(format!("{key}={}", toml(&key, &value)?))
-    };
-    given.into_iter().flatten().map(change).collect()
-}
-
-/// The text of a link file with these keys, one on each line.
-pub(crate) fn document(keys: &Bound<'_, PyDict>) -> PyResult<String> {
-    let mut text = String::new();
-    for (key, value) in keys.iter().filter(|(_, value)| !value.is_none()) {
-        let key: String = key.extract()?;
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{key} = {}", toml(&key, &value)?);
-    }
-    Ok(text)
-}
-
-/// Deepest nesting of lists and dictionaries in a value; files have three levels.
-const DEEPEST: usize = 32;
-
-/// A value in TOML, on one line.
-fn toml(key: &str, value: &Bound<'_, PyAny>) -> Result<String, Raised> {
-    toml_within(key, value, DEEPEST)
-}
-
-/// A value in TOML, with at most `depth` levels of lists and dictionaries.
-fn toml_within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> Result<String, Raised> {
-    let Some(inner) = depth.checked_sub(1) else {
-        let key = key.split('.').next().unwrap_or_default();
-        let must = format!("must be at most {DEEPEST} deep");
-        let message = format!("{key} = nested lists or dictionaries, but {must}");
-        return Err(usage(&message, Some("a value that holds itself has no end")).into());
-    };
-    if let Ok(flag) = value.cast::<PyBool>() {
-        return Ok(flag.is_true().to_string());
-    }
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(quoted(&text.to_cow()?));
-    }
-    if value.is_instance_of::<PyInt>() {
-        return Ok(value.str()?.to_string());
-    }
-    if value.is_instance_of::<PyFloat>() {
-        return Ok(number(value.extract()?));
-    }
-    if let Ok(table) = value.cast::<PyDict>() {
-        let pair = |(name, own): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-            let name: String = name.extract()?;
-            Ok(format!(
-                "{} = {}",
-                quoted(&name),
-                toml_within(&format!("{key}.{name}"), &own, inner)?
-            ))
-        };
-        let given = table.iter().filter(|(_, own)| !own.is_none());
-        let pairs = given.map(pair).collect::<Result<Vec<String>, Raised>>()?;
-        return Ok(format!("{{{}}}", pairs.join(", ")));
-    }
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let items = value.try_iter()?.map(|item| toml_within(key, &item?, inner));
-        return Ok(format!("[{}]", items.collect::<Result<Vec<String>, Raised>>()?.join(", ")));
-    }
-    // This method converts NumPy's numbers and arrays to Python's.
-    match value.call_method0("tolist") {
-        Ok(plain) if !plain.get_type().is(value.get_type()) => toml_within(key, &plain, inner),
-        _ => {
-            let found = value.get_type();
-            let must = "must be a number, a text, a list or a dictionary";
-            Err(PyTypeError::new_err(format!("{key} = {found}, but {must}")).into())
-        }
-    }
-}
-
-/// A number with every bit; not a number and infinity as in TOML.
-fn number(value: f64) -> String {
-    if value.is_nan() { "nan".to_owned() } else { format!("{value:?}") }
-}
-
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from('"');
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => quoted.extend(['\\', letter]),
-            letter if letter.is_control() => {
-                // Writing to a string cannot fail.
-                let _ = write!(quoted, "\\u{:04x}", u32::from(letter));
-            }
-            letter => quoted.push(letter),
-        }
-    }
-    quoted + "\""
 }

@@ -2,42 +2,41 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `arrays` | columns of numbers in, views of samples out |
-//! | `keywords` | keywords as the command's options, dictionaries as TOML |
 //! | `messages` | errors and warnings as Python's |
-//! | `pool`, `interrupt` | threads that survive a fork; Ctrl-C |
-//! | `link` | a link and its file |
-//! | `motion`, `solve`, `solution` | motions of a tip from arrays and files, and their solutions |
-//! | `solved` | common parts of the solutions of links and arms |
-//! | `arm` | arms, their paths and their solutions |
-//! | `frequency`, `trajectory` | modes and responses; motions by profile |
-//! | `simulate`, `simulate_arm`, `play` | torques played on links and arms, and their keywords |
-//! | `sweep`, `sweep_work`, `fit` | the commands of these names |
+//! | `threads` | threads that survive a fork; Ctrl-C |
+//! | `arrays` | columns of numbers in, views of samples out |
+//! | `properties` | properties of results by name, for one link and for arms |
+//! | `keywords`, `toml` | keywords as the command's options, dictionaries as TOML |
+//! | `link` | a link or an arm, and its file |
+//! | `motion` | wanted motions from arrays and files |
+//! | `solution` | `solve`, and its result |
+//! | `simulation`, `simulate` | results of simulations; their input in the keywords of a call |
+//! | `sweep`, `sweep_work` | many cases in parallel; the work of one |
+//! | `frequency`, `trajectory`, `fit` | the commands of these names, and modes |
 //! | `stored` | results read back |
+//!
+//! A link is an arm of one link: each class and each function takes both.
 //!
 //! The command is that of the program, out of the library with its feature `cli`.
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands over what it has converted")]
 #![expect(clippy::doc_link_with_quotes, clippy::doc_markdown, reason = "docs are those of Python")]
 
-mod arm;
 mod arrays;
 mod fit;
 mod frequency;
-mod interrupt;
 mod keywords;
 mod link;
 mod messages;
 mod motion;
-mod play;
-mod pool;
+mod properties;
 mod simulate;
-mod simulate_arm;
+mod simulation;
 mod solution;
-mod solve;
-mod solved;
 mod stored;
 mod sweep;
 mod sweep_work;
+mod threads;
+mod toml;
 mod trajectory;
 
 use flexlink::cli::terminal::allocator::SystemOrEnd;
@@ -57,8 +56,8 @@ mod _flexlink {
     use flexlink::cli::terminal::allocator::keep_freed_memory;
     use pyo3::prelude::*;
 
-    #[pymodule_export]
-    use super::arm::{Arm, ArmSolution};
+    use super::properties;
+
     #[pymodule_export]
     use super::fit::{Fit, fit};
     #[pymodule_export]
@@ -68,15 +67,13 @@ mod _flexlink {
     #[pymodule_export]
     use super::motion::Motion;
     #[pymodule_export]
-    use super::simulate::{PlayedLink, simulate};
+    use super::simulate::simulate;
     #[pymodule_export]
-    use super::simulate_arm::ArmSimulation;
+    use super::simulation::Simulation;
     #[pymodule_export]
-    use super::solution::Solution;
+    use super::solution::{Solution, solve};
     #[pymodule_export]
-    use super::solve::solve;
-    #[pymodule_export]
-    use super::stored::{ArmRun, Run, read};
+    use super::stored::{Run, read};
     #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]
@@ -86,16 +83,17 @@ mod _flexlink {
     #[allow(non_upper_case_globals, reason = "Python's name of it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Keeps freed memory as the command does, unless the environment says otherwise: a solution takes and frees some
+    /// Adds the properties of results. Keeps freed memory as the command does, unless the environment says otherwise: a solution takes and frees some
     /// megabytes, and twice as long where the system hands out fresh pages each time.
     #[pymodule_init]
-    #[expect(clippy::unnecessary_wraps, reason = "the signature that PyO3 wants")]
-    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let settings = ["MALLOC_TRIM_THRESHOLD_", "MALLOC_MMAP_THRESHOLD_", "GLIBC_TUNABLES"];
         if settings.iter().all(|name| env::var_os(name).is_none()) {
             keep_freed_memory();
         }
-        Ok(())
+        properties::add::<Solution>(module.py())?;
+        properties::add::<Simulation>(module.py())?;
+        properties::add::<Run>(module.py())
     }
 
     /// Runs the command with `sys.argv`; returns its exit code.

@@ -1,18 +1,19 @@
-//! A link, and its file or keywords.
+//! A link or an arm, and its file or keywords.
 
 use std::path::{Path, PathBuf};
 
-use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::cli::options::inputs::specification;
-use flexlink::cli::terminal::{Exit, Failure};
+use flexlink::cli::terminal::Failure;
 use flexlink::csv::InputFile;
+use flexlink::link::Link as OneLink;
 use flexlink::spec::{LinkDocument, Override, Specification};
 
-use crate::keywords;
 use crate::messages::{Raised, usage};
+use crate::properties::check;
+use crate::toml;
 
 /// Name of keywords in errors.
 const KEYWORDS: &str = "keywords";
@@ -31,14 +32,13 @@ pub(crate) struct Source {
 pub(crate) type PickledSource = (String, String, Vec<u8>, bool, Vec<String>);
 
 impl Source {
-    pub(crate) fn read(path: &Path, changes: Vec<String>) -> Result<Self, Failure> {
+    fn read(path: &Path, changes: Vec<String>) -> Result<Self, Failure> {
         Ok(Self { file: InputFile::read_toml(path)?, is_file: true, changes })
     }
 
-    pub(crate) fn of_keywords(keys: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn of_keywords(keys: &Bound<'_, PyDict>) -> PyResult<Self> {
         let (shown, name) = (KEYWORDS.to_owned(), KEYWORDS.to_owned());
-        let bytes = keywords::document(keys)?.into_bytes();
-        let file = InputFile { shown, name, bytes };
+        let file = InputFile { shown, name, bytes: toml::document(keys)?.into_bytes() };
         Ok(Self { file, is_file: false, changes: Vec::new() })
     }
 
@@ -61,8 +61,8 @@ impl Source {
     }
 
     pub(crate) fn described(&self) -> Result<Specification, Failure> {
-        let found = specification(&self.file, &self.overrides(&[])?);
-        found.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
+        let read = specification(&self.file, &self.overrides(&[])?);
+        read.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
     }
 
     /// The arguments for `unpickled`.
@@ -71,7 +71,7 @@ impl Source {
         (shown, name, bytes, self.is_file, self.changes.clone())
     }
 
-    pub(crate) fn unpickled((shown, name, bytes, is_file, changes): PickledSource) -> Self {
+    fn unpickled((shown, name, bytes, is_file, changes): PickledSource) -> Self {
         Self { file: InputFile { shown, name, bytes }, is_file, changes }
     }
 }
@@ -85,9 +85,11 @@ fn without_line(failure: Failure) -> Failure {
     Failure { message: message.unwrap_or(failure.message), ..failure }
 }
 
-/// A flexible link with its hub, payload and damping, as a link file describes it (`flexlink help files`).
+/// A flexible link with its hub, payload and damping, or an arm of several, as a file describes it (`flexlink help
+/// files`).
 ///
 /// From a file by :meth:`Link.read`, or from keywords that are the keys of such a file. Numbers are SI, texts have units.
+/// ``flexlink.Arm`` is another name of this class: a link is an arm of one link.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -108,15 +110,27 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    pub(crate) fn of(source: Source) -> Result<Self, Failure> {
-        let specification = source.described()?;
-        if specification.arm.links().len() == 1 {
-            return Ok(Self { source, specification });
-        }
-        let message =
-            format!("{}: an arm of several links, but must be one link", source.file.shown);
-        let hint = Some("flexlink.Arm.read reads arms");
-        Err(Failure::new(Exit::InputRefused, &message, hint))
+    fn of(source: Source) -> Result<Self, Failure> {
+        Ok(Self { specification: source.described()?, source })
+    }
+
+    pub(crate) fn unpickled(source: PickledSource) -> Result<Self, Failure> {
+        Self::of(Source::unpickled(source))
+    }
+
+    /// Number of links.
+    pub(crate) fn links(&self) -> usize {
+        self.specification.arm.links().len()
+    }
+
+    /// The first link.
+    pub(crate) fn first(&self) -> &OneLink {
+        &self.specification.arm.links()[0].link
+    }
+
+    /// The link of an arm of one.
+    pub(crate) fn one(&self) -> Option<&OneLink> {
+        (self.links() == 1).then(|| self.first())
     }
 }
 
@@ -129,38 +143,51 @@ impl Link {
         Ok(Self::of(Source::of_keywords(&keys)?)?)
     }
 
-    /// Reads a link file, with changes as those of ``--set``: ``{"payload.mass": 0.2, "segments.*.EI*": 4}``; a key that
-    /// ends in ``*`` multiplies the value of the file.
+    /// Reads a file of a link or an arm, with changes as those of ``--set``: ``{"payload.mass": 0.2, "segments.*.EI*": 4}``
+    /// or ``{"links.fore.payload.mass": 0.2}``; a key that ends in ``*`` multiplies the value of the file.
     #[staticmethod]
     #[pyo3(signature = (path, changes=None))]
     fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> Result<Self, Raised> {
-        Ok(Self::of(Source::read(&path, keywords::changes(changes)?)?)?)
+        Ok(Self::of(Source::read(&path, toml::changes(changes)?)?)?)
     }
 
     /// The same link with further changes.
     fn changed(&self, changes: &Bound<'_, PyDict>) -> Result<Self, Raised> {
-        Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
+        Ok(Self::of(self.source.changed(toml::changes(Some(changes))?))?)
     }
 
+    /// Title of the file.
     #[getter]
     fn title(&self) -> &str {
-        self.specification.link().title()
+        self.specification.arm.title()
     }
 
-    /// Distance of the tip from the axis in m.
+    /// Distance of the tip of one link from the axis in m.
     #[getter]
-    fn length(&self) -> f64 {
-        self.specification.link().length_m()
+    fn length(&self) -> PyResult<f64> {
+        check("length", self.links())?;
+        Ok(self.first().length_m())
     }
 
-    /// Inertia about the axis in kg m² of the rigid link.
+    /// Lengths of the links in m, the inner one first.
     #[getter]
-    fn rigid_inertia(&self) -> f64 {
-        self.specification.link().rigid_inertia_kg_m2()
+    fn lengths(&self) -> Vec<f64> {
+        self.specification.arm.lengths_m()
+    }
+
+    /// Inertia about the axis in kg m² of one rigid link.
+    #[getter]
+    fn rigid_inertia(&self) -> PyResult<f64> {
+        check("rigid_inertia", self.links())?;
+        Ok(self.first().rigid_inertia_kg_m2())
     }
 
     fn __repr__(&self) -> String {
-        format!("Link({}, length={:?})", python_text(self.title()), self.length())
+        let title = self.title().replace('\\', "\\\\").replace('\'', "\\'");
+        match &self.lengths()[..] {
+            [length] => format!("Link('{title}', length={length:?})"),
+            lengths => format!("Arm('{title}', lengths={lengths:?})"),
+        }
     }
 
     fn __reduce__<'py>(
@@ -173,18 +200,6 @@ impl Link {
     #[staticmethod]
     #[pyo3(signature = (*source))]
     fn _unpickled(source: &Bound<'_, PyTuple>) -> Result<Self, Raised> {
-        Ok(Self::of(Source::unpickled(source.extract()?))?)
+        Ok(Self::unpickled(source.extract()?)?)
     }
-}
-
-/// An object of a class, or an error with its actual kind.
-pub(crate) fn described_by<'a, 'py, T: PyTypeInfo>(
-    given: &'a Bound<'py, PyAny>,
-) -> PyResult<&'a Bound<'py, T>> {
-    Ok(given.cast::<T>()?)
-}
-
-/// A text in quotes in Python's form.
-pub(crate) fn python_text(text: &str) -> String {
-    format!("'{}'", text.replace('\\', "\\\\").replace('\'', "\\'"))
 }

@@ -92,6 +92,11 @@ pub(crate) fn usage(message: &impl ToString, hint: Option<&str>) -> Failure {
     Failure::new(Exit::Usage, message, hint)
 }
 
+/// A text in JSON as objects of Python.
+pub(crate) fn loaded<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("json")?.call_method1("loads", (text,))
+}
+
 /// Remarks on forms in a file beyond the standard.
 pub(crate) fn of_reading(shown: &str, reading: &Reading) -> Vec<Notice> {
     let of = |text: &str, hint| Notice::new("reading", format!("{shown}: {text}"), hint);

@@ -1,4 +1,4 @@
-//! A motion of a tip: its arrays or its file in a call, and the samples read from them.
+//! The wanted motion of a tip: its arrays or its file in a call, and the samples read from them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,101 +10,120 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use flexlink::cli::options::inputs::Wanted;
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::{Exit, Failure};
-use flexlink::csv::{InputFile, MotionTable, SampleRows, read_motion_table_as};
-use flexlink::link::{Arm, Gravity, Link as LibraryLink};
-use flexlink::motion::{Motion as LibraryMotion, MotionColumns, Periods, TipMotion, TipTarget};
+use flexlink::csv::{InputFile, MotionTable, Reading, SampleRows, read_motion_table_as};
+use flexlink::link::{Arm, Gravity, Link as OneLink};
+use flexlink::motion::{
+    Motion as WantedMotion, MotionColumns, PathColumn, PathColumns, Periods, Recording, TipMotion,
+    TipTarget,
+};
 use flexlink::result::Notice;
 
-use crate::arrays::{column, dictionary, places};
-use crate::keywords;
-use crate::link::{Link, PickledSource, Source, described_by};
+use crate::arrays::{column, dictionary, places, times};
+use crate::keywords::{self, OF_LINK, OF_TIP};
+use crate::link::{Link, PickledSource};
 use crate::messages::{Raised, of_reading, usage};
-use crate::pool;
+use crate::threads::without_python;
 
 /// Name of samples without a file in messages.
-pub(crate) const MOTION: &str = "motion";
+const MOTION: &str = "motion";
 
-/// Keywords with samples of a motion.
-pub(crate) const COLUMNS: [&str; 4] = ["acceleration", "velocity", "displacement", "angle"];
-
-/// A motion in a call.
-pub(crate) enum Given {
+/// The samples of a motion in a call: a file, or columns by name with `time` as the first.
+pub(crate) enum Samples {
     File(InputFile),
-    Samples(Box<MotionColumns>),
-    Angle { time_s: Vec<f64>, angle_rad: Vec<f64> },
+    Arrays(Vec<(String, Vec<f64>)>),
 }
 
-impl Given {
-    /// Takes the samples out of the keywords; `time` may be the path of a file instead.
-    fn take(time: &Bound<'_, PyAny>, keywords: &Bound<'_, PyDict>) -> Result<Self, Raised> {
-        let mut samples = COLUMNS.map(|_| None);
-        for (name, own) in COLUMNS.into_iter().zip(&mut samples) {
-            if let Some(given) = keywords.get_item(name)? {
-                keywords.del_item(name)?;
-                let read = if matches!(name, "displacement" | "angle") { places } else { column };
-                *own = if given.is_none() { None } else { Some(read(name, &given)?) };
+impl Samples {
+    /// Takes the samples of one link or of an arm out of the keywords; `time` may be the path of a file instead.
+    fn take(
+        time: &Bound<'_, PyAny>,
+        keywords: &Bound<'_, PyDict>,
+        links: usize,
+    ) -> Result<Self, Raised> {
+        let mut columns = Vec::new();
+        for name in names(links) {
+            let Some(values) = keywords::take(keywords, &name)? else { continue };
+            let is_derivative = ["acceleration", "velocity"].contains(&&*name);
+            let read = if is_derivative { column } else { places };
+            columns.push((name.clone(), read(&name, &values)?));
+        }
+        let leave = Some("leave one of them out");
+        match (path_of(time)?, columns.first()) {
+            (Some(_), Some((name, _))) => {
+                Err(usage(&format!("{name} stands beside a file"), leave).into())
+            }
+            (Some(path), None) => Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?)),
+            (None, _) => {
+                columns.insert(0, ("time".to_owned(), column("time", time)?));
+                Ok(Self::Arrays(columns))
             }
         }
-        if let Some(path) = path_of(time)? {
-            if let Some(at) = samples.iter().position(Option::is_some) {
-                let message = format!("{} stands beside a file", COLUMNS[at]);
-                return Err(usage(&message, Some("leave one of them out")).into());
-            }
-            return Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?));
-        }
-        let time_s = column("time", time)?;
-        Ok(match samples {
-            [None, None, None, Some(angle_rad)] => Self::Angle { time_s, angle_rad },
-            [_, _, _, Some(_)] => {
-                let hint =
-                    Some("an angle stands for the displacement, and has no columns beside it");
-                return Err(usage(&"angle stands beside another column", hint).into());
-            }
-            [acceleration_m_s2, velocity_m_s, displacement_m, None] => {
-                let columns =
-                    MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
-                Self::Samples(Box::new(columns))
-            }
-        })
     }
 
-    /// The table of the tip of a link of this length, and remarks on its file.
-    fn table(
-        &self,
-        length_m: f64,
-        options: &SolveOptions,
-    ) -> Result<(MotionTable, Vec<Notice>), Failure> {
-        if !matches!(self, Self::File(_)) {
-            refuse_reading(options)?;
+    /// The samples of a column.
+    fn array(&self, name: &str) -> Option<Vec<f64>> {
+        let Self::Arrays(columns) = self else { return None };
+        columns.iter().find(|(own, _)| own == name).map(|(_, values)| values.clone())
+    }
+
+    /// The table of the motion of links with these lengths.
+    fn table(&self, lengths_m: &[f64], options: &SolveOptions) -> Result<MotionTable, Failure> {
+        if let Self::File(InputFile { shown, bytes, .. }) = self {
+            let format = options.resample.format(&options.read);
+            return Ok(read_motion_table_as(shown, bytes, lengths_m, &format)?);
         }
-        let table = match self {
-            Self::File(InputFile { shown, bytes, .. }) => {
-                let table = read_motion_table_as(
-                    shown,
-                    bytes,
-                    &[length_m],
-                    &options.resample.format(&options.read),
-                )?;
-                let reading = of_reading(shown, table.reading());
-                return Ok((table, reading));
+        refuse_reading(options)?;
+        let time_s = self.array("time").unwrap_or_default();
+        match lengths_m {
+            [length_m] => self.tip(time_s, *length_m),
+            _ => self.path(time_s, lengths_m),
+        }
+    }
+
+    fn tip(&self, time_s: Vec<f64>, length_m: f64) -> Result<MotionTable, Failure> {
+        let [acceleration_m_s2, velocity_m_s, displacement_m, angle_rad] =
+            OF_LINK.map(|name| self.array(name));
+        let columns = MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m };
+        match (angle_rad, self) {
+            (Some(_), Self::Arrays(columns)) if columns.len() > 2 => {
+                let hint = "an angle stands for the displacement, and has no columns beside it";
+                Err(usage(&"angle stands beside another column", Some(hint)))
             }
-            Self::Samples(columns) => MotionTable::of_columns(MOTION, (**columns).clone())?,
-            Self::Angle { time_s, angle_rad } => {
-                MotionTable::of_angle(MOTION, time_s.clone(), angle_rad, length_m)?
+            (Some(angle), _) => {
+                Ok(MotionTable::of_angle(MOTION, columns.time_s, &angle, length_m)?)
             }
+            (None, _) => Ok(MotionTable::of_columns(MOTION, columns)?),
+        }
+    }
+
+    fn path(&self, time_s: Vec<f64>, lengths_m: &[f64]) -> Result<MotionTable, Failure> {
+        let column = |name: &str| {
+            let (name, recording) = (name.to_owned(), Recording::default());
+            self.array(&name).map(|values| PathColumn { name, values, recording })
         };
-        Ok((table, Vec::new()))
+        let tip = match OF_TIP.map(column) {
+            [Some(x), Some(y)] => Some([x, y]),
+            [None, None] => None,
+            _ => return Err(usage(&"x and y must come together", None)),
+        };
+        let angles = (1..=lengths_m.len()).map(|link| column(&angle(link))).collect();
+        Ok(MotionTable::of_path(MOTION, PathColumns { time_s, tip, angles }, lengths_m)?)
     }
 
-    /// The motion of a link's tip, and remarks on its file.
-    pub(crate) fn motion(
+    /// The wanted motion of an arm, and remarks on its file.
+    pub(crate) fn wanted(
         &self,
         arm: &Arm,
         options: &SolveOptions,
     ) -> Result<(Wanted, Vec<Notice>), Failure> {
-        let (table, reading) = self.table(arm.length_m(), options)?;
+        let table = self.table(&arm.lengths_m(), options)?;
+        let reading = self.remarks(table.reading());
         let wanted = options.resample.motion_in(table, Some(arm))?;
         Ok((options.scale.scaled(wanted)?, reading))
+    }
+
+    fn remarks(&self, reading: &Reading) -> Vec<Notice> {
+        self.file().map_or_else(Vec::new, |file| of_reading(&file.shown, reading))
     }
 
     pub(crate) fn file(&self) -> Option<&InputFile> {
@@ -113,78 +132,66 @@ impl Given {
 
     /// The arguments for `unpickled`.
     pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
-        let columns = match self {
-            Self::File(file) => return Ok((Some(pickled_file(file)), PyDict::new(py))),
-            Self::Angle { time_s, angle_rad } => {
-                vec![("time", Some(time_s)), ("angle", Some(angle_rad))]
+        Ok(match self {
+            Self::File(InputFile { shown, name, bytes }) => {
+                (Some((shown.clone(), name.clone(), bytes.clone())), PyDict::new(py))
             }
-            Self::Samples(own) => vec![
-                ("time", Some(&own.time_s)),
-                ("acceleration", own.acceleration_m_s2.as_ref()),
-                ("velocity", own.velocity_m_s.as_ref()),
-                ("displacement", own.displacement_m.as_ref()),
-            ],
-        };
-        let given = columns.into_iter().filter_map(|(name, own)| Some((name, own?.clone())));
-        Ok((None, dictionary(py, given)?))
+            Self::Arrays(columns) => (None, dictionary(py, columns.iter().cloned())?),
+        })
     }
 
-    pub(crate) fn unpickled((file, columns): Pickled<'_>) -> Result<Self, Raised> {
+    pub(crate) fn unpickled((file, columns): Pickled<'_>) -> PyResult<Self> {
+        let read = |(name, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+            let name: String = name.extract()?;
+            let values = column(&name, &values)?;
+            Ok((name, values))
+        };
         match file {
-            Some(file) => Ok(Self::File(unpickled_file(file))),
-            None => Self::take(&taken_time(&columns)?, &columns),
+            Some((shown, name, bytes)) => Ok(Self::File(InputFile { shown, name, bytes })),
+            None => Ok(Self::Arrays(columns.iter().map(read).collect::<PyResult<_>>()?)),
         }
     }
 }
 
-/// A motion or path in a pickle: its file, or its columns.
-pub(crate) type Pickled<'py> = (Option<PickledFile>, Bound<'py, PyDict>);
+/// A motion in a pickle: the shown path, the name and the bytes of its file, or its columns.
+pub(crate) type Pickled<'py> = (Option<(String, String, Vec<u8>)>, Bound<'py, PyDict>);
 
-pub(crate) type PickledFile = (String, String, Vec<u8>);
-
-pub(crate) fn pickled_file(InputFile { shown, name, bytes }: &InputFile) -> PickledFile {
-    (shown.clone(), name.clone(), bytes.clone())
+/// Names of the columns of a motion of so many links.
+fn names(links: usize) -> Vec<String> {
+    match links {
+        1 => OF_LINK.map(str::to_owned).to_vec(),
+        _ => OF_TIP.map(str::to_owned).into_iter().chain((1..=links).map(angle)).collect(),
+    }
 }
 
-pub(crate) fn unpickled_file((shown, name, bytes): PickledFile) -> InputFile {
-    InputFile { shown, name, bytes }
-}
-
-/// Takes the times out of columns.
-pub(crate) fn taken_time<'py>(columns: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
-    let time = columns.as_any().get_item("time")?;
-    columns.del_item("time")?;
-    Ok(time)
+/// Name of the direction of a link, counted from 1.
+fn angle(link: usize) -> String {
+    format!("angle{link}")
 }
 
 /// Refuses options for reading files if the samples are arrays in SI.
-pub(crate) fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
+fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
+    let refused = |option: &str, hint| {
+        let option = option.split('=').next().unwrap_or_default();
+        Err(usage(&format!("{option} is for files, and the motion is arrays"), Some(hint)))
+    };
     if options.resample.format(&options.read).drop_outliers {
-        let hint =
-            Some("the refusal of a bad sample gives its number and what its neighbours lead to");
-        return Err(usage(&"drop_outliers is for files, and the motion is arrays", hint));
+        let hint = "the refusal of a bad sample gives its number and what its neighbours lead to";
+        return refused("drop_outliers", hint);
     }
-    match options.read.arguments().first() {
-        None => Ok(()),
-        Some(option) => {
-            let option = option.split('=').next().unwrap_or_default();
-            let hint = Some("arrays are in SI; multiply them");
-            Err(usage(&format!("{option} is for files, and the motion is arrays"), hint))
-        }
-    }
+    let arguments = options.read.arguments();
+    arguments.first().map_or(Ok(()), |option| refused(option, "arrays are in SI; multiply them"))
 }
 
 /// The path in a text or a path-like object.
-pub(crate) fn path_of(given: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
-    if given.is_instance_of::<PyString>() || given.hasattr("__fspath__")? {
-        return Ok(Some(given.extract::<PathBuf>()?));
-    }
-    Ok(None)
+pub(crate) fn path_of(value: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
+    let is_path = value.is_instance_of::<PyString>() || value.hasattr("__fspath__")?;
+    is_path.then(|| value.extract()).transpose()
 }
 
 /// A motion in a call, and its options.
 pub(crate) struct Call<'a> {
-    pub(crate) given: Arc<Given>,
+    pub(crate) samples: Arc<Samples>,
     pub(crate) arguments: Vec<String>,
     /// The object of the motion, if the call has one.
     pub(crate) motion: Option<&'a Motion>,
@@ -195,15 +202,20 @@ impl<'a> Call<'a> {
     pub(crate) fn take(
         time: &'a Bound<'_, PyAny>,
         keywords: &Bound<'_, PyDict>,
+        links: usize,
     ) -> Result<Self, Raised> {
         keywords::refuse_commands(keywords)?;
         let Ok(motion) = time.cast::<Motion>() else {
-            let given = Arc::new(Given::take(time, keywords)?);
-            return Ok(Self { given, arguments: keywords::arguments(keywords)?, motion: None });
+            let samples = Arc::new(Samples::take(time, keywords, links)?);
+            return Ok(Self { samples, arguments: keywords::arguments(keywords)?, motion: None });
         };
+        if links > 1 {
+            let message = "a Motion is of one link, and the arm has several";
+            return Err(usage(&message, Some("pass time, x and y")).into());
+        }
         let motion = motion.get();
-        let is_given = |name: &&&str| keywords.contains(**name).unwrap_or_default();
-        let column = COLUMNS.iter().find(is_given).map(|name| (*name).to_owned());
+        let is_there = |name: &&str| keywords.contains(name).unwrap_or_default();
+        let column = OF_LINK.into_iter().find(is_there).map(str::to_owned);
         let own = keywords::arguments(keywords)?;
         let beside = match column {
             Some(name) => Some(name),
@@ -215,7 +227,22 @@ impl<'a> Call<'a> {
             return Err(usage(&message, None).into());
         }
         let arguments = motion.arguments.iter().cloned().chain(own).collect();
-        Ok(Self { given: Arc::clone(&motion.given), arguments, motion: Some(motion) })
+        Ok(Self { samples: Arc::clone(&motion.samples), arguments, motion: Some(motion) })
+    }
+
+    /// The wanted motion of a link or an arm, and remarks on its file.
+    pub(crate) fn wanted(
+        &self,
+        link: &Link,
+        options: &SolveOptions,
+    ) -> Result<(Wanted, Vec<Notice>), Failure> {
+        let Some(motion) = self.motion else {
+            return self.samples.wanted(&link.specification.arm, options);
+        };
+        motion.refuse_other(link.first())?;
+        let rows = SampleRows::of_arrays(MOTION);
+        let wanted = Wanted { motion: WantedMotion::Tip(motion.tip.clone()), rows };
+        Ok((wanted, motion.reading.clone()))
     }
 }
 
@@ -227,9 +254,9 @@ fn of_motion(options: &SolveOptions) -> Vec<String> {
 /// The motion of a tip, read once and solved for many links: :func:`solve` and :func:`sweep` take it in place of time and
 /// columns, with the same results.
 ///
-/// It takes the arrays or the file of :func:`solve`, and the keywords of the motion, from ``resample`` to
-/// ``decimal``. Angles are arcs of a link's length: they need ``link``, and serve links of that length. The object
-/// keeps the cut-off and the last two spectra of the motion, so that a loop over links does not compute them again.
+/// It takes the arrays or the file of :func:`solve`, and the keywords of the motion, from ``resample`` to ``decimal``.
+/// Angles are arcs of a link's length: they need ``link``, and serve links of that length. The object keeps the cut-off
+/// and the last two spectra of the motion, so that a loop over links does not compute them again.
 ///
 /// >>> import flexlink, numpy
 /// >>> time = numpy.linspace(0, 0.88, 881)
@@ -244,47 +271,49 @@ fn of_motion(options: &SolveOptions) -> Vec<String> {
 /// True
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Motion {
-    given: Arc<Given>,
+    samples: Arc<Samples>,
     arguments: Vec<String>,
-    pub(crate) reading: Vec<Notice>,
-    pub(crate) tip: TipMotion,
+    reading: Vec<Notice>,
+    tip: TipMotion,
     pub(crate) periods: Arc<Periods>,
     /// The link of the call.
-    link: Option<Source>,
+    link: Option<PickledSource>,
     /// Length in m and gravity of the link, for angles that stand for its arcs.
     arcs_of: Option<(f64, Option<Gravity>)>,
 }
 
 impl Motion {
-    fn read(given: Given, arguments: Vec<String>, link: Option<&Link>) -> Result<Self, Failure> {
-        let source = link.map(|own| own.source.clone());
-        let arm = link.map(|own| &own.specification.arm);
-        let link = link.map(|own| own.specification.link());
+    fn read(
+        samples: Samples,
+        arguments: Vec<String>,
+        link: Option<&Link>,
+    ) -> Result<Self, Failure> {
+        let pickled = link.map(|link| link.source.pickled());
+        let several = || usage(&"link = an arm of several links, but must be one link", None);
+        let arm = link.map(|link| &link.specification.arm);
+        let link = link.map(|link| link.one().ok_or_else(several)).transpose()?;
         let options = keywords::solve_options(&arguments)?;
         let own = of_motion(&options);
         let is_other = |option: &String| option.starts_with("--") && !own.contains(option);
         if let Some(option) = options.arguments().into_iter().find(is_other) {
-            return Err(usage(
-                &format!("{option} is passed to a Motion, but must be passed to solve"),
-                None,
-            ));
-        }
-        let (table, reading) = given.table(link.map_or(1.0, LibraryLink::length_m), &options)?;
-        let is_of_angle = table.is_of_angle();
-        if link.is_none() && is_of_angle {
-            let message = "link is missing: angles are arcs of its length";
+            let message = format!("{option} is passed to a Motion, but must be passed to solve");
             return Err(usage(&message, None));
+        }
+        let table = samples.table(&[link.map_or(1.0, OneLink::length_m)], &options)?;
+        let (is_of_angle, reading) = (table.is_of_angle(), samples.remarks(table.reading()));
+        if link.is_none() && is_of_angle {
+            return Err(usage(&"link is missing: angles are arcs of its length", None));
         }
         let wanted = options.scale.scaled(options.resample.motion_in(table, arm)?)?;
         let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));
-        let (given, periods) = (Arc::new(given), Arc::new(Periods::of(&tip)));
-        Ok(Self { given, arguments, reading, tip, periods, link: source, arcs_of })
+        let (samples, periods) = (Arc::new(samples), Arc::new(Periods::of(&tip)));
+        Ok(Self { samples, arguments, reading, tip, periods, link: pickled, arcs_of })
     }
 
     /// Refuses a link of another length or gravity if the motion is angles of a link.
-    pub(crate) fn refuse_other(&self, link: &LibraryLink) -> Result<(), Failure> {
+    pub(crate) fn refuse_other(&self, link: &OneLink) -> Result<(), Failure> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
         let is_same = length_m.total_cmp(&link.length_m()).is_eq();
         if is_same && gravity.as_ref() == link.gravity() {
@@ -293,12 +322,6 @@ impl Motion {
         let message =
             "the motion is angles of a link of another length or gravity, but must be of this link";
         Err(Failure::new(Exit::InputRefused, &message, Some("make a Motion with link=… of it")))
-    }
-
-    /// The motion as `solve` takes it.
-    pub(crate) fn wanted(&self) -> Wanted {
-        let rows = SampleRows::of_arrays(MOTION);
-        Wanted { motion: LibraryMotion::Tip(self.tip.clone()), rows }
     }
 
     /// The displacement of the tip between two times in s.
@@ -314,22 +337,20 @@ impl Motion {
     fn new(
         py: Python<'_>,
         time: &Bound<'_, PyAny>,
-        link: Option<&Bound<'_, PyAny>>,
+        link: Option<&Link>,
         keywords: Option<Bound<'_, PyDict>>,
     ) -> Result<Self, Raised> {
         let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-        let link = link.map(described_by::<Link>).transpose()?.map(Bound::get);
         keywords::refuse_commands(&keywords)?;
-        let given = Given::take(time, &keywords)?;
+        let samples = Samples::take(time, &keywords, 1)?;
         let arguments = keywords::arguments(&keywords)?;
-        Ok(py.detach(|| pool::install(|| Self::read(given, arguments, link)))?)
+        without_python(py, || Self::read(samples, arguments, link))
     }
 
     /// Times in s, evenly spaced.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let grid = self.tip.grid();
-        PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
+        PyArray1::from_vec(py, times(&self.tip.grid()))
     }
 
     /// Displacement of the tip in m along its arc, computed by each call.
@@ -337,30 +358,27 @@ impl Motion {
     fn displacement<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
         let grid = self.tip.grid();
         let find = || Ok(self.target(grid.time_s(0), grid.end_s()).displacement_m().to_vec());
-        Ok(PyArray1::from_vec(py, py.detach(|| pool::install(find))?))
+        Ok(PyArray1::from_vec(py, without_python(py, find)?))
     }
 
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, own) = (slf.py(), slf.get());
-        let (file, columns) = own.given.pickled(py)?;
-        let link = own.link.as_ref().map(Source::pickled);
-        let arguments = (file, columns, own.arguments.clone(), link).into_pyobject(py)?;
-        Ok((slf.get_type().getattr("_unpickled")?, arguments))
+        let arguments = (own.samples.pickled(py)?, own.arguments.clone(), own.link.clone());
+        Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
     }
 
     #[staticmethod]
     fn _unpickled(
         py: Python<'_>,
-        file: Option<PickledFile>,
-        columns: Bound<'_, PyDict>,
+        samples: Pickled<'_>,
         arguments: Vec<String>,
         link: Option<PickledSource>,
     ) -> Result<Self, Raised> {
-        let given = Given::unpickled((file, columns))?;
-        let link = link.map(|own| Link::of(Source::unpickled(own))).transpose()?;
-        Ok(py.detach(|| pool::install(|| Self::read(given, arguments, link.as_ref())))?)
+        let samples = Samples::unpickled(samples)?;
+        let link = link.map(Link::unpickled).transpose()?;
+        without_python(py, || Self::read(samples, arguments, link.as_ref()))
     }
 
     fn __repr__(&self) -> String {

@@ -1,20 +1,60 @@
-//! `simulate`: a torque or a motion of the hub in arrays, played on a link.
+//! `simulate`: torques of the joints, or a motion of the hub, in arrays, and the other keywords of the call.
 
-use std::path::PathBuf;
-
-use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arm::Arm;
-use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
-use crate::interrupt::until_pressed;
-use crate::link::{Link, described_by};
-use crate::messages::{Raised, objects, warn};
-use crate::play::{Keywords, Run, link_moves};
-use crate::simulate_arm::ArmSimulation;
+use flexlink::cli::options::moves::{AtRest, Begins, Moves, Moving};
+use flexlink::cli::options::play::feedback;
+use flexlink::cli::terminal::{Exit, Failure};
+use flexlink::csv::InputFile;
+use flexlink::elastica::SecondOrder;
+use flexlink::motion::TipTarget;
+use flexlink::numeric::TimeGrid;
+use flexlink::response::{HistoryError, HubReference, Interpolation, State, Torque};
+use flexlink::result::TipPlaces;
+use flexlink::store::read_state;
 
-type Array<'py> = Bound<'py, PyArray1<f64>>;
+use crate::arrays::{column, columns};
+use crate::keywords::{take, unknown};
+use crate::link::Link;
+use crate::messages::{Raised, usage, warn};
+use crate::motion::{Motion, path_of};
+use crate::properties::Links;
+use crate::simulation::Simulation;
+use crate::threads::until_pressed;
+
+/// The keywords.
+const KEYWORDS: [(&str, Links); 13] = [
+    ("torque", Links::Any),
+    ("hub_angle", Links::One),
+    ("hub_rate", Links::One),
+    ("hold", Links::Any),
+    ("until", Links::Any),
+    ("feedback", Links::Any),
+    ("reference", Links::Any),
+    ("reference_rate", Links::Any),
+    ("initial_tip", Links::One),
+    ("periodic", Links::One),
+    ("at", Links::Several),
+    ("target", Links::Any),
+    ("state", Links::Any),
+];
+
+/// The refusal of gains that are no numbers.
+const NO_GAINS: &str =
+    "feedback = something else, but must be (stiffness, damping), or a list of one for each joint";
+
+/// The refusal of incomplete feedback.
+const HALF_A_FEEDBACK: &str =
+    "one of feedback and reference, but must be both or none, and reference_rate with them alone";
+
+/// The gains of all joints, or of each.
+#[derive(FromPyObject)]
+enum Gains {
+    One([f64; 2]),
+    Each(Vec<[f64; 2]>),
+}
 
 /// Plays a torque, or a motion of the hub, on a link at rest, or torques on an arm, as ``flexlink simulate``: independent of
 /// ``solve``.
@@ -22,14 +62,14 @@ type Array<'py> = Bound<'py, PyArray1<f64>>;
 /// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``periodic``. ``feedback`` is a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with
-/// ``reference_rate``. ``target`` is the wanted :class:`Motion` with which the tip is compared. The link starts where
-/// the target or the reference does, or with its tip at ``initial_tip`` in m, or from ``state``: an earlier
-/// simulation, or the file that its ``save_state`` wrote.
+/// ``reference_rate``. ``target`` is the wanted :class:`Motion` with which the tip is compared. The link starts where the
+/// target or the reference does, or with its tip at ``initial_tip`` in m, or from ``state``: an earlier simulation, or the
+/// file that its ``save_state`` wrote.
 ///
-/// For an arm ``torque``, ``reference`` and ``reference_rate`` have a column for each joint, as those of its
-/// solution. ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each
-/// time. The arm starts at rest where the reference does, or with its chords in the directions ``at`` in rad, or
-/// where the target does, or from a ``state``. Ctrl-C ends it.
+/// For an arm ``torque``, ``reference`` and ``reference_rate`` have a column for each joint, as those of its solution.
+/// ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each time. The arm
+/// starts at rest where the reference does, or with its chords in the directions ``at`` in rad, or where the target does,
+/// or from a ``state``. Ctrl-C ends it.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -44,173 +84,193 @@ type Array<'py> = Bound<'py, PyArray1<f64>>;
 /// True
 #[pyfunction]
 #[pyo3(signature = (link, time, **keywords))]
-pub(crate) fn simulate<'py>(
-    py: Python<'py>,
-    link: &Bound<'py, PyAny>,
-    time: &Bound<'py, PyAny>,
-    keywords: Option<Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn simulate(
+    py: Python<'_>,
+    link: &Link,
+    time: &Bound<'_, PyAny>,
+    keywords: Option<Bound<'_, PyDict>>,
+) -> PyResult<Simulation> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    let keywords = Keywords(&keywords);
-    if let Ok(arm) = link.cast::<Arm>() {
-        let played = ArmSimulation::play(py, arm.get(), time, &keywords)?;
-        warn(py, &played.0.warnings)?;
-        return Ok(Bound::new(py, played)?.into_any());
-    }
-    let link = &described_by::<Link>(link)?.get().specification;
-    let moves = link_moves(link, time, &keywords)?;
-    let run = until_pressed(py, || Run::of(link.clone().into(), moves))?;
-    warn(py, &run.warnings)?;
-    Ok(Bound::new(py, PlayedLink(run))?.into_any())
+    let specification = link.specification.clone();
+    let moves = moves(link, &column("time", time)?, &keywords)?;
+    let simulation = until_pressed(py, || Simulation::of(specification, moves))?;
+    warn(py, &simulation.warnings)?;
+    Ok(simulation)
 }
 
-/// The motion of a link on which a torque, or a motion of the hub, was played. Arrays are views that cannot be written to,
-/// one value for each of ``time``; units are SI.
-#[pyclass(frozen, module = "flexlink", name = "Simulation")]
-pub(crate) struct PlayedLink(pub(crate) Run);
-
-#[pymethods]
-impl PlayedLink {
-    /// Times in s.
-    #[getter]
-    fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
-        let grid = &self.0.played.grid;
-        PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
+/// Takes the input of a play out of the keywords of a call.
+fn moves(link: &Link, time_s: &[f64], keywords: &Bound<'_, PyDict>) -> Result<Moves, Raised> {
+    let links = link.links();
+    refuse_others(keywords, links)?;
+    let of_joints = |name: &str| {
+        let read = |values| match links {
+            1 => Ok(vec![column(name, &values)?]),
+            _ => columns(name, &values, (time_s.len(), links)),
+        };
+        take(keywords, name)?.map(read).transpose()
+    };
+    let number = |name: &str| take(keywords, name)?.map(|value| value.extract()).transpose();
+    let input = [of_joints("torque")?, of_joints("hub_angle")?, of_joints("hub_rate")?];
+    let moving = moving(links, time_s, input)?;
+    let hold = take(keywords, "hold")?.map(|value| interpolation(&value)).transpose()?;
+    let gains = take(keywords, "feedback")?.map(|value| match value.extract() {
+        Ok(Gains::One(pair)) => Ok(vec![pair.into()]),
+        Ok(Gains::Each(pairs)) => Ok(pairs.into_iter().map(Into::into).collect()),
+        Err(_) => Err(usage(&NO_GAINS, None)),
+    });
+    let gains: Option<Vec<(f64, f64)>> = gains.transpose()?;
+    let references = match (&gains, of_joints("reference")?, of_joints("reference_rate")?) {
+        (None, None, None) => Vec::new(),
+        (Some(_), Some(angles), rates) => hubs(time_s, angles, rates)?,
+        _ => return Err(usage(&HALF_A_FEEDBACK, None).into()),
+    };
+    let feedback = feedback(gains.as_deref(), references, links)?;
+    let grid = match &moving {
+        Moving::Torques(torques) => torques[0].grid(),
+        Moving::Angles(hubs) => {
+            let hint = "a hub that moves as prescribed needs neither";
+            for (name, is_there) in [("hold", hold.is_some()), ("feedback", !feedback.is_empty())] {
+                if is_there {
+                    let message =
+                        format!("{name} stands beside hub_angle, but must come with torque");
+                    return Err(usage(&message, Some(hint)).into());
+                }
+            }
+            hubs[0].grid()
+        }
+    };
+    let is_periodic = take(keywords, "periodic")?.map(|value| value.is_truthy()).transpose()?;
+    let is_periodic = is_periodic.unwrap_or_default();
+    let (tip_m, until_s) = (number("initial_tip")?, number("until")?);
+    let at = take(keywords, "at")?.map(|value| column("at", &value)).transpose()?;
+    let state = take(keywords, "state")?.map(|value| state(&value, links)).transpose()?;
+    let starts =
+        [("periodic", is_periodic), ("initial_tip", tip_m.is_some()), ("at", at.is_some())];
+    if let Some((name, _)) = starts.iter().find(|(_, is_there)| *is_there && state.is_some()) {
+        return Err(usage(&format!("{name} must not stand beside state"), None).into());
     }
+    let mut start_angle_rad = None;
+    let target = match take(keywords, "target")? {
+        Some(motion) if links == 1 => {
+            let motion = motion.cast::<Motion>().map_err(PyErr::from)?.get();
+            motion.refuse_other(link.first())?;
+            let target = motion.target(grid.time_s(0), until_s.unwrap_or(grid.end_s()));
+            start_angle_rad = TipTarget::start_angle_rad(&target);
+            Some(TipPlaces::from(&target))
+        }
+        places => places.map(|places| tip_places(&places, grid)).transpose()?,
+    };
+    let (arm, analysis) = (&link.specification.arm, &link.specification.analysis);
+    let order = link.one().map(|one| analysis.second_order_of(one));
+    let is_large = order.is_some_and(|order| order != SecondOrder::None);
+    let begins = Begins { state: state.is_some(), at: at.as_deref(), tip_m };
+    let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
+    Ok(Moves {
+        moving,
+        interpolation: hold.unwrap_or(Interpolation::Cubic),
+        until_s,
+        feedback,
+        start,
+        state,
+        target,
+        start_angle_rad,
+        is_large,
+        is_periodic,
+    })
+}
 
-    /// Torque at the hub in N m, that of the feedback included.
-    #[getter]
-    fn torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.hub().torque_n_m)
+/// Refuses a keyword outside the known ones, or one for another number of links.
+fn refuse_others(keywords: &Bound<'_, PyDict>, links: usize) -> Result<(), Raised> {
+    for key in keywords.keys() {
+        let key: String = key.extract()?;
+        match KEYWORDS.iter().find(|(known, _)| *known == key) {
+            Some((_, of)) if of.holds(links) => {}
+            Some((_, of)) => return Err(usage(&of.refusal(&key), None).into()),
+            None => {
+                let known = KEYWORDS.iter().filter(|(_, of)| of.holds(links));
+                return Err(unknown(&key, known.map(|(known, _)| *known)).into());
+            }
+        }
     }
+    Ok(())
+}
 
-    /// Hub angle in rad.
-    #[getter]
-    fn hub_angle<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.hub().angle_rad)
-    }
-
-    /// Hub rate in rad/s.
-    #[getter]
-    fn hub_rate<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.hub().rate_rad_s)
-    }
-
-    /// Hub acceleration in rad/s².
-    #[getter]
-    fn hub_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.hub().acceleration_rad_s2)
-    }
-
-    /// Displacement of the tip in m along its arc.
-    #[getter]
-    fn tip_displacement<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.tip[0].displacement_m)
-    }
-
-    /// Velocity of the tip in m/s.
-    #[getter]
-    fn tip_velocity<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.tip[0].velocity_m_s)
-    }
-
-    /// Acceleration of the tip in m/s².
-    #[getter]
-    fn tip_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.played.tip[0].acceleration_m_s2)
-    }
-
-    /// Distances of the nodes from the axis in m.
-    #[getter]
-    fn nodes<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| own.0.played.mesh().nodes_m())
-    }
-
-    /// Displacements of nodes in m, as those of a solution.
-    #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn displacements<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Nodes>,
-        every: Every,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let nodes = Nodes::or_all(nodes, self.0.played.mesh().nodes_m().len());
-        check_rows(self.0.played.grid.thinned(every.0).len(), nodes.len())?;
-        let find = || Ok(self.0.played.displacements_m(&nodes, every.0)?);
-        let found = until_pressed(py, find)?;
-        rows(py, &found.samples, found.grid.len())
-    }
-
-    /// Errors of mesh and modes: of the tip over its travel, and of the hub angle over its peak; None where elements of half
-    /// the length do not allow the damping.
-    #[getter]
-    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(error) = &self.0.error else { return Ok(None) };
-        let found = PyDict::new(py);
-        found.set_item("tip", error.tip)?;
-        found.set_item("hub_angle", error.hub_angle)?;
-        Ok(Some(found))
-    }
-
-    /// Peaks, as in summary.json.
-    #[getter]
-    fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.summary_of(py)?.get_item("results")
-    }
-
-    /// Distance of the tip from its ``target``, as in summary.json: ``worst_m``, ``share`` of the largest distance from the
-    /// start, ``time_s``, ``rms_m``, ``final_m``; None without a target.
-    #[getter]
-    fn tip_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.summary_of(py)?.get_item("tip_error")
-    }
-
-    /// Content of a run's summary.json.
-    #[getter(summary)]
-    fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
-        self.0.summary_of(py)
-    }
-
-    /// Warnings, which Python's filters received, too.
-    #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.0.warnings)
-    }
-
-    /// Writes the files of ``flexlink simulate`` into a folder, all or none. Keywords are its options ``nodes``, ``stations``,
-    /// ``every``, ``digits``.
-    #[pyo3(signature = (folder, **keywords))]
-    fn write(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        keywords: Option<Bound<'_, PyDict>>,
-    ) -> Result<(), Raised> {
-        self.0.write(py, &folder, keywords.as_ref())
-    }
-
-    /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
-    fn save_state(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
-        self.0.save_state(py, &path)
-    }
-
-    /// The histories as a `pandas.DataFrame` over the time.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        frame(slf, &HISTORIES)
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Simulation(samples={})", self.0.played.grid.len)
+/// The input: torques of the joints, or angles of the hub with or without rates.
+fn moving(
+    links: usize,
+    time_s: &[f64],
+    [torque, angle, rate]: [Option<Vec<Vec<f64>>>; 3],
+) -> Result<Moving, Failure> {
+    match (torque, angle, rate) {
+        (Some(torques), None, None) => {
+            let torques = torques.into_iter().map(|torque| Torque::new(time_s, torque));
+            Ok(Moving::Torques(torques.collect::<Result<_, _>>().map_err(|e| history(&e))?))
+        }
+        (None, Some(angles), rates) => Ok(Moving::Angles(hubs(time_s, angles, rates)?)),
+        (None, ..) if links > 1 => {
+            Err(usage(&"torque is missing: an arm needs a column for each joint", None))
+        }
+        _ => {
+            let must = "must be torque alone, or hub_angle with or without hub_rate";
+            Err(usage(&format!("the input {must}"), None))
+        }
     }
 }
 
-/// Columns of a data frame.
-const HISTORIES: [&str; 7] = [
-    "torque",
-    "hub_angle",
-    "hub_rate",
-    "hub_acceleration",
-    "tip_displacement",
-    "tip_velocity",
-    "tip_acceleration",
-];
+/// Angles of the joints at these times, and their rates if known.
+fn hubs(
+    time_s: &[f64],
+    angles: Vec<Vec<f64>>,
+    rates: Option<Vec<Vec<f64>>>,
+) -> Result<Vec<HubReference>, Failure> {
+    let rates = rates.map_or_else(Vec::new, |rates| rates.into_iter().map(Some).collect());
+    let rates = rates.into_iter().chain(std::iter::repeat(None));
+    let joints = angles.into_iter().zip(rates);
+    let joints = joints.map(|(angle, rate)| HubReference::new(time_s, angle, rate));
+    joints.collect::<Result<_, _>>().map_err(|error| history(&error))
+}
+
+/// The refusal of samples.
+fn history(error: &HistoryError) -> Failure {
+    Failure::new(Exit::InputRefused, error, error.hint())
+}
+
+/// The torque between its samples.
+fn interpolation(hold: &Bound<'_, PyAny>) -> Result<Interpolation, Raised> {
+    let hold: String = hold.extract()?;
+    match &*hold {
+        "zero" => Ok(Interpolation::Zero),
+        "linear" => Ok(Interpolation::Linear),
+        "cubic" => Ok(Interpolation::Cubic),
+        _ => {
+            let must = "must be \"zero\", \"linear\" or \"cubic\"";
+            Err(usage(&format!("hold = {hold:?}, but {must}"), None).into())
+        }
+    }
+}
+
+/// Wanted places of an arm's tip at the times of the torques.
+fn tip_places(target: &Bound<'_, PyAny>, grid: TimeGrid) -> Result<TipPlaces, Raised> {
+    let at_m = columns("target", target, (grid.len, 2))?;
+    if at_m.iter().flatten().all(|place| place.is_finite()) {
+        return Ok(TipPlaces { grid, at_m });
+    }
+    Err(usage(&"target: not a number, but must be finite numbers", None).into())
+}
+
+/// The state at the end of an earlier simulation of this many links, from its object or from the file of
+/// `save_state`.
+fn state(state: &Bound<'_, PyAny>, links: usize) -> Result<State, Raised> {
+    if let Ok(simulation) = state.cast::<Simulation>()
+        && simulation.get().played.joints.len() == links
+    {
+        return Ok(simulation.get().played.state());
+    }
+    let Some(path) = path_of(state)? else {
+        let must = "must be an earlier simulation of the same kind, or the path of its state";
+        let message = format!("state = {}, but {must}", state.get_type());
+        return Err(PyTypeError::new_err(message).into());
+    };
+    let file = InputFile::read(&path).map_err(Failure::from)?;
+    Ok(read_state(&file.shown, &file.bytes, links).map_err(Failure::from)?)
+}

@@ -1,178 +1,261 @@
-//! The solution of a link.
+//! `solve`: the solution of a link or an arm with its inputs, and the files of `flexlink solve`.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::beam::NodalHistories;
-use flexlink::inverse::Solution as LibrarySolution;
+use flexlink::cli::options::inputs::remarks;
+use flexlink::cli::problem::{Problem, Solved};
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::terminal::{Failure, memory};
+use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse, Unwatched};
 use flexlink::link::ParameterError;
-use flexlink::result::Notice;
+use flexlink::result::{Notice, Remark};
+use flexlink::spec::Specification;
+use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 
-use crate::arrays::{Every, Nodes, check_rows, frame, rows, view};
-use crate::interrupt::until_pressed;
-use crate::keywords;
+use crate::arrays::{Every, Nodes, places_of_nodes, rows, times};
+use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
-use crate::messages::{Raised, objects};
-use crate::motion::{Call, Given, PickledFile};
-use crate::pool;
-use crate::solve::solved;
-use crate::solved::SolvedRun;
-
-/// Columns of a data frame.
-const HISTORIES: [&str; 9] = [
-    "torque",
-    "rigid_torque",
-    "hub_angle",
-    "hub_rate",
-    "hub_acceleration",
-    "tip_displacement",
-    "tip_velocity",
-    "tip_acceleration",
-    "tip_deflection",
-];
+use crate::messages::{Raised, loaded, usage, warn};
+use crate::motion::{Call, Pickled, Samples};
+use crate::properties::Value::{Computed, Entry, Notices, Stored};
+use crate::properties::{Properties, Value, check, frame};
+use crate::threads::{apart, until_pressed, without_python};
 
 /// Keywords of `write`.
 const WRITING: [&str; 6] = ["nodes", "stations", "every", "deflections", "digits", "golden"];
 
-type Array<'py> = Bound<'py, PyArray1<f64>>;
-
-/// Torque and motion of the hub that move the tip as wanted. Arrays are views that cannot be written to, one value
-/// for each of
-/// ``time``; units are SI.
+/// Torques and motion of the joints that move the tip as wanted: those of one hub, or those of an arm in arrays with a
+/// column for each joint, the inner one first. Arrays have a row for each of ``time``; those of one link are views that
+/// cannot be written to. Units are SI.
 #[pyclass(frozen, module = "flexlink")]
 pub(crate) struct Solution {
-    pub(crate) given: Arc<Given>,
-    /// How its file was read.
-    pub(crate) reading: Vec<Notice>,
-    pub(crate) run: SolvedRun,
+    source: Source,
+    samples: Arc<Samples>,
+    /// The keywords of the call as options.
+    arguments: Vec<String>,
+    pub(crate) solved: Solved,
+    /// Remarks on the link file.
+    of_file: Vec<Remark>,
+    /// How the file of the motion was read.
+    reading: Vec<Notice>,
+    warnings: Vec<Notice>,
+    remarks: OnceLock<Vec<Remark>>,
+    notices: OnceLock<Vec<Notice>>,
+    summary: PyOnceLock<String>,
+}
+
+/// Gives a specification nodes at the stations of the options; of one link, an analysis for all tables.
+pub(crate) fn meshed(
+    mut specification: Specification,
+    options: &SolveOptions,
+) -> Result<Specification, Failure> {
+    let Specification { arm, meshes, analysis, .. } = &mut specification;
+    options.nodes.meshes(arm, meshes)?;
+    if arm.links().len() == 1 {
+        *analysis = options.analysis(analysis);
+    }
+    Ok(specification)
 }
 
 impl Solution {
-    fn solution(&self) -> &LibrarySolution {
-        self.run.solution()
+    /// Solves the problem of a call.
+    fn of_call(link: &Link, call: Call<'_>) -> Result<Self, Failure> {
+        let options = solve_options(&call.arguments)?;
+        let (wanted, reading) = call.wanted(link, &options)?;
+        let specification = meshed(link.specification.clone(), &options)?;
+        let problem = Problem::of(&link.source.file, specification, wanted);
+        let periods = call.motion.map(|motion| &*motion.periods);
+        let memory_bytes = memory::available();
+        let resources = Resources { memory_bytes, periods, ..Resources::default() };
+        let inputs = (link.source.clone(), call.samples, call.arguments);
+        Ok(Self { reading, ..Self::of(problem, &resources, inputs)? })
     }
 
-    /// A quantity at nodes, all by default, of every `every`-th sample.
+    /// Solves a problem with these inputs: link file, motion, and options of the call.
+    pub(crate) fn of(
+        problem: Problem,
+        resources: &Resources,
+        (source, samples, arguments): (Source, Arc<Samples>, Vec<String>),
+    ) -> Result<Self, Failure> {
+        let solved = problem.solved_within(resources)?;
+        let limits = solved.exceeded.iter().map(Notice::from);
+        let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
+        Ok(Self {
+            source,
+            samples,
+            arguments,
+            solved,
+            of_file: problem.specification.remarks,
+            reading: Vec::new(),
+            warnings,
+            remarks: OnceLock::new(),
+            notices: OnceLock::new(),
+            summary: PyOnceLock::new(),
+        })
+    }
+
+    fn inverse(&self) -> &Inverse {
+        &self.solved.solution
+    }
+
+    /// A history of each joint.
+    fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
+        self.inverse().joints.iter().map(|joint| &of(joint)[..]).collect()
+    }
+
+    /// The motors of the joints that have a drive.
+    fn motors(&self) -> impl Iterator<Item = &MotorHistories> {
+        self.inverse().joints.iter().filter_map(|joint| joint.motor.as_ref())
+    }
+
+    /// Remarks on unusual input, computed once.
+    fn remarks(&self) -> &[Remark] {
+        // Threads that wait for a lock could take up another call for it.
+        if self.remarks.get().is_none() {
+            let _ = self.remarks.set(remarks(&self.of_file, self.inverse(), None));
+        }
+        self.remarks.get().map_or(&[], Vec::as_slice)
+    }
+
+    /// Remarks on the motion's file and on unusual input.
+    fn notices(&self) -> &[Notice] {
+        if self.notices.get().is_none() {
+            let notices = self.remarks().iter().map(Notice::from);
+            let _ = self.notices.set(self.reading.iter().cloned().chain(notices).collect());
+        }
+        self.notices.get().map_or(&[], Vec::as_slice)
+    }
+
+    /// The options of the call and of writing.
+    fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
+        let changes = self.source.changes.iter();
+        let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);
+        solve_options(&changes.chain(self.arguments.clone()).chain(more).collect::<Vec<_>>())
+    }
+
+    /// The summary that the command would record. For inputs without files it has only the arguments.
+    fn record(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
+        let inputs = match self.samples.file() {
+            Some(motion) if self.source.is_file => {
+                RunInputs::of_solve(&self.source.file, motion, options.arguments())
+            }
+            _ => RunInputs::of_arguments(options.arguments()),
+        };
+        let Solved { solution, metrics, .. } = &self.solved;
+        let findings = Findings { remarks: self.remarks(), ..self.solved.findings(None) };
+        Summary::of_solution(inputs, solution, metrics, &findings, outputs)
+    }
+
+    /// Writes the files of the command, with more options.
+    pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
+        let options = self.options(more)?;
+        let (solution, outputs) = (self.inverse(), options.outputs());
+        options.nodes.check(&solution.nodes_m())?;
+        let tables = RunTables::of_solution(solution, &outputs)?;
+        memory::check_nodes(tables.nodal_bytes(), memory::available())?;
+        let summary = self.record(&options, &outputs);
+        let folder = OutputFolder::stage(folder, &|_| {})?;
+        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
+    }
+
+    /// A quantity of this name at nodes, all by default, of every `every`-th sample.
     fn nodal<'py>(
         &self,
         py: Python<'py>,
+        name: &str,
         (nodes, every): (Option<Nodes>, Every),
-        find: impl FnOnce(&LibrarySolution, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
+        find: impl FnOnce(&Inverse, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let nodes = Nodes::or_all(nodes, self.solution().mesh().nodes_m().len());
-        check_rows(self.solution().grid.thinned(every.0).len(), nodes.len())?;
-        let found = until_pressed(py, || Ok(find(self.solution(), &nodes)?))?;
-        rows(py, &found.samples, found.grid.len())
+        check(name, self.links())?;
+        let solution = self.inverse();
+        let samples = solution.grid.thinned(every.0).len();
+        let nodes = Nodes::checked(nodes, solution.mesh().nodes_m().len(), samples)?;
+        let histories = until_pressed(py, || Ok(find(solution, &nodes)?))?;
+        rows(py, &histories.samples, samples)
+    }
+}
+
+impl Properties for Solution {
+    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+        ("time", Computed(|own| times(&own.inverse().grid))),
+        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
+        ("rigid_torque", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
+        ("hub_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("hub_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
+        ("rigid_hub_angle", Stored(|own| own.joints(|joint| &joint.rigid_angle_rad))),
+        ("root_moment", Stored(|own| vec![&own.inverse().links[0].root_moment_n_m])),
+        ("joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
+        (
+            "chord_angle",
+            Stored(|own| own.inverse().shapes().map(|own| &own.chord[0][..]).collect()),
+        ),
+        ("tip_displacement", Stored(|own| vec![&own.inverse().tip[0].displacement_m])),
+        ("tip_velocity", Stored(|own| vec![&own.inverse().tip[0].velocity_m_s])),
+        ("tip_acceleration", Stored(|own| vec![&own.inverse().tip[0].acceleration_m_s2])),
+        ("tip_deflection", Computed(|own| own.inverse().tip_deflection_m(0))),
+        (
+            "tip",
+            Stored(|own| own.inverse().tip.iter().map(|axis| &axis.displacement_m[..]).collect()),
+        ),
+        ("motor_torque", Stored(|own| own.motors().map(|motor| &motor.torque_n_m[..]).collect())),
+        ("motor_rate", Stored(|own| own.motors().map(|motor| &motor.rate_rad_s[..]).collect())),
+        ("nodes", Stored(|own| vec![own.inverse().mesh().nodes_m()])),
+        ("errors", Entry),
+        ("results", Entry),
+        ("warnings", Notices(|own| &own.warnings)),
+        ("remarks", Notices(Self::notices)),
+    ];
+    const FRAME: &'static [&'static str] = &[
+        "torque",
+        "rigid_torque",
+        "hub_angle",
+        "joint_angle",
+        "hub_rate",
+        "joint_rate",
+        "hub_acceleration",
+        "tip_displacement",
+        "tip_velocity",
+        "tip_acceleration",
+        "tip_deflection",
+        "tip",
+    ];
+
+    fn links(&self) -> usize {
+        self.inverse().links.len()
     }
 }
 
 #[pymethods]
 impl Solution {
-    /// Times in s; those of the motion, and before and after it.
+    /// Content of a run's summary.json.
     #[getter]
-    fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
-        let grid = &self.solution().grid;
-        PyArray1::from_vec(py, (0..grid.len).map(|k| grid.time_s(k)).collect())
-    }
-
-    /// Torque at the hub in N m.
-    #[getter]
-    fn torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().hub().torque_n_m)
-    }
-
-    /// Torque in N m that a rigid link would need.
-    #[getter]
-    fn rigid_torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().hub().rigid_torque_n_m)
-    }
-
-    /// Hub angle in rad.
-    #[getter]
-    fn hub_angle<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().hub().angle_rad)
-    }
-
-    /// Hub rate in rad/s.
-    #[getter]
-    fn hub_rate<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().hub().rate_rad_s)
+    fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
+        let write = || {
+            let options = self.options(Vec::new())?;
+            Ok(self.record(&options, &options.outputs()).to_json())
+        };
+        let text = self.summary.get_or_try_init(py, || without_python(py, write))?;
+        Ok(loaded(py, text)?)
     }
 
     /// Hub acceleration in rad/s², computed by each call.
     #[getter]
-    fn hub_acceleration<'py>(&self, py: Python<'py>) -> Result<Array<'py>, Raised> {
-        let found = py
-            .detach(|| pool::install(|| Ok(self.solution().acceleration_rad_s2(0).into_owned())))?;
-        Ok(PyArray1::from_vec(py, found))
+    fn hub_acceleration<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
+        check("hub_acceleration", self.links())?;
+        let find = || Ok(self.inverse().acceleration_rad_s2(0).into_owned());
+        Ok(PyArray1::from_vec(py, without_python(py, find)?))
     }
 
-    /// Hub angle in rad of the rigid link.
-    #[getter]
-    fn rigid_hub_angle<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().hub().rigid_angle_rad)
-    }
-
-    /// Moment in N m that the hub exerts on the link's root.
-    #[getter]
-    fn root_moment<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().links[0].root_moment_n_m)
-    }
-
-    /// Displacement of the tip in m along its arc.
-    #[getter]
-    fn tip_displacement<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().tip[0].displacement_m)
-    }
-
-    /// Velocity of the tip in m/s.
-    #[getter]
-    fn tip_velocity<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().tip[0].velocity_m_s)
-    }
-
-    /// Acceleration of the tip in m/s².
-    #[getter]
-    fn tip_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.solution().tip[0].acceleration_m_s2)
-    }
-
-    /// Deflection of the tip in m from the hub's tangent line.
-    #[getter]
-    fn tip_deflection<'py>(&self, py: Python<'py>) -> Array<'py> {
-        PyArray1::from_vec(py, self.solution().tip_deflection_m(0))
-    }
-
-    /// Torque of the motor in N m; None for a link without a drive.
-    #[getter]
-    fn motor_torque<'py>(slf: &Bound<'py, Self>) -> Option<Array<'py>> {
-        slf.get().solution().hub().motor.as_ref()?;
-        Some(view(slf, |own| {
-            own.solution().hub().motor.as_ref().map_or(&[], |motor| &motor.torque_n_m)
-        }))
-    }
-
-    /// Rate of the motor in rad/s; None for a link without a drive.
-    #[getter]
-    fn motor_rate<'py>(slf: &Bound<'py, Self>) -> Option<Array<'py>> {
-        slf.get().solution().hub().motor.as_ref()?;
-        Some(view(slf, |own| {
-            own.solution().hub().motor.as_ref().map_or(&[], |motor| &motor.rate_rad_s)
-        }))
-    }
-
-    /// Distances of the nodes from the axis in m.
-    #[getter]
-    fn nodes<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| own.solution().mesh().nodes_m())
-    }
-
-    /// Displacements of nodes in m, numbered from 0 at the root, all by default: a row for each sample, or for every
-    /// ``every``-th, a column for each node.
+    /// Displacements of the nodes of one link in m, numbered from 0 at the root, all by default: a row for each sample, or
+    /// for every ``every``-th, a column for each node.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(
         &self,
@@ -180,7 +263,7 @@ impl Solution {
         nodes: Option<Nodes>,
         every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.nodal(py, (nodes, every), |own, nodes| {
+        self.nodal(py, "displacements", (nodes, every), |own, nodes| {
             Ok(own.displacements(nodes, every.0)?.histories())
         })
     }
@@ -193,7 +276,7 @@ impl Solution {
         nodes: Option<Nodes>,
         every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.nodal(py, (nodes, every), |own, nodes| {
+        self.nodal(py, "deflections", (nodes, every), |own, nodes| {
             Ok(own.deflections(nodes, every.0)?.histories())
         })
     }
@@ -206,46 +289,27 @@ impl Solution {
         nodes: Option<Nodes>,
         every: Every,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.nodal(py, (nodes, every), |own, nodes| Ok(own.moments(nodes, every.0)?.histories()))
+        self.nodal(py, "moments", (nodes, every), |own, nodes| {
+            Ok(own.moments(nodes, every.0)?.histories())
+        })
     }
 
-    /// Errors of the answer, as in summary.json: ``errors["tip"]`` is the tip's distance from its motion over its
-    /// travel, ``errors["torque"]["mesh"]`` the change by elements of half the length over the peak, and so on.
-    #[getter]
-    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.summary_of(py)?.get_item("errors")
-    }
-
-    /// Peaks, lead and lag, as in summary.json.
-    #[getter]
-    fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.summary_of(py)?.get_item("results")
-    }
-
-    /// Content of a run's summary.json.
-    #[getter(summary)]
-    fn summary_of<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
-        let text = py.detach(|| pool::install(|| self.run.summary(self.given.file())));
-        Ok(py.import("json")?.call_method1("loads", (text?,))?)
-    }
-
-    /// Warnings, which Python's filters received, too.
-    #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.run.warnings)
-    }
-
-    /// Remarks on values that are possible but rare, often a slip of units.
-    #[getter]
-    fn remarks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let found = self.run.remarks();
-        let found = self.reading.iter().cloned().chain(found.iter().map(Notice::from));
-        objects(py, &found.collect::<Vec<_>>())
+    /// x and y in m of the nodes of an arm's link, numbered from 0: an array over time, node and axis.
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        link: usize,
+    ) -> Result<Bound<'py, PyArray3<f64>>, Raised> {
+        check("positions", self.links())?;
+        let shape = self.inverse().shapes().nth(link);
+        let shape = shape.ok_or_else(|| no_link(link, self.links()))?;
+        Ok(places_of_nodes(py, &shape.positions_m, self.inverse().grid.len)?)
     }
 
     /// Writes the files of ``flexlink solve`` into a folder, all or none: the same bytes, also of summary.json if link and
     /// motion are files. Keywords are its options ``nodes``, ``every``, ``deflections``, ``digits``, ``golden``, and
-    /// ``stations``, places in m of nodes: :func:`solve` with the same keyword puts nodes there.
+    /// ``stations``, distances in m of nodes from the axis, or from the joint of an arm's link: :func:`solve` with the same
+    /// keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
     fn write(
         &self,
@@ -254,12 +318,13 @@ impl Solution {
         keywords: Option<Bound<'_, PyDict>>,
     ) -> Result<(), Raised> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
-        Ok(py.detach(|| pool::apart(|| self.run.write_into(&folder, self.given.file(), more)))?)
+        apart(py, || self.write_into(&folder, more))
     }
 
-    /// The histories as a `pandas.DataFrame` over the time.
+    /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
+    /// ``torque2``.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        frame(slf, &HISTORIES)
+        frame(slf)
     }
 
     /// A pickle holds link and motion: they are solved again where it is read.
@@ -267,8 +332,7 @@ impl Solution {
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, own) = (slf.py(), slf.get());
-        let (file, columns) = own.given.pickled(py)?;
-        let arguments = (own.run.source.pickled(), file, columns, own.run.keywords.clone());
+        let arguments = (own.source.pickled(), own.samples.pickled(py)?, own.arguments.clone());
         Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
     }
 
@@ -276,18 +340,64 @@ impl Solution {
     fn _unpickled(
         py: Python<'_>,
         link: PickledSource,
-        file: Option<PickledFile>,
-        columns: Bound<'_, PyDict>,
+        samples: Pickled<'_>,
         arguments: Vec<String>,
     ) -> Result<Self, Raised> {
-        let link = Link::of(Source::unpickled(link))?;
-        let given = Arc::new(Given::unpickled((file, columns))?);
-        let call = Call { given, arguments, motion: None };
-        Ok(py.detach(|| pool::install(|| solved(&link, call)))?)
+        let samples = Arc::new(Samples::unpickled(samples)?);
+        let call = Call { samples, arguments, motion: None };
+        let link = Link::unpickled(link)?;
+        without_python(py, || Self::of_call(&link, call))
     }
 
     fn __repr__(&self) -> String {
-        let peak = self.run.solved.metrics.hub().peak_torque_n_m.value;
-        format!("Solution(samples={}, peak_torque={peak:.6})", self.solution().grid.len)
+        let (samples, joints) = (self.inverse().grid.len, self.links());
+        match &self.solved.metrics.joints[..] {
+            [hub] => {
+                let peak = hub.peak_torque_n_m.value;
+                format!("Solution(samples={samples}, peak_torque={peak:.6})")
+            }
+            _ => format!("Solution(samples={samples}, joints={joints})"),
+        }
     }
+}
+
+/// Refusal of the number of a link.
+pub(crate) fn no_link(link: usize, links: usize) -> Failure {
+    usage(&format!("link = {link}, but must be below {links}, the number of links"), None)
+}
+
+/// Computes the torque at the hub of a link, or the torques of an arm's joints, for a motion of the tip.
+///
+/// The motion is arrays over ``time`` in s, evenly spaced: ``acceleration`` in m/s², ``displacement`` along the arc in
+/// m, ``velocity`` in m/s, or ``angle`` in rad; or a file, whose path is in place of the time, or a :class:`Motion`. An array
+/// counts as a file that holds its numbers: few decimals limit its accuracy. Other keywords are the options of
+/// ``flexlink solve``: ``resample``, ``noise``, ``lowpass``, ``periodic``, ``moving_ends``,
+/// ``scale_distance``, ``scale_duration``, ``moments``, ``stations``; for a file ``columns``, ``time_unit``, ``unit``, ``scale``,
+/// ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y`` of its tip in m, or the directions ``angle1``,
+/// ``angle2``, … of its links in rad.
+///
+/// >>> import flexlink, numpy
+/// >>> link = flexlink.Link(
+/// ...     segments=[{"length": 1.5, "EI": 5.0, "mass_per_length": 0.8}],
+/// ...     hub={"inertia": 0.1}, damping={"ratio": 0.02},
+/// ... )
+/// >>> time = numpy.linspace(0, 0.88, 881)
+/// >>> solution = flexlink.solve(link, time, acceleration=4 * numpy.sin(2 * numpy.pi * time / 0.88))
+/// >>> solution.torque.shape == solution.time.shape
+/// True
+/// >>> bool(solution.time[abs(solution.torque) > 0.02].min() < -0.2)  # the torque starts before the tip
+/// True
+#[pyfunction]
+#[pyo3(signature = (link, time, **keywords))]
+pub(crate) fn solve(
+    py: Python<'_>,
+    link: &Link,
+    time: &Bound<'_, PyAny>,
+    keywords: Option<Bound<'_, PyDict>>,
+) -> PyResult<Solution> {
+    let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+    let call = Call::take(time, &keywords, link.links())?;
+    let solution = until_pressed(py, || Solution::of_call(link, call))?;
+    warn(py, &solution.warnings)?;
+    Ok(solution)
 }

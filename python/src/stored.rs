@@ -5,30 +5,27 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict as _, PyDict};
 
 use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::compare::Cell;
 use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
-use crate::arrays::{frame, rows, view};
-use crate::messages::{Raised, objects, usage};
-use crate::pool;
+use crate::arrays::rows;
+use crate::messages::{Raised, usage};
+use crate::properties::Value::{Notices, Stored};
+use crate::properties::{Properties, Value, check, frame};
+use crate::threads::without_python;
 
-type Array<'py> = Bound<'py, PyArray1<f64>>;
-
-/// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run` or, for an arm, an `ArmRun`; the
-/// file of a sweep becomes a dictionary of its columns.
+/// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run`; the file of a sweep becomes a
+/// dictionary of its columns.
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Raised> {
-    match py.detach(|| pool::install(|| Ok(read_result(&path)?)))? {
+    match without_python(py, || Ok(read_result(&path)?))? {
         StoredResult::Sweep(sweep) => Ok(table(py, &sweep)?.into_any()),
         StoredResult::Runs(runs) => match runs.into_iter().next() {
-            Some(mut run) => match run.arc.take() {
-                Some(arc) => Ok(Bound::new(py, Run { run, arc })?.into_any()),
-                None => Ok(Bound::new(py, ArmRun(run))?.into_any()),
-            },
+            Some(run) => Ok(Bound::new(py, Run(run))?.into_any()),
             None => Err(PyTypeError::new_err("no run").into()),
         },
     }
@@ -58,73 +55,122 @@ fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDic
     Ok(table)
 }
 
-/// A run of ``solve`` or ``simulate``, read from its folder: arrays with as many digits as the files have.
+/// A run of ``solve`` or ``simulate``, read from its folder: arrays with as many digits as the files have; those of an arm
+/// have a column for each joint, the inner one first.
 #[pyclass(frozen, module = "flexlink")]
-pub(crate) struct Run {
-    run: StoredRun,
-    arc: StoredArc,
-}
+pub(crate) struct Run(StoredRun);
 
 /// Advice for a folder without the tables of nodes, and for one without moments.
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
 const NO_MOMENTS: &str =
     "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
 
-/// A quantity at nodes, or an error if the folder lacks it.
-fn written<'a>(
-    of: Option<&'a StoredNodes>,
-    what: &str,
-    hint: &str,
-) -> Result<&'a StoredNodes, Failure> {
-    let message = format!("{what} is missing: the run did not write it");
-    of.ok_or_else(|| Failure::new(Exit::InputRefused, &message, Some(hint)))
+/// A quantity at nodes of a name: total displacement, deflection, or bending moment.
+#[derive(Clone, Copy, PartialEq)]
+enum Nodal {
+    Displacements,
+    Deflections,
+    Moments,
 }
 
 impl Run {
-    /// A quantity at nodes in the folder, if there is one.
+    /// Deflections or moments at nodes in the folder, if there are any.
+    fn deflections_m(&self) -> Option<&StoredNodes> {
+        self.0.arc.as_ref()?.deflections_m.as_ref()
+    }
+
+    fn moments_n_m(&self) -> Option<&StoredNodes> {
+        self.0.links[0].moments_n_m.as_ref()
+    }
+
     fn nodal(&self) -> Option<&StoredNodes> {
-        self.arc.deflections_m.as_ref().or(self.run.links[0].moments_n_m.as_ref())
+        self.deflections_m().or(self.moments_n_m())
     }
 
-    /// The hub.
-    fn hub(&self) -> &StoredJoint {
-        &self.run.joints[0]
+    /// A history of each joint that has it.
+    fn joints(&self, of: fn(&StoredJoint) -> Option<&Vec<f64>>) -> Vec<&[f64]> {
+        self.0.joints.iter().filter_map(|joint| of(joint).map(Vec::as_slice)).collect()
     }
 
-    /// Histories of nodes, all by default, each with an addend that depends on distance in m and hub angle in rad.
+    /// A history of one link, or its nodes.
+    fn arc(&self, of: fn(&StoredArc) -> &[f64]) -> Vec<&[f64]> {
+        self.0.arc.iter().map(of).collect()
+    }
+
+    /// Histories of a quantity at nodes, all by default, of the name `what`.
     fn histories<'py>(
         &self,
         py: Python<'py>,
-        of: &StoredNodes,
-        (nodes, addend): (Option<Vec<usize>>, impl Fn(f64, f64) -> f64),
+        what: Nodal,
+        nodes: Option<Vec<usize>>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        let StoredArc { origin_rad, mesh, .. } = &self.arc;
+        let (name, stored, hint) = match what {
+            Nodal::Displacements => ("displacements", self.deflections_m(), NO_NODES),
+            Nodal::Deflections => ("deflections", self.deflections_m(), NO_NODES),
+            Nodal::Moments => ("moments", self.moments_n_m(), NO_MOMENTS),
+        };
+        check(name, self.links())?;
+        let (Some(stored), Some(StoredArc { origin_rad, mesh, .. })) = (stored, &self.0.arc) else {
+            let message = format!("{name} is missing: the run did not write it");
+            return Err(Failure::new(Exit::InputRefused, &message, Some(hint)).into());
+        };
         // Both are ascending, and equal times have equal numbers.
-        let mut hub = self.run.times_s.iter().zip(&self.hub().angle_rad);
-        let turned = of.times_s.iter().map(|at_s| {
-            let found = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - self.half_a_step_s());
-            found.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
+        let mut hub = self.0.times_s.iter().zip(&self.0.joints[0].angle_rad);
+        let turned = stored.times_s.iter().map(|at_s| {
+            let at = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - self.half_a_step_s());
+            at.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
         });
         let turned: Vec<f64> = turned.collect();
         let history = |node: usize| {
-            let Some(at) = of.nodes.iter().position(|own| *own == node) else {
-                let all: Vec<String> = of.nodes.iter().map(usize::to_string).collect();
+            let Some(at) = stored.nodes.iter().position(|own| *own == node) else {
+                let all: Vec<String> = stored.nodes.iter().map(usize::to_string).collect();
                 let must = format!("must be one that was written: {}", all.join(", "));
                 return Err(usage(&format!("nodes = {node}, but {must}"), None));
             };
-            let x_m = mesh.nodes_m()[node];
-            let both = of.histories[at].iter().zip(&turned);
-            Ok(both.map(|(value, angle_rad)| value + addend(x_m, *angle_rad)).collect())
+            let is_total = what == Nodal::Displacements;
+            let x_m = if is_total { mesh.nodes_m()[node] } else { 0.0 };
+            let both = stored.histories[at].iter().zip(&turned);
+            Ok(both.map(|(value, angle_rad)| value + x_m * angle_rad).collect())
         };
-        let nodes = nodes.unwrap_or_else(|| of.nodes.clone());
-        let found = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
-        Ok(rows(py, &found, of.times_s.len())?)
+        let nodes = nodes.unwrap_or_else(|| stored.nodes.clone());
+        let histories = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
+        Ok(rows(py, &histories, stored.times_s.len())?)
     }
 
     /// Half of the step of the run's times in s.
     fn half_a_step_s(&self) -> f64 {
-        let times_s = &self.run.times_s;
+        let times_s = &self.0.times_s;
         0.5 * (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1) as f64
+    }
+}
+
+impl Properties for Run {
+    const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
+        ("time", Stored(|own| vec![&own.0.times_s])),
+        ("torque", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
+        ("rigid_torque", Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref()))),
+        ("hub_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
+        ("joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
+        ("tip_displacement", Stored(|own| own.arc(|arc| &arc.tip.displacement_m))),
+        ("tip_velocity", Stored(|own| own.arc(|arc| &arc.tip.velocity_m_s))),
+        ("tip_acceleration", Stored(|own| own.arc(|arc| &arc.tip.acceleration_m_s2))),
+        ("tip", Stored(|own| own.0.tip_m.iter().map(Vec::as_slice).collect())),
+        ("nodes", Stored(|own| own.arc(|arc| arc.mesh.nodes_m()))),
+        ("nodal_time", Stored(|own| vec![own.nodal().map_or(&[], |nodes| &nodes.times_s)])),
+        ("warnings", Notices(|own| &own.0.warnings)),
+    ];
+    const FRAME: &'static [&'static str] = &[
+        "torque",
+        "hub_angle",
+        "joint_angle",
+        "tip_displacement",
+        "tip_velocity",
+        "tip_acceleration",
+        "tip",
+    ];
+
+    fn links(&self) -> usize {
+        self.0.joints.len()
     }
 }
 
@@ -133,85 +179,31 @@ impl Run {
     /// ``"solve"`` or ``"simulate"``.
     #[getter]
     fn command(&self) -> &str {
-        &self.run.origin.command
+        &self.0.origin.command
     }
 
+    /// Title of the link file.
     #[getter]
     fn title(&self) -> &str {
-        &self.run.origin.title
-    }
-
-    /// Times in s.
-    #[getter]
-    fn time<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.run.times_s)
-    }
-
-    /// Torque at the hub in N m.
-    #[getter]
-    fn torque<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.hub().torque_n_m)
-    }
-
-    /// Hub angle in rad.
-    #[getter]
-    fn hub_angle<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.hub().angle_rad)
-    }
-
-    /// Displacement of the tip in m along its arc.
-    #[getter]
-    fn tip_displacement<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.arc.tip.displacement_m)
-    }
-
-    /// Velocity of the tip in m/s.
-    #[getter]
-    fn tip_velocity<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.arc.tip.velocity_m_s)
-    }
-
-    /// Acceleration of the tip in m/s².
-    #[getter]
-    fn tip_acceleration<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.arc.tip.acceleration_m_s2)
-    }
-
-    /// Torque in N m of the rigid link; None for a simulation.
-    #[getter]
-    fn rigid_torque<'py>(slf: &Bound<'py, Self>) -> Option<Array<'py>> {
-        slf.get().hub().rigid_torque_n_m.as_ref()?;
-        Some(view(slf, |own| own.hub().rigid_torque_n_m.as_deref().unwrap_or_default()))
-    }
-
-    /// Distances of the nodes from the axis in m.
-    #[getter]
-    fn nodes<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| own.arc.mesh.nodes_m())
+        &self.0.origin.title
     }
 
     /// Numbers of the nodes that were written, from 0 at the root.
     #[getter]
-    fn written_nodes(&self) -> Vec<usize> {
-        self.nodal().map(|own| own.nodes.clone()).unwrap_or_default()
+    fn written_nodes(&self) -> PyResult<Vec<usize>> {
+        check("written_nodes", self.links())?;
+        Ok(self.nodal().map(|stored| stored.nodes.clone()).unwrap_or_default())
     }
 
-    /// Times in s of the nodes' histories: those of ``time`` that were written.
-    #[getter]
-    fn nodal_time<'py>(&self, py: Python<'py>) -> Array<'py> {
-        PyArray1::from_slice(py, self.nodal().map_or(&[], |own| &own.times_s))
-    }
-
-    /// Displacements of nodes in m, as those of a solution, of ``nodes`` that were written, by default of all: a row for each
-    /// of ``nodal_time``, a column for each node.
+    /// Displacements of nodes of one link in m, as those of a solution, of ``nodes`` that were written, by default of all:
+    /// a row for each of ``nodal_time``, a column for each node.
     #[pyo3(signature = (nodes=None))]
     fn displacements<'py>(
         &self,
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        let own = written(self.arc.deflections_m.as_ref(), "displacements", NO_NODES)?;
-        self.histories(py, own, (nodes, |x_m, angle_rad| x_m * angle_rad))
+        self.histories(py, Nodal::Displacements, nodes)
     }
 
     /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
@@ -221,8 +213,7 @@ impl Run {
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        let own = written(self.arc.deflections_m.as_ref(), "deflections", NO_NODES)?;
-        self.histories(py, own, (nodes, |_, _| 0.0))
+        self.histories(py, Nodal::Deflections, nodes)
     }
 
     /// Bending moments at nodes in N m, written by a run with ``moments``, in the form of ``displacements``.
@@ -232,104 +223,22 @@ impl Run {
         py: Python<'py>,
         nodes: Option<Vec<usize>>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        let own = written(self.run.links[0].moments_n_m.as_ref(), "moments", NO_MOMENTS)?;
-        self.histories(py, own, (nodes, |_, _| 0.0))
+        self.histories(py, Nodal::Moments, nodes)
     }
 
     /// Numbers of summary.json by name: ``peak_torque_n_m``.
     #[getter]
     fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        numbers(py, &self.run.readings)
+        self.0.readings.iter().map(|(name, value)| (name, value)).into_py_dict(py)
     }
 
-    /// Warnings of the run.
-    #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.run.warnings)
-    }
-
-    /// The histories as a `pandas.DataFrame` over the time.
+    /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
+    /// ``torque2``.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let names = ["torque", "hub_angle", "tip_displacement", "tip_velocity", "tip_acceleration"];
-        frame(slf, &names)
+        frame(slf)
     }
 
     fn __repr__(&self) -> String {
-        format!("Run({:?}, samples={})", self.command(), self.run.times_s.len())
+        format!("Run({:?}, samples={})", self.command(), self.0.times_s.len())
     }
-}
-
-/// A run of an arm, read from its folder. Arrays have a column for each joint, the inner one first.
-#[pyclass(frozen, module = "flexlink")]
-pub(crate) struct ArmRun(StoredRun);
-
-#[pymethods]
-impl ArmRun {
-    /// ``"solve"`` or ``"simulate"``.
-    #[getter]
-    fn command(&self) -> &str {
-        &self.0.origin.command
-    }
-
-    #[getter]
-    fn title(&self) -> &str {
-        &self.0.origin.title
-    }
-
-    /// Times in s.
-    #[getter]
-    fn time<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| &own.0.times_s)
-    }
-
-    /// Torque in N m of each joint.
-    #[getter]
-    fn torque<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let histories: Vec<&[f64]> =
-            self.0.joints.iter().map(|joint| &joint.torque_n_m[..]).collect();
-        rows(py, &histories, self.0.times_s.len())
-    }
-
-    /// Angle in rad of each joint.
-    #[getter]
-    fn joint_angle<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let histories: Vec<&[f64]> =
-            self.0.joints.iter().map(|joint| &joint.angle_rad[..]).collect();
-        rows(py, &histories, self.0.times_s.len())
-    }
-
-    /// x and y of the tip in m.
-    #[getter]
-    fn tip<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, &self.0.tip_m, self.0.times_s.len())
-    }
-
-    /// Numbers of summary.json by name.
-    #[getter]
-    fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        numbers(py, &self.0.readings)
-    }
-
-    /// Warnings of the run.
-    #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        objects(py, &self.0.warnings)
-    }
-
-    /// The histories as a `pandas.DataFrame` over the time, a column for each joint: ``torque1``, ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        frame(slf, &["torque", "joint_angle", "tip"])
-    }
-
-    fn __repr__(&self) -> String {
-        format!("ArmRun({:?}, samples={})", self.command(), self.0.times_s.len())
-    }
-}
-
-fn numbers<'py>(py: Python<'py>, readings: &[(String, f64)]) -> PyResult<Bound<'py, PyDict>> {
-    let found = PyDict::new(py);
-    for (name, value) in readings {
-        found.set_item(name, value)?;
-    }
-    Ok(found)
 }

@@ -6,37 +6,31 @@ use std::sync::atomic::AtomicBool;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
+use rayon::ThreadPoolBuilder;
 
 use flexlink::cli::sweep::tally::Tally;
 use flexlink::cli::terminal::{Failure, memory};
 use flexlink::sweep::{SweepKind, in_order};
 
-use crate::arm::{Arm, GivenPath};
 use crate::arrays::unlike;
-use crate::interrupt::interruptible;
-use crate::keywords;
-use crate::link::{Link, described_by};
+use crate::link::Link;
 use crate::messages::{Raised, in_python, warn};
 use crate::motion::Call;
-use crate::pool;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
+use crate::threads::{interruptible, started};
 
-/// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a
-/// dictionary. It has the values of each key that cases change, then arrays of numbers, with not a number where a
-/// case has none. The list ``warnings`` has the kinds of each case; the list ``error`` has the reason why a case has
-/// no numbers, or None. Python's filters receive each kind of warning once, with the number of cases and the first of
-/// them.
+/// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary. It
+/// has the values of each key that cases change, then arrays of numbers, with not a number where a case has none. The list
+/// ``warnings`` has the kinds of each case; the list ``error`` has the reason why a case has no numbers, or None. Python's
+/// filters receive each kind of warning once, with the number of cases and the first of them.
 ///
 /// A case is a dictionary of changes as those of :meth:`Link.changed`; ``distance*`` and ``duration*`` scale the motion.
 /// Values that are all numbers are an array, not a number where a case does not change the key; others are a list, with
-/// None there.
-/// The motion is passed as to ``solve``. Cases run on ``threads``, by default as many as cores; Ctrl-C ends the sweep
-/// after
-/// the cases at work.
+/// None there. The motion is passed as to ``solve``. Cases run on ``threads``, by default as many as cores; Ctrl-C ends
+/// the sweep after the cases at work.
 ///
-/// ``outputs`` is a folder for the files of each case, as ``write`` writes them, in subfolders ``1``, ``2``, … with
-/// as many digits as the number of cases has. ``moments``, ``stations`` and the keywords of ``write`` choose what is
-/// written.
+/// ``outputs`` is a folder for the files of each case, as ``write`` writes them, in subfolders ``1``, ``2``, … with as many
+/// digits as the number of cases has. ``moments``, ``stations`` and the keywords of ``write`` choose what is written.
 ///
 /// >>> import flexlink
 /// >>> link = flexlink.Link(
@@ -54,7 +48,7 @@ use crate::sweep_work::{Case, Outputs, Row, Shared};
 #[pyo3(signature = (link, cases, time, *, threads=None, outputs=None, **keywords))]
 pub(crate) fn sweep<'py>(
     py: Python<'py>,
-    link: &Bound<'py, PyAny>,
+    link: &Link,
     cases: Vec<Bound<'py, PyDict>>,
     time: &Bound<'py, PyAny>,
     threads: Option<Threads>,
@@ -64,38 +58,24 @@ pub(crate) fn sweep<'py>(
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
-    let threads = threads.map(Threads::number);
-    let mut shared = if let Ok(arm) = link.cast::<Arm>() {
-        let arm = arm.get();
-        let given = GivenPath::take(time, &keywords, arm.specification.arm.links().len())?;
-        let outputs = Outputs::of(keywords::arguments(&keywords)?, outputs, cases.len())?;
-        Shared::of_arm(arm, given, outputs)?
-    } else {
-        let link = described_by::<Link>(link)?.get();
-        let Call { given, arguments, motion } = Call::take(time, &keywords)?;
-        Shared::of_link(link, (given, motion), Outputs::of(arguments, outputs, cases.len())?)?
-    };
-    let rows = py.detach(|| interruptible(|stop| all_rows(&mut shared, &cases, threads, stop)))?;
+    let mut call = Call::take(time, &keywords, link.links())?;
+    let outputs = Outputs::of(std::mem::take(&mut call.arguments), outputs, cases.len())?;
+    let mut shared = Shared::of(link, call, outputs)?;
+    let rows = interruptible(py, |stop| all_rows(&mut shared, &cases, threads, stop))?;
     Ok(table(varied, shared.kind, rows)?)
 }
 
 /// Number of threads in a call, up to the limit of the command.
 pub(crate) struct Threads(usize);
 
-impl Threads {
-    fn number(self) -> usize {
-        self.0
-    }
-}
-
 impl<'py> FromPyObject<'_, 'py> for Threads {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let number = given.extract().ok().filter(|threads| (1..=256).contains(threads));
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let number = value.extract().ok().filter(|threads| (1..=256).contains(threads));
         number
             .map(Self)
-            .ok_or_else(|| unlike("threads", &given, "must be a whole number from 1 to 256"))
+            .ok_or_else(|| unlike("threads", &value, "must be a whole number from 1 to 256"))
     }
 }
 
@@ -127,10 +107,11 @@ fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<
 fn all_rows(
     shared: &mut Shared,
     cases: &[Case],
-    threads: Option<usize>,
+    threads: Option<Threads>,
     stop: &AtomicBool,
 ) -> Result<Vec<Row>, Failure> {
-    let pool = pool::started(threads.unwrap_or(0))?;
+    let threads = threads.map_or(0, |Threads(number)| number);
+    let pool = started(ThreadPoolBuilder::new().num_threads(threads))?;
     let at_once = pool.current_num_threads().min(cases.len()).max(1);
     shared.memory_bytes = memory::available().map(|bytes| bytes / at_once);
     let shared = &*shared;

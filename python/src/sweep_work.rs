@@ -7,24 +7,22 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use flexlink::cli::options::inputs::{Wanted, scale_arguments};
-use flexlink::cli::problem::{Problem as Solvable, Solved};
+use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
 use flexlink::cli::terminal::{Exit, Failure};
-use flexlink::csv::InputFile;
 use flexlink::inverse::Resources;
-use flexlink::link::Arm as LibraryArm;
-use flexlink::motion::{MotionScale, Periods};
+use flexlink::motion::{MotionError, MotionScale, Periods};
 use flexlink::result::Notice;
 use flexlink::spec::{LinkDocument, Specification};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
-use crate::arm::{Arm, GivenPath};
-use crate::keywords::{self, solve_options};
+use crate::keywords::{solve_options, take};
 use crate::link::{Link, Source};
 use crate::messages::usage;
-use crate::motion::{Given as GivenTip, Motion};
-use crate::solved::SolvedRun;
+use crate::motion::{Call, Samples};
+use crate::solution::{Solution, meshed};
+use crate::toml;
 
 /// Factors on the motion among the changes of a case.
 const DISTANCE: &str = "distance*";
@@ -37,15 +35,11 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    pub(crate) fn read(given: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let given = given.copy()?;
-        let take = |name: &str| -> PyResult<f64> {
-            let Some(factor) = given.get_item(name)? else { return Ok(1.0) };
-            given.del_item(name)?;
-            factor.extract()
-        };
-        let scale = MotionScale { distance: take(DISTANCE)?, duration: take(DURATION)? };
-        Ok(Self { link: keywords::changes(Some(&given))?, scale })
+    pub(crate) fn read(case: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let changes = case.copy()?;
+        let factor = |name: &str| take(&changes, name)?.map_or(Ok(1.0), |factor| factor.extract());
+        let scale = MotionScale { distance: factor(DISTANCE)?, duration: factor(DURATION)? };
+        Ok(Self { link: toml::changes(Some(&changes))?, scale })
     }
 }
 
@@ -114,76 +108,38 @@ pub(crate) struct Shared {
     source: Source,
     document: LinkDocument,
     outputs: Outputs,
-    of_all: OfAll,
+    samples: Arc<Samples>,
+    /// The wanted motion of the unchanged link or arm.
+    wanted: Wanted,
+    /// Lengths of the links.
+    lengths_m: Vec<f64>,
+    /// The periods of one link's motion, which most cases share.
+    periods: Option<Arc<Periods>>,
     pub(crate) kind: SweepKind,
     /// Memory in bytes for each of the cases that run at the same time, set at their start.
     pub(crate) memory_bytes: Option<usize>,
 }
 
-/// The motion of all cases.
-struct OfAll {
-    given: Given,
-    /// The arm without changes, and its motion.
-    arm: LibraryArm,
-    wanted: Wanted,
-    /// The periods of a tip's motion, which most cases share.
-    periods: Option<Arc<Periods>>,
-}
-
-/// The motion of a call.
-enum Given {
-    Tip(Arc<GivenTip>),
-    Path(Box<GivenPath>),
-}
-
-impl Given {
-    fn wanted(&self, arm: &LibraryArm, options: &SolveOptions) -> Result<Wanted, Failure> {
-        match self {
-            Self::Tip(given) => Ok(given.motion(arm, options)?.0),
-            Self::Path(given) => given.path(arm, options),
-        }
-    }
-
-    /// Its file, if it has one.
-    fn file(&self) -> Option<&InputFile> {
-        match self {
-            Self::Tip(given) => given.file(),
-            Self::Path(given) => given.file(),
-        }
-    }
-}
-
 impl Shared {
-    pub(crate) fn of_link(
-        link: &Link,
-        (given, read): (Arc<GivenTip>, Option<&Motion>),
-        outputs: Outputs,
-    ) -> Result<Self, Failure> {
-        let own = link.specification.link();
-        let arm = link.specification.arm.clone();
-        let (wanted, periods) = if let Some(read) = read {
-            read.refuse_other(own)?;
-            (read.wanted(), Some(Arc::clone(&read.periods)))
-        } else {
-            let (wanted, _) = given.motion(&arm, &outputs.options)?;
-            let periods = wanted.motion.tip().map(|tip| Arc::new(Periods::of(tip)));
-            (wanted, periods)
+    /// Reads the motion of a call.
+    pub(crate) fn of(link: &Link, call: Call<'_>, outputs: Outputs) -> Result<Self, Failure> {
+        let (wanted, _) = call.wanted(link, &outputs.options)?;
+        let periods = match (call.motion, wanted.motion.tip()) {
+            (Some(motion), _) => Some(Arc::clone(&motion.periods)),
+            (None, tip) => tip.map(|tip| Arc::new(Periods::of(tip))),
         };
-        let given = Given::Tip(given);
-        Self::of(&link.source, outputs, OfAll { given, arm, wanted, periods })
-    }
-
-    pub(crate) fn of_arm(arm: &Arm, given: GivenPath, outputs: Outputs) -> Result<Self, Failure> {
-        let wanted = given.path(&arm.specification.arm, &outputs.options)?;
-        let (given, own) = (Given::Path(Box::new(given)), arm.specification.arm.clone());
-        Self::of(&arm.source, outputs, OfAll { given, arm: own, wanted, periods: None })
-    }
-
-    fn of(source: &Source, outputs: Outputs, of_all: OfAll) -> Result<Self, Failure> {
-        let document = source.document()?;
-        let links: Vec<_> = of_all.arm.links().iter().map(|own| &own.link).collect();
-        let kind = SweepKind::of_links(&links);
-        Ok(Self { source: source.clone(), document, outputs, of_all, kind, memory_bytes: None })
+        let links = link.specification.arm.links().iter().map(|own| &own.link);
+        Ok(Self {
+            source: link.source.clone(),
+            document: link.source.document()?,
+            outputs,
+            samples: call.samples,
+            wanted,
+            lengths_m: link.specification.arm.lengths_m(),
+            periods,
+            kind: SweepKind::of_links(&links.collect::<Vec<_>>()),
+            memory_bytes: None,
+        })
     }
 
     /// The row of a case, from 0. Failed writing of results ends the sweep.
@@ -196,54 +152,43 @@ impl Shared {
 
     fn outcome(&self, number: usize, case: &Case) -> Row {
         let overrides = self.source.overrides(&case.link)?;
-        let folder = self.outputs.folder_of(number);
         let specification = self.document.specification(&self.source.file.shown, &overrides)?;
-        let problem = self.case_problem(specification, case, folder.is_some())?;
-        let motion_file = self.of_all.given.file();
-        let periods = self.of_all.periods.as_deref();
-        let resources =
-            Resources { memory_bytes: self.memory_bytes, periods, ..Resources::default() };
-        let arguments = self.outputs.arguments_of(case);
+        let wanted = self.wanted_of(&specification, case)?;
+        let (folder, options) = (self.outputs.folder_of(number), &self.outputs.options);
+        let mut specification = meshed(specification, options)?;
+        if folder.is_none() && self.lengths_m.len() == 1 {
+            specification.analysis = specification.analysis.without_tables();
+        }
+        let problem = Problem::of(&self.source.file, specification, wanted);
+        let (memory_bytes, periods) = (self.memory_bytes, self.periods.as_deref());
+        let resources = Resources { memory_bytes, periods, ..Resources::default() };
         let source = self.source.changed(case.link.clone());
-        let run = SolvedRun::of(problem, &resources, (source, arguments))?;
+        let inputs = (source, Arc::clone(&self.samples), self.outputs.arguments_of(case));
+        let run = Solution::of(problem, &resources, inputs)?;
         let Solved { solution, metrics, exceeded, .. } = &run.solved;
         let numbers = self.kind.solved(&SolvedCase::of(solution, metrics));
         let own = solution.warnings.iter().map(Notice::from);
         let notices = own.chain(exceeded.iter().map(of_limit)).collect();
         if let Some(folder) = folder {
-            run.write_into(&folder, motion_file, Vec::new())?;
+            run.write_into(&folder, Vec::new())?;
         }
         Ok((numbers, notices))
     }
 
-    /// The problem of a case.
-    fn case_problem(
-        &self,
-        mut specification: Specification,
-        case: &Case,
-        has_tables: bool,
-    ) -> Result<Solvable, Failure> {
-        let OfAll { given, arm, wanted, .. } = &self.of_all;
-        let [links, must] = [&specification.arm, arm].map(|arm| arm.links().len());
-        if links != must {
-            let must = format!("must be {must}, as many as without the changes");
-            return Err(usage(&format!("links = {links}, but {must}"), None));
+    /// The motion of a case.
+    fn wanted_of(&self, specification: &Specification, case: &Case) -> Result<Wanted, Failure> {
+        let arm = &specification.arm;
+        let (count, links) = (arm.links().len(), self.lengths_m.len());
+        if count != links {
+            let must = format!("must be {links}, as many as without the changes");
+            return Err(usage(&format!("links = {count}, but {must}"), None));
         }
+        // Angles are arcs of a link's length. A case may vary this length and the start angle.
+        let is_alike = arm.lengths_m() == self.lengths_m && arm.links()[0].link.gravity().is_none();
         let options = &self.outputs.options;
-        // Angles are arcs of the link's length. A case may vary this length and the start angle.
-        let is_alike = specification.arm.lengths_m() == arm.lengths_m()
-            && specification.link().gravity().is_none();
-        let wanted =
-            if is_alike { wanted.clone() } else { given.wanted(&specification.arm, options)? };
-        let wanted = wanted
-            .scaled(case.scale)
-            .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
-        let analysis = specification.analysis;
-        specification.analysis = match has_tables || links > 1 {
-            true => options.analysis(&analysis),
-            false => analysis.without_tables(),
-        };
-        options.nodes.meshes(&specification.arm, &mut specification.meshes)?;
-        Ok(Solvable::of(&self.source.file, specification, wanted))
+        let read = (!is_alike).then(|| self.samples.wanted(arm, options)).transpose()?;
+        let wanted = read.as_ref().map_or(&self.wanted, |(wanted, _)| wanted);
+        let refused = |error: MotionError| Failure::new(Exit::InputRefused, &error, error.hint());
+        wanted.scaled(case.scale).map_err(refused)
     }
 }

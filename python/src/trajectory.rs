@@ -1,34 +1,21 @@
 //! `trajectory`: motions of a tip and paths of an arm's tip, from the command's options.
 
-use crate::messages::Raised;
-use clap::Parser;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{IntoPyDict as _, PyDict, PyList};
 
 use flexlink::cli::terminal::Failure;
 use flexlink::cli::trajectory::Trajectory;
-use flexlink::motion::{MotionColumns, PathColumns};
 
 use crate::arrays::dictionary;
-use crate::interrupt::until_pressed;
-use crate::keywords;
-
-/// Keywords of `trajectory`.
-#[derive(Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Keywords {
-    #[command(flatten)]
-    trajectory: Trajectory,
-}
+use crate::keywords::{parsed, renamed_arguments};
+use crate::messages::Raised;
+use crate::threads::until_pressed;
 
 /// Options that a list repeats once for each element.
 const REPEATED: [&str; 3] = ["via", "set", "fit_limit"];
 
-/// `from` is a word of Python.
+/// Options with another keyword: `from` is a word of Python.
 const RENAMED: [(&str, &str); 1] = [("from", "start")];
-
-/// Columns by name.
-type Columns = Vec<(String, Vec<f64>)>;
 
 /// The motion of a tip, or the path of an arm's tip, as a dictionary of the arrays that `solve` takes:
 /// ``time`` and ``acceleration``, or ``time``, ``x``, ``y``.
@@ -49,50 +36,37 @@ pub(crate) fn trajectory<'py>(
     keywords: Option<Bound<'py, PyDict>>,
 ) -> Result<Bound<'py, PyDict>, Raised> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    keywords::rename(&keywords, &RENAMED)?;
-    let mut repeated = Vec::new();
+    let mut arguments = Vec::new();
     for name in REPEATED {
         let Some(values) = keywords.get_item(name)? else { continue };
         if let Ok(values) = values.cast_into::<PyList>() {
             keywords.del_item(name)?;
             for value in values {
-                let one = PyDict::new(py);
-                one.set_item(name, value)?;
-                repeated.extend(keywords::arguments(&one)?);
+                arguments.extend(renamed_arguments(&[(name, value)].into_py_dict(py)?, &[])?);
             }
         }
     }
-    let mut arguments = keywords::arguments(&keywords)?;
-    arguments.extend(repeated);
-    arguments.push(profile.to_owned());
-    let read = Keywords::try_parse_from(arguments)
-        .map_err(|error| keywords::refused::<Trajectory>(&error, &[], &RENAMED))?;
-    let columns = until_pressed(py, || columns(&read.trajectory))?;
-    Ok(dictionary(py, columns)?)
+    let options = renamed_arguments(&keywords, &RENAMED)?;
+    let arguments = [options, arguments, vec![profile.to_owned()]].concat();
+    let trajectory: Trajectory = parsed(&arguments, &[], &RENAMED)?;
+    Ok(dictionary(py, until_pressed(py, || columns(&trajectory))?)?)
 }
 
-fn columns(trajectory: &Trajectory) -> Result<Columns, Failure> {
-    match trajectory.curve()? {
-        None => Ok(of_motion(trajectory.motion()?.0)),
-        Some(curve) => {
-            let arm = trajectory.arm()?;
-            Ok(of_path(trajectory.path_along(&curve, arm.as_ref())?.0))
-        }
-    }
-}
-
-fn of_motion(motion: MotionColumns) -> Columns {
-    let given = [
-        ("time", Some(motion.time_s)),
-        ("acceleration", motion.acceleration_m_s2),
-        ("velocity", motion.velocity_m_s),
-        ("displacement", motion.displacement_m),
-    ];
-    given.into_iter().filter_map(|(name, own)| Some((name.to_owned(), own?))).collect()
-}
-
-fn of_path(path: PathColumns) -> Columns {
+/// The columns of a motion or a path, by name.
+fn columns(trajectory: &Trajectory) -> Result<Vec<(String, Vec<f64>)>, Failure> {
+    let Some(curve) = trajectory.curve()? else {
+        let motion = trajectory.motion()?.0;
+        let columns = [
+            ("time", Some(motion.time_s)),
+            ("acceleration", motion.acceleration_m_s2),
+            ("velocity", motion.velocity_m_s),
+            ("displacement", motion.displacement_m),
+        ];
+        let columns = columns.into_iter().filter_map(|(name, own)| Some((name.to_owned(), own?)));
+        return Ok(columns.collect());
+    };
+    let path = trajectory.path_along(&curve, trajectory.arm()?.as_ref())?.0;
     let time = ("time".to_owned(), path.time_s);
     let columns = path.tip.into_iter().flatten().chain(path.angles.into_iter().flatten());
-    [time].into_iter().chain(columns.map(|column| (column.name, column.values))).collect()
+    Ok([time].into_iter().chain(columns.map(|column| (column.name, column.values))).collect())
 }

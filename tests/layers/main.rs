@@ -1,5 +1,5 @@
 //! The import law: five floors of rooms. A room imports only from levels below its own, and no files of the library
-//! import each other in a circle.
+//! or of the Python module import each other in a circle.
 
 mod circles;
 mod source;
