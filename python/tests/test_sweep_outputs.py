@@ -139,11 +139,15 @@ def test_a_node_that_a_case_has_not_is_its_error(tmp_path: Path) -> None:
     assert flexlink.read(tmp_path / "s/2").written_nodes == [10]
 
 
-def test_a_distance_of_an_arms_path_is_refused() -> None:
-    cases: list[dict[str, Any]] = [{}, {"distance*": 2.0}]
-    message = r"cases\[1\]: distance\* is for one link, and the arm has several"
-    with pytest.raises(flexlink.InputError, match=message):
-        flexlink.sweep(flexlink.Arm.read(ARM), cases, PATH)
+def test_a_path_scaled_about_its_start_is_solved_as_by_the_command(
+    command: Command, tmp_path: Path
+) -> None:
+    done = command("sweep", ARM, PATH, "--vary", "distance*=1,0.5", "-o", "s.csv")
+    assert done.returncode == 0, done.stderr
+    cases: list[dict[str, Any]] = [{"distance*": 1.0}, {"distance*": 0.5}]
+    table = flexlink.sweep(flexlink.Arm.read(ARM), cases, PATH)
+    theirs = flexlink.read(tmp_path / "s.csv")
+    np.testing.assert_allclose(table["peak_torque1_n_m"], theirs["peak_torque1_n_m"], rtol=1e-11)
 
 
 def test_a_mesh_of_a_sweep_is_measured_as_by_the_command(
