@@ -3,7 +3,7 @@
 use crate::beam::MeshPlan;
 use crate::csv::{Digits, InputFile, PathTable};
 use crate::inverse::{
-    Analysis, ArmError, InversionError, Resources, Solution, Unwatched, Watch, invert_motion,
+    Analysis, InversionError, Resources, Solution, Unwatched, Watch, invert_motion,
 };
 use crate::motion::{Ends, Motion, TipMotion};
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
@@ -104,14 +104,11 @@ impl Problem {
         let solution = self.inverted(&analysis, &resources).map_err(|error| {
             let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
             let refused = match error {
-                ArmError::Inversion(InversionError::TooMuchMemory {
-                    bytes,
-                    allowed: DOUBTED_BYTES,
-                }) if duration.is_some() => {
+                InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } if duration.is_some() => {
                     let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
                     format!("{needed} of memory is needed, but must need at most {most} where its unit is doubtful")
                 }
-                ArmError::Inversion(InversionError::TooLong { .. }) if duration.is_some() => {
+                InversionError::TooLong { .. } if duration.is_some() => {
                     error.to_string()
                 }
                 error => {
@@ -132,7 +129,11 @@ impl Problem {
         self.table.as_ref().map_or(0, |table| table.reading().dropped())
     }
 
-    fn inverted(&self, analysis: &Analysis, resources: &Resources) -> Result<Solution, ArmError> {
+    fn inverted(
+        &self,
+        analysis: &Analysis,
+        resources: &Resources,
+    ) -> Result<Solution, InversionError> {
         let ArmSpecification { arm, meshes, .. } = &self.specification;
         invert_motion(arm, meshes, &self.motion, analysis, resources)
     }
@@ -150,19 +151,14 @@ impl Problem {
     }
 
     /// Failure of a missing solution, with the faulty row of the path or link of the arm.
-    fn failure(&self, error: ArmError) -> Failure {
+    fn failure(&self, error: InversionError) -> Failure {
         let (name, hint, ArmSpecification { arm, lines, .. }) =
             (&self.file, error.hint(), &self.specification);
-        let error = match error {
-            ArmError::Inversion(error)
-                if self.table.is_none()
-                    || matches!(error, InversionError::TooMuchMemory { .. }) =>
-            {
-                return error.into();
-            }
-            error => error,
-        };
-        if let Some((sample, table)) = error.sample().zip(self.table.as_ref()) {
+        let Some(table) = &self.table else { return error.into() };
+        if let InversionError::TooMuchMemory { .. } = error {
+            return error.into();
+        }
+        if let Some(sample) = error.sample() {
             return table.refused(Some(sample), &error, hint).into();
         }
         let message = match error.link() {
@@ -170,7 +166,7 @@ impl Problem {
                 let line = lines[link].map(|line| format!(":{line}")).unwrap_or_default();
                 format!("{name}{line}: {}: {why}", arm.name_of(link))
             }
-            None if error == ArmError::NoElbow => format!("{name}: {error}"),
+            None if error == InversionError::NoElbow => format!("{name}: {error}"),
             None => error.to_string(),
         };
         Failure::new(Exit::NotSolvable, &message, hint)

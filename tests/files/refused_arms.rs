@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use flexlink::csv::{TableFormat, read_motion_table, read_path_table};
-use flexlink::inverse::{Resources, invert_arm};
+use flexlink::inverse::{Resources, invert_motion};
+use flexlink::motion::Motion;
 use flexlink::spec::{
     ArmSpecification, Described, LinkDocument, Override, SpecError, read_measurements,
 };
@@ -36,7 +37,8 @@ fn refusal_of_path(links: usize, text: &str) -> String {
     let table = read_path_table("path.csv", text.as_bytes(), &TableFormat::default());
     let path = table.and_then(|table| Ok((table.path(&arm.lengths_m())?, table)));
     let refused = path.and_then(|(path, table)| {
-        let solved = invert_arm(&arm, &meshes, &path, &analysis, &Resources::default());
+        let solved =
+            invert_motion(&arm, &meshes, &Motion::Path(path), &analysis, &Resources::default());
         let error = solved.err().unwrap();
         Err::<(), _>(table.refused(error.sample(), &error, error.hint()))
     });
