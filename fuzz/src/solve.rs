@@ -6,11 +6,11 @@ use super::solution_laws::{bending, check_finite, check_linear, check_rigid};
 use super::wording::check_words;
 use arbitrary::{Result, Unstructured};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::inverse::{Analysis, Resources, Solution, invert_with};
+use flexlink::inverse::{Analysis, Resources, Solution, invert_motion};
 use flexlink::link::{Link, LinkParts, ParameterError};
 use flexlink::modal::{natural_frequencies, torque_zeros};
 use flexlink::model::{KeptModes, model_of};
-use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::motion::{Motion, MotionColumns, TipMotion};
 
 /// Memory that bounds the period, and so the time of one execution: 190 bytes a sample.
 const MEMORY_BYTES: usize = 190 * 1024;
@@ -80,7 +80,13 @@ fn solved(problem: &Problem, columns: MotionColumns) -> Option<Solution> {
     let motion = motion.map_err(|error| check_words("", &error, error.hint())).ok()?;
     let Problem { link, plan, analysis } = problem;
     let resources = Resources { memory_bytes: Some(MEMORY_BYTES), ..Resources::default() };
-    let found = invert_with(link, plan, &motion, analysis, &resources);
+    let found = invert_motion(
+        &link.clone().into(),
+        std::slice::from_ref(plan),
+        &Motion::Tip(motion),
+        analysis,
+        &resources,
+    );
     let solution = found.map_err(|error| check_words("", &error, error.hint())).ok()?;
     check_finite(&solution);
     Some(solution)

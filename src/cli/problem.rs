@@ -3,7 +3,7 @@
 use crate::beam::MeshPlan;
 use crate::csv::{Digits, InputFile};
 use crate::inverse::{
-    Analysis, ArmError, InversionError, Resources, Solution, Unwatched, Watch, invert_motion,
+    Analysis, InversionError, Resources, Solution, Unwatched, Watch, invert_motion,
 };
 use crate::motion::{Ends, Motion};
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
@@ -79,14 +79,11 @@ impl Problem {
         let solution = self.inverted(&analysis, &resources).map_err(|error| {
             let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
             let refused = match error {
-                ArmError::Inversion(InversionError::TooMuchMemory {
-                    bytes,
-                    allowed: DOUBTED_BYTES,
-                }) if duration.is_some() => {
+                InversionError::TooMuchMemory { bytes, allowed: DOUBTED_BYTES } if duration.is_some() => {
                     let (needed, most) = (gigabytes(bytes), gigabytes(DOUBTED_BYTES));
                     format!("{needed} of memory is needed, but must need at most {most} where its unit is doubtful")
                 }
-                ArmError::Inversion(InversionError::TooLong { .. }) if duration.is_some() => {
+                InversionError::TooLong { .. } if duration.is_some() => {
                     error.to_string()
                 }
                 error => {
@@ -102,7 +99,11 @@ impl Problem {
         Ok(solved)
     }
 
-    fn inverted(&self, analysis: &Analysis, resources: &Resources) -> Result<Solution, ArmError> {
+    fn inverted(
+        &self,
+        analysis: &Analysis,
+        resources: &Resources,
+    ) -> Result<Solution, InversionError> {
         let Specification { arm, meshes, .. } = &self.specification;
         invert_motion(arm, meshes, &self.wanted.motion, analysis, resources)
     }
@@ -120,18 +121,13 @@ impl Problem {
     }
 
     /// Failure of a missing solution, with the faulty row of the path or link of the arm.
-    fn failure(&self, error: ArmError) -> Failure {
+    fn failure(&self, error: InversionError) -> Failure {
         let (name, hint) = (&self.file, error.hint());
         let Specification { arm, lines, .. } = &self.specification;
         let is_of_tip = self.wanted.motion.tip().is_some();
-        let error = match error {
-            ArmError::Inversion(error)
-                if is_of_tip || matches!(error, InversionError::TooMuchMemory { .. }) =>
-            {
-                return error.into();
-            }
-            error => error,
-        };
+        if is_of_tip || matches!(error, InversionError::TooMuchMemory { .. }) {
+            return error.into();
+        }
         if let Some(sample) = error.sample() {
             return self.wanted.rows.refused(Some(sample), &error, hint).into();
         }
@@ -140,7 +136,7 @@ impl Problem {
                 let line = lines[link].map(|line| format!(":{line}")).unwrap_or_default();
                 format!("{name}{line}: {}: {why}", arm.name_of(link))
             }
-            None if error == ArmError::NoElbow => format!("{name}: {error}"),
+            None if error == InversionError::NoElbow => format!("{name}: {error}"),
             None => error.to_string(),
         };
         Failure::new(Exit::NotSolvable, &message, hint)

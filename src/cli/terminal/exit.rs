@@ -3,7 +3,7 @@
 use clap::Args;
 
 use crate::csv::{InputError, TableError};
-use crate::inverse::{ArmError, InversionError};
+use crate::inverse::InversionError;
 use crate::link::ParameterError;
 use crate::measured::MeasuredError;
 use crate::modal::DampingError;
@@ -158,9 +158,7 @@ impl From<FitError> for Failure {
         };
         let exit = match &error {
             FitError::Curve(CurveError::TurnsAtOnce { .. }) => Exit::Usage,
-            FitError::Inversion(ArmError::Inversion(error)) if error.is_of_input() => {
-                Exit::InputRefused
-            }
+            FitError::Inversion(error) if error.is_of_input() => Exit::InputRefused,
             _ => Exit::NotSolvable,
         };
         Self::new(exit, &error, hint)

@@ -42,14 +42,11 @@ pub fn invert(
     motion: &TipMotion,
     analysis: &Analysis,
 ) -> Result<Solution, InversionError> {
-    invert_with(link, plan, motion, analysis, &Resources::default())
+    invert_link(link, plan, motion, analysis, &Resources::default())
 }
 
 /// [`invert`] within a memory limit, with a watcher of its progress.
-///
-/// # Errors
-/// As [`invert`], and [`InversionError::TooMuchMemory`].
-pub fn invert_with(
+pub(super) fn invert_link(
     link: &Link,
     plan: &MeshPlan,
     motion: &TipMotion,
@@ -126,7 +123,7 @@ fn refuse_ends(
     refused.map_or(Ok(()), |why| Err(InversionError::Ends(why)))
 }
 
-/// [`invert_with`] for a link under gravity, or with second-order terms.
+/// [`invert_link`] for a link under gravity, or with second-order terms.
 fn invert_bent(
     coarsest: Arc<dyn Model>,
     plan: &MeshPlan,
@@ -187,7 +184,7 @@ impl Solution {
     /// sample is at the window's start. `None` for an arm.
     ///
     /// # Errors
-    /// As [`invert_with`](super::invert_with).
+    /// As [`invert_motion`](super::invert_motion).
     pub fn torques_over_window(
         &self,
         motion: &TipMotion,

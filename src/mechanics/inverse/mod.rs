@@ -33,13 +33,13 @@ mod warning;
 
 pub use accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
-pub use arm::{ArmError, check_reach, invert_arm, invert_motion};
+pub use arm::{check_reach, invert_motion};
 pub(crate) use curves::size;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]
 pub(crate) use inversion::tests;
-pub use inversion::{WindowTorques, invert, invert_with};
+pub use inversion::{WindowTorques, invert};
 pub use nodal_table::NodalTable;
 pub use solution::{Band, JointMotion, LinkMotion, LinkShape, SecondOrderFindings, Solution};
 pub use warning::{SolutionWarning, Straying, Warning};

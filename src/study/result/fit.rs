@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::limits::{Limits, Reached, reached};
 use crate::beam::MeshPlan;
-use crate::inverse::{Analysis, ArmError, Resources, Solution, invert_motion};
+use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_motion};
 use crate::link::Arm;
 use crate::motion::{
     ArmPath, Course, Curve, CurveError, Ends, FEWEST_STEPS, Motion, MotionError, PathColumns,
@@ -120,7 +120,7 @@ pub enum FitError {
     Path(#[from] PathError),
     /// The motion has no torques.
     #[error(transparent)]
-    Inversion(#[from] ArmError),
+    Inversion(#[from] InversionError),
 }
 
 fn unsolved(failed: Option<&(usize, Box<FitError>)>) -> String {
@@ -364,7 +364,7 @@ impl FitProblem<'_> {
         plans: &[MeshPlan],
         motion: &Motion,
         is_trial: bool,
-    ) -> Result<Solution, ArmError> {
+    ) -> Result<Solution, InversionError> {
         let memory_bytes = self.memory_bytes;
         let resources = Resources { memory_bytes, is_trial, ..Resources::default() };
         invert_motion(self.arm, plans, motion, self.analysis, &resources)

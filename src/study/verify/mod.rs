@@ -15,11 +15,11 @@ use serde::Serialize;
 
 use crate::beam::{ElementCount, MeshPlan};
 use crate::elastica::SecondOrder;
-use crate::inverse::{Quantity, QuantityErrors, Resources, Solution, invert_arm};
+use crate::inverse::{Quantity, QuantityErrors, Resources, Solution, invert_motion};
 use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
-use crate::motion::{ArmPath, Ends, Motion, TipMotion};
+use crate::motion::{Ends, Motion, TipMotion};
 use crate::numeric::{Size, largest, magnitude};
 use crate::result::{Check, Reached};
 use check::{Kind, PEAK, RANGE};
@@ -68,7 +68,7 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     checks.extend(worst(&Kind::ITERATION, answer, |errors| errors.iteration));
     let model = match &answer.solution.motion {
         Motion::Tip(_) => dense_transfer(answer, answer.solution),
-        Motion::Path(path) => rigid_arm(answer, path),
+        Motion::Path(_) => rigid_arm(answer),
     };
     checks.extend([model, energy]);
     let strays = answer.solution.tip_model_error;
@@ -200,8 +200,8 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
 }
 
 /// Torques of the same path with nearly rigid links against the torques of the rigid arm.
-fn rigid_arm(answer: &Answer, path: &ArmPath) -> Check {
-    match rigid_arm_error((answer.solution, path), answer.memory_bytes) {
+fn rigid_arm(answer: &Answer) -> Check {
+    match rigid_arm_error(answer.solution, answer.memory_bytes) {
         Ok(apart) => Kind::RIGID_ARM.measured(answer, apart),
         Err(error) => Kind::RIGID_ARM.not_measured(error.to_string()),
     }
@@ -209,7 +209,7 @@ fn rigid_arm(answer: &Answer, path: &ArmPath) -> Check {
 
 /// Largest difference of a torque from that of the rigid arm, over the range of the rigid arm's torque.
 fn rigid_arm_error(
-    (solution, path): (&Solution, &ArmPath),
+    solution: &Solution,
     memory_bytes: Option<usize>,
 ) -> Result<f64, Box<dyn Error>> {
     let (mut links, mut plans) = (Vec::new(), Vec::new());
@@ -232,7 +232,7 @@ fn rigid_arm_error(
     })?;
     let linear = solution.analysis.with_second_order(SecondOrder::None);
     let resources = Resources { memory_bytes, ..Resources::default() };
-    let stiff = invert_arm(&arm, &plans, path, &linear, &resources)?;
+    let stiff = invert_motion(&arm, &plans, &solution.motion, &linear, &resources)?;
     let joints = || stiff.joints.iter();
     let least = LEAST_SIZE * largest_range(joints().map(|joint| &joint.rigid_torque_n_m));
     let apart = joints().map(|joint| {

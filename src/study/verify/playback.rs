@@ -4,7 +4,7 @@ use std::error::Error;
 
 use super::answer::{Answer, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
-use crate::inverse::{Resources, Solution, invert_with, size};
+use crate::inverse::{Resources, Solution, invert_motion, size};
 use crate::link::{Damping, Link, LinkParts};
 use crate::modal::held_frequencies;
 use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
@@ -105,7 +105,7 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
             return Err("hysteretic damping has no state for a tip that moves at first".into());
         }
         Some(ratio) if solution.second_order.is_some() => {
-            return played_viscous(answer, motion, ratio);
+            return played_viscous(answer, ratio);
         }
         None if solution.second_order.is_some() => return moved(answer, Kind::OF_HUB),
         _ => {}
@@ -157,11 +157,7 @@ fn energy(answer: &Answer, simulation: &Played) -> Check {
 /// Solves the link again with viscous damping of the same ratio in its first mode with the hub held, and moves the
 /// hub of this solution. Viscous damping has an equation in time, so the play includes weight and second order. It
 /// omits the written torque, because the transfer contains its law of damping.
-fn played_viscous(
-    answer: &Answer,
-    motion: &TipMotion,
-    ratio: f64,
-) -> Result<PlayedChecks, Unplayed> {
+fn played_viscous(answer: &Answer, ratio: f64) -> Result<PlayedChecks, Unplayed> {
     let solution = answer.solution;
     let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
         return Err("hysteretic damping has no equation in time, and no mode".into());
@@ -171,7 +167,8 @@ fn played_viscous(
     let unsolved = |error: &dyn Error| Unplayed::Reason(format!("with viscous damping: {error}"));
     let link = Link::new(LinkParts { damping, ..solution.link().clone().into() });
     let link = link.map_err(|error| unsolved(&error))?;
-    let viscous = invert_with(&link, &answer.plans[0], motion, &solution.analysis, &resources);
+    let viscous =
+        invert_motion(&link.into(), answer.plans, &solution.motion, &solution.analysis, &resources);
     let viscous = viscous.map_err(|error| unsolved(&error))?;
     let written_torques_n_m = std::slice::from_ref(&viscous.hub().torque_n_m);
     let answer = Answer { solution: &viscous, written_torques_n_m, ..*answer };

@@ -3,10 +3,10 @@
 use flexlink::beam::ElementCount;
 use flexlink::elastica::{ElasticaError, SecondOrder};
 use flexlink::inverse::{
-    Analysis, ArmError, InversionError, Resources, Solution, Straying, Warning, invert_arm,
+    Analysis, InversionError, Resources, Solution, Straying, Warning, invert_motion,
 };
 use flexlink::link::Arm;
-use flexlink::motion::{ArmPath, PathColumns};
+use flexlink::motion::{ArmPath, Motion, PathColumns};
 use flexlink::spec::read_specification;
 
 use super::inversion::{column, largest, moved, path, plans, solved};
@@ -70,10 +70,10 @@ fn a_heavy_elbow_that_is_too_fast_for_all_terms_is_told_how_far_its_tip_strays()
 
     let full = Analysis::default().with_second_order(SecondOrder::Full);
     let plans = plans(&arm, ElementCount::Total(6));
-    let refused = invert_arm(&arm, &plans, &path, &full, &Resources::default()).err();
-    let diverges = |error: &ArmError| {
-        let ArmError::Inversion(InversionError::Elastica(error)) = error else { return false };
-        matches!(error, ElasticaError::Diverges { .. })
+    let refused =
+        invert_motion(&arm, &plans, &Motion::Path(path), &full, &Resources::default()).err();
+    let diverges = |error: &InversionError| {
+        matches!(error, InversionError::Elastica(ElasticaError::Diverges { .. }))
     };
     assert!(refused.as_ref().is_some_and(diverges), "{refused:?}");
 }

@@ -3,7 +3,7 @@
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{
-    Analysis, ArmError, Resources, Solution, SolutionWarning, Warning, invert_arm, invert_motion,
+    Analysis, InversionError, Resources, Solution, SolutionWarning, Warning, invert_motion,
 };
 use flexlink::link::{
     Arm, ArmLink, ArmParts, Damping, Elbow, Link, LinkParts, LumpedMass, Segment,
@@ -61,7 +61,9 @@ pub(super) fn solved(
     count: ElementCount,
     analysis: &Analysis,
 ) -> Solution {
-    invert_arm(arm, &plans(arm, count), path, analysis, &Resources::default()).expect("a solution")
+    let motion = Motion::Path(path.clone());
+    invert_motion(arm, &plans(arm, count), &motion, analysis, &Resources::default())
+        .expect("a solution")
 }
 
 pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
@@ -78,9 +80,9 @@ fn a_motion_along_an_arc_is_of_one_link_and_a_path_of_several() {
         let plans = vec![plans(&one, ElementCount::Total(4))[0].clone(); count];
         invert_motion(arm, &plans, motion, &Analysis::default(), &Resources::default()).err()
     };
-    assert_eq!(inverted(&two, &arc, 2), Some(ArmError::OtherMotion { links: 2 }));
-    assert_eq!(inverted(&one, &along, 1), Some(ArmError::OtherMotion { links: 1 }));
-    assert_eq!(inverted(&one, &arc, 2), Some(ArmError::Plans { plans: 2, links: 1 }));
+    assert_eq!(inverted(&two, &arc, 2), Some(InversionError::OtherMotion { links: 2 }));
+    assert_eq!(inverted(&one, &along, 1), Some(InversionError::OtherMotion { links: 1 }));
+    assert_eq!(inverted(&one, &arc, 2), Some(InversionError::Plans { plans: 2, links: 1 }));
     assert_eq!(inverted(&one, &arc, 1), None);
 }
 

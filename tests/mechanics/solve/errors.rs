@@ -5,10 +5,11 @@ use std::num::NonZeroUsize;
 
 use super::{Smooth, accelerated, link, mesh_of, refused, sine, whole_band};
 use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfer};
-use flexlink::inverse::{Analysis, InversionError, Resources, Warning, invert, invert_with};
+use flexlink::inverse::{Analysis, InversionError, Resources, Warning, invert, invert_motion};
 use flexlink::link::{Damping, Link, Taper};
 use flexlink::modal::{DampingError, real_frequency_zeros};
 use flexlink::model::ModelError;
+use flexlink::motion::Motion;
 use flexlink::text::significant;
 
 fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
@@ -188,11 +189,12 @@ fn a_window_longer_than_can_be_transformed() {
 #[test]
 fn the_memory_that_a_refusal_names_is_what_it_takes() {
     // No slow tail lengthens the period.
-    let (link, motion) = (link(|parts| parts.damping = Damping::None), Smooth::SHORT.motion());
+    let link = link(|parts| parts.damping = Damping::None);
+    let motion = Motion::Tip(Smooth::SHORT.motion());
     let within = |bytes: usize| {
         let analysis = whole_band(Analysis::new(1e-4, None, None).unwrap());
         let resources = Resources { memory_bytes: Some(bytes), ..Resources::default() };
-        invert_with(&link, &mesh_of(&link, 4), &motion, &analysis, &resources)
+        invert_motion(&link.clone().into(), &[mesh_of(&link, 4)], &motion, &analysis, &resources)
             .map(|solution| solution.band.fft_length)
     };
     // A period that is lengthened takes more than the first one.

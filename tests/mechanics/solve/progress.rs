@@ -4,7 +4,9 @@ use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
 use flexlink::beam::{ElementCount, MeshPlan};
-use flexlink::inverse::{Analysis, Resources, Stage, Watch, invert, invert_with};
+use flexlink::inverse::{Analysis, Resources, Stage, Watch, invert, invert_motion};
+
+use flexlink::motion::Motion;
 
 use super::{Smooth, link};
 
@@ -43,10 +45,12 @@ fn every_mesh_is_told_and_solved_to_its_last_frequency_and_watching_changes_noth
     let motion = Smooth::SHORT.motion();
     let link = link(|_| ());
     let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Auto), 1e-6).unwrap();
+    let (arm, plans) = (link.clone().into(), std::slice::from_ref(&plan));
+    let wanted = Motion::Tip(motion.clone());
     for analysis in [Analysis::default(), Analysis::default().with_moments()] {
         let notes = Notes::default();
         let resources = Resources { watch: &notes, ..Resources::default() };
-        let solution = invert_with(&link, &plan, &motion, &analysis, &resources).unwrap();
+        let solution = invert_motion(&arm, plans, &wanted, &analysis, &resources).unwrap();
         let meshes = notes.meshes();
         let answers = solution.mesh().elements().len();
         let doubled: Vec<usize> =

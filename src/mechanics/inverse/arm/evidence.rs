@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::answer::{ArmAnswer, PathPeriod};
-use super::error::ArmError;
 use super::problem::ArmProblem;
 use super::solve::{LEAST_SIZE, Sizes, Solved, Solver};
 use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
@@ -45,7 +44,7 @@ impl Solver<'_> {
         &self,
         Solved { models, probes, answer, sizes, .. }: &Solved,
         first_zero_per_s: Option<f64>,
-    ) -> Result<Option<Sizes>, ArmError> {
+    ) -> Result<Option<Sizes>, InversionError> {
         let problem = &self.problem;
         let keeps_all = problem.analysis.tip_tolerance() == 0.0;
         if !answer.motion.iteration.exceeds_step && !keeps_all {
@@ -70,7 +69,7 @@ impl Solver<'_> {
     pub(super) fn input_errors(
         &self,
         Solved { models, probes, answer, sizes, .. }: &Solved,
-    ) -> Result<Option<Sizes>, ArmError> {
+    ) -> Result<Option<Sizes>, InversionError> {
         let problem = &self.problem;
         if problem.cutoffs.iter().all(|own| own.input.is_none()) {
             return Ok(None);
@@ -163,7 +162,7 @@ impl Solver<'_> {
     pub(super) fn unsettled(
         &self,
         Solved { models, answer, sizes, .. }: &Solved,
-    ) -> Result<Vec<Option<Warning>>, ArmError> {
+    ) -> Result<Vec<Option<Warning>>, InversionError> {
         let problem = &self.problem;
         let none = vec![Vec::new(); sizes.len()];
         let peaks = |motion: &ArmMotion| -> Vec<f64> {

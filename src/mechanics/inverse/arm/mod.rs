@@ -5,7 +5,6 @@
 //! joints at once.
 
 mod answer;
-mod error;
 mod evidence;
 mod moved;
 mod problem;
@@ -13,6 +12,5 @@ mod rigid;
 mod solve;
 mod window;
 
-pub use error::ArmError;
 pub use problem::check_reach;
-pub use solve::{invert_arm, invert_motion};
+pub use solve::invert_motion;

@@ -5,7 +5,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::answer::{ArmAnswer, PathPeriod};
-use super::error::ArmError;
 use crate::elastica::{
     AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, follow_arm, follow_arm_at,
     reaching, returning,
@@ -51,13 +50,13 @@ pub(super) struct ArmProblem<'a> {
 
 impl<'a> ArmProblem<'a> {
     /// # Errors
-    /// [`ArmError`] if the arm cannot follow the path.
+    /// [`InversionError`] if the arm cannot follow the path.
     pub(super) fn of(
         arm: &'a Arm,
         path: &'a ArmPath,
         (analysis, resources): (&'a Analysis, Resources<'a>),
         first_zero_per_s: Option<f64>,
-    ) -> Result<Self, ArmError> {
+    ) -> Result<Self, InversionError> {
         let nearly_stretched = check_reach(arm, path)?;
         let grid = path.grid();
         let problem = Self {
@@ -81,7 +80,7 @@ impl<'a> ArmProblem<'a> {
     }
 
     /// Refuses directions that contradict the tip's places.
-    fn refuse_beside(&self) -> Result<(), ArmError> {
+    fn refuse_beside(&self) -> Result<(), InversionError> {
         if self.path.beside().is_empty() {
             return Ok(());
         }
@@ -97,7 +96,7 @@ impl<'a> ArmProblem<'a> {
                 |(found, expected): (&f64, &f64)| libm::remainder(found - expected, TAU).abs();
             if let Some(sample) = pairs.clone().position(|pair| off(pair) > AGREEMENT) {
                 let (found, expected) = (angles[sample], chords[*link][0][sample]);
-                return Err(ArmError::Disagree { sample, link: *link, found, expected });
+                return Err(InversionError::Disagree { sample, link: *link, found, expected });
             }
         }
         Ok(())
@@ -264,19 +263,19 @@ impl<'a> ArmProblem<'a> {
     }
 }
 
-/// Refuses a path beyond the arm's reach, or within reach only stretched or folded, as [`invert_arm`] does; returns the
+/// Refuses a path beyond the arm's reach, or within reach only stretched or folded, as [`invert_motion`] does; returns the
 /// warning of a nearly stretched or folded elbow. Accepts every path of directions.
 ///
-/// [`invert_arm`]: super::invert_arm
+/// [`invert_motion`]: super::invert_motion
 ///
 /// # Errors
-/// [`ArmError`] with the sample.
-pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, ArmError> {
+/// [`InversionError`] with the sample.
+pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, InversionError> {
     if path.prescribed() == Prescribed::Angles {
         return Ok(None);
     }
     if arm.elbow().is_none() {
-        return Err(ArmError::NoElbow);
+        return Err(InversionError::NoElbow);
     }
     let lengths_m = arm.lengths_m();
     let [l1, l2] = [lengths_m[0], lengths_m[1]];
@@ -284,11 +283,11 @@ pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, ArmErro
     let mut least = (0, 1.0);
     for (sample, (distance_m, cosine)) in elbows(path, &lengths_m).enumerate() {
         if !(-1.0..=1.0).contains(&cosine) {
-            return Err(ArmError::OutOfReach { sample, distance_m, least_m, most_m });
+            return Err(InversionError::OutOfReach { sample, distance_m, least_m, most_m });
         }
         let sine = (1.0 - cosine * cosine).sqrt();
         if sine < STRETCHED {
-            return Err(ArmError::Stretched { sample, sine, least: STRETCHED });
+            return Err(InversionError::Stretched { sample, sine, least: STRETCHED });
         }
         if sine < least.1 {
             least = (sample, sine);

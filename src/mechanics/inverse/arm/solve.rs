@@ -4,18 +4,18 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::answer::{ArmAnswer, curves_at_rest};
-use super::error::ArmError;
 use super::moved::straying;
 use super::problem::ArmProblem;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
 use crate::inverse::amplitudes::Probes;
 use crate::inverse::curves::Curves;
+use crate::inverse::inversion::invert_link;
 use crate::inverse::period::{PeriodicTorque, Window};
 use crate::inverse::rest::lengthened;
 use crate::inverse::{
     Analysis, Band, InversionError, PerQuantity, QuantityErrors, Resources, SecondOrderFindings,
-    Solution, invert_with,
+    Solution,
 };
 use crate::link::Arm;
 use crate::modal::{real_frequency_zeros, torque_zeros};
@@ -35,49 +35,46 @@ pub(super) type Sizes = Vec<PerQuantity<f64>>;
 /// Finds the torques of all joints for the motion of an arm, or of one link; `plans` has one for each link.
 ///
 /// # Errors
-/// As [`invert_with`] and [`invert_arm`].
+/// [`InversionError`]: impossible damping, an arm that cannot follow its path, a torque that is not finite, an automatic
+/// mesh that does not converge, second-order terms that do not converge, a window too long to transform, or more memory
+/// than `resources` allow.
 pub fn invert_motion(
     arm: &Arm,
     plans: &[MeshPlan],
     motion: &Motion,
     analysis: &Analysis,
     resources: &Resources<'_>,
-) -> Result<Solution, ArmError> {
+) -> Result<Solution, InversionError> {
     match (motion, arm.links(), plans) {
         (Motion::Tip(motion), [own], [plan]) => {
-            Ok(invert_with(&own.link, plan, motion, analysis, resources)?)
+            invert_link(&own.link, plan, motion, analysis, resources)
         }
-        (Motion::Tip(_), [_], _) => Err(ArmError::Plans { plans: plans.len(), links: 1 }),
-        (Motion::Tip(_), links, _) => Err(ArmError::OtherMotion { links: links.len() }),
+        (Motion::Tip(_), [_], _) => Err(InversionError::Plans { plans: plans.len(), links: 1 }),
+        (Motion::Tip(_), links, _) => Err(InversionError::OtherMotion { links: links.len() }),
         (Motion::Path(path), ..) => invert_arm(arm, plans, path, analysis, resources),
     }
 }
 
-/// Finds the torques of all joints that make the tip of an arm follow its path, or its links their directions; `plans`
-/// has one for each link.
-///
-/// # Errors
-/// [`ArmError`]: the arm cannot follow the path, or the inversion fails like one of a single link.
-pub fn invert_arm(
+/// [`invert_motion`] for several links.
+fn invert_arm(
     arm: &Arm,
     plans: &[MeshPlan],
     path: &ArmPath,
     analysis: &Analysis,
     resources: &Resources<'_>,
-) -> Result<Solution, ArmError> {
+) -> Result<Solution, InversionError> {
     let links = arm.links().len();
     if links == 1 {
-        return Err(ArmError::OtherMotion { links });
+        return Err(InversionError::OtherMotion { links });
     }
     if plans.len() != links {
-        return Err(ArmError::Plans { plans: plans.len(), links });
+        return Err(InversionError::Plans { plans: plans.len(), links });
     }
     let mut models = Models::new();
     for (own, plan) in arm.links().iter().zip(plans) {
-        let mesh = Mesh::new(&own.link, plan).map_err(InversionError::from)?;
-        check_size(&own.link, 2 * mesh.elements().len(), 2).map_err(InversionError::from)?;
-        let model = model_of(&own.link, mesh, analysis.kept_modes());
-        models.push(model.map_err(InversionError::from)?);
+        let mesh = Mesh::new(&own.link, plan)?;
+        check_size(&own.link, 2 * mesh.elements().len(), 2)?;
+        models.push(model_of(&own.link, mesh, analysis.kept_modes())?);
     }
     let first_zero_per_s = models
         .iter()
@@ -86,15 +83,11 @@ pub fn invert_arm(
     let problem = ArmProblem::of(arm, path, (analysis, *resources), first_zero_per_s)?;
     let solver = Solver { problem, plans, falls_back: false };
     let refusal = match solver.solution(models.clone(), first_zero_per_s) {
-        Err(ArmError::Inversion(InversionError::Elastica(
-            error @ ElasticaError::Diverges { .. },
-        ))) => error,
+        Err(error @ InversionError::Elastica(ElasticaError::Diverges { .. })) => error,
         found => return found,
     };
     // Second-order terms grow where no torque moves a link's tip.
-    let refused = || {
-        blocked(&models, &solver.problem.cutoffs).unwrap_or(InversionError::from(refusal).into())
-    };
+    let refused = || blocked(&models, &solver.problem.cutoffs).unwrap_or(refusal);
     if analysis.second_order().is_some() {
         return Err(refused());
     }
@@ -102,20 +95,20 @@ pub fn invert_arm(
     let problem = solver.problem.with(SecondOrder::First, solver.problem.cutoffs.clone());
     let first = Solver { problem, plans, falls_back: true };
     match first.solution(models.clone(), first_zero_per_s) {
-        Err(ArmError::Inversion(InversionError::Elastica(ElasticaError::Diverges { .. }))) => {
-            Err(ArmError::NorFirst(Box::new(refused())))
+        Err(InversionError::Elastica(ElasticaError::Diverges { .. })) => {
+            Err(InversionError::NorFirst(Box::new(refused())))
         }
         found => found,
     }
 }
 
 /// Finds the first link whose tip no torque moves at some frequency within the path's band.
-fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<ArmError> {
+fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<InversionError> {
     let ends = cutoffs.iter().filter(|own| !own.keeps_all()).map(Cutoff::end_rad_s);
     let end_rad_s = ends.reduce(f64::max)?;
     models.iter().enumerate().find_map(|(link, model)| {
         let zero = real_frequency_zeros(model.mesh(), end_rad_s).first().copied()?;
-        Some(ArmError::Blocked { link, frequency_hz: zero / TAU })
+        Some(InversionError::Blocked { link, frequency_hz: zero / TAU })
     })
 }
 
@@ -140,7 +133,7 @@ impl Solver<'_> {
         &self,
         models: Models,
         first_zero_per_s: Option<f64>,
-    ) -> Result<Solution, ArmError> {
+    ) -> Result<Solution, InversionError> {
         let problem = &self.problem;
         let (arm, path) = (problem.arm, problem.path);
         let solved = self.on_mesh(models)?;
@@ -211,7 +204,7 @@ impl Solver<'_> {
         };
         solution.tip_error = answer.tip_error_m(path) / solution.tip_travel_m();
         if solution.joints.iter().any(|joint| joint.torque_n_m.iter().any(|t| !t.is_finite())) {
-            return Err(InversionError::OutOfRange { peak_n_m: f64::NAN }.into());
+            return Err(InversionError::OutOfRange { peak_n_m: f64::NAN });
         }
         found.fallback = self.falls_back.then(|| straying(&solution, path));
         solution.second_order = Some(found);
@@ -221,7 +214,7 @@ impl Solver<'_> {
     }
 
     /// The answer over the shortest period on meshes fine enough for the plans.
-    fn on_mesh(&self, coarsest: Models) -> Result<Solved, ArmError> {
+    fn on_mesh(&self, coarsest: Models) -> Result<Solved, InversionError> {
         let problem = &self.problem;
         let (arm, len) = (problem.arm, problem.shortest_len()?);
         let is_automatic = self.plans.iter().any(MeshPlan::is_automatic);
@@ -257,7 +250,7 @@ impl Solver<'_> {
             let elements: usize = models.iter().map(|model| model.mesh().elements().len()).sum();
             let most: usize = finer.iter().map(|model| model.most_elements()).min().unwrap_or(0);
             if finer.iter().any(|model| 2 * model.mesh().elements().len() > most) {
-                return Err(InversionError::NotConverged { error, elements, tolerance }.into());
+                return Err(InversionError::NotConverged { error, elements, tolerance });
             }
             // A link with a fixed number of elements keeps it.
             for (link, plan) in self.plans.iter().enumerate() {
@@ -294,7 +287,10 @@ impl Solver<'_> {
 
     /// Lengthens the period until every quantity is at rest where the chords begin and end their return; returns the
     /// remainders there.
-    fn decayed(&self, mut solved: Solved) -> Result<(Solved, [ArmMotion; 2], Sizes), ArmError> {
+    fn decayed(
+        &self,
+        mut solved: Solved,
+    ) -> Result<(Solved, [ArmMotion; 2], Sizes), InversionError> {
         let problem = &self.problem;
         let initial = solved.answer.path.len();
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
@@ -313,7 +309,7 @@ impl Solver<'_> {
                 None
             } else {
                 lengthened(len, initial, |len| {
-                    Ok::<_, ArmError>(
+                    Ok::<_, InversionError>(
                         is_linear || {
                             let nodes = Some(&solved.probes[..]);
                             let shorter =
@@ -403,7 +399,7 @@ fn left_at_rest(
     problem: &ArmProblem<'_>,
     Solved { models, probes, sizes, .. }: &Solved,
     answer: &ArmAnswer,
-) -> Result<([ArmMotion; 2], Sizes), ArmError> {
+) -> Result<([ArmMotion; 2], Sizes), InversionError> {
     let arm = problem.arm;
     let rests = problem.at_rest(models, &answer.path)?;
     let [first, last] = rests.each_ref().map(|rest| curves_at_rest(arm, rest, probes));
