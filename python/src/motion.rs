@@ -1,29 +1,23 @@
 //! The wanted motion of a tip: its arrays or its file in a call, and the samples read from them.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::PyString;
 
 use flexlink::cli::options::common::refuse_for_arms;
 use flexlink::cli::problem::Problem;
 use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::{Exit, Failure};
-use flexlink::csv::{InputFile, MotionTable, PathTable, Reading, read_motion_table_as};
+use flexlink::csv::{self, InputFile, MotionTable, PathTable, read_motion_table_as};
 use flexlink::link::{Arm, Gravity, Link as OneLink};
 use flexlink::motion::{
     MotionColumns, MotionError, MotionScale, PathColumn, PathColumns, Periods, Recording,
     TipMotion, TipTarget,
 };
-use flexlink::result::Notice;
 use flexlink::spec::ArmSpecification;
 
 use crate::arrays::{column, dictionary, places, times};
 use crate::keywords::{self, OF_LINK, OF_TIP};
 use crate::link::{Link, PickledSource};
-use crate::messages::{Raised, of_reading, usage};
+use crate::messages::of_reading;
+use crate::prelude::*;
 use crate::threads::without_python;
 
 /// Name of samples without a file in messages.
@@ -37,11 +31,7 @@ pub(crate) enum Samples {
 
 impl Samples {
     /// Takes the samples of one link or of an arm out of the keywords; `time` may be the path of a file instead.
-    fn take(
-        time: &Bound<'_, PyAny>,
-        keywords: &Bound<'_, PyDict>,
-        links: usize,
-    ) -> Result<Self, Raised> {
+    fn take(time: &Any<'_>, keywords: &Keywords<'_>, links: usize) -> Raises<Self> {
         let mut columns = Vec::new();
         for name in names(links) {
             let Some(values) = keywords::take(keywords, &name)? else { continue };
@@ -49,10 +39,10 @@ impl Samples {
             let read = if is_derivative { column } else { places };
             columns.push((name.clone(), read(&name, &values)?));
         }
-        let leave = Some("leave one of them out");
         match (path_of(time)?, columns.first()) {
             (Some(_), Some((name, _))) => {
-                Err(usage(&format!("{name} stands beside a file"), leave).into())
+                let message = format!("{name} stands beside a file");
+                Err(usage(&message, Some("leave one of them out")).into())
             }
             (Some(path), None) => Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?)),
             (None, _) => {
@@ -69,7 +59,7 @@ impl Samples {
     }
 
     /// The table of the tip of a link of this length.
-    fn table(&self, length_m: f64, options: &SolveOptions) -> Result<MotionTable, Failure> {
+    fn table(&self, length_m: f64, options: &SolveOptions) -> Fails<MotionTable> {
         if let Self::File(InputFile { shown, bytes, .. }) = self {
             let format = options.resample.format(&options.read);
             return Ok(read_motion_table_as(shown, bytes, length_m, &format)?);
@@ -92,7 +82,7 @@ impl Samples {
     }
 
     /// The table of the path of an arm of so many links.
-    fn path(&self, links: usize, options: &SolveOptions) -> Result<PathTable, Failure> {
+    fn path(&self, links: usize, options: &SolveOptions) -> Fails<PathTable> {
         if let Self::File(file) = self {
             return options.resample.path_of(file, &options.read);
         }
@@ -108,30 +98,25 @@ impl Samples {
         };
         let time_s = self.array("time").unwrap_or_default();
         let angles = (1..=links).map(|link| column(&angle(link))).collect();
-        options
-            .resample
-            .path_in(PathTable::of_columns(MOTION, PathColumns { time_s, tip, angles })?)
+        let table = PathTable::of_columns(MOTION, PathColumns { time_s, tip, angles })?;
+        options.resample.path_in(table)
     }
 
     /// The wanted motion of an arm, and remarks on its file.
-    pub(crate) fn wanted(
-        &self,
-        arm: &Arm,
-        options: &SolveOptions,
-    ) -> Result<(Wanted, Vec<Notice>), Failure> {
+    pub(crate) fn wanted(&self, arm: &Arm, options: &SolveOptions) -> Reading {
         let SolveOptions { resample, scale, .. } = options;
         if let [own] = arm.links() {
             let table = self.table(own.link.length_m(), options)?;
             let reading = self.remarks(table.reading());
             let motion = scale.scaled(resample.motion_in(table, &own.link)?)?;
-            return Ok((Wanted::Tip(motion), reading));
+            return Ok((Wanted::Tip(Box::new(motion)), reading));
         }
         refuse_for_arms([resample.of_one_link(), scale.of_one_link()].concat())?;
         let table = self.path(arm.links().len(), options)?;
         Ok((Wanted::Path(Box::new(scale.scaled_path(&table)?)), self.remarks(table.reading())))
     }
 
-    fn remarks(&self, reading: &Reading) -> Vec<Notice> {
+    fn remarks(&self, reading: &csv::Reading) -> Vec<Notice> {
         self.file().map_or_else(Vec::new, |file| of_reading(&file.shown, reading))
     }
 
@@ -150,15 +135,14 @@ impl Samples {
     }
 
     pub(crate) fn unpickled((file, columns): Pickled<'_>) -> PyResult<Self> {
-        let read = |(name, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let columns = columns.iter().map(|(name, values)| {
             let name: String = name.extract()?;
-            let values = column(&name, &values)?;
-            Ok((name, values))
-        };
-        match file {
-            Some((shown, name, bytes)) => Ok(Self::File(InputFile { shown, name, bytes })),
-            None => Ok(Self::Arrays(columns.iter().map(read).collect::<PyResult<_>>()?)),
-        }
+            Ok((name.clone(), column(&name, &values)?))
+        });
+        Ok(match file {
+            Some((shown, name, bytes)) => Self::File(InputFile { shown, name, bytes }),
+            None => Self::Arrays(columns.collect::<PyResult<_>>()?),
+        })
     }
 }
 
@@ -181,14 +165,17 @@ fn angle(link: usize) -> String {
 /// The motion of one link's tip, or the path of an arm.
 #[derive(Clone)]
 pub(crate) enum Wanted {
-    Tip(TipMotion),
+    Tip(Box<TipMotion>),
     Path(Box<PathTable>),
 }
+
+/// The wanted motion of a link or an arm, and remarks on its file.
+type Reading = Fails<(Wanted, Vec<Notice>)>;
 
 impl Wanted {
     pub(crate) fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
         Ok(match self {
-            Self::Tip(motion) => Self::Tip(motion.scaled(scale)?),
+            Self::Tip(motion) => Self::Tip(Box::new(motion.scaled(scale)?)),
             Self::Path(path) => Self::Path(Box::new(path.slowed(scale.duration)?)),
         })
     }
@@ -198,16 +185,16 @@ impl Wanted {
         self,
         file: &InputFile,
         specification: ArmSpecification,
-    ) -> Result<Problem, Failure> {
+    ) -> Fails<Problem> {
         match self {
-            Self::Tip(motion) => Ok(Problem::of_link(MOTION, specification, motion)),
+            Self::Tip(motion) => Ok(Problem::of_link(MOTION, specification, *motion)),
             Self::Path(path) => Problem::of_arm(file, specification, *path),
         }
     }
 }
 
 /// Refuses options for reading files if the samples are arrays in SI.
-fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
+fn refuse_reading(options: &SolveOptions) -> Fails<()> {
     let refused = |option: &str, hint| {
         let option = option.split('=').next().unwrap_or_default();
         Err(usage(&format!("{option} is for files, and the motion is arrays"), Some(hint)))
@@ -221,7 +208,7 @@ fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
 }
 
 /// The path in a text or a path-like object.
-pub(crate) fn path_of(value: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
+pub(crate) fn path_of(value: &Any<'_>) -> PyResult<Option<PathBuf>> {
     let is_path = value.is_instance_of::<PyString>() || value.hasattr("__fspath__")?;
     is_path.then(|| value.extract()).transpose()
 }
@@ -236,15 +223,12 @@ pub(crate) struct Call<'a> {
 
 impl<'a> Call<'a> {
     /// Takes the motion out of the keywords; `time` may be a [`Motion`], or the path of a file.
-    pub(crate) fn take(
-        time: &'a Bound<'_, PyAny>,
-        keywords: &Bound<'_, PyDict>,
-        links: usize,
-    ) -> Result<Self, Raised> {
+    pub(crate) fn take(time: &'a Any<'_>, keywords: &Keywords<'_>, links: usize) -> Raises<Self> {
         keywords::refuse_commands(keywords)?;
         let Ok(motion) = time.cast::<Motion>() else {
             let samples = Arc::new(Samples::take(time, keywords, links)?);
-            return Ok(Self { samples, arguments: keywords::arguments(keywords)?, motion: None });
+            let arguments = keywords::arguments(keywords, &[])?;
+            return Ok(Self { samples, arguments, motion: None });
         };
         if links > 1 {
             let message = "a Motion is of one link, and the arm has several";
@@ -253,7 +237,7 @@ impl<'a> Call<'a> {
         let motion = motion.get();
         let is_there = |name: &&str| keywords.contains(name).unwrap_or_default();
         let column = OF_LINK.into_iter().find(is_there).map(str::to_owned);
-        let own = keywords::arguments(keywords)?;
+        let own = keywords::arguments(keywords, &[])?;
         let beside = match column {
             Some(name) => Some(name),
             None => of_motion(&keywords::solve_options(&own)?).into_iter().next(),
@@ -268,16 +252,12 @@ impl<'a> Call<'a> {
     }
 
     /// The wanted motion of a link or an arm, and remarks on its file.
-    pub(crate) fn wanted(
-        &self,
-        link: &Link,
-        options: &SolveOptions,
-    ) -> Result<(Wanted, Vec<Notice>), Failure> {
+    pub(crate) fn wanted(&self, link: &Link, options: &SolveOptions) -> Reading {
         let Some(motion) = self.motion else {
             return self.samples.wanted(&link.specification.arm, options);
         };
         motion.refuse_other(link.first())?;
-        Ok((Wanted::Tip(motion.tip.clone()), motion.reading.clone()))
+        Ok((Wanted::Tip(Box::new(motion.tip.clone())), motion.reading.clone()))
     }
 }
 
@@ -318,11 +298,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    fn read(
-        samples: Samples,
-        arguments: Vec<String>,
-        link: Option<&Link>,
-    ) -> Result<Self, Failure> {
+    fn read(samples: Samples, arguments: Vec<String>, link: Option<&Link>) -> Fails<Self> {
         let pickled = link.map(|link| link.source.pickled());
         let several = || usage(&"link = an arm of several links, but must be one link", None);
         let link = link.map(|link| link.one().ok_or_else(several)).transpose()?;
@@ -350,7 +326,7 @@ impl Motion {
     }
 
     /// Refuses a link of another length or gravity if the motion is angles of a link.
-    pub(crate) fn refuse_other(&self, link: &OneLink) -> Result<(), Failure> {
+    pub(crate) fn refuse_other(&self, link: &OneLink) -> Fails<()> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
         let is_same = length_m.total_cmp(&link.length_m()).is_eq();
         if is_same && gravity.as_ref() == link.gravity() {
@@ -373,14 +349,14 @@ impl Motion {
     #[pyo3(signature = (time, *, link=None, **keywords))]
     fn new(
         py: Python<'_>,
-        time: &Bound<'_, PyAny>,
+        time: &Any<'_>,
         link: Option<&Link>,
-        keywords: Option<Bound<'_, PyDict>>,
-    ) -> Result<Self, Raised> {
+        keywords: Option<Keywords<'_>>,
+    ) -> Raises<Self> {
         let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
         keywords::refuse_commands(&keywords)?;
         let samples = Samples::take(time, &keywords, 1)?;
-        let arguments = keywords::arguments(&keywords)?;
+        let arguments = keywords::arguments(&keywords, &[])?;
         without_python(py, || Self::read(samples, arguments, link))
     }
 
@@ -392,15 +368,13 @@ impl Motion {
 
     /// Displacement of the tip in m along its arc, computed by each call.
     #[getter]
-    fn displacement<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
+    fn displacement<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
         let grid = self.tip.grid();
         let find = || Ok(self.target(grid.time_s(0), grid.end_s()).displacement_m().to_vec());
         Ok(PyArray1::from_vec(py, without_python(py, find)?))
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py> {
         let (py, own) = (slf.py(), slf.get());
         let arguments = (own.samples.pickled(py)?, own.arguments.clone(), own.link.clone());
         Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
@@ -412,7 +386,7 @@ impl Motion {
         samples: Pickled<'_>,
         arguments: Vec<String>,
         link: Option<PickledSource>,
-    ) -> Result<Self, Raised> {
+    ) -> Raises<Self> {
         let samples = Samples::unpickled(samples)?;
         let link = link.map(Link::unpickled).transpose()?;
         without_python(py, || Self::read(samples, arguments, link.as_ref()))
