@@ -3,31 +3,25 @@
 use std::num::NonZeroUsize;
 
 use numpy::ndarray::ArrayView1;
-use numpy::{
-    PyArray1, PyArray2, PyArray3, PyArrayDescrMethods as _, PyArrayMethods as _, PyUntypedArray,
-    PyUntypedArrayMethods as _,
-};
+use numpy::{PyArrayDescrMethods as _, PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::PyClass;
-use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
-use pyo3::types::PyDict;
 
 use flexlink::cli::terminal::memory;
 use flexlink::numeric::TimeGrid;
 use flexlink::text::excerpt;
 
-use crate::messages::{Raised, usage};
+use crate::prelude::*;
 
 /// The numbers of a column: an array of one dimension, or its equivalent for NumPy. Converts whole numbers and other
 /// widths; refuses complex numbers, texts and objects.
-pub(crate) fn column(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+pub(crate) fn column(name: &str, values: &Any<'_>) -> PyResult<Vec<f64>> {
     doubles(&line(name, values)?)
 }
 
 /// The numbers of a column of places, rounded to decimals: floats of few digits have the decimals of the largest
 /// number.
-pub(crate) fn places(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+pub(crate) fn places(name: &str, values: &Any<'_>) -> PyResult<Vec<f64>> {
     let array = line(name, values)?;
     if !is_short(&array) || array.is_empty() {
         return doubles(&array);
@@ -49,7 +43,7 @@ pub(crate) fn places(name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>
 /// The columns of an array with `rows` rows and `count` columns.
 pub(crate) fn columns(
     name: &str,
-    values: &Bound<'_, PyAny>,
+    values: &Any<'_>,
     (rows, count): (usize, usize),
 ) -> PyResult<Vec<Vec<f64>>> {
     let must = format!("the shape ({rows}, {count})");
@@ -60,16 +54,16 @@ pub(crate) fn columns(
 }
 
 /// An array of real numbers of one dimension.
-fn line<'py>(name: &str, values: &Bound<'py, PyAny>) -> Result<Bound<'py, PyUntypedArray>, Raised> {
+fn line<'py>(name: &str, values: &Any<'py>) -> Raises<Bound<'py, PyUntypedArray>> {
     numbers(name, values, ("one dimension", |shape| shape.len() == 1))
 }
 
 /// An array of real numbers of a shape.
 fn numbers<'py>(
     name: &str,
-    values: &Bound<'py, PyAny>,
+    values: &Any<'py>,
     (must, has_shape): (&str, impl FnOnce(&[usize]) -> bool),
-) -> Result<Bound<'py, PyUntypedArray>, Raised> {
+) -> Raises<Bound<'py, PyUntypedArray>> {
     let array = values.py().import("numpy")?.call_method1("asarray", (values,))?;
     let array = array.cast_into::<PyUntypedArray>().map_err(PyErr::from)?;
     let dtype = array.dtype();
@@ -99,30 +93,43 @@ fn doubles(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<f64>> {
     Ok(array.readonly().as_array().to_vec())
 }
 
-/// Numbers of nodes in a call.
-pub(crate) struct Nodes(Vec<usize>);
+/// One value for all links or joints, or one for each.
+#[derive(FromPyObject)]
+pub(crate) enum OneOrEach<T> {
+    One(T),
+    Each(Vec<T>),
+}
 
-impl Nodes {
-    /// The nodes of a call, or all; and the stride. Refuses arrays that exceed the memory: their columns are computed one
-    /// by one, and then put into rows.
-    pub(crate) fn checked(
-        nodes: Option<Self>,
-        all: usize,
-        samples: usize,
-    ) -> Result<Vec<usize>, Raised> {
-        let nodes = nodes.map_or_else(|| (0..all).collect(), |listed| listed.0);
-        let bytes = samples.saturating_mul(nodes.len()).saturating_mul(3 * size_of::<f64>());
-        memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?;
-        Ok(nodes)
+impl<T> OneOrEach<T> {
+    pub(crate) fn list(self) -> Vec<T> {
+        match self {
+            Self::One(value) => vec![value],
+            Self::Each(values) => values,
+        }
     }
 }
 
-impl<'py> FromPyObject<'_, 'py> for Nodes {
+/// Nodes in a call, by default all.
+pub(crate) type Nodes = Option<Numbers>;
+
+/// Numbers of nodes.
+pub(crate) struct Numbers(Vec<usize>);
+
+/// The nodes of a call. Refuses arrays of so many samples that exceed the memory: their columns are computed one by one,
+/// and then put into rows.
+pub(crate) fn checked(nodes: Nodes, all: usize, samples: usize) -> Raises<Vec<usize>> {
+    let nodes = nodes.map_or_else(|| (0..all).collect(), |numbers| numbers.0);
+    let bytes = samples.saturating_mul(nodes.len()).saturating_mul(3 * size_of::<f64>());
+    memory::check("the motion of the nodes", bytes, None, "fewer nodes, or a larger every")?;
+    Ok(nodes)
+}
+
+impl<'py> FromPyObject<'_, 'py> for Numbers {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let must = "must be the numbers of nodes, whole ones from 0 on";
-        let whole = |number: PyResult<Bound<'_, PyAny>>| -> PyResult<usize> {
+        let whole = |number: PyResult<Any<'_>>| -> PyResult<usize> {
             let number = number?;
             number.extract().map_err(|_| unlike("nodes", &number, must))
         };
@@ -149,7 +156,7 @@ impl<'py> FromPyObject<'_, 'py> for Every {
 }
 
 /// Refusal of an unsuitable argument.
-pub(crate) fn unlike(name: &str, value: &Bound<'_, PyAny>, must: &str) -> PyErr {
+pub(crate) fn unlike(name: &str, value: &Any<'_>, must: &str) -> PyErr {
     let shown = value.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
     Raised::from(usage(&format!("{name} = {}, but {must}", excerpt(&shown)), None)).into()
 }

@@ -1,18 +1,13 @@
 //! `fit`: the measured link or arm.
 
-use std::path::{Path, PathBuf};
-
-use pyo3::prelude::*;
-
 use flexlink::cli::fit::{Problem, Unfitted, check_output};
 use flexlink::cli::options::common::option;
-use flexlink::cli::terminal::{Failure, console};
+use flexlink::cli::terminal::console;
 use flexlink::fit::{FitOutcome, Replaced};
-use flexlink::result::Notice;
 use flexlink::store::{NamedBy, NewFile, fit_json, fit_record};
 
 use crate::link::Link;
-use crate::messages::{Raised, loaded, objects, usage, warn};
+use crate::prelude::*;
 use crate::threads::until_pressed;
 
 /// A link or an arm fitted to measurements.
@@ -43,7 +38,7 @@ pub(crate) fn fit(
     Ok(fit)
 }
 
-fn fitted(link: &Link, measured: &Path, free: &[String]) -> Result<Fit, Failure> {
+fn fitted(link: &Link, measured: &Path, free: &[String]) -> Fails<Fit> {
     let (source, own) = (&link.source, link.source.described()?);
     let unfitted = Unfitted { link: source.file.clone(), own, changes: source.overrides(&[])? };
     let sets = source.changes.iter().flat_map(|change| option("--set", change));
@@ -67,7 +62,7 @@ impl Fit {
     /// Content of the record of ``flexlink fit``: values with their standard errors and intervals, residuals, and the
     /// values that the data do not determine.
     #[getter]
-    fn record<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn record<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         loaded(py, &self.record)
     }
 
@@ -79,7 +74,7 @@ impl Fit {
 
     /// Warnings, which Python's filters received, too.
     #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Any<'py>>> {
         objects(py, &self.warnings)
     }
 
@@ -91,7 +86,7 @@ impl Fit {
 
     /// Writes the fitted link file ``NAME.toml``, and its record ``NAME.json`` beside it. Refused if the fit is not
     /// credible.
-    fn write(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
+    fn write(&self, py: Python<'_>, path: PathBuf) -> Raises<()> {
         Ok(py.detach(|| self.write_to(&path))?)
     }
 
@@ -102,7 +97,7 @@ impl Fit {
 }
 
 impl Fit {
-    fn write_to(&self, path: &Path) -> Result<(), Failure> {
+    fn write_to(&self, path: &Path) -> Fails<()> {
         if let Some(misfit) = &self.outcome.misfit {
             return Err(usage(&format!("{}: {misfit}", self.shown), None));
         }

@@ -2,18 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-
 use flexlink::cli::frf::Frf;
 use flexlink::cli::modes::{Wanted, computed};
 use flexlink::response::{PoseMode, SettledModes};
-use flexlink::result::{ModesResult, Notice, Setting};
+use flexlink::result::{ModesResult, Setting};
 
-use crate::arrays::{dictionary, rows};
-use crate::keywords::{parsed, renamed_arguments};
+use crate::arrays::{OneOrEach, dictionary, rows};
+use crate::keywords::{arguments, parsed};
 use crate::link::Link;
-use crate::messages::{Raised, usage, warn};
+use crate::prelude::*;
 use crate::threads::until_pressed;
 
 /// Natural frequencies, damping ratios, mode shapes and zeros, as a dictionary of arrays.
@@ -36,15 +33,12 @@ pub(crate) fn modes<'py>(
     py: Python<'py>,
     link: &Link,
     count: usize,
-    at: Option<Directions>,
-) -> Result<Bound<'py, PyDict>, Raised> {
+    at: Option<OneOrEach<f64>>,
+) -> Dictionary<'py> {
     if !(1..=1000).contains(&count) {
         return Err(usage(&format!("count = {count}, but must be 1 to 1000"), None).into());
     }
-    let at = at.map(|at| match at {
-        Directions::One(angle) => vec![angle],
-        Directions::Each(angles) => angles,
-    });
+    let at = at.map(OneOrEach::list);
     let specification = &link.specification;
     let compute = || computed(specification, at.as_deref(), count, Wanted::Modes);
     let found = until_pressed(py, compute)?;
@@ -59,13 +53,6 @@ pub(crate) fn modes<'py>(
             dictionary(py, in_pose.into_iter().chain(at_rest))?
         }
     })
-}
-
-/// One direction, or one for each link.
-#[derive(FromPyObject)]
-pub(crate) enum Directions {
-    One(f64),
-    Each(Vec<f64>),
 }
 
 /// Numbers of all modes.
@@ -121,13 +108,13 @@ const RENAMED: [(&str, &str); 2] = [("from", "start"), ("to", "stop")];
 pub(crate) fn frf<'py>(
     py: Python<'py>,
     link: &Link,
-    keywords: Option<Bound<'py, PyDict>>,
-) -> Result<Bound<'py, PyDict>, Raised> {
+    keywords: Option<Keywords<'py>>,
+) -> Dictionary<'py> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    let mut arguments = renamed_arguments(&keywords, &RENAMED)?;
+    let mut words = arguments(&keywords, &RENAMED)?;
     // The parser requires a file, but the call has the link itself.
-    arguments.push("link".to_owned());
-    let frf: Frf = parsed(&arguments, &[], &RENAMED)?;
+    words.push("link".to_owned());
+    let frf: Frf = parsed(&words, &[], &RENAMED)?;
     let response = until_pressed(py, || frf.compute(&link.specification))?;
     let coarse = response.error.and_then(|error| error.warning);
     warn(py, &coarse.map(Notice::from).into_iter().collect::<Vec<_>>())?;

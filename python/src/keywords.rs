@@ -3,16 +3,12 @@
 use std::error::Error as _;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyList, PyTuple};
 
 use flexlink::cli::options::common::option;
 use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::Failure;
 use flexlink::text::did_you_mean;
 
-use crate::messages::{Raised, usage};
+use crate::prelude::*;
 
 /// Columns of a motion of one link, and of the tip of an arm.
 pub(crate) const OF_LINK: [&str; 4] = ["acceleration", "velocity", "displacement", "angle"];
@@ -22,17 +18,14 @@ pub(crate) const OF_TIP: [&str; 2] = ["x", "y"];
 pub(crate) type Renamed<'a> = &'a [(&'a str, &'a str)];
 
 /// Removes a keyword and returns its value, unless it is None.
-pub(crate) fn take<'py>(
-    keywords: &Bound<'py, PyDict>,
-    name: &str,
-) -> PyResult<Option<Bound<'py, PyAny>>> {
+pub(crate) fn take<'py>(keywords: &Keywords<'py>, name: &str) -> PyResult<Option<Any<'py>>> {
     let Some(value) = keywords.get_item(name)? else { return Ok(None) };
     keywords.del_item(name)?;
     Ok((!value.is_none()).then_some(value))
 }
 
 /// Refuses options of the command with another form in a call.
-pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised> {
+pub(crate) fn refuse_commands(keywords: &Keywords<'_>) -> Raises<()> {
     let others = [
         ("set", r#"link.changed({"payload.mass": 0.2}) is the link with a change"#),
         ("verify", "write the solution's link and motion as files for `flexlink verify`"),
@@ -47,15 +40,7 @@ pub(crate) fn refuse_commands(keywords: &Bound<'_, PyDict>) -> Result<(), Raised
 
 /// Keywords as the command's arguments: `resample=0.001` as `--resample 0.001`, `True` as an option without a value.
 /// Skips None and `False`.
-pub(crate) fn arguments(keywords: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
-    renamed_arguments(keywords, &[])
-}
-
-/// Keywords as the command's arguments, some under other names.
-pub(crate) fn renamed_arguments(
-    keywords: &Bound<'_, PyDict>,
-    renamed: Renamed<'_>,
-) -> PyResult<Vec<String>> {
+pub(crate) fn arguments(keywords: &Keywords<'_>, renamed: Renamed<'_>) -> PyResult<Vec<String>> {
     let mut arguments = Vec::new();
     for (key, value) in keywords.iter().filter(|(_, value)| !value.is_none()) {
         let word: String = key.extract()?;
@@ -77,10 +62,7 @@ pub(crate) fn renamed_arguments(
 }
 
 /// Keywords of a `write` as arguments; refuses keywords outside the `known` ones.
-pub(crate) fn of_writing(
-    keywords: Option<&Bound<'_, PyDict>>,
-    known: &[&str],
-) -> Result<Vec<String>, Raised> {
+pub(crate) fn of_writing(keywords: Option<&Keywords<'_>>, known: &[&str]) -> Raises<Vec<String>> {
     let Some(keywords) = keywords else { return Ok(Vec::new()) };
     for key in keywords.keys() {
         let key: String = key.extract()?;
@@ -88,7 +70,7 @@ pub(crate) fn of_writing(
             return Err(unknown(&key, known.iter().copied()).into());
         }
     }
-    Ok(arguments(keywords)?)
+    Ok(arguments(keywords, &[])?)
 }
 
 /// Refusal of a keyword outside the `known` ones.
@@ -99,22 +81,20 @@ pub(crate) fn unknown<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -
 }
 
 /// A value in the form of the command: lists with commas, dictionaries as `quantity=column`.
-fn words(value: &Bound<'_, PyAny>) -> PyResult<String> {
+fn words(value: &Any<'_>) -> PyResult<String> {
     if let Ok(pairs) = value.cast::<PyDict>() {
-        let pair = |(key, own): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-            Ok(format!("{}={}", key.str()?, own.str()?))
-        };
+        let pair = |(key, own): (Any<'_>, Any<'_>)| Ok(format!("{}={}", key.str()?, own.str()?));
         return Ok(pairs.iter().map(pair).collect::<PyResult<Vec<String>>>()?.join(","));
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let items = value.try_iter()?.map(|item| Ok(item?.str()?.to_string()));
-        return Ok(items.collect::<Result<Vec<String>, Raised>>()?.join(","));
+        return Ok(items.collect::<Raises<Vec<String>>>()?.join(","));
     }
     Ok(value.str()?.to_string())
 }
 
 /// Keywords as the options of `solve`.
-pub(crate) fn solve_options(arguments: &[String]) -> Result<SolveOptions, Failure> {
+pub(crate) fn solve_options(arguments: &[String]) -> Fails<SolveOptions> {
     parsed(arguments, &[&OF_LINK[..], &OF_TIP].concat(), &[])
 }
 
@@ -123,7 +103,7 @@ pub(crate) fn parsed<T: clap::Args>(
     arguments: &[String],
     others: &[&str],
     renamed: Renamed<'_>,
-) -> Result<T, Failure> {
+) -> Fails<T> {
     let command = T::augment_args(clap::Command::new("").no_binary_name(true));
     let matches = command.disable_help_flag(true).try_get_matches_from(arguments);
     let read = matches.and_then(|matches| T::from_arg_matches(&matches));
@@ -133,20 +113,14 @@ pub(crate) fn parsed<T: clap::Args>(
 /// The parser's refusal of keywords for the options `T`.
 fn refused<T: clap::Args>(error: &clap::Error, others: &[&str], renamed: Renamed<'_>) -> Failure {
     let keyword = |option: &str| keyword(option, renamed);
-    let name = |kind| match error.get(kind)? {
-        ContextValue::String(text) => Some(keyword(text)),
-        ContextValue::Strings(texts) => {
-            Some(texts.iter().map(|text| keyword(text)).collect::<Vec<_>>().join(", "))
-        }
-        _ => None,
+    let texts = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => vec![text.clone()],
+        Some(ContextValue::Strings(texts)) => texts.clone(),
+        _ => Vec::new(),
     };
-    let text = |kind| match error.get(kind)? {
-        ContextValue::String(text) => Some(text.clone()),
-        ContextValue::Strings(texts) => Some(texts.join(", ")),
-        _ => None,
-    };
-    let argument = name(ContextKind::InvalidArg).unwrap_or_default();
-    let value = text(ContextKind::InvalidValue).unwrap_or_default();
+    let name = |kind| texts(kind).iter().map(|text| keyword(text)).collect::<Vec<_>>().join(", ");
+    let argument = name(ContextKind::InvalidArg);
+    let value = texts(ContextKind::InvalidValue).join(", ");
     let message = match error.kind() {
         ErrorKind::UnknownArgument => {
             let options = T::augment_args(clap::Command::new(""));
@@ -157,7 +131,7 @@ fn refused<T: clap::Args>(error: &clap::Error, others: &[&str], renamed: Renamed
         }
         ErrorKind::InvalidValue if value.is_empty() => format!("{argument} needs a value"),
         ErrorKind::InvalidValue => {
-            let known = text(ContextKind::ValidValue).unwrap_or_default();
+            let known = texts(ContextKind::ValidValue).join(", ");
             let hint = did_you_mean(&value, known.split(", "));
             let message = format!("{argument} = {value:?}, but must be one of {known}");
             return usage(&message, hint.as_deref());
@@ -167,8 +141,7 @@ fn refused<T: clap::Args>(error: &clap::Error, others: &[&str], renamed: Renamed
             None => format!("{argument} = {value} is refused"),
         },
         ErrorKind::ArgumentConflict => {
-            let other = name(ContextKind::PriorArg).unwrap_or_default();
-            format!("{argument} must not stand beside {other}")
+            format!("{argument} must not stand beside {}", name(ContextKind::PriorArg))
         }
         ErrorKind::MissingRequiredArgument => format!("{argument} must be given"),
         _ => {

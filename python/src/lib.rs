@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `messages` | errors and warnings as Python's |
+//! | `prelude` | names that most files use |
 //! | `threads` | threads that survive a fork; Ctrl-C |
 //! | `arrays` | columns of numbers in, views of samples out |
 //! | `properties` | properties of results by name, for one link and for arms |
@@ -28,6 +29,7 @@ mod keywords;
 mod link;
 mod messages;
 mod motion;
+mod prelude;
 mod properties;
 mod simulate;
 mod simulation;

@@ -1,17 +1,11 @@
 //! A link or an arm, and its file or keywords.
 
-use std::path::{Path, PathBuf};
-
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
-
 use flexlink::cli::options::inputs::specification;
-use flexlink::cli::terminal::Failure;
 use flexlink::csv::InputFile;
 use flexlink::link::Link as OneLink;
 use flexlink::spec::{LinkDocument, Override, Specification};
 
-use crate::messages::{Raised, usage};
+use crate::prelude::*;
 use crate::properties::check;
 use crate::toml;
 
@@ -32,7 +26,7 @@ pub(crate) struct Source {
 pub(crate) type PickledSource = (String, String, Vec<u8>, bool, Vec<String>);
 
 impl Source {
-    fn read(path: &Path, changes: Vec<String>) -> Result<Self, Failure> {
+    fn read(path: &Path, changes: Vec<String>) -> Fails<Self> {
         Ok(Self { file: InputFile::read_toml(path)?, is_file: true, changes })
     }
 
@@ -49,18 +43,18 @@ impl Source {
     }
 
     /// The changes, followed by those of a case.
-    pub(crate) fn overrides(&self, more: &[String]) -> Result<Vec<Override>, Failure> {
+    pub(crate) fn overrides(&self, more: &[String]) -> Fails<Vec<Override>> {
         let read = |change: &String| {
             change.parse().map_err(|error: flexlink::spec::SpecError| usage(&error, error.hint()))
         };
         self.changes.iter().chain(more).map(read).collect()
     }
 
-    pub(crate) fn document(&self) -> Result<LinkDocument, Failure> {
+    pub(crate) fn document(&self) -> Fails<LinkDocument> {
         Ok(LinkDocument::read(&self.file.shown, self.file.text()?)?)
     }
 
-    pub(crate) fn described(&self) -> Result<Specification, Failure> {
+    pub(crate) fn described(&self) -> Fails<Specification> {
         let read = specification(&self.file, &self.overrides(&[])?);
         read.map_err(|failure| if self.is_file { failure } else { without_line(failure) })
     }
@@ -110,11 +104,11 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    fn of(source: Source) -> Result<Self, Failure> {
+    fn of(source: Source) -> Fails<Self> {
         Ok(Self { specification: source.described()?, source })
     }
 
-    pub(crate) fn unpickled(source: PickledSource) -> Result<Self, Failure> {
+    pub(crate) fn unpickled(source: PickledSource) -> Fails<Self> {
         Self::of(Source::unpickled(source))
     }
 
@@ -138,7 +132,7 @@ impl Link {
 impl Link {
     #[new]
     #[pyo3(signature = (**keys))]
-    fn new(py: Python<'_>, keys: Option<Bound<'_, PyDict>>) -> Result<Self, Raised> {
+    fn new(py: Python<'_>, keys: Option<Keywords<'_>>) -> Raises<Self> {
         let keys = keys.unwrap_or_else(|| PyDict::new(py));
         Ok(Self::of(Source::of_keywords(&keys)?)?)
     }
@@ -147,12 +141,12 @@ impl Link {
     /// or ``{"links.fore.payload.mass": 0.2}``; a key that ends in ``*`` multiplies the value of the file.
     #[staticmethod]
     #[pyo3(signature = (path, changes=None))]
-    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> Result<Self, Raised> {
+    fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> Raises<Self> {
         Ok(Self::of(Source::read(&path, toml::changes(changes)?)?)?)
     }
 
     /// The same link with further changes.
-    fn changed(&self, changes: &Bound<'_, PyDict>) -> Result<Self, Raised> {
+    fn changed(&self, changes: &Bound<'_, PyDict>) -> Raises<Self> {
         Ok(Self::of(self.source.changed(toml::changes(Some(changes))?))?)
     }
 
@@ -190,16 +184,14 @@ impl Link {
         }
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py> {
         let unpickle = slf.get_type().getattr("_unpickled")?;
         Ok((unpickle, slf.get().source.pickled().into_pyobject(slf.py())?))
     }
 
     #[staticmethod]
     #[pyo3(signature = (*source))]
-    fn _unpickled(source: &Bound<'_, PyTuple>) -> Result<Self, Raised> {
+    fn _unpickled(source: &Bound<'_, PyTuple>) -> Raises<Self> {
         Ok(Self::unpickled(source.extract()?)?)
     }
 }

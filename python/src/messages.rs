@@ -60,9 +60,9 @@ pub(crate) fn in_python(text: &str) -> String {
                 let value = after.strip_prefix(' ').unwrap_or_default();
                 let value = value.split([' ', ';', ')', '`']).next().unwrap_or_default();
                 let value = value.trim_end_matches([',', '.']);
-                if let Some(value) = as_value(value) {
-                    found.push_str(&value.0);
-                    rest = &after[1 + value.1..];
+                if let Some(shown) = as_value(value) {
+                    found.push_str(&shown);
+                    rest = &after[1 + value.len()..];
                 }
             }
             _ => {
@@ -74,17 +74,13 @@ pub(crate) fn in_python(text: &str) -> String {
     found + rest
 }
 
-/// The value of an option in the form of a keyword's value, with its original length; `None` for another word.
-fn as_value(word: &str) -> Option<(String, usize)> {
+/// The value of an option in the form of a keyword's value; `None` for another word.
+fn as_value(word: &str) -> Option<String> {
     let is_placeholder = !word.is_empty() && word.chars().all(|c| c.is_ascii_uppercase());
     let is_number = word.parse::<f64>().is_ok();
     let is_text = word.find('=').is_some_and(|at| at > 0) || ["comma", "point"].contains(&word);
-    let shown = match () {
-        () if is_placeholder || is_number => format!("={word}"),
-        () if is_text => format!("={word:?}"),
-        () => return None,
-    };
-    Some((shown, word.len()))
+    let plain = (is_placeholder || is_number).then(|| format!("={word}"));
+    plain.or_else(|| is_text.then(|| format!("={word:?}")))
 }
 
 /// Refusal of an argument.

@@ -1,27 +1,21 @@
 //! The wanted motion of a tip: its arrays or its file in a call, and the samples read from them.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::PyString;
 
 use flexlink::cli::options::inputs::Wanted;
 use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::{InputFile, MotionTable, Reading, SampleRows, read_motion_table_as};
 use flexlink::link::{Arm, Gravity, Link as OneLink};
 use flexlink::motion::{
     Motion as WantedMotion, MotionColumns, PathColumn, PathColumns, Periods, Recording, TipMotion,
     TipTarget,
 };
-use flexlink::result::Notice;
 
 use crate::arrays::{column, dictionary, places, times};
 use crate::keywords::{self, OF_LINK, OF_TIP};
 use crate::link::{Link, PickledSource};
-use crate::messages::{Raised, of_reading, usage};
+use crate::messages::of_reading;
+use crate::prelude::*;
 use crate::threads::without_python;
 
 /// Name of samples without a file in messages.
@@ -35,11 +29,7 @@ pub(crate) enum Samples {
 
 impl Samples {
     /// Takes the samples of one link or of an arm out of the keywords; `time` may be the path of a file instead.
-    fn take(
-        time: &Bound<'_, PyAny>,
-        keywords: &Bound<'_, PyDict>,
-        links: usize,
-    ) -> Result<Self, Raised> {
+    fn take(time: &Any<'_>, keywords: &Keywords<'_>, links: usize) -> Raises<Self> {
         let mut columns = Vec::new();
         for name in names(links) {
             let Some(values) = keywords::take(keywords, &name)? else { continue };
@@ -47,10 +37,10 @@ impl Samples {
             let read = if is_derivative { column } else { places };
             columns.push((name.clone(), read(&name, &values)?));
         }
-        let leave = Some("leave one of them out");
         match (path_of(time)?, columns.first()) {
             (Some(_), Some((name, _))) => {
-                Err(usage(&format!("{name} stands beside a file"), leave).into())
+                let message = format!("{name} stands beside a file");
+                Err(usage(&message, Some("leave one of them out")).into())
             }
             (Some(path), None) => Ok(Self::File(InputFile::read(&path).map_err(Failure::from)?)),
             (None, _) => {
@@ -67,7 +57,7 @@ impl Samples {
     }
 
     /// The table of the motion of links with these lengths.
-    fn table(&self, lengths_m: &[f64], options: &SolveOptions) -> Result<MotionTable, Failure> {
+    fn table(&self, lengths_m: &[f64], options: &SolveOptions) -> Fails<MotionTable> {
         if let Self::File(InputFile { shown, bytes, .. }) = self {
             let format = options.resample.format(&options.read);
             return Ok(read_motion_table_as(shown, bytes, lengths_m, &format)?);
@@ -96,7 +86,7 @@ impl Samples {
         }
     }
 
-    fn path(&self, time_s: Vec<f64>, lengths_m: &[f64]) -> Result<MotionTable, Failure> {
+    fn path(&self, time_s: Vec<f64>, lengths_m: &[f64]) -> Fails<MotionTable> {
         let column = |name: &str| {
             let (name, recording) = (name.to_owned(), Recording::default());
             self.array(&name).map(|values| PathColumn { name, values, recording })
@@ -111,11 +101,7 @@ impl Samples {
     }
 
     /// The wanted motion of an arm, and remarks on its file.
-    pub(crate) fn wanted(
-        &self,
-        arm: &Arm,
-        options: &SolveOptions,
-    ) -> Result<(Wanted, Vec<Notice>), Failure> {
+    pub(crate) fn wanted(&self, arm: &Arm, options: &SolveOptions) -> Fails<(Wanted, Vec<Notice>)> {
         let table = self.table(&arm.lengths_m(), options)?;
         let reading = self.remarks(table.reading());
         let wanted = options.resample.motion_in(table, Some(arm))?;
@@ -141,15 +127,14 @@ impl Samples {
     }
 
     pub(crate) fn unpickled((file, columns): Pickled<'_>) -> PyResult<Self> {
-        let read = |(name, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let columns = columns.iter().map(|(name, values)| {
             let name: String = name.extract()?;
-            let values = column(&name, &values)?;
-            Ok((name, values))
-        };
-        match file {
-            Some((shown, name, bytes)) => Ok(Self::File(InputFile { shown, name, bytes })),
-            None => Ok(Self::Arrays(columns.iter().map(read).collect::<PyResult<_>>()?)),
-        }
+            Ok((name.clone(), column(&name, &values)?))
+        });
+        Ok(match file {
+            Some((shown, name, bytes)) => Self::File(InputFile { shown, name, bytes }),
+            None => Self::Arrays(columns.collect::<PyResult<_>>()?),
+        })
     }
 }
 
@@ -170,7 +155,7 @@ fn angle(link: usize) -> String {
 }
 
 /// Refuses options for reading files if the samples are arrays in SI.
-fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
+fn refuse_reading(options: &SolveOptions) -> Fails<()> {
     let refused = |option: &str, hint| {
         let option = option.split('=').next().unwrap_or_default();
         Err(usage(&format!("{option} is for files, and the motion is arrays"), Some(hint)))
@@ -184,7 +169,7 @@ fn refuse_reading(options: &SolveOptions) -> Result<(), Failure> {
 }
 
 /// The path in a text or a path-like object.
-pub(crate) fn path_of(value: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
+pub(crate) fn path_of(value: &Any<'_>) -> PyResult<Option<PathBuf>> {
     let is_path = value.is_instance_of::<PyString>() || value.hasattr("__fspath__")?;
     is_path.then(|| value.extract()).transpose()
 }
@@ -199,15 +184,12 @@ pub(crate) struct Call<'a> {
 
 impl<'a> Call<'a> {
     /// Takes the motion out of the keywords; `time` may be a [`Motion`], or the path of a file.
-    pub(crate) fn take(
-        time: &'a Bound<'_, PyAny>,
-        keywords: &Bound<'_, PyDict>,
-        links: usize,
-    ) -> Result<Self, Raised> {
+    pub(crate) fn take(time: &'a Any<'_>, keywords: &Keywords<'_>, links: usize) -> Raises<Self> {
         keywords::refuse_commands(keywords)?;
         let Ok(motion) = time.cast::<Motion>() else {
             let samples = Arc::new(Samples::take(time, keywords, links)?);
-            return Ok(Self { samples, arguments: keywords::arguments(keywords)?, motion: None });
+            let arguments = keywords::arguments(keywords, &[])?;
+            return Ok(Self { samples, arguments, motion: None });
         };
         if links > 1 {
             let message = "a Motion is of one link, and the arm has several";
@@ -216,7 +198,7 @@ impl<'a> Call<'a> {
         let motion = motion.get();
         let is_there = |name: &&str| keywords.contains(name).unwrap_or_default();
         let column = OF_LINK.into_iter().find(is_there).map(str::to_owned);
-        let own = keywords::arguments(keywords)?;
+        let own = keywords::arguments(keywords, &[])?;
         let beside = match column {
             Some(name) => Some(name),
             None => of_motion(&keywords::solve_options(&own)?).into_iter().next(),
@@ -235,7 +217,7 @@ impl<'a> Call<'a> {
         &self,
         link: &Link,
         options: &SolveOptions,
-    ) -> Result<(Wanted, Vec<Notice>), Failure> {
+    ) -> Fails<(Wanted, Vec<Notice>)> {
         let Some(motion) = self.motion else {
             return self.samples.wanted(&link.specification.arm, options);
         };
@@ -283,11 +265,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    fn read(
-        samples: Samples,
-        arguments: Vec<String>,
-        link: Option<&Link>,
-    ) -> Result<Self, Failure> {
+    fn read(samples: Samples, arguments: Vec<String>, link: Option<&Link>) -> Fails<Self> {
         let pickled = link.map(|link| link.source.pickled());
         let several = || usage(&"link = an arm of several links, but must be one link", None);
         let arm = link.map(|link| &link.specification.arm);
@@ -313,7 +291,7 @@ impl Motion {
     }
 
     /// Refuses a link of another length or gravity if the motion is angles of a link.
-    pub(crate) fn refuse_other(&self, link: &OneLink) -> Result<(), Failure> {
+    pub(crate) fn refuse_other(&self, link: &OneLink) -> Fails<()> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
         let is_same = length_m.total_cmp(&link.length_m()).is_eq();
         if is_same && gravity.as_ref() == link.gravity() {
@@ -336,14 +314,14 @@ impl Motion {
     #[pyo3(signature = (time, *, link=None, **keywords))]
     fn new(
         py: Python<'_>,
-        time: &Bound<'_, PyAny>,
+        time: &Any<'_>,
         link: Option<&Link>,
-        keywords: Option<Bound<'_, PyDict>>,
-    ) -> Result<Self, Raised> {
+        keywords: Option<Keywords<'_>>,
+    ) -> Raises<Self> {
         let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
         keywords::refuse_commands(&keywords)?;
         let samples = Samples::take(time, &keywords, 1)?;
-        let arguments = keywords::arguments(&keywords)?;
+        let arguments = keywords::arguments(&keywords, &[])?;
         without_python(py, || Self::read(samples, arguments, link))
     }
 
@@ -355,15 +333,13 @@ impl Motion {
 
     /// Displacement of the tip in m along its arc, computed by each call.
     #[getter]
-    fn displacement<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
+    fn displacement<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
         let grid = self.tip.grid();
         let find = || Ok(self.target(grid.time_s(0), grid.end_s()).displacement_m().to_vec());
         Ok(PyArray1::from_vec(py, without_python(py, find)?))
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py> {
         let (py, own) = (slf.py(), slf.get());
         let arguments = (own.samples.pickled(py)?, own.arguments.clone(), own.link.clone());
         Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
@@ -375,7 +351,7 @@ impl Motion {
         samples: Pickled<'_>,
         arguments: Vec<String>,
         link: Option<PickledSource>,
-    ) -> Result<Self, Raised> {
+    ) -> Raises<Self> {
         let samples = Samples::unpickled(samples)?;
         let link = link.map(Link::unpickled).transpose()?;
         without_python(py, || Self::read(samples, arguments, link.as_ref()))

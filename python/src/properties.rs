@@ -1,16 +1,12 @@
 //! Properties of results by name, for one link and for arms, and data frames of them.
 
-use numpy::{PyArray1, PyArray2};
 use pyo3::PyClass;
 use pyo3::exceptions::PyAttributeError;
-use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
-use pyo3::types::{PyCFunction, PyDict, PyTuple};
-
-use flexlink::result::Notice;
+use pyo3::types::PyCFunction;
 
 use crate::arrays::{rows, view};
-use crate::messages::objects;
+use crate::prelude::*;
 
 /// Number of links for which a name exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,17 +133,22 @@ pub(crate) enum Value<T> {
     /// A history that each access computes.
     Computed(fn(&T) -> Vec<f64>),
     /// Notices as objects.
-    Notices(fn(&T) -> &[Notice]),
+    Notices(fn(&T) -> Vec<Notice>),
     /// The entry of this name in the property `summary`.
     Entry,
 }
 
+/// Histories as slices.
+pub(crate) fn slices<'a>(histories: impl Iterator<Item = &'a Vec<f64>>) -> Vec<&'a [f64]> {
+    histories.map(Vec::as_slice).collect()
+}
+
 /// A result of one link or an arm.
 pub(crate) trait Properties: PyClass<Frozen = True> + Sync + Sized + 'static {
-    /// Its properties by name.
+    /// Its properties by name; a blank separates the name for one link from that for arms.
     const PROPERTIES: &'static [(&'static str, Value<Self>)];
-    /// Columns of its data frame, for one link and for arms.
-    const FRAME: &'static [&'static str];
+    /// Columns of its data frame, for one link and for arms, with blanks between.
+    const FRAME: &'static str;
 
     /// Number of its links.
     fn links(&self) -> usize;
@@ -156,14 +157,17 @@ pub(crate) trait Properties: PyClass<Frozen = True> + Sync + Sized + 'static {
 /// Adds the properties to the class.
 pub(crate) fn add<T: Properties>(py: Python<'_>) -> PyResult<()> {
     let (class, property) = (py.get_type::<T>(), py.import("builtins")?.getattr("property")?);
-    for (name, value) in T::PROPERTIES {
+    let properties = T::PROPERTIES.iter();
+    let named =
+        properties.flat_map(|(names, value)| names.split(' ').map(move |name| (name, value)));
+    for (name, value) in named {
         let read = move |arguments: &Bound<'_, PyTuple>, _: Option<&Bound<'_, PyDict>>| {
             let of = arguments.get_item(0)?.cast_into::<T>()?;
             Ok::<_, PyErr>(read(&of, name, value)?.unbind())
         };
         let read = PyCFunction::new_closure(py, None, None, read)?;
-        let docs = NAMES.iter().find(|(known, ..)| known == name).map(|(.., docs)| docs.trim());
-        class.setattr(*name, property.call1((read, py.None(), py.None(), docs))?)?;
+        let docs = NAMES.iter().find(|(known, ..)| *known == name).map(|(.., docs)| docs.trim());
+        class.setattr(name, property.call1((read, py.None(), py.None(), docs))?)?;
     }
     Ok(())
 }
@@ -172,7 +176,7 @@ fn read<'py, T: Properties>(
     of: &Bound<'py, T>,
     name: &str,
     value: &Value<T>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Any<'py>> {
     let py = of.py();
     check(name, of.get().links())?;
     Ok(match value {
@@ -182,30 +186,12 @@ fn read<'py, T: Properties>(
             several => rows(py, several, several[0].len())?.into_any(),
         },
         Value::Computed(computed) => PyArray1::from_vec(py, computed(of.get())).into_any(),
-        Value::Notices(notices) => objects(py, notices(of.get()))?.into_pyobject(py)?,
+        Value::Notices(notices) => objects(py, &notices(of.get()))?.into_pyobject(py)?,
         Value::Entry => of.as_any().getattr("summary")?.get_item(name)?,
     })
 }
 
-/// The histories as a `pandas.DataFrame` over the time: `torque` of several joints as `torque1`, `torque2`, …, the
-/// place of a tip as `tip_x`, `tip_y`.
-pub(crate) fn frame<'py, T: Properties>(of: &Bound<'py, T>) -> PyResult<Bound<'py, PyAny>> {
-    let (py, links) = (of.py(), of.get().links());
-    let index = PyDict::new(py);
-    let time = py.import("pandas")?.call_method1("Index", (of.as_any().getattr("time")?,))?;
-    index.set_item("index", time.call_method1("rename", ("time",))?)?;
-    let columns = PyDict::new(py);
-    for name in T::FRAME.iter().filter(|name| check(name, links).is_ok()) {
-        let array = of.as_any().getattr(*name)?;
-        let Ok(array) = array.cast::<PyArray2<f64>>() else {
-            columns.set_item(name, array)?;
-            continue;
-        };
-        for (k, column) in array.call_method0("transpose")?.try_iter()?.enumerate() {
-            let number = (k + 1).to_string();
-            let suffix = if *name == "tip" { ["_x", "_y"][k] } else { &number };
-            columns.set_item(format!("{name}{suffix}"), column?)?;
-        }
-    }
-    py.import("pandas")?.call_method("DataFrame", (columns,), Some(&index))
+/// The histories as a `pandas.DataFrame` over the time.
+pub(crate) fn frame<'py, T: Properties>(of: &Bound<'py, T>) -> PyResult<Any<'py>> {
+    of.py().import("flexlink._frames")?.call_method1("frame", (of, T::FRAME))
 }

@@ -1,12 +1,7 @@
 //! `simulate`: torques of the joints, or a motion of the hub, in arrays, and the other keywords of the call.
 
-use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-
 use flexlink::cli::options::moves::{AtRest, Begins, Moves, Moving};
 use flexlink::cli::options::play::feedback;
-use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::csv::InputFile;
 use flexlink::elastica::SecondOrder;
 use flexlink::motion::TipTarget;
@@ -15,30 +10,20 @@ use flexlink::response::{HistoryError, HubReference, Interpolation, State, Torqu
 use flexlink::result::TipPlaces;
 use flexlink::store::read_state;
 
-use crate::arrays::{column, columns};
+use crate::arrays::{OneOrEach, column, columns};
 use crate::keywords::{take, unknown};
 use crate::link::Link;
-use crate::messages::{Raised, usage, warn};
 use crate::motion::{Motion, path_of};
+use crate::prelude::*;
 use crate::properties::Links;
 use crate::simulation::Simulation;
 use crate::threads::until_pressed;
 
-/// The keywords.
-const KEYWORDS: [(&str, Links); 13] = [
-    ("torque", Links::Any),
-    ("hub_angle", Links::One),
-    ("hub_rate", Links::One),
-    ("hold", Links::Any),
-    ("until", Links::Any),
-    ("feedback", Links::Any),
-    ("reference", Links::Any),
-    ("reference_rate", Links::Any),
-    ("initial_tip", Links::One),
-    ("periodic", Links::One),
-    ("at", Links::Several),
-    ("target", Links::Any),
-    ("state", Links::Any),
+/// The keywords of one link and of arms, with blanks between.
+const KEYWORDS: [(Links, &str); 3] = [
+    (Links::Any, "torque hold until feedback reference reference_rate target state"),
+    (Links::One, "hub_angle hub_rate initial_tip periodic"),
+    (Links::Several, "at"),
 ];
 
 /// The refusal of gains that are no numbers.
@@ -48,13 +33,6 @@ const NO_GAINS: &str =
 /// The refusal of incomplete feedback.
 const HALF_A_FEEDBACK: &str =
     "one of feedback and reference, but must be both or none, and reference_rate with them alone";
-
-/// The gains of all joints, or of each.
-#[derive(FromPyObject)]
-enum Gains {
-    One([f64; 2]),
-    Each(Vec<[f64; 2]>),
-}
 
 /// Plays a torque, or a motion of the hub, on a link at rest, or torques on an arm, as ``flexlink simulate``: independent of
 /// ``solve``.
@@ -87,8 +65,8 @@ enum Gains {
 pub(crate) fn simulate(
     py: Python<'_>,
     link: &Link,
-    time: &Bound<'_, PyAny>,
-    keywords: Option<Bound<'_, PyDict>>,
+    time: &Any<'_>,
+    keywords: Option<Keywords<'_>>,
 ) -> PyResult<Simulation> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let specification = link.specification.clone();
@@ -99,7 +77,7 @@ pub(crate) fn simulate(
 }
 
 /// Takes the input of a play out of the keywords of a call.
-fn moves(link: &Link, time_s: &[f64], keywords: &Bound<'_, PyDict>) -> Result<Moves, Raised> {
+fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> {
     let links = link.links();
     refuse_others(keywords, links)?;
     let of_joints = |name: &str| {
@@ -113,12 +91,9 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Bound<'_, PyDict>) -> Result<Mo
     let input = [of_joints("torque")?, of_joints("hub_angle")?, of_joints("hub_rate")?];
     let moving = moving(links, time_s, input)?;
     let hold = take(keywords, "hold")?.map(|value| interpolation(&value)).transpose()?;
-    let gains = take(keywords, "feedback")?.map(|value| match value.extract() {
-        Ok(Gains::One(pair)) => Ok(vec![pair.into()]),
-        Ok(Gains::Each(pairs)) => Ok(pairs.into_iter().map(Into::into).collect()),
-        Err(_) => Err(usage(&NO_GAINS, None)),
-    });
-    let gains: Option<Vec<(f64, f64)>> = gains.transpose()?;
+    let gains = take(keywords, "feedback")?.map(|value| value.extract::<OneOrEach<[f64; 2]>>());
+    let gains = gains.transpose().map_err(|_| usage(&NO_GAINS, None))?;
+    let gains = gains.map(|gains| gains.list().into_iter().map(Into::into).collect::<Vec<_>>());
     let references = match (&gains, of_joints("reference")?, of_joints("reference_rate")?) {
         (None, None, None) => Vec::new(),
         (Some(_), Some(angles), rates) => hubs(time_s, angles, rates)?,
@@ -180,15 +155,17 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Bound<'_, PyDict>) -> Result<Mo
 }
 
 /// Refuses a keyword outside the known ones, or one for another number of links.
-fn refuse_others(keywords: &Bound<'_, PyDict>, links: usize) -> Result<(), Raised> {
+fn refuse_others(keywords: &Keywords<'_>, links: usize) -> Raises<()> {
+    let known =
+        || KEYWORDS.iter().flat_map(|(of, names)| names.split(' ').map(move |name| (of, name)));
     for key in keywords.keys() {
         let key: String = key.extract()?;
-        match KEYWORDS.iter().find(|(known, _)| *known == key) {
-            Some((_, of)) if of.holds(links) => {}
-            Some((_, of)) => return Err(usage(&of.refusal(&key), None).into()),
+        match known().find(|(_, name)| *name == key) {
+            Some((of, _)) if of.holds(links) => {}
+            Some((of, _)) => return Err(usage(&of.refusal(&key), None).into()),
             None => {
-                let known = KEYWORDS.iter().filter(|(_, of)| of.holds(links));
-                return Err(unknown(&key, known.map(|(known, _)| *known)).into());
+                let known = known().filter(|(of, _)| of.holds(links)).map(|(_, name)| name);
+                return Err(unknown(&key, known).into());
             }
         }
     }
@@ -200,7 +177,7 @@ fn moving(
     links: usize,
     time_s: &[f64],
     [torque, angle, rate]: [Option<Vec<Vec<f64>>>; 3],
-) -> Result<Moving, Failure> {
+) -> Fails<Moving> {
     match (torque, angle, rate) {
         (Some(torques), None, None) => {
             let torques = torques.into_iter().map(|torque| Torque::new(time_s, torque));
@@ -222,9 +199,8 @@ fn hubs(
     time_s: &[f64],
     angles: Vec<Vec<f64>>,
     rates: Option<Vec<Vec<f64>>>,
-) -> Result<Vec<HubReference>, Failure> {
-    let rates = rates.map_or_else(Vec::new, |rates| rates.into_iter().map(Some).collect());
-    let rates = rates.into_iter().chain(std::iter::repeat(None));
+) -> Fails<Vec<HubReference>> {
+    let rates = rates.into_iter().flatten().map(Some).chain(std::iter::repeat(None));
     let joints = angles.into_iter().zip(rates);
     let joints = joints.map(|(angle, rate)| HubReference::new(time_s, angle, rate));
     joints.collect::<Result<_, _>>().map_err(|error| history(&error))
@@ -236,21 +212,17 @@ fn history(error: &HistoryError) -> Failure {
 }
 
 /// The torque between its samples.
-fn interpolation(hold: &Bound<'_, PyAny>) -> Result<Interpolation, Raised> {
+fn interpolation(hold: &Any<'_>) -> Raises<Interpolation> {
     let hold: String = hold.extract()?;
-    match &*hold {
-        "zero" => Ok(Interpolation::Zero),
-        "linear" => Ok(Interpolation::Linear),
-        "cubic" => Ok(Interpolation::Cubic),
-        _ => {
-            let must = "must be \"zero\", \"linear\" or \"cubic\"";
-            Err(usage(&format!("hold = {hold:?}, but {must}"), None).into())
-        }
-    }
+    let known = [Interpolation::Zero, Interpolation::Linear, Interpolation::Cubic];
+    let named = ["zero", "linear", "cubic"].into_iter().zip(known).find(|(name, _)| *name == hold);
+    let must = "must be \"zero\", \"linear\" or \"cubic\"";
+    let refused = || usage(&format!("hold = {hold:?}, but {must}"), None);
+    Ok(named.ok_or_else(refused)?.1)
 }
 
 /// Wanted places of an arm's tip at the times of the torques.
-fn tip_places(target: &Bound<'_, PyAny>, grid: TimeGrid) -> Result<TipPlaces, Raised> {
+fn tip_places(target: &Any<'_>, grid: TimeGrid) -> Raises<TipPlaces> {
     let at_m = columns("target", target, (grid.len, 2))?;
     if at_m.iter().flatten().all(|place| place.is_finite()) {
         return Ok(TipPlaces { grid, at_m });
@@ -260,7 +232,7 @@ fn tip_places(target: &Bound<'_, PyAny>, grid: TimeGrid) -> Result<TipPlaces, Ra
 
 /// The state at the end of an earlier simulation of this many links, from its object or from the file of
 /// `save_state`.
-fn state(state: &Bound<'_, PyAny>, links: usize) -> Result<State, Raised> {
+fn state(state: &Any<'_>, links: usize) -> Raises<State> {
     if let Ok(simulation) = state.cast::<Simulation>()
         && simulation.get().played.joints.len() == links
     {

@@ -1,26 +1,21 @@
 //! A simulation: the motion of a link or an arm from its input, and the files of `flexlink simulate`.
 
-use std::path::{Path, PathBuf};
-
-use numpy::{PyArray2, PyArray3};
-use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{IntoPyDict as _, PyDict};
 
 use flexlink::cli::options::moves::Moves;
 use flexlink::cli::simulate::refusal;
-use flexlink::cli::terminal::{Failure, console, memory};
+use flexlink::cli::terminal::{console, memory};
 use flexlink::inverse::Unwatched;
 use flexlink::response::{BentPlay, JointMotion, PlayError, Played, simulate};
-use flexlink::result::{FollowedTarget, Notice, PlayedMetrics};
+use flexlink::result::{FollowedTarget, PlayedMetrics};
 use flexlink::spec::Specification;
 use flexlink::store::{OutputFolder, PlayedRun, RunInputs, RunTables, Summary, state_json};
 
-use crate::arrays::{Every, Nodes, places_of_nodes, rows, times};
+use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
 use crate::keywords::{of_writing, solve_options};
-use crate::messages::{Raised, loaded};
+use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, Stored};
-use crate::properties::{Properties, Value, check, frame};
+use crate::properties::{Properties, Value, check, frame, slices};
 use crate::solution::no_link;
 use crate::threads::{apart, until_pressed, without_python};
 
@@ -44,7 +39,7 @@ pub(crate) struct Simulation {
 
 impl Simulation {
     /// Plays the input of a call.
-    pub(crate) fn of(specification: Specification, moves: Moves) -> Result<Self, Failure> {
+    pub(crate) fn of(specification: Specification, moves: Moves) -> Fails<Self> {
         let Specification { arm, meshes, .. } = &specification;
         let play = moves.play();
         let played = simulate(arm, meshes, &play, &|_| {}).map_err(|error| {
@@ -80,7 +75,7 @@ impl Simulation {
         self.with(|run| Summary::of_played(RunInputs::of_arguments(arguments), run))
     }
 
-    fn write_into(&self, folder: &Path, keywords: &[String]) -> Result<(), Failure> {
+    fn write_into(&self, folder: &Path, keywords: &[String]) -> Fails<()> {
         let options = solve_options(keywords)?;
         let (arm, outputs) = (&self.specification.arm, options.outputs());
         options.nodes.check(&self.played.nodes_m())?;
@@ -93,18 +88,20 @@ impl Simulation {
 
     /// A history of each joint.
     fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        self.played.joints.iter().map(|joint| &of(joint)[..]).collect()
+        slices(self.played.joints.iter().map(of))
     }
 
-    /// A history of an arm's links, if they are elasticas.
-    fn bent(&self, of: fn(&BentPlay) -> &Vec<f64>) -> Vec<&[f64]> {
-        self.played.bent().iter().map(|bent| &of(bent)[..]).collect()
+    /// The play of links that are elasticas.
+    fn bent(&self) -> impl Iterator<Item = &BentPlay> {
+        self.played.bent().into_iter()
     }
 
-    /// Energy in J of motion, strain and weight.
+    fn holding_n_m(&self) -> Vec<f64> {
+        self.played.joints.iter().filter_map(|joint| joint.holding_n_m).collect()
+    }
+
     fn energy_j(&self) -> Vec<f64> {
-        let bent = self.played.bent();
-        let both = bent.into_iter().flat_map(|bent| bent.kinetic_j.iter().zip(&bent.potential_j));
+        let both = self.bent().flat_map(|bent| bent.kinetic_j.iter().zip(&bent.potential_j));
         both.map(|(kinetic, potential)| kinetic + potential).collect()
     }
 }
@@ -113,51 +110,27 @@ impl Properties for Simulation {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Computed(|own| times(&own.played.grid))),
         ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("hub_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("hub_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
-        ("hub_acceleration", Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2))),
-        ("joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
-        ("joint_acceleration", Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
         (
-            "chord_angle",
-            Stored(|own| {
-                own.played.bent().map_or_else(Vec::new, |bent| {
-                    bent.chords_rad.iter().map(Vec::as_slice).collect()
-                })
-            }),
+            "hub_acceleration joint_acceleration",
+            Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2)),
         ),
+        ("chord_angle", Stored(|own| slices(own.bent().flat_map(|bent| &bent.chords_rad)))),
         ("tip_displacement", Stored(|own| vec![&own.played.tip[0].displacement_m])),
         ("tip_velocity", Stored(|own| vec![&own.played.tip[0].velocity_m_s])),
         ("tip_acceleration", Stored(|own| vec![&own.played.tip[0].acceleration_m_s2])),
-        ("tip", Stored(|own| own.played.tip.iter().map(|axis| &axis.displacement_m[..]).collect())),
+        ("tip", Stored(|own| slices(own.played.tip.iter().map(|axis| &axis.displacement_m)))),
         ("energy", Computed(Self::energy_j)),
-        ("work", Stored(|own| own.bent(|bent| &bent.work_j))),
-        ("dissipated", Stored(|own| own.bent(|bent| &bent.lost_j))),
-        (
-            "holding_torque",
-            Computed(|own| {
-                own.played.joints.iter().filter_map(|joint| joint.holding_n_m).collect()
-            }),
-        ),
+        ("work", Stored(|own| slices(own.bent().map(|bent| &bent.work_j)))),
+        ("dissipated", Stored(|own| slices(own.bent().map(|bent| &bent.lost_j)))),
+        ("holding_torque", Computed(Self::holding_n_m)),
         ("nodes", Stored(|own| vec![own.played.mesh().nodes_m()])),
         ("results", Entry),
         ("tip_error", Entry),
-        ("warnings", Notices(|own| &own.warnings)),
+        ("warnings", Notices(|own| own.warnings.clone())),
     ];
-    const FRAME: &'static [&'static str] = &[
-        "torque",
-        "hub_angle",
-        "joint_angle",
-        "hub_rate",
-        "joint_rate",
-        "hub_acceleration",
-        "chord_angle",
-        "tip_displacement",
-        "tip_velocity",
-        "tip_acceleration",
-        "tip",
-    ];
+    const FRAME: &'static str = "torque hub_angle joint_angle hub_rate joint_rate hub_acceleration chord_angle tip_displacement tip_velocity tip_acceleration tip";
 
     fn links(&self) -> usize {
         self.specification.arm.links().len()
@@ -168,28 +141,18 @@ impl Properties for Simulation {
 impl Simulation {
     /// Displacements of the nodes of one link in m, as those of a solution.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn displacements<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Nodes>,
-        every: Every,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn displacements<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
         check("displacements", self.links())?;
         let samples = self.played.grid.thinned(every.0).len();
-        let nodes = Nodes::checked(nodes, self.played.mesh().nodes_m().len(), samples)?;
+        let nodes = checked(nodes, self.played.mesh().nodes_m().len(), samples)?;
         let histories = until_pressed(py, || Ok(self.played.displacements_m(&nodes, every.0)?))?;
-        rows(py, &histories.samples, samples)
+        Ok(rows(py, &histories.samples, samples)?)
     }
 
     /// x and y in m of the nodes of an arm's link, numbered from 0, of every ``every``-th sample: an array over time, node
     /// and axis.
     #[pyo3(signature = (link, every=Every::ALL))]
-    fn positions<'py>(
-        &self,
-        py: Python<'py>,
-        link: usize,
-        every: Every,
-    ) -> Result<Bound<'py, PyArray3<f64>>, Raised> {
+    fn positions<'py>(&self, py: Python<'py>, link: usize, every: Every) -> Places<'py> {
         check("positions", self.links())?;
         let nodes = self.played.nodes_m().into_iter().map(|nodes_m| (0..nodes_m.len()).collect());
         let nodes: Vec<Vec<usize>> = nodes.collect();
@@ -202,18 +165,18 @@ impl Simulation {
     /// peak; None where elements of half the length do not allow the damping. For an arm as in summary.json: the change
     /// by the last refinement, and the missing share of energy.
     #[getter]
-    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         if self.links() > 1 {
             return self.summary(py)?.get_item("errors").map(Some);
         }
         let Some(error) = &self.error else { return Ok(None) };
-        let errors = [("tip", error.tip), ("hub_angle", error.hub_angle)];
+        let errors = [("tip", error.tip), ("hub_angle joint_angle", error.hub_angle)];
         Ok(Some(errors.into_py_dict(py)?.into_any()))
     }
 
     /// Content of a run's summary.json.
     #[getter]
-    fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
+    fn summary<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
         let write = || Ok(self.record(Vec::new()).to_json());
         let text = self.summary.get_or_try_init(py, || without_python(py, write))?;
         Ok(loaded(py, text)?)
@@ -222,25 +185,20 @@ impl Simulation {
     /// Writes the files of ``flexlink simulate`` into a folder, all or none. Keywords are its options ``nodes``, ``stations``,
     /// ``every``, ``digits``.
     #[pyo3(signature = (folder, **keywords))]
-    fn write(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        keywords: Option<Bound<'_, PyDict>>,
-    ) -> Result<(), Raised> {
+    fn write(&self, py: Python<'_>, folder: PathBuf, keywords: Option<Keywords<'_>>) -> Raises<()> {
         let keywords = of_writing(keywords.as_ref(), &WRITING)?;
         apart(py, || self.write_into(&folder, &keywords))
     }
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
-    fn save_state(&self, py: Python<'_>, path: PathBuf) -> Result<(), Raised> {
+    fn save_state(&self, py: Python<'_>, path: PathBuf) -> Raises<()> {
         let text = state_json(&self.played.state());
         Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
     }
 
     /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
     /// ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
         frame(slf)
     }
 

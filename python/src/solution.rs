@@ -1,31 +1,27 @@
 //! `solve`: the solution of a link or an arm with its inputs, and the files of `flexlink solve`.
 
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use numpy::{PyArray1, PyArray2, PyArray3};
-use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyTuple};
 
 use flexlink::beam::NodalHistories;
 use flexlink::cli::options::inputs::remarks;
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
-use flexlink::cli::terminal::{Failure, memory};
+use flexlink::cli::terminal::memory;
 use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse, Unwatched};
 use flexlink::link::ParameterError;
-use flexlink::result::{Notice, Remark};
+use flexlink::result::Remark;
 use flexlink::spec::Specification;
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 
-use crate::arrays::{Every, Nodes, places_of_nodes, rows, times};
+use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
-use crate::messages::{Raised, loaded, usage, warn};
 use crate::motion::{Call, Pickled, Samples};
+use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, Stored};
-use crate::properties::{Properties, Value, check, frame};
+use crate::properties::{Properties, Value, check, frame, slices};
 use crate::threads::{apart, until_pressed, without_python};
 
 /// Keywords of `write`.
@@ -47,7 +43,6 @@ pub(crate) struct Solution {
     reading: Vec<Notice>,
     warnings: Vec<Notice>,
     remarks: OnceLock<Vec<Remark>>,
-    notices: OnceLock<Vec<Notice>>,
     summary: PyOnceLock<String>,
 }
 
@@ -55,7 +50,7 @@ pub(crate) struct Solution {
 pub(crate) fn meshed(
     mut specification: Specification,
     options: &SolveOptions,
-) -> Result<Specification, Failure> {
+) -> Fails<Specification> {
     let Specification { arm, meshes, analysis, .. } = &mut specification;
     options.nodes.meshes(arm, meshes)?;
     if arm.links().len() == 1 {
@@ -66,7 +61,7 @@ pub(crate) fn meshed(
 
 impl Solution {
     /// Solves the problem of a call.
-    fn of_call(link: &Link, call: Call<'_>) -> Result<Self, Failure> {
+    fn of_call(link: &Link, call: Call<'_>) -> Fails<Self> {
         let options = solve_options(&call.arguments)?;
         let (wanted, reading) = call.wanted(link, &options)?;
         let specification = meshed(link.specification.clone(), &options)?;
@@ -83,7 +78,7 @@ impl Solution {
         problem: Problem,
         resources: &Resources,
         (source, samples, arguments): (Source, Arc<Samples>, Vec<String>),
-    ) -> Result<Self, Failure> {
+    ) -> Fails<Self> {
         let solved = problem.solved_within(resources)?;
         let limits = solved.exceeded.iter().map(Notice::from);
         let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
@@ -96,7 +91,6 @@ impl Solution {
             reading: Vec::new(),
             warnings,
             remarks: OnceLock::new(),
-            notices: OnceLock::new(),
             summary: PyOnceLock::new(),
         })
     }
@@ -107,7 +101,7 @@ impl Solution {
 
     /// A history of each joint.
     fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        self.inverse().joints.iter().map(|joint| &of(joint)[..]).collect()
+        slices(self.inverse().joints.iter().map(of))
     }
 
     /// The motors of the joints that have a drive.
@@ -125,16 +119,12 @@ impl Solution {
     }
 
     /// Remarks on the motion's file and on unusual input.
-    fn notices(&self) -> &[Notice] {
-        if self.notices.get().is_none() {
-            let notices = self.remarks().iter().map(Notice::from);
-            let _ = self.notices.set(self.reading.iter().cloned().chain(notices).collect());
-        }
-        self.notices.get().map_or(&[], Vec::as_slice)
+    fn notices(&self) -> Vec<Notice> {
+        self.reading.iter().cloned().chain(self.remarks().iter().map(Notice::from)).collect()
     }
 
     /// The options of the call and of writing.
-    fn options(&self, more: Vec<String>) -> Result<SolveOptions, Failure> {
+    fn options(&self, more: Vec<String>) -> Fails<SolveOptions> {
         let changes = self.source.changes.iter();
         let changes = changes.flat_map(|change| ["--set".to_owned(), change.clone()]);
         solve_options(&changes.chain(self.arguments.clone()).chain(more).collect::<Vec<_>>())
@@ -154,7 +144,7 @@ impl Solution {
     }
 
     /// Writes the files of the command, with more options.
-    pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Result<(), Failure> {
+    pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Fails<()> {
         let options = self.options(more)?;
         let (solution, outputs) = (self.inverse(), options.outputs());
         options.nodes.check(&solution.nodes_m())?;
@@ -170,15 +160,15 @@ impl Solution {
         &self,
         py: Python<'py>,
         name: &str,
-        (nodes, every): (Option<Nodes>, Every),
+        (nodes, every): (Nodes, Every),
         find: impl FnOnce(&Inverse, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> Table<'py> {
         check(name, self.links())?;
         let solution = self.inverse();
         let samples = solution.grid.thinned(every.0).len();
-        let nodes = Nodes::checked(nodes, solution.mesh().nodes_m().len(), samples)?;
+        let nodes = checked(nodes, solution.mesh().nodes_m().len(), samples)?;
         let histories = until_pressed(py, || Ok(find(solution, &nodes)?))?;
-        rows(py, &histories.samples, samples)
+        Ok(rows(py, &histories.samples, samples)?)
     }
 }
 
@@ -187,46 +177,25 @@ impl Properties for Solution {
         ("time", Computed(|own| times(&own.inverse().grid))),
         ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
         ("rigid_torque", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
-        ("hub_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("hub_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
         ("rigid_hub_angle", Stored(|own| own.joints(|joint| &joint.rigid_angle_rad))),
         ("root_moment", Stored(|own| vec![&own.inverse().links[0].root_moment_n_m])),
-        ("joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
-        (
-            "chord_angle",
-            Stored(|own| own.inverse().shapes().map(|own| &own.chord[0][..]).collect()),
-        ),
+        ("chord_angle", Stored(|own| slices(own.inverse().shapes().map(|own| &own.chord[0])))),
         ("tip_displacement", Stored(|own| vec![&own.inverse().tip[0].displacement_m])),
         ("tip_velocity", Stored(|own| vec![&own.inverse().tip[0].velocity_m_s])),
         ("tip_acceleration", Stored(|own| vec![&own.inverse().tip[0].acceleration_m_s2])),
         ("tip_deflection", Computed(|own| own.inverse().tip_deflection_m(0))),
-        (
-            "tip",
-            Stored(|own| own.inverse().tip.iter().map(|axis| &axis.displacement_m[..]).collect()),
-        ),
-        ("motor_torque", Stored(|own| own.motors().map(|motor| &motor.torque_n_m[..]).collect())),
-        ("motor_rate", Stored(|own| own.motors().map(|motor| &motor.rate_rad_s[..]).collect())),
+        ("tip", Stored(|own| slices(own.inverse().tip.iter().map(|axis| &axis.displacement_m)))),
+        ("motor_torque", Stored(|own| slices(own.motors().map(|motor| &motor.torque_n_m)))),
+        ("motor_rate", Stored(|own| slices(own.motors().map(|motor| &motor.rate_rad_s)))),
         ("nodes", Stored(|own| vec![own.inverse().mesh().nodes_m()])),
         ("errors", Entry),
         ("results", Entry),
-        ("warnings", Notices(|own| &own.warnings)),
+        ("warnings", Notices(|own| own.warnings.clone())),
         ("remarks", Notices(Self::notices)),
     ];
-    const FRAME: &'static [&'static str] = &[
-        "torque",
-        "rigid_torque",
-        "hub_angle",
-        "joint_angle",
-        "hub_rate",
-        "joint_rate",
-        "hub_acceleration",
-        "tip_displacement",
-        "tip_velocity",
-        "tip_acceleration",
-        "tip_deflection",
-        "tip",
-    ];
+    const FRAME: &'static str = "torque rigid_torque hub_angle joint_angle hub_rate joint_rate hub_acceleration tip_displacement tip_velocity tip_acceleration tip_deflection tip";
 
     fn links(&self) -> usize {
         self.inverse().links.len()
@@ -237,7 +206,7 @@ impl Properties for Solution {
 impl Solution {
     /// Content of a run's summary.json.
     #[getter]
-    fn summary<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Raised> {
+    fn summary<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
         let write = || {
             let options = self.options(Vec::new())?;
             Ok(self.record(&options, &options.outputs()).to_json())
@@ -248,7 +217,7 @@ impl Solution {
 
     /// Hub acceleration in rad/s², computed by each call.
     #[getter]
-    fn hub_acceleration<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
+    fn hub_acceleration<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
         check("hub_acceleration", self.links())?;
         let find = || Ok(self.inverse().acceleration_rad_s2(0).into_owned());
         Ok(PyArray1::from_vec(py, without_python(py, find)?))
@@ -257,12 +226,7 @@ impl Solution {
     /// Displacements of the nodes of one link in m, numbered from 0 at the root, all by default: a row for each sample, or
     /// for every ``every``-th, a column for each node.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn displacements<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Nodes>,
-        every: Every,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn displacements<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
         self.nodal(py, "displacements", (nodes, every), |own, nodes| {
             Ok(own.displacements(nodes, every.0)?.histories())
         })
@@ -270,12 +234,7 @@ impl Solution {
 
     /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn deflections<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Nodes>,
-        every: Every,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn deflections<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
         self.nodal(py, "deflections", (nodes, every), |own, nodes| {
             Ok(own.deflections(nodes, every.0)?.histories())
         })
@@ -283,23 +242,14 @@ impl Solution {
 
     /// Bending moments at nodes in N m, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
-    fn moments<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Nodes>,
-        every: Every,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn moments<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
         self.nodal(py, "moments", (nodes, every), |own, nodes| {
             Ok(own.moments(nodes, every.0)?.histories())
         })
     }
 
     /// x and y in m of the nodes of an arm's link, numbered from 0: an array over time, node and axis.
-    fn positions<'py>(
-        &self,
-        py: Python<'py>,
-        link: usize,
-    ) -> Result<Bound<'py, PyArray3<f64>>, Raised> {
+    fn positions<'py>(&self, py: Python<'py>, link: usize) -> Places<'py> {
         check("positions", self.links())?;
         let shape = self.inverse().shapes().nth(link);
         let shape = shape.ok_or_else(|| no_link(link, self.links()))?;
@@ -311,26 +261,19 @@ impl Solution {
     /// ``stations``, distances in m of nodes from the axis, or from the joint of an arm's link: :func:`solve` with the same
     /// keyword puts nodes there.
     #[pyo3(signature = (folder, **keywords))]
-    fn write(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        keywords: Option<Bound<'_, PyDict>>,
-    ) -> Result<(), Raised> {
+    fn write(&self, py: Python<'_>, folder: PathBuf, keywords: Option<Keywords<'_>>) -> Raises<()> {
         let more = keywords::of_writing(keywords.as_ref(), &WRITING)?;
         apart(py, || self.write_into(&folder, more))
     }
 
     /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
     /// ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
         frame(slf)
     }
 
     /// A pickle holds link and motion: they are solved again where it is read.
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py> {
         let (py, own) = (slf.py(), slf.get());
         let arguments = (own.source.pickled(), own.samples.pickled(py)?, own.arguments.clone());
         Ok((slf.get_type().getattr("_unpickled")?, arguments.into_pyobject(py)?))
@@ -342,7 +285,7 @@ impl Solution {
         link: PickledSource,
         samples: Pickled<'_>,
         arguments: Vec<String>,
-    ) -> Result<Self, Raised> {
+    ) -> Raises<Self> {
         let samples = Arc::new(Samples::unpickled(samples)?);
         let call = Call { samples, arguments, motion: None };
         let link = Link::unpickled(link)?;
@@ -392,8 +335,8 @@ pub(crate) fn no_link(link: usize, links: usize) -> Failure {
 pub(crate) fn solve(
     py: Python<'_>,
     link: &Link,
-    time: &Bound<'_, PyAny>,
-    keywords: Option<Bound<'_, PyDict>>,
+    time: &Any<'_>,
+    keywords: Option<Keywords<'_>>,
 ) -> PyResult<Solution> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let call = Call::take(time, &keywords, link.links())?;

@@ -1,19 +1,11 @@
 //! Results read back.
 
-use std::path::PathBuf;
-
-use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyTypeError;
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict as _, PyDict};
-
-use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::compare::Cell;
 use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
 use crate::arrays::rows;
-use crate::messages::{Raised, usage};
+use crate::prelude::*;
 use crate::properties::Value::{Notices, Stored};
 use crate::properties::{Properties, Value, check, frame};
 use crate::threads::without_python;
@@ -21,7 +13,7 @@ use crate::threads::without_python;
 /// Reads a result. The folder of a run of ``solve`` or ``simulate`` becomes a `Run`; the file of a sweep becomes a
 /// dictionary of its columns.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Raised> {
+pub(crate) fn read(py: Python<'_>, path: PathBuf) -> Raises<Any<'_>> {
     match without_python(py, || Ok(read_result(&path)?))? {
         StoredResult::Sweep(sweep) => Ok(table(py, &sweep)?.into_any()),
         StoredResult::Runs(runs) => match runs.into_iter().next() {
@@ -42,15 +34,14 @@ fn table<'py>(py: Python<'py>, sweep: &StoredSweep) -> PyResult<Bound<'py, PyDic
             Cell::Word("") => Some(f64::NAN),
             Cell::Word(_) => None,
         };
-        if let Some(numbers) = cells.iter().map(number).collect::<Option<Vec<f64>>>() {
-            table.set_item(column.name(), PyArray1::from_vec(py, numbers))?;
-            continue;
-        }
         let text = |cell: &Cell| match cell {
             Cell::Number(number) => number.to_string(),
             Cell::Word(word) => (*word).to_owned(),
         };
-        table.set_item(column.name(), cells.iter().map(text).collect::<Vec<_>>())?;
+        match cells.iter().map(number).collect::<Option<Vec<f64>>>() {
+            Some(numbers) => table.set_item(column.name(), PyArray1::from_vec(py, numbers))?,
+            None => table.set_item(column.name(), cells.iter().map(text).collect::<Vec<_>>())?,
+        }
     }
     Ok(table)
 }
@@ -64,14 +55,6 @@ pub(crate) struct Run(StoredRun);
 const NO_NODES: &str = "the folder must hold nodal_displacements.csv, and in a link with weight the direction from which they count";
 const NO_MOMENTS: &str =
     "solve(…, moments=True) computes them, and `write` of it writes bending_moments.csv";
-
-/// A quantity at nodes of a name: total displacement, deflection, or bending moment.
-#[derive(Clone, Copy, PartialEq)]
-enum Nodal {
-    Displacements,
-    Deflections,
-    Moments,
-}
 
 impl Run {
     /// Deflections or moments at nodes in the folder, if there are any.
@@ -97,18 +80,13 @@ impl Run {
         self.0.arc.iter().map(of).collect()
     }
 
-    /// Histories of a quantity at nodes, all by default, of the name `what`.
+    /// Histories of a quantity at nodes, all by default. The turn of the hub adds its arc, if the quantity is total.
     fn histories<'py>(
         &self,
         py: Python<'py>,
-        what: Nodal,
-        nodes: Option<Vec<usize>>,
-    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        let (name, stored, hint) = match what {
-            Nodal::Displacements => ("displacements", self.deflections_m(), NO_NODES),
-            Nodal::Deflections => ("deflections", self.deflections_m(), NO_NODES),
-            Nodal::Moments => ("moments", self.moments_n_m(), NO_MOMENTS),
-        };
+        (name, stored, hint): (&str, Option<&StoredNodes>, &str),
+        (nodes, is_total): (Option<Vec<usize>>, bool),
+    ) -> Table<'py> {
         check(name, self.links())?;
         let (Some(stored), Some(StoredArc { origin_rad, mesh, .. })) = (stored, &self.0.arc) else {
             let message = format!("{name} is missing: the run did not write it");
@@ -127,10 +105,10 @@ impl Run {
                 let must = format!("must be one that was written: {}", all.join(", "));
                 return Err(usage(&format!("nodes = {node}, but {must}"), None));
             };
-            let is_total = what == Nodal::Displacements;
-            let x_m = if is_total { mesh.nodes_m()[node] } else { 0.0 };
-            let both = stored.histories[at].iter().zip(&turned);
-            Ok(both.map(|(value, angle_rad)| value + x_m * angle_rad).collect())
+            let (x_m, history) = (mesh.nodes_m()[node], stored.histories[at].iter());
+            let total = |(value, angle_rad): (&f64, &f64)| value + x_m * angle_rad;
+            let arcs = history.clone().zip(&turned).map(total);
+            Ok(if is_total { arcs.collect() } else { history.copied().collect() })
         };
         let nodes = nodes.unwrap_or_else(|| stored.nodes.clone());
         let histories = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
@@ -139,8 +117,8 @@ impl Run {
 
     /// Half of the step of the run's times in s.
     fn half_a_step_s(&self) -> f64 {
-        let times_s = &self.0.times_s;
-        0.5 * (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1) as f64
+        let (times_s, last) = (&self.0.times_s, self.0.times_s.len() - 1);
+        0.5 * (times_s[last] - times_s[0]) / last as f64
     }
 }
 
@@ -149,25 +127,17 @@ impl Properties for Run {
         ("time", Stored(|own| vec![&own.0.times_s])),
         ("torque", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
         ("rigid_torque", Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref()))),
-        ("hub_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
-        ("joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
+        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
         ("tip_displacement", Stored(|own| own.arc(|arc| &arc.tip.displacement_m))),
         ("tip_velocity", Stored(|own| own.arc(|arc| &arc.tip.velocity_m_s))),
         ("tip_acceleration", Stored(|own| own.arc(|arc| &arc.tip.acceleration_m_s2))),
         ("tip", Stored(|own| own.0.tip_m.iter().map(Vec::as_slice).collect())),
         ("nodes", Stored(|own| own.arc(|arc| arc.mesh.nodes_m()))),
         ("nodal_time", Stored(|own| vec![own.nodal().map_or(&[], |nodes| &nodes.times_s)])),
-        ("warnings", Notices(|own| &own.0.warnings)),
+        ("warnings", Notices(|own| own.0.warnings.clone())),
     ];
-    const FRAME: &'static [&'static str] = &[
-        "torque",
-        "hub_angle",
-        "joint_angle",
-        "tip_displacement",
-        "tip_velocity",
-        "tip_acceleration",
-        "tip",
-    ];
+    const FRAME: &'static str =
+        "torque hub_angle joint_angle tip_displacement tip_velocity tip_acceleration tip";
 
     fn links(&self) -> usize {
         self.0.joints.len()
@@ -198,32 +168,20 @@ impl Run {
     /// Displacements of nodes of one link in m, as those of a solution, of ``nodes`` that were written, by default of all:
     /// a row for each of ``nodal_time``, a column for each node.
     #[pyo3(signature = (nodes=None))]
-    fn displacements<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        self.histories(py, Nodal::Displacements, nodes)
+    fn displacements<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
+        self.histories(py, ("displacements", self.deflections_m(), NO_NODES), (nodes, true))
     }
 
     /// Deflections of nodes in m from the hub's tangent line, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None))]
-    fn deflections<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        self.histories(py, Nodal::Deflections, nodes)
+    fn deflections<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
+        self.histories(py, ("deflections", self.deflections_m(), NO_NODES), (nodes, false))
     }
 
     /// Bending moments at nodes in N m, written by a run with ``moments``, in the form of ``displacements``.
     #[pyo3(signature = (nodes=None))]
-    fn moments<'py>(
-        &self,
-        py: Python<'py>,
-        nodes: Option<Vec<usize>>,
-    ) -> Result<Bound<'py, PyArray2<f64>>, Raised> {
-        self.histories(py, Nodal::Moments, nodes)
+    fn moments<'py>(&self, py: Python<'py>, nodes: Option<Vec<usize>>) -> Table<'py> {
+        self.histories(py, ("moments", self.moments_n_m(), NO_MOMENTS), (nodes, false))
     }
 
     /// Numbers of summary.json by name: ``peak_torque_n_m``.
@@ -234,7 +192,7 @@ impl Run {
 
     /// The histories as a `pandas.DataFrame` over the time, those of an arm with a column for each joint: ``torque1``,
     /// ``torque2``.
-    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Any<'py>> {
         frame(slf)
     }
 

@@ -1,21 +1,18 @@
 //! `sweep`: many cases in parallel, as the columns of the command's table.
 
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
 use rayon::ThreadPoolBuilder;
 
 use flexlink::cli::sweep::tally::Tally;
-use flexlink::cli::terminal::{Failure, memory};
+use flexlink::cli::terminal::memory;
 use flexlink::sweep::{SweepKind, in_order};
 
 use crate::arrays::unlike;
 use crate::link::Link;
-use crate::messages::{Raised, in_python, warn};
+use crate::messages::in_python;
 use crate::motion::Call;
+use crate::prelude::*;
 use crate::sweep_work::{Case, Outputs, Row, Shared};
 use crate::threads::{interruptible, started};
 
@@ -50,11 +47,11 @@ pub(crate) fn sweep<'py>(
     py: Python<'py>,
     link: &Link,
     cases: Vec<Bound<'py, PyDict>>,
-    time: &Bound<'py, PyAny>,
+    time: &Any<'py>,
     threads: Option<Threads>,
     outputs: Option<PathBuf>,
-    keywords: Option<Bound<'py, PyDict>>,
-) -> Result<Bound<'py, PyDict>, Raised> {
+    keywords: Option<Keywords<'py>>,
+) -> Dictionary<'py> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
@@ -88,8 +85,8 @@ fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<
                 continue;
             }
             let values = cases.iter().map(|case| case.get_item(&key));
-            let values = values.collect::<PyResult<Vec<Option<Bound<'_, PyAny>>>>>()?;
-            let number = |value: &Option<Bound<'_, PyAny>>| match value {
+            let values = values.collect::<PyResult<Vec<Option<Any<'_>>>>>()?;
+            let number = |value: &Option<Any<'_>>| match value {
                 None => Some(f64::NAN),
                 Some(value) if value.is_instance_of::<PyBool>() => None,
                 Some(value) => value.extract().ok(),
@@ -109,7 +106,7 @@ fn all_rows(
     cases: &[Case],
     threads: Option<Threads>,
     stop: &AtomicBool,
-) -> Result<Vec<Row>, Failure> {
+) -> Fails<Vec<Row>> {
     let threads = threads.map_or(0, |Threads(number)| number);
     let pool = started(ThreadPoolBuilder::new().num_threads(threads))?;
     let at_once = pool.current_num_threads().min(cases.len()).max(1);

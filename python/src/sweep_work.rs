@@ -1,26 +1,18 @@
 //! The work of one case of a sweep: its link or arm, its solution, and the folder of its results.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-
 use flexlink::cli::options::inputs::{Wanted, scale_arguments};
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
-use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::inverse::Resources;
 use flexlink::motion::{MotionError, MotionScale, Periods};
-use flexlink::result::Notice;
 use flexlink::spec::{LinkDocument, Specification};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
 use crate::keywords::{solve_options, take};
 use crate::link::{Link, Source};
-use crate::messages::usage;
 use crate::motion::{Call, Samples};
+use crate::prelude::*;
 use crate::solution::{Solution, meshed};
 use crate::toml;
 
@@ -44,7 +36,7 @@ impl Case {
 }
 
 /// Result of a case: its numbers and its warnings, or its error.
-pub(crate) type Row = Result<(CaseNumbers, Vec<Notice>), Failure>;
+pub(crate) type Row = Fails<(CaseNumbers, Vec<Notice>)>;
 
 /// The keywords of the call as options, and the folder of the cases' folders.
 pub(crate) struct Outputs {
@@ -60,11 +52,7 @@ const WRITTEN: [&str; 7] =
 
 impl Outputs {
     /// Refuses options for results without a folder for them.
-    pub(crate) fn of(
-        arguments: Vec<String>,
-        folder: Option<PathBuf>,
-        cases: usize,
-    ) -> Result<Self, Failure> {
+    pub(crate) fn of(arguments: Vec<String>, folder: Option<PathBuf>, cases: usize) -> Fails<Self> {
         let options = solve_options(&arguments)?;
         let names = arguments.iter().filter_map(|own| own.split('=').next());
         if folder.is_none()
@@ -122,7 +110,7 @@ pub(crate) struct Shared {
 
 impl Shared {
     /// Reads the motion of a call.
-    pub(crate) fn of(link: &Link, call: Call<'_>, outputs: Outputs) -> Result<Self, Failure> {
+    pub(crate) fn of(link: &Link, call: Call<'_>, outputs: Outputs) -> Fails<Self> {
         let (wanted, _) = call.wanted(link, &outputs.options)?;
         let periods = match (call.motion, wanted.motion.tip()) {
             (Some(motion), _) => Some(Arc::clone(&motion.periods)),
@@ -143,7 +131,7 @@ impl Shared {
     }
 
     /// The row of a case, from 0. Failed writing of results ends the sweep.
-    pub(crate) fn row(&self, number: usize, case: &Case) -> Result<Row, Failure> {
+    pub(crate) fn row(&self, number: usize, case: &Case) -> Fails<Row> {
         match self.outcome(number, case) {
             Err(failure) if matches!(failure.exit, Exit::CannotWrite) => Err(failure),
             row => Ok(row),
@@ -176,7 +164,7 @@ impl Shared {
     }
 
     /// The motion of a case.
-    fn wanted_of(&self, specification: &Specification, case: &Case) -> Result<Wanted, Failure> {
+    fn wanted_of(&self, specification: &Specification, case: &Case) -> Fails<Wanted> {
         let arm = &specification.arm;
         let (count, links) = (arm.links().len(), self.lengths_m.len());
         if count != links {

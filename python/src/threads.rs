@@ -4,18 +4,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
-use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use flexlink::cli::terminal::{Exit, Failure};
 use flexlink::system::{Stopped, stop_by};
 
-use crate::messages::Raised;
+use crate::prelude::*;
 
 /// The threads, and the process that started them. A child of `fork` has the memory of its parent, but not its threads:
 /// it would wait for them forever, as in a `multiprocessing.Pool`.
@@ -27,12 +25,12 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Does work without Python on the threads of this process: one for each core, or RAYON_NUM_THREADS.
 pub(crate) fn without_python<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Raised> {
+    work: impl FnOnce() -> Fails<T> + Send,
+) -> Raises<T> {
     Ok(py.detach(|| ours()?.install(work))?)
 }
 
-fn ours() -> Result<Arc<ThreadPool>, Failure> {
+fn ours() -> Fails<Arc<ThreadPool>> {
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let this = process::id();
     if let Some((of, threads)) = &*pool
@@ -48,15 +46,12 @@ fn ours() -> Result<Arc<ThreadPool>, Failure> {
 
 /// Does work that holds a lock, without Python, on separate threads. A waiting thread of the shared pool could take up
 /// another call, which then waits for the lock.
-pub(crate) fn apart<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Raised> {
+pub(crate) fn apart<T: Send>(py: Python<'_>, work: impl FnOnce() -> Fails<T> + Send) -> Raises<T> {
     Ok(py.detach(|| started(ThreadPoolBuilder::new())?.install(work))?)
 }
 
 /// Starts threads, one for each core unless the builder has another number.
-pub(crate) fn started(builder: ThreadPoolBuilder) -> Result<ThreadPool, Failure> {
+pub(crate) fn started(builder: ThreadPoolBuilder) -> Fails<ThreadPool> {
     let refused = |error| format!("cannot start threads: {error}");
     builder.build().map_err(|error| Failure::new(Exit::NotSolvable, &refused(error), None))
 }
@@ -64,8 +59,8 @@ pub(crate) fn started(builder: ThreadPoolBuilder) -> Result<ThreadPool, Failure>
 /// Does long work without Python on separate threads, until Ctrl-C.
 pub(crate) fn until_pressed<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Raised> {
+    work: impl FnOnce() -> Fails<T> + Send,
+) -> Raises<T> {
     interruptible(py, |stop| {
         let flag = Arc::clone(stop);
         let builder = ThreadPoolBuilder::new().start_handler(move |_| stop_by(Arc::clone(&flag)));
@@ -84,36 +79,34 @@ pub(crate) fn until_pressed<T: Send>(
 /// ends.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce(&Arc<AtomicBool>) -> Result<T, Failure> + Send,
-) -> Result<T, Raised> {
-    py.detach(|| watched(work))
-}
-
-fn watched<T: Send>(
-    work: impl FnOnce(&Arc<AtomicBool>) -> Result<T, Failure> + Send,
-) -> Result<T, Raised> {
+    work: impl FnOnce(&Arc<AtomicBool>) -> Fails<T> + Send,
+) -> Raises<T> {
     let stop = &Arc::new(AtomicBool::new(false));
-    let (done, is_done) = channel();
-    thread::scope(|scope| {
-        let worker = scope.spawn(move || done.send(work(stop)));
-        let mut pressed: Option<PyErr> = None;
-        loop {
-            match is_done.recv_timeout(LOOK) {
-                Ok(result) => {
-                    return pressed.map_or_else(|| Ok(result?), |error| Err(error.into()));
-                }
-                Err(RecvTimeoutError::Timeout) => {
-                    if let Err(error) = Python::attach(check_signals) {
-                        stop.store(true, Ordering::Relaxed);
-                        pressed = Some(error);
+    py.detach(|| {
+        let (done, is_done) = channel();
+        thread::scope(|scope| {
+            let worker = scope.spawn(move || done.send(work(stop)));
+            let mut pressed: Option<PyErr> = None;
+            loop {
+                match is_done.recv_timeout(LOOK) {
+                    Ok(result) => {
+                        break pressed.map_or_else(|| Ok(result?), |error| Err(error.into()));
+                    }
+                    Err(RecvTimeoutError::Timeout) => {
+                        if let Err(error) = Python::attach(check_signals) {
+                            stop.store(true, Ordering::Relaxed);
+                            pressed = Some(error);
+                        }
+                    }
+                    Err(RecvTimeoutError::Disconnected) => {
+                        let none = PyRuntimeError::new_err("the work has no result");
+                        break worker
+                            .join()
+                            .map_or_else(|panic| resume_unwind(panic), |_| Err(none.into()));
                     }
                 }
-                Err(RecvTimeoutError::Disconnected) => match worker.join() {
-                    Err(panic) => resume_unwind(panic),
-                    Ok(_) => return Err(PyRuntimeError::new_err("the work has no result").into()),
-                },
             }
-        }
+        })
     })
 }
 

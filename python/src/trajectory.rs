@@ -1,14 +1,10 @@
 //! `trajectory`: motions of a tip and paths of an arm's tip, from the command's options.
 
-use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict as _, PyDict, PyList};
-
-use flexlink::cli::terminal::Failure;
 use flexlink::cli::trajectory::Trajectory;
 
 use crate::arrays::dictionary;
-use crate::keywords::{parsed, renamed_arguments};
-use crate::messages::Raised;
+use crate::keywords::{arguments, parsed};
+use crate::prelude::*;
 use crate::threads::until_pressed;
 
 /// Options that a list repeats once for each element.
@@ -33,27 +29,27 @@ const RENAMED: [(&str, &str); 1] = [("from", "start")];
 pub(crate) fn trajectory<'py>(
     py: Python<'py>,
     profile: &str,
-    keywords: Option<Bound<'py, PyDict>>,
-) -> Result<Bound<'py, PyDict>, Raised> {
+    keywords: Option<Keywords<'py>>,
+) -> Dictionary<'py> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
-    let mut arguments = Vec::new();
+    let mut repeated = Vec::new();
     for name in REPEATED {
         let Some(values) = keywords.get_item(name)? else { continue };
         if let Ok(values) = values.cast_into::<PyList>() {
             keywords.del_item(name)?;
             for value in values {
-                arguments.extend(renamed_arguments(&[(name, value)].into_py_dict(py)?, &[])?);
+                repeated.extend(arguments(&[(name, value)].into_py_dict(py)?, &[])?);
             }
         }
     }
-    let options = renamed_arguments(&keywords, &RENAMED)?;
-    let arguments = [options, arguments, vec![profile.to_owned()]].concat();
-    let trajectory: Trajectory = parsed(&arguments, &[], &RENAMED)?;
+    let options = arguments(&keywords, &RENAMED)?;
+    let words = [options, repeated, vec![profile.to_owned()]].concat();
+    let trajectory: Trajectory = parsed(&words, &[], &RENAMED)?;
     Ok(dictionary(py, until_pressed(py, || columns(&trajectory))?)?)
 }
 
 /// The columns of a motion or a path, by name.
-fn columns(trajectory: &Trajectory) -> Result<Vec<(String, Vec<f64>)>, Failure> {
+fn columns(trajectory: &Trajectory) -> Fails<Vec<(String, Vec<f64>)>> {
     let Some(curve) = trajectory.curve()? else {
         let motion = trajectory.motion()?.0;
         let columns = [
