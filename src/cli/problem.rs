@@ -2,10 +2,8 @@
 
 use crate::beam::MeshPlan;
 use crate::csv::{Digits, InputFile};
-use crate::inverse::{
-    Analysis, InversionError, Resources, Solution, Unwatched, Watch, invert_motion,
-};
-use crate::motion::{Ends, Motion};
+use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_motion};
+use crate::motion::Ends;
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
 use crate::spec::Specification;
 use crate::store::Findings;
@@ -68,14 +66,8 @@ impl Problem {
         let allowed = duration.as_ref().map_or(most, |_| most.min(DOUBTED_BYTES));
         let memory_bytes = (allowed < usize::MAX).then_some(allowed);
         let own = &self.specification.analysis;
-        let (analysis, watch) = match &self.wanted.motion {
-            Motion::Tip(_) => (analysis(own), stages as &dyn Watch),
-            Motion::Path(_) => {
-                stages.at("solving");
-                (*own, &Unwatched as &dyn Watch)
-            }
-        };
-        let resources = Resources { memory_bytes, watch, ..Resources::default() };
+        let analysis = if self.wanted.motion.tip().is_some() { analysis(own) } else { *own };
+        let resources = Resources { memory_bytes, watch: stages, ..Resources::default() };
         let solution = self.inverted(&analysis, &resources).map_err(|error| {
             let hint = duration.as_ref().map(|remark| remark.hint().to_owned());
             let refused = match error {

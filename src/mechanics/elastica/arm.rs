@@ -1,14 +1,16 @@
-//! Arms of several links: the iteration of second-order terms, as loads over a band of frequencies.
+//! Arms of one link or several: the iteration of second-order terms, as loads over a band of frequencies.
 
 use std::sync::Arc;
 
-use super::arm_links::{Answers, Follower, Found, Linear, Shortened, State};
+use super::arm_links::{Answers, Follower, Iterate, Shortened, State};
 use super::chord::resolved;
 use super::error::{ElasticaError, FINEST};
-use super::iteration::{MOST_ITERATIONS, REACH, factor_of, further, over_widest_band};
+use super::iteration::{
+    MOST_ITERATIONS, OF_NYQUIST, REACH, factor_of, further, long_step, over_widest_band,
+};
 use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, SecondOrder};
-use super::reaction::{ArmMotion, Iteration};
+use super::reaction::{ArmMotion, Iteration, apart};
 use crate::model::Model;
 use crate::numeric::FourierPair;
 
@@ -26,11 +28,21 @@ const LEVELS: [(f64, f64, usize); 7] = [
     (1e-3, 1e-3, 1),
 ];
 
+/// Number of levels before those that differ by their loads. One link moves no chord when it shortens.
+const OF_CHORDS: usize = 2;
+
 /// Levels for torques that need not be exact.
 const ESTIMATED: [(f64, f64, usize); 2] = [LEVELS[5], LEVELS[6]];
 
 /// Relative accuracy of an estimate of the second-order change.
 const ESTIMATED_TO: f64 = 0.01;
+
+/// Shares of the torque's amplitudes, all added up, at high frequencies whose deflections an estimate of second-order
+/// terms leaves out.
+const ESTIMATED_BANDS: [f64; 3] = [1e-4, 1e-3, 1e-2];
+
+/// Ratio of the second iteration's change to the first's up to which the second is nearer.
+const CONVERGES: f64 = 0.5;
 
 /// Factor on the negligible share for a single wider motion of chords, which shows its effect.
 const BEYOND: f64 = 1e-4;
@@ -43,12 +55,6 @@ enum Until {
     Within(f64),
     /// Further iterations change the torques by less than this share of the second-order change.
     Share(f64),
-}
-
-/// State from one iteration to the next.
-struct Iterate {
-    answers: Answers,
-    torques_n_m: Vec<Vec<f64>>,
 }
 
 /// Finds the torques that move the chords of an arm as prescribed, or keep its tip on its path.
@@ -83,15 +89,17 @@ pub(crate) fn follow_arm_at(
     let negligible = (second_order != SecondOrder::None).then_some(LEVELS[0].0);
     over_fewest_samples(models, arm, (second_order, negligible, nodes), |follower, linear| {
         if second_order == SecondOrder::None {
-            return Ok(linear.into());
+            return Ok(linear);
         }
+        let levels = if models.len() == 1 { &LEVELS[OF_CHORDS..] } else { &LEVELS[..] };
         over_widest_band(
-            &LEVELS,
+            levels,
             |level| follower.iterated_over(&linear, Until::Within(tolerance), level),
             |error| !follower.needs_more(error),
             |found, narrower| {
                 found.iteration.error +=
                     follower.largest_change(&found.torques_n_m, &narrower.torques_n_m);
+                found.others.push((narrower.answers, 1.0));
             },
         )
     })
@@ -102,9 +110,10 @@ fn over_fewest_samples(
     models: &[Arc<dyn Model>],
     arm: &ArmPeriod,
     (second_order, negligible, nodes): (SecondOrder, Option<f64>, Option<&[Vec<usize>]>),
-    find: impl Fn(&Follower<'_>, Linear) -> Result<Found, ElasticaError>,
+    find: impl Fn(&Follower<'_>, Iterate) -> Result<Iterate, ElasticaError>,
 ) -> Result<ArmMotion, ElasticaError> {
-    let mut fewest = 0;
+    // One link costs little at all samples, and its terms often reach beyond the fewest.
+    let mut fewest = if models.len() == 1 { usize::MAX } else { 0 };
     loop {
         let (follower, linear) = Follower::of(models, arm, second_order, (fewest, negligible))?;
         match find(&follower, linear) {
@@ -137,14 +146,59 @@ pub(crate) fn estimate_arm(
     })
 }
 
+/// The linear motion of an arm of one link without weight, another motion, and a factor. The factor times their
+/// difference estimates the change by all second-order terms. The histories cover `nodes`.
+///
+/// The other motion is the second iteration, with the factor 1. If the second iteration changes the torque by more than
+/// half of the first change, it is the first iteration. Its change alternates if the terms stiffen the link: if each
+/// change is r times the one before, `1/(1 + r)` of the first change remains.
+///
+/// # Errors
+/// [`ElasticaError`].
+pub(crate) fn estimate(
+    models: &[Arc<dyn Model>],
+    arm: &ArmPeriod,
+    nodes: &[Vec<usize>; 1],
+) -> Result<([ArmMotion; 2], f64), ElasticaError> {
+    let (follower, linear) = Follower::of(models, arm, SecondOrder::Full, (usize::MAX, None))?;
+    let chord = &linear.state.chords[0];
+    let link = follower.on_chord(0, chord);
+    let bands = ESTIMATED_BANDS.map(|level| link.band_of_loads(&linear.answers[0], level));
+    // Unresolved products would alias to lower frequencies.
+    let is_resolved = |band: &usize| REACH * band <= resolved(&chord.pair);
+    let long = long_step(chord.step_s, OF_NYQUIST);
+    let band = bands.into_iter().flatten().find(is_resolved).ok_or(long)?;
+    let pair = chord.pair_for(REACH * band);
+    let time = chord.at(&pair);
+    let sweep = |last: &Answers| follower.swept(&linear, last, (&pair, band, 0));
+    let once = sweep(&linear.answers)?;
+    let twice = sweep(&once.answers);
+    let torque_n_m = |answers: &Answers, order| link.hub(&answers[0], order, &pair, &time).0;
+    let torques = [
+        torque_n_m(&linear.answers, SecondOrder::None),
+        torque_n_m(&once.answers, SecondOrder::Full),
+    ];
+    let first = apart(&torques[1], &torques[0]);
+    let ratio = twice.as_ref().map_or(1.0, |twice| {
+        let second = apart(&torque_n_m(&twice.answers, SecondOrder::Full), &torques[1]);
+        if first == 0.0 { 0.0 } else { second / first }
+    });
+    let (all, share) = match twice {
+        Ok(twice) if ratio <= CONVERGES => (twice, 1.0),
+        _ => (once, (1.0 + ratio).recip()),
+    };
+    let linear = follower.motion(linear, Some(nodes))?;
+    Ok(([linear, follower.motion(all, Some(nodes))?], share))
+}
+
 impl Follower<'_> {
     /// The motion with loads up to the frequency beyond which a share of the torques is negligible.
     fn iterated_over(
         &self,
-        linear: &Linear,
+        linear: &Iterate,
         until: Until,
         (negligible, moved, times): (f64, f64, usize),
-    ) -> Result<Found, ElasticaError> {
+    ) -> Result<Iterate, ElasticaError> {
         let of_all = |answers: &Answers, negligible: f64| {
             let bands = answers.iter().enumerate().map(|(link, answers)| {
                 self.on_chord(link, &linear.state.chords[link]).band_of_loads(answers, negligible)
@@ -154,21 +208,20 @@ impl Follower<'_> {
         let linear_band = |negligible: f64| self.band(&linear.answers, negligible);
         let moving = times * linear_band(moved);
         let mut band = of_all(&linear.answers, negligible)?;
-        let mut latest =
-            Iterate { answers: linear.answers.clone(), torques_n_m: linear.torques_n_m.clone() };
+        let mut latest = linear.clone();
         let (mut last_change, mut last_factor) = (f64::INFINITY, 0.0);
         for iterations in 1..=MOST_ITERATIONS {
             let pair = linear.state.chords[0].pair_for(REACH * band);
-            let swept = self.swept(linear, &latest, (&pair, band, moving));
+            let swept = self.swept(linear, &latest.answers, (&pair, band, moving));
             let diverges = |error: ElasticaError, change| match error {
-                error if self.needs_more(&error) => error,
+                error if self.needs_more(&error) || self.models.len() == 1 => error,
                 // The first iteration has the linear slopes, for which the path's pose is possible.
                 error if iterations == 1 && !matches!(error, ElasticaError::Elbow { .. }) => error,
                 error => error.diverging(iterations, change),
             };
-            let (state, next) = swept.map_err(|error| diverges(error, last_change))?;
+            let next = swept.map_err(|error| diverges(error, last_change))?;
             let change = self.largest_change(&next.torques_n_m, &latest.torques_n_m);
-            latest = next;
+            let previous = std::mem::replace(&mut latest, next);
             let reach = of_all(&latest.answers, negligible);
             band = band.max(reach.map_err(|error| diverges(error, change))?);
             let second_order = || self.largest_change(&latest.torques_n_m, &linear.torques_n_m);
@@ -181,13 +234,15 @@ impl Follower<'_> {
             // The first of two changes includes constant parts, such as a weight's sag, so that their ratio is small.
             // An estimate needs a third change; otherwise the wider sweep below adds another change.
             let fewest = if matches!(until, Until::Within(_)) { 2 } else { 3 };
-            let mut error = further(change, factor.max(last_factor));
+            // The changes of several links fall less evenly.
+            let slower = if self.models.len() > 1 { factor.max(last_factor) } else { factor };
+            let mut error = further(change, slower);
             if iterations >= fewest && error <= tolerance {
-                if matches!(until, Until::Within(_)) {
+                if matches!(until, Until::Within(_)) && self.models.len() > 1 {
                     // One sweep that moves the chords at more frequencies.
                     let reach = (&pair, band, REACH * linear_band(BEYOND * negligible));
-                    let wider = self.swept(linear, &latest, reach);
-                    let (_, wider) = wider.map_err(|error| diverges(error, change))?;
+                    let wider = self.swept(linear, &latest.answers, reach);
+                    let wider = wider.map_err(|error| diverges(error, change))?;
                     error += self.largest_change(&wider.torques_n_m, &latest.torques_n_m);
                 }
                 let iteration = Iteration {
@@ -197,8 +252,8 @@ impl Follower<'_> {
                     second_order_change: second_order(),
                     exceeds_step: REACH * band > resolved(&self.arm.pair),
                 };
-                let Iterate { answers, torques_n_m } = latest;
-                return Ok(Found { state, answers, torques_n_m, iteration });
+                let others = vec![(previous.answers, further(1.0, factor))];
+                return Ok(Iterate { iteration, others, ..latest });
             }
             (last_change, last_factor) = (change, factor);
         }
@@ -206,50 +261,57 @@ impl Follower<'_> {
     }
 
     /// One iteration over all links from the last inward, each with the loads from its last answer. Links that shorten
-    /// move the chords only in the first bins.
+    /// move the chords of the next ones only in the first bins.
     fn swept(
         &self,
-        linear: &Linear,
-        last: &Iterate,
+        linear: &Iterate,
+        last: &Answers,
         (pair, band, moving): (&FourierPair, usize, usize),
-    ) -> Result<(State, Iterate), ElasticaError> {
+    ) -> Result<Iterate, ElasticaError> {
         let (order, bins) = (self.second_order, resolved(pair));
         let bent: Vec<_> = self.models.iter().map(|model| BentLink::of(&**model, order)).collect();
         let histories = |link: usize| {
-            let kept = &last.answers[link][..band.min(last.answers[link].len())];
+            let kept = &last[link][..band.min(last[link].len())];
             let on_chord = self.on_chord(link, &linear.state.chords[link]);
             on_chord.histories(kept, bent[link].orders(), pair)
         };
         let mut histories: Vec<_> = (0..bent.len()).map(histories).collect();
         let shortening = |(link, own): (usize, &Vec<Vec<f64>>)| {
-            bent[link].shortening_m(own).map_err(|error| error.of_link(link))
+            bent[link].shortening_m(own).map_err(|error| self.of_link(link, error))
         };
-        let shortened = if order == SecondOrder::Full {
+        let is_one = bent.len() == 1;
+        let mut state = if order == SecondOrder::Full && !is_one {
             let by_m = histories.iter().enumerate().map(shortening).collect::<Result<_, _>>()?;
-            Some(Shortened { by_m, pair: pair.clone(), bins: moving })
+            self.chords(Some(Shortened { by_m, pair: pair.clone(), bins: moving }))?
         } else {
-            None
+            State { forces_n: Vec::new(), ..linear.state.clone() }
         };
-        let mut state = self.chords(shortened)?;
-        let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
+        let (mut answers, mut torques_n_m, mut largest_slope) = (Vec::new(), Vec::new(), None);
         for (link, own) in bent.iter().enumerate().rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let time = on_chord.chord.at(pair);
             let loads = own.loads((histories.pop().unwrap_or_default(), &time));
-            let loads = loads.map_err(|error| error.of_link(link))?;
+            let loads = loads.map_err(|error| self.of_link(link, error))?;
+            largest_slope = is_one.then_some(loads.largest_slope);
             let found = on_chord.with_loads(&linear.answers[link], &loads.nodal, pair);
             let few = &found[..bins.min(found.len())];
-            let (torque_n_m, _) = on_chord.hub(few, order, pair, &time);
             let along_n: Vec<f64> = loads.axial_n.iter().map(|axial| -axial).collect();
-            let [torque_n_m, along_n] =
-                [torque_n_m, along_n].map(|few| self.arm.at_all(pair, &few, bins, 0));
+            let at_all = |few: &[f64]| self.arm.at_all(pair, few, bins, 0);
+            let torque_n_m = if is_one {
+                // All frequencies, so that changes between bands are those of the same frequencies.
+                on_chord.hub(&found, order, &self.arm.pair, &on_chord.chord.histories).0
+            } else {
+                at_all(&on_chord.hub(few, order, pair, &time).0)
+            };
             let mut across_n = on_chord.across_n(&own.straight(), few);
             let left_n = pair.amplitudes(&loads.left_n);
             across_n.iter_mut().zip(left_n).for_each(|(across, left)| *across += left);
-            state.hand_inward(link, (&along_n, &self.arm.pair.samples(across_n)), &torque_n_m);
+            let forces_n = [at_all(&along_n), self.arm.pair.samples(across_n)];
+            state.hand_inward(link, forces_n, &torque_n_m);
             answers.insert(0, found);
             torques_n_m.insert(0, torque_n_m);
         }
-        Ok((state, Iterate { answers, torques_n_m }))
+        let (iteration, others) = (Iteration::default(), Vec::new());
+        Ok(Iterate { state, answers, torques_n_m, order, largest_slope, iteration, others })
     }
 }

@@ -1,4 +1,4 @@
-//! Arms of several links: each link on its chord, from the last inward, with the next link's load on its tip.
+//! Links on their chords, from the last inward, from the last inward, with the next link's load on its tip.
 
 use std::sync::Arc;
 
@@ -43,10 +43,11 @@ pub(super) struct Follower<'a> {
 }
 
 /// Motion of each link over the period, and the force on its inner end along its chord and across it.
+#[derive(Clone)]
 pub(super) struct State {
     pub(super) chords: Vec<ChordPeriod>,
     pub(super) forces_n: Vec<[Vec<f64>; 2]>,
-    shortened: Option<Shortened>,
+    pub(super) shortened: Option<Shortened>,
 }
 
 /// Shortening of each chord relative to its link.
@@ -62,37 +63,28 @@ pub(super) struct Shortened {
 /// The bars of an arm at one sample, with the acceleration of each inner end along the bar and across it.
 type Bars = Vec<(Bar, [f64; 2])>;
 
-/// Result of an iteration.
-pub(super) struct Found {
+/// The linear answer, or that of an iteration.
+#[derive(Clone)]
+pub(super) struct Iterate {
     pub(super) state: State,
     pub(super) answers: Answers,
     pub(super) torques_n_m: Vec<Vec<f64>>,
+    /// Terms of the answer.
+    pub(super) order: SecondOrder,
+    /// Largest slope in the loads of one link.
+    pub(super) largest_slope: Option<f64>,
     pub(super) iteration: Iteration,
-}
-
-pub(super) struct Linear {
-    pub(super) answers: Answers,
-    pub(super) torques_n_m: Vec<Vec<f64>>,
-    pub(super) state: State,
-}
-
-impl From<Linear> for Found {
-    fn from(Linear { answers, torques_n_m, state }: Linear) -> Self {
-        Self { state, answers, torques_n_m, iteration: Iteration::default() }
-    }
+    /// Other approximations; the factor on the distance from this one gives the change by further terms.
+    pub(super) others: Vec<(Answers, f64)>,
 }
 
 impl State {
     /// Stores the force on the inner end of a link, along its chord and across it, and passes it and the torque to the
     /// link before.
-    pub(super) fn hand_inward(
-        &mut self,
-        link: usize,
-        (along_n, across_n): (&[f64], &[f64]),
-        torque_n_m: &[f64],
-    ) {
-        self.forces_n.insert(0, [along_n.to_vec(), across_n.to_vec()]);
+    pub(super) fn hand_inward(&mut self, link: usize, forces_n: [Vec<f64>; 2], torque_n_m: &[f64]) {
+        self.forces_n.insert(0, forces_n);
         let axes = |link: usize, k: usize| axes(self.chords[link].angle_rad[k]);
+        let [along_n, across_n] = &self.forces_n[0];
         let samples = along_n.iter().zip(across_n).enumerate();
         let forces = samples.map(|(k, (along_n, across_n))| {
             let [e, n] = axes(link, k);
@@ -116,7 +108,7 @@ impl<'a> Follower<'a> {
         whole: &'a ArmPeriod,
         second_order: SecondOrder,
         (fewest, negligible): (usize, Option<f64>),
-    ) -> Result<(Self, Linear), ElasticaError> {
+    ) -> Result<(Self, Iterate), ElasticaError> {
         assert!(models.len() == whole.links(), "a model for each chord");
         let mut fewest = fewest.max(whole.fewest);
         loop {
@@ -136,6 +128,11 @@ impl<'a> Follower<'a> {
         }
     }
 
+    /// Attributes an error to one of several links.
+    pub(super) fn of_link(&self, link: usize, error: ElasticaError) -> ElasticaError {
+        if self.models.len() > 1 { error.of_link(link) } else { error }
+    }
+
     /// True if more samples may remove the error.
     pub(super) fn needs_more(&self, error: &ElasticaError) -> bool {
         self.stride > 1 && error.is_of_step()
@@ -152,7 +149,7 @@ impl<'a> Follower<'a> {
     }
 
     /// True if the samples resolve these torques, and loads up to a negligible share of the torques.
-    fn resolves(&self, linear: &Linear, negligible: Option<f64>) -> bool {
+    fn resolves(&self, linear: &Iterate, negligible: Option<f64>) -> bool {
         let most = resolved(&self.arm.pair);
         self.band(&linear.answers, LEFT_OUT) <= most
             && negligible.is_none_or(|share| REACH * self.band(&linear.answers, share) <= most)
@@ -167,13 +164,13 @@ impl<'a> Follower<'a> {
     }
 
     /// Checks the links, and solves them without second-order terms.
-    fn solved(&mut self) -> Result<Linear, ElasticaError> {
+    fn solved(&mut self) -> Result<Iterate, ElasticaError> {
         let (models, state) = (self.models, self.chords(None)?);
         let has_weight = self.arm.gravity_m_s2.iter().any(|part| *part != 0.0);
         let is_exact = self.second_order != SecondOrder::None || has_weight || models.len() > 1;
         for (link, (model, chord)) in models.iter().zip(&state.chords).enumerate() {
             check(&**model, chord, is_exact).map_err(|error| match error {
-                error @ ElasticaError::NotDerived { .. } => error.of_link(link),
+                error @ ElasticaError::NotDerived { .. } => self.of_link(link, error),
                 error => error,
             })?;
         }
@@ -187,8 +184,12 @@ impl<'a> Follower<'a> {
             self.sags = ratios.into_iter().zip(sags).collect();
         }
         let linear = self.linear(state)?;
-        let amplitudes = linear.answers.iter().flatten().map(|answer| magnitude(answer.torque_n_m));
-        self.round_off_n_m = ROUND_OFF * amplitudes.fold(0.0, f64::max);
+        // The torque of one link has no round-off of a next link's load.
+        if models.len() > 1 {
+            let amplitudes = linear.answers.iter().flatten();
+            let amplitudes = amplitudes.map(|answer| magnitude(answer.torque_n_m));
+            self.round_off_n_m = ROUND_OFF * amplitudes.fold(0.0, f64::max);
+        }
         Ok(linear)
     }
 
@@ -196,7 +197,10 @@ impl<'a> Follower<'a> {
         let model = &*self.models[link];
         let sag = self.sags.get(link).map(|(ratio, sag)| (*ratio, sag));
         let round_off_n_m = self.round_off_n_m;
-        LinkOnChord { model, chord, sag, friction_n_m_s_rad: 0.0, round_off_n_m }
+        // The friction of several links acts between them.
+        let is_one = self.models.len() == 1;
+        let friction_n_m_s_rad = if is_one { model.link().joint().friction_n_m_s_rad } else { 0.0 };
+        LinkOnChord { model, chord, sag, friction_n_m_s_rad, round_off_n_m }
     }
 
     /// The bars of an arm, with shortened links, at each sample of a period.
@@ -226,7 +230,7 @@ impl<'a> Follower<'a> {
     /// Histories of every chord, with shortened links.
     pub(super) fn chords(&self, shortened: Option<Shortened>) -> Result<State, ElasticaError> {
         let samples = self.bars(&self.arm, shortened.as_ref())?;
-        let (pair, place) = (&self.arm.pair, self.arm.gravity_m_s2);
+        let pair = &self.arm.pair;
         let chords = (0..self.models.len()).map(|link| {
             let history = |of: fn(&(Bar, [f64; 2])) -> f64| -> Vec<f64> {
                 samples.iter().map(|bars| of(&bars[link])).collect()
@@ -239,25 +243,33 @@ impl<'a> Follower<'a> {
                 tip: None,
             };
             let angle_rad = history(|(bar, _)| bar.angle_rad[0]);
-            ChordPeriod::of(pair.clone(), self.arm.step_s, (angle_rad, place), histories)
+            ChordPeriod::of(pair.clone(), self.arm.step_s, angle_rad, histories)
         });
         Ok(State { chords: chords.collect(), forces_n: Vec::new(), shortened })
     }
 
     /// All links, solved without second-order terms.
-    fn linear(&self, mut state: State) -> Result<Linear, ElasticaError> {
+    fn linear(&self, mut state: State) -> Result<Iterate, ElasticaError> {
         let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
-            let found = on_chord.linear().map_err(|error| error.of_link(link))?;
+            let found = on_chord.linear().map_err(|error| self.of_link(link, error))?;
             let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
             let (torque_n_m, _) = on_chord.hub(&found, SecondOrder::None, pair, chord);
-            let [along, across] = on_chord.linear_ends(&found);
-            state.hand_inward(link, (&along, &across), &torque_n_m);
+            let forces_n = on_chord.linear_ends(&found);
+            state.hand_inward(link, forces_n, &torque_n_m);
             answers.insert(0, found);
             torques_n_m.insert(0, torque_n_m);
         }
-        Ok(Linear { answers, torques_n_m, state })
+        Ok(Iterate {
+            state,
+            answers,
+            torques_n_m,
+            order: SecondOrder::None,
+            largest_slope: None,
+            iteration: Iteration::default(),
+            others: Vec::new(),
+        })
     }
 
     /// Largest difference of torques, each relative to its size.
@@ -274,7 +286,7 @@ impl<'a> Follower<'a> {
     /// [`ElasticaError::Elbow`] or [`ElasticaError::Diverges`] between the samples that resolved the motion.
     pub(super) fn motion(
         &self,
-        Found { state, answers, iteration, .. }: Found,
+        Iterate { state, answers, order, largest_slope, iteration, others, .. }: Iterate,
         nodes: Option<&[Vec<usize>]>,
     ) -> Result<ArmMotion, ElasticaError> {
         let pair = &self.whole.pair;
@@ -288,9 +300,10 @@ impl<'a> Follower<'a> {
         let of_link = |link: usize| {
             let nodes = nodes.map(|nodes| &nodes[link][..]);
             let on_chord = self.on_chord(link, &state.chords[link]);
-            let bent = on_chord.motion(&answers[link], self.second_order, (pair, nodes));
+            let mut bent = on_chord.motion(&answers[link], order, (pair, nodes));
+            bent.largest_slope = largest_slope.unwrap_or(bent.largest_slope);
             let slope = bent.deflections.last().into_iter().flatten();
-            let tip_slope_rad = match self.second_order {
+            let tip_slope_rad = match order {
                 SecondOrder::Full => slope.map(|sine| libm::asin(*sine)).collect(),
                 _ => slope.copied().collect(),
             };
@@ -306,10 +319,15 @@ impl<'a> Follower<'a> {
                     [0, 1].map(|axis| along_n * e[axis] + across_n * n[axis])
                 })
                 .collect();
+            let mut chord_length_m = history(&|bar| bar.length_m[0]);
+            if state.shortened.is_none() {
+                let shortened = bent.shortenings_m.last().into_iter().flatten();
+                chord_length_m.iter_mut().zip(shortened).for_each(|(length, own)| *length += own);
+            }
             ArmLinkMotion {
                 bent,
                 chord: [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order])),
-                chord_length_m: history(&|bar| bar.length_m[0]),
+                chord_length_m,
                 tip_slope_rad,
                 force_n: [0, 1].map(|axis| forces_n.iter().map(|force| force[axis]).collect()),
             }
@@ -317,13 +335,13 @@ impl<'a> Follower<'a> {
         let mut links: Vec<_> = (0..self.models.len()).into_par_iter().map(of_link).collect();
         for link in 0..links.len() {
             let friction = self.models[link].link().joint().friction_n_m_s_rad;
-            if friction > 0.0 {
+            if friction > 0.0 && links.len() > 1 {
                 let rates = joint_rates(&links, link, self.whole);
                 let torques = links[link].bent.torque_n_m.iter_mut().zip(rates);
                 torques.for_each(|(torque, rate)| *torque += friction * rate);
             }
         }
-        Ok(ArmMotion { links, iteration })
+        Ok(ArmMotion { links, iteration, second_order: order, others })
     }
 
     /// Interpolates a history to the whole period.
@@ -333,5 +351,37 @@ impl<'a> Follower<'a> {
             // Omits the Nyquist frequency, which lies inside a longer spectrum.
             _ => self.whole.pair.samples(&self.arm.pair.amplitudes(few)[..self.arm.len() / 2]),
         }
+    }
+}
+
+impl ArmMotion {
+    /// Other approximations of the motion of an arm of one link. The factor on the distance from this motion gives the
+    /// change by further iterations, or by terms of more frequencies.
+    ///
+    /// # Errors
+    /// [`ElasticaError`].
+    pub(crate) fn others(
+        &self,
+        models: &[Arc<dyn Model>],
+        whole: &ArmPeriod,
+    ) -> Result<Vec<(Self, f64)>, ElasticaError> {
+        let (arm, second_order, sags) = (whole.clone(), self.second_order, Vec::new());
+        let follower =
+            Follower { models, whole, arm, stride: 1, second_order, sags, round_off_n_m: 0.0 };
+        let mut state = follower.chords(None)?;
+        state.forces_n.resize(models.len(), <_>::default());
+        let other = |(answers, factor): &(Answers, f64)| {
+            let iterate = Iterate {
+                state: state.clone(),
+                answers: vec![answers[0].clone()],
+                torques_n_m: Vec::new(),
+                order: second_order,
+                largest_slope: None,
+                iteration: self.iteration,
+                others: Vec::new(),
+            };
+            Ok((follower.motion(iterate, None)?, *factor))
+        };
+        self.others.iter().map(other).collect()
     }
 }

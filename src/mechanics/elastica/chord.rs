@@ -20,10 +20,9 @@ const BELL: f64 = 6.0;
 /// The motion of a chord over a period of N samples, and the acceleration of the axis in its frame; gravity counts as
 /// an upward acceleration.
 #[derive(Debug, Clone)]
-pub struct ChordPeriod {
+pub(super) struct ChordPeriod {
     pub(super) pair: FourierPair,
     pub(super) step_s: f64,
-    pub(super) gravity_m_s2: [f64; 2],
     /// Directions in rad.
     pub(super) angle_rad: Vec<f64>,
     pub(super) histories: ChordHistories,
@@ -83,39 +82,11 @@ impl<T> TipLoad<T> {
 }
 
 impl ChordPeriod {
-    /// The period of a chord with these angles in rad from the plane's x axis, rates in rad/s and accelerations in
-    /// rad/s² at each `step_s`, in a plane with `gravity_m_s2` along its x and y axes.
-    ///
-    /// If the motion ends at another angle than it starts, the angle must [return](returning) within the period at
-    /// rest: only gravity's direction follows it, while rates and accelerations are zero.
-    ///
-    /// # Errors
-    /// [`ElasticaError`].
-    pub fn new(
-        step_s: f64,
-        [angle_rad, rate_rad_s, acceleration_rad_s2]: [Vec<f64>; 3],
-        gravity_m_s2: [f64; 2],
-    ) -> Result<Self, ElasticaError> {
-        let columns = [&angle_rad[..], &rate_rad_s, &acceleration_rad_s2];
-        let len = check_period(step_s, gravity_m_s2, &[columns])?;
-        let [g_x, g_y] = gravity_m_s2;
-        let upward = |angle: &f64| {
-            let (sine, cosine) = (libm::sin(*angle), libm::cos(*angle));
-            [-(g_x * cosine + g_y * sine), g_x * sine - g_y * cosine]
-        };
-        let (along_m_s2, across_m_s2): (Vec<f64>, Vec<f64>) =
-            angle_rad.iter().map(|angle| upward(angle).into()).unzip();
-        let pair = FourierPair::new(len);
-        let histories =
-            ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2, across_m_s2, tip: None };
-        Ok(Self::of(pair, step_s, (angle_rad, gravity_m_s2), histories))
-    }
-
     /// The period of these histories, without a next link.
     pub(super) fn of(
         pair: FourierPair,
         step_s: f64,
-        (angle_rad, gravity_m_s2): (Vec<f64>, [f64; 2]),
+        angle_rad: Vec<f64>,
         histories: ChordHistories,
     ) -> Self {
         let ChordHistories { rate_rad_s, acceleration_rad_s2, along_m_s2, across_m_s2, .. } =
@@ -124,15 +95,7 @@ impl ChordPeriod {
         let (turning, across) =
             (pair.amplitudes(acceleration_rad_s2), pair.amplitudes(across_m_s2));
         let tip = None;
-        Self { pair, step_s, gravity_m_s2, angle_rad, histories, rate, along, turning, across, tip }
-    }
-
-    /// A chord at rest in a direction in rad: a few equal samples.
-    ///
-    /// # Errors
-    /// [`ElasticaError::Sample`].
-    pub fn at_rest(angle_rad: f64, gravity_m_s2: [f64; 2]) -> Result<Self, ElasticaError> {
-        Self::new(1.0, [angle_rad, 0.0, 0.0].map(|value| vec![value; FEWEST]), gravity_m_s2)
+        Self { pair, step_s, angle_rad, histories, rate, along, turning, across, tip }
     }
 
     /// Applies the load of the next link to the tip.
@@ -144,12 +107,6 @@ impl ChordPeriod {
     /// Number N of samples.
     pub(super) fn len(&self) -> usize {
         self.pair.len()
-    }
-
-    /// True if gravity acts in the plane.
-    pub(super) fn has_weight(&self) -> bool {
-        self.histories.along_m_s2.iter().any(|a| *a != 0.0)
-            || self.across.iter().any(|a| a.re != 0.0)
     }
 
     /// The pair with the fewest samples of the period that [resolve](resolved) products in this number of bins.

@@ -73,7 +73,8 @@ impl ArmPeriod {
                 arm.elbow(sample)?;
             }
         }
-        Ok(Self { fewest: arm.resolving(), ..arm })
+        // One link takes all samples.
+        Ok(if arm.links() > 1 { Self { fewest: arm.resolving(), ..arm } } else { arm })
     }
 
     /// Number N of samples.

@@ -14,7 +14,7 @@
 //!
 //! ```
 //! use flexlink::beam::{Mesh, MeshPlan};
-//! use flexlink::elastica::{ChordPeriod, SecondOrder, follow};
+//! use flexlink::elastica::{ArmPeriod, Kept, SecondOrder, follow_arm};
 //! use flexlink::link::{Link, Segment};
 //! use flexlink::model::{KeptModes, model_of};
 //!
@@ -25,14 +25,14 @@
 //!
 //! // At rest, its tip as high as its hub, so that its middle sags.
 //! let at_rest = [vec![0.0; 8], vec![0.0; 8], vec![0.0; 8]];
-//! let chord = ChordPeriod::new(0.01, at_rest, [0.0, -9.81])?;
-//! let held = follow(&*model, &chord, SecondOrder::Full, 1e-9)?.motion;
+//! let arm = ArmPeriod::new(0.01, vec![at_rest], Kept::Angles, [0.0, -9.81])?;
+//! let held = &follow_arm(&[model], &arm, SecondOrder::Full, 1e-9)?.links[0].bent;
 //! assert!(held.hub_slope_rad[0] > 0.15, "the hub is turned up");
 //! assert!(held.torque_n_m[0] < 0.5 * 0.3 * 9.81, "and the weight lies nearer than half the length");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Arms
+//! # Several links
 //!
 //! In an arm every link has its chord from joint to joint, in the place of a rigid arm's link:
 //!
@@ -85,11 +85,9 @@ mod reaction;
 mod sag;
 
 pub use arm::follow_arm;
-pub(crate) use arm::{estimate_arm, follow_arm_at};
-pub use chord::{ChordPeriod, returning};
+pub(crate) use arm::{estimate, estimate_arm, follow_arm_at};
+pub use chord::returning;
 pub use error::ElasticaError;
-pub(crate) use iteration::estimate;
-pub use iteration::{Followed, follow};
 pub(crate) use kinematics::STRETCHED;
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;

@@ -274,6 +274,8 @@ impl LinkOnChord<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use super::*;
     use crate::beam::{Mesh, MeshPlan};
     use crate::elastica::chord::TipLoad;
@@ -299,7 +301,19 @@ mod tests {
             (0..64).map(|k| amplitude * libm::cos(angle(k) + amplitude)).collect()
         };
         let motion = [history(0.4, 1.0), history(1.7, 1.0), history(9.0, 2.0)];
-        let mut chord = ChordPeriod::new(0.01, motion, [1.0, -9.81]).unwrap();
+        let [angle_rad, rate_rad_s, acceleration_rad_s2] = motion;
+        let gravity = |across: f64| {
+            let part = |angle: &f64| 9.81 * libm::sin(angle + across) - libm::cos(angle + across);
+            angle_rad.iter().map(part).collect()
+        };
+        let histories = ChordHistories {
+            rate_rad_s,
+            acceleration_rad_s2,
+            along_m_s2: gravity(0.0),
+            across_m_s2: gravity(FRAC_PI_2),
+            tip: None,
+        };
+        let mut chord = ChordPeriod::of(FourierPair::new(64), 0.01, angle_rad, histories);
         chord.load_tip(TipLoad {
             along_n: history(3.0, 1.0),
             across_n: history(-5.0, 3.0),

@@ -48,7 +48,7 @@ pub struct Iteration {
     /// Estimated change of the torques, each relative to its range, by further iterations and by second-order terms of
     /// neglected frequencies. It exceeds the tolerance if the terms of high frequencies do not converge.
     pub error: f64,
-    /// Largest change of the torques by the second order, each relative to its range; for an arm without friction.
+    /// Largest change of the torques by the second order, each relative to its range; for several links without friction.
     pub second_order_change: f64,
     /// True if second-order terms reach beyond the frequencies that the samples resolve: half the step would change
     /// them.
@@ -77,6 +77,11 @@ pub struct ArmMotion {
     pub links: Vec<ArmLinkMotion>,
     /// Course of the iteration of second-order terms.
     pub iteration: Iteration,
+    /// Second-order terms of the motion.
+    pub second_order: SecondOrder,
+    /// Other approximations: the iteration before the last and, if terms of high frequencies are neglected, the motion
+    /// without more of them. The factor on the distance from this motion gives the change by further terms.
+    pub(super) others: Vec<(Vec<Vec<LoadedMotion<Complex64>>>, f64)>,
 }
 
 /// Force along the chord and across it, and moment about a node, that accelerate the part outboard.

@@ -4,34 +4,26 @@
 //! leave a logarithm of time, and the link would never settle. So this part acts only on the bending beyond the sag, by
 //! the loads `2iξ K w_sag` besides the weight.
 
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use nalgebra::Vector4;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::chord::{ChordPeriod, TipLoad};
+use super::chord::TipLoad;
 use super::error::ElasticaError;
 use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, Instant, Scratch, SecondOrder};
 use crate::beam::{Loads, Mesh};
 use crate::model::Model;
-use crate::numeric::{FourierPair, Size, extremes};
+use crate::numeric::{FourierPair, Size, magnitude};
 use crate::system::end_if_stopped;
 
-/// Numbers of directions of the chord for the sag, increased until the polynomial through them is exact between them.
-/// The sag repeats after a whole turn, so that no more are needed.
-const DIRECTIONS: [usize; 3] = [32, 64, 128];
-
-/// Largest error of the sag's loads between two directions, relative to the largest load; the loads have the factor 2ξ.
+/// Largest error of the sag's loads between two samples, relative to the largest load; the loads have the factor 2ξ.
 const EXACT: f64 = 1e-6;
 
-/// Turn of a chord below which it is at rest.
-const AT_REST_RAD: f64 = 1e-9;
-
 /// Tolerance of the sag's iteration.
-pub(super) const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 
 /// Limit of iterations for an arm at rest.
 const MOST_ITERATIONS: usize = 100;
@@ -48,43 +40,6 @@ pub(super) struct Sag {
 }
 
 impl Sag {
-    /// Sag on a moving chord; `None` for a chord at rest, whose loads have only zero frequency. `rest` computes
-    /// deflection in m and slope of each node on a chord at rest.
-    ///
-    /// # Errors
-    /// [`ElasticaError`] for a link without a rest position.
-    pub(super) fn of(
-        mesh: &Mesh,
-        chord: &ChordPeriod,
-        rest: impl Fn(&ChordPeriod) -> Result<Vec<f64>, ElasticaError> + Sync,
-    ) -> Result<Option<Self>, ElasticaError> {
-        let ends = extremes(&chord.angle_rad);
-        if ends[1] - ends[0] < 2.0 * AT_REST_RAD {
-            return Ok(None);
-        }
-        let is_turned = ends[1] - ends[0] > TAU;
-        let ends = if is_turned { [0.0, TAU] } else { ends };
-        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-        let at = |place: f64| {
-            let chord = ChordPeriod::at_rest(middle + half * place, chord.gravity_m_s2)?;
-            Ok(bending_loads(mesh, &rest(&chord)?))
-        };
-        for count in DIRECTIONS {
-            let through = Interpolation::through(count, &at)?;
-            if through.error(&at)? > EXACT {
-                continue;
-            }
-            let places: Vec<f64> = (chord.angle_rad.iter())
-                .map(|angle| if is_turned { angle.rem_euclid(TAU) } else { *angle })
-                .map(|angle| (angle - middle) / half)
-                .collect();
-            let histories = through.histories(&places);
-            let loads = histories.into_par_iter().map(|history| chord.pair.amplitudes(history));
-            return Ok(Some(Self { loads: loads.collect() }));
-        }
-        Err(ElasticaError::Sag)
-    }
-
     /// Adds the loads at a bin, times a factor.
     pub(super) fn add(&self, bin: usize, factor: Complex64, nodal: &mut [[Complex64; 2]]) {
         for (load, amplitudes) in nodal.as_flattened_mut().iter_mut().zip(&self.loads) {
@@ -106,29 +61,56 @@ impl Sag {
             models.iter().map(|model| (&**model, BentLink::of(&**model, second_order))).collect();
         let masses_kg = links.iter().map(|(_, shape)| shape.straight().mass_kg).collect();
         let resting = RestingArm { links, masses_kg, arm, second_order };
-        let stride = arm.stride(UNSEEN);
+        let mut stride = arm.stride(UNSEEN);
+        loop {
+            let sags = resting.sags(stride)?;
+            if sags.iter().all(Self::is_smooth) {
+                return Ok(sags);
+            }
+            if stride == 1 {
+                return Err(ElasticaError::Sag);
+            }
+            stride = arm.stride_to(2 * arm.len() / stride);
+        }
+    }
+
+    /// True if samples resolve the loads: in the last quarter of their frequencies, their amplitudes add up to the error
+    /// of the loads between samples.
+    fn is_smooth(&self) -> bool {
+        let all = |loads: &[Complex64]| loads.iter().map(|load| magnitude(*load)).sum::<f64>();
+        let largest = self.loads.iter().map(|loads| all(loads)).fold(0.0, f64::max);
+        let last = |loads: &Vec<Complex64>| all(&loads[loads.len() - loads.len() / 4..]);
+        self.loads.iter().all(|loads| last(loads) <= EXACT * largest)
+    }
+}
+
+impl RestingArm<'_> {
+    /// Sags of the links from every `stride`-th sample of the period.
+    fn sags(&self, stride: usize) -> Result<Vec<Sag>, ElasticaError> {
+        let arm = self.arm;
+        let models = || self.links.iter().map(|(model, _)| *model);
         let pair = FourierPair::new(arm.len() / stride);
         let chunks: Vec<usize> = (0..pair.len()).step_by(CHUNK).collect();
         let of_chunk = |from: &usize| -> Result<Vec<Vec<f64>>, ElasticaError> {
             let mut bent: Vec<_> =
-                models.iter().map(|model| vec![0.0; 2 * model.mesh().nodes_m().len()]).collect();
-            let mut found: Vec<Vec<f64>> = Vec::new();
+                models().map(|model| vec![0.0; 2 * model.mesh().nodes_m().len()]).collect();
+            let mut rows: Vec<Vec<f64>> = Vec::new();
             for k in *from..pair.len().min(from + CHUNK) {
                 end_if_stopped();
-                if found.is_empty() || !arm.rests(k * stride, (k - 1) * stride) {
-                    resting.settle(k * stride, &mut bent)?;
+                if rows.is_empty() || !arm.rests(k * stride, (k - 1) * stride) {
+                    self.settle(k * stride, &mut bent)?;
                 }
-                let loads = models.iter().zip(&bent).map(|(m, w)| bending_loads(m.mesh(), w));
-                found.push(loads.flatten().collect());
+                let loads = models().zip(&bent).map(|(m, w)| bending_loads(m.mesh(), w));
+                rows.push(loads.flatten().collect());
             }
-            Ok(found)
+            Ok(rows)
         };
         let rows = chunks.par_iter().map(of_chunk).collect::<Result<Vec<_>, _>>()?.concat();
         let mut columns = 0..rows[0].len();
-        let sags = models.iter().map(|model| {
+        let sags = models().map(|model| {
             let own = columns.by_ref().take(2 * model.mesh().nodes_m().len());
             let history = |column: usize| rows.iter().map(|row| row[column]).collect::<Vec<_>>();
-            Self { loads: own.map(|column| pair.amplitudes(history(column))).collect() }
+            Sag { loads: own.map(|column| pair.amplitudes(history(column))).collect() }
         });
         Ok(sags.collect())
     }
@@ -231,69 +213,24 @@ fn bending_loads(mesh: &Mesh, dofs: &[f64]) -> Vec<f64> {
     loads
 }
 
-/// Loads as polynomials through Chebyshev points of the second kind in [−1, 1].
-struct Interpolation {
-    places: Vec<f64>,
-    /// Loads of all nodes at each place.
-    loads: Vec<Vec<f64>>,
-}
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
 
-/// Loads at a place.
-type LoadsAt<'a> = &'a (dyn Fn(f64) -> Result<Vec<f64>, ElasticaError> + Sync);
+    use super::*;
 
-impl Interpolation {
-    fn through(count: usize, at: LoadsAt<'_>) -> Result<Self, ElasticaError> {
-        let place = |k: usize| libm::cos(PI * k as f64 / (count - 1) as f64);
-        let places: Vec<f64> = (0..count).map(place).collect();
-        let loads = places.par_iter().map(|place| at(*place)).collect::<Result<_, _>>()?;
-        Ok(Self { places, loads })
-    }
-
-    /// Largest error in the middle of the widest gap between points and of the next gap, relative to the largest load.
-    fn error(&self, at: LoadsAt<'_>) -> Result<f64, ElasticaError> {
-        let largest = self.loads.iter().flatten().map(|load| load.abs()).fold(0.0, f64::max);
-        let middle = self.places.len() / 2;
-        let mut error = 0.0;
-        for k in [middle, middle + 1] {
-            let place = 0.5 * (self.places[k - 1] + self.places[k]);
-            let between = self.histories(&[place]);
-            for (exact, found) in at(place)?.iter().zip(between) {
-                error = f64::max(error, (exact - found[0]).abs());
-            }
-        }
-        Ok(if error == 0.0 { 0.0 } else { error / largest })
-    }
-
-    /// Each load at some places.
-    fn histories(&self, places: &[f64]) -> Vec<Vec<f64>> {
-        let weights: Vec<Vec<f64>> =
-            places.par_iter().map(|place| weights(&self.places, *place)).collect();
-        let dofs = 0..self.loads[0].len();
-        let history = |dof: usize| {
-            let at = |weights: &Vec<f64>| {
-                weights.iter().zip(&self.loads).map(|(weight, loads)| weight * loads[dof]).sum()
-            };
-            weights.iter().map(at).collect()
+    #[test]
+    fn loads_that_jump_between_samples_are_not_smooth() {
+        let pair = FourierPair::new(256);
+        let is_smooth = |at: &dyn Fn(f64) -> f64| {
+            let history = (0..256).map(|k| at(f64::from(k) / 256.0)).collect::<Vec<_>>();
+            Sag { loads: vec![pair.amplitudes(history), pair.amplitudes(vec![1e-9; 256])] }
+                .is_smooth()
         };
-        dofs.into_par_iter().map(history).collect()
+        assert!(is_smooth(&|_| 0.0));
+        assert!(is_smooth(&|x| libm::sin(libm::sin(TAU * x))));
+        assert!(is_smooth(&|x| libm::sin(8.0 * libm::sin(2.0 * TAU * x))));
+        assert!(!is_smooth(&|x| libm::sin(40.0 * libm::sin(2.0 * TAU * x))));
+        assert!(!is_smooth(&|x| f64::from(u8::from(x > 0.3)) * 1e-3 + libm::sin(TAU * x)));
     }
-}
-
-/// Weights of the values at some places for interpolation at another place in [−1, 1].
-fn weights(places: &[f64], at: f64) -> Vec<f64> {
-    if let Some(same) = places.iter().position(|place| (place - at).abs() < f64::MIN_POSITIVE) {
-        return (0..places.len()).map(|k| f64::from(u8::from(k == same))).collect();
-    }
-    let last = places.len() - 1;
-    let parts: Vec<f64> = places
-        .iter()
-        .enumerate()
-        .map(|(k, place)| {
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            let end = if k == 0 || k == last { 0.5 } else { 1.0 };
-            sign * end / (at - place)
-        })
-        .collect();
-    let sum: f64 = parts.iter().sum();
-    parts.iter().map(|part| part / sum).collect()
 }

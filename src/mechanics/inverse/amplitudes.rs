@@ -42,6 +42,11 @@ impl Probes {
 }
 
 impl Probes {
+    /// The same quantities at other nodes.
+    pub(super) fn at(&self, nodes: &[usize]) -> Self {
+        Self { nodes: nodes.to_vec(), ..*self }
+    }
+
     /// Keeps the measured quantities of some values.
     pub(super) fn measured(&self, of: PerQuantity<f64>) -> PerQuantity<f64> {
         PerQuantity {

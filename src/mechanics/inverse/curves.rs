@@ -2,7 +2,6 @@
 
 use super::accuracy::PerQuantity;
 use crate::elastica::{ElasticaMotion, SecondOrder};
-use crate::link::Link;
 use crate::numeric::{Size, extremes, largest, largest_difference};
 
 /// Places of a link's nodes over time: one history for each node.
@@ -71,28 +70,6 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// The link at rest: one sample of each.
-    pub(super) fn at_rest(
-        motion: &ElasticaMotion,
-        (second_order, nodes_m): (SecondOrder, &[f64]),
-        displacement_m: f64,
-        (link, nodes): (&Link, &[usize]),
-    ) -> Self {
-        let arc_m = |node: &usize| Shape::arc_m(motion, second_order, nodes_m, *node)[0];
-        let share = |node: &usize| displacement_m * nodes_m[*node] / link.length_m();
-        let first = |history: &[f64]| vec![history[0]];
-        let torque = motion.torque_n_m[0];
-        Self {
-            torque_n_m: vec![torque],
-            hub_angle_rad: vec![motion.hub_slope_rad[0] + displacement_m / link.length_m()],
-            hub_rate_rad_s: vec![0.0],
-            hub_acceleration_rad_s2: vec![0.0],
-            displacement_m: nodes.iter().map(|k| vec![arc_m(k) + share(k)]).collect(),
-            moment_n_m: nodes.iter().map(|k| first(&motion.moments_n_m[*k])).collect(),
-            motor: link.drive().map(|drive| [vec![torque / drive.gear_ratio], vec![0.0]]),
-        }
-    }
-
     fn each(&self) -> PerQuantity<&[Vec<f64>]> {
         let one = std::slice::from_ref::<Vec<f64>>;
         let motor = self.motor.as_ref();

@@ -154,6 +154,7 @@ impl Diagnostics<'_> {
         let iteration = self.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
         let inexact = Some(iteration.worst()).filter(|(_, error)| *error > tolerance);
         let inexact = inexact.map(|(quantity, share)| Warning::InexactIteration {
+            of: self.shares(),
             quantity,
             share,
             tolerance,

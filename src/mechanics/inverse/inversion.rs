@@ -5,20 +5,20 @@ use std::sync::Arc;
 
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
-use super::bent::{BentOnMesh, BentProblem};
-use super::bent_answer::Bent;
+use super::arm::{ArmProblem, Solver, invert_arm};
+use super::curves::Shape;
 use super::diagnostics::{Diagnostics, Edge, thick_share};
 use super::error::{InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
-use super::mesh_error::{MeshAnswer, uncertain};
+use super::mesh_error::MeshAnswer;
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, Problem};
-use super::solution::{Band, JointMotion, LinkMotion, LinkSpectra, Solution};
+use super::solution::{Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Solution};
 use super::warning::SolutionWarning;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;
-use crate::link::Link;
+use crate::link::{Arm, Link};
 use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{Ends, Motion, TipMotion};
@@ -45,8 +45,31 @@ pub fn invert(
     invert_link(link, plan, motion, analysis, &Resources::default())
 }
 
+/// Finds the torques of all joints for the motion of an arm, or of one link; `plans` has one for each link.
+///
+/// # Errors
+/// [`InversionError`]: impossible damping, an arm that cannot follow its path, a torque that is not finite, an automatic
+/// mesh that does not converge, second-order terms that do not converge, a window too long to transform, or more memory
+/// than `resources` allow.
+pub fn invert_motion(
+    arm: &Arm,
+    plans: &[MeshPlan],
+    motion: &Motion,
+    analysis: &Analysis,
+    resources: &Resources<'_>,
+) -> Result<Solution, InversionError> {
+    match (motion, arm.links(), plans) {
+        (Motion::Tip(motion), [own], [plan]) => {
+            invert_link(&own.link, plan, motion, analysis, resources)
+        }
+        (Motion::Tip(_), [_], _) => Err(InversionError::Plans { plans: plans.len(), links: 1 }),
+        (Motion::Tip(_), links, _) => Err(InversionError::OtherMotion { links: links.len() }),
+        (Motion::Path(path), ..) => invert_arm(arm, plans, path, analysis, resources),
+    }
+}
+
 /// [`invert`] within a memory limit, with a watcher of its progress.
-pub(super) fn invert_link(
+fn invert_link(
     link: &Link,
     plan: &MeshPlan,
     motion: &TipMotion,
@@ -123,7 +146,16 @@ fn refuse_ends(
     refused.map_or(Ok(()), |why| Err(InversionError::Ends(why)))
 }
 
-/// [`invert_link`] for a link under gravity, or with second-order terms.
+/// Results of a bent link beside its histories.
+struct Bent {
+    findings: SecondOrderFindings,
+    /// Largest slope |w'| of the link from its chord.
+    largest_slope: f64,
+    /// Places of the nodes over the period.
+    shape: Shape,
+}
+
+/// [`invert_link`] for a link under gravity, or with second-order terms: an arm of one link.
 fn invert_bent(
     coarsest: Arc<dyn Model>,
     plan: &MeshPlan,
@@ -132,42 +164,21 @@ fn invert_bent(
     resources: &Resources<'_>,
 ) -> Result<Solution, InversionError> {
     let first_zero_per_s = first_zero(coarsest.mesh());
-    let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
-    let bent = BentProblem::of(&problem, coarsest.link(), first_zero_per_s)?;
-    let BentOnMesh { model, probes, answer, sizes, errors: mesh_errors } =
-        bent.on_mesh_of(plan, coarsest)?;
-    let shortest = answer.period.spectrum.pair.len();
-    let (answer, rests, left) = bent.decayed(&*model, &probes, &sizes, answer)?;
-    let found = (&*model, &probes, &answer);
-    let mesh_errors = if answer.period.spectrum.pair.len() > shortest {
-        bent.mesh_errors_of(found, &sizes)?
-    } else {
-        mesh_errors
+    let link = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
+    let arm = coarsest.link().clone().into();
+    let problem = ArmProblem::of_link(&link, &arm, first_zero_per_s)?;
+    let solver = Solver { problem, plans: std::slice::from_ref(plan), falls_back: false };
+    let measured = solver.measured(vec![coarsest], first_zero_per_s)?;
+    let (window, edge, errors) = (measured.window, measured.edge, measured.errors[0]);
+    let (answer, peaks, model) = measured.of_link();
+    let bent = &answer.motion.links[0].bent;
+    let bent = Bent {
+        findings: solver.findings(&answer, solver.left_out(&answer)),
+        largest_slope: bent.largest_slope,
+        shape: Shape::of(bent, answer.motion.second_order, model.mesh().nodes_m()),
     };
-    let step_errors = bent.step_errors(found, first_zero_per_s, &sizes)?;
-    let is_iterated = bent.second_order != SecondOrder::None;
-    let iteration_errors = is_iterated.then(|| bent.iteration_errors(found, &sizes));
-    let periodic = answer.periodic(&*model);
-    let (window, cut) = bent.window((model.link(), &answer), &periodic, rests.as_ref(), &sizes);
-    let edge = Edge { cut: cut.torque, seam: left.torque };
-    let input = answer.period.spectrum.cutoff.input;
-    let of_input = |input| uncertain((&*model, &probes), &answer.period, &input, &sizes);
-    let input_errors = input.map(of_input).transpose()?;
-    let errors = mesh_errors
-        .zip(&left.at_least(&cut), |mesh, window| QuantityErrors {
-            mesh,
-            window,
-            ..QuantityErrors::default()
-        })
-        .with(step_errors, |errors, step| QuantityErrors { step: Some(step), ..errors })
-        .with(iteration_errors, |errors, iteration| QuantityErrors {
-            iteration: Some(iteration),
-            ..errors
-        })
-        .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
-    let solved = bent.findings(&*model, &answer);
-    let answering = AnsweringModel { model, first_zero_per_s, hub_tail: None, peaks: sizes };
-    problem.solution(answering, periodic, (&window, edge), &errors, Some(solved))
+    let answering = AnsweringModel { model, first_zero_per_s, hub_tail: None, peaks };
+    link.solution(answering, answer.periodic(), (&window, edge), &errors, Some(bent))
 }
 
 /// Torques over a window.
@@ -184,27 +195,27 @@ impl Solution {
     /// sample is at the window's start. `None` for an arm.
     ///
     /// # Errors
-    /// As [`invert_motion`](super::invert_motion).
+    /// As [`invert_motion`].
     pub fn torques_over_window(
         &self,
         motion: &TipMotion,
         resources: &Resources<'_>,
     ) -> Result<Option<WindowTorques>, InversionError> {
         let Some(LinkSpectra { hub_tail, shape, .. }) = &self.spectra else { return Ok(None) };
-        let (first_zero, model) = (self.first_zero_per_s, &*self.links[0].model);
+        let (first_zero, model) = (self.first_zero_per_s, &self.links[0].model);
         let problem = Problem::new(motion, &self.analysis, first_zero, *resources)?;
         let answer = if shape.is_some() {
-            let bent = BentProblem::of(&problem, model.link(), first_zero)?;
+            let bent = ArmProblem::of_link(&problem, &self.arm, first_zero)?;
             let given = (self.band.period_s / motion.grid().step_s).ceil() as usize;
             let shortest = bent.shortest_len()?;
             let is_cycle = motion.cycles().is_some();
             let len = if is_cycle { shortest } else { shortest.max(fast_length(given)) };
-            bent.answer(model, len)?.periodic(model)
+            bent.answer(&[Arc::clone(model)], &bent.period(len)?, None)?.periodic()
         } else {
-            problem.answer_over(model, self.band.period_s)?
+            problem.answer_over(&**model, self.band.period_s)?
         };
         let grid = problem.grid_over(&self.grid);
-        let histories = Histories::of(&answer, model, *hub_tail, (0.0, grid))?;
+        let histories = Histories::of(&answer, &**model, *hub_tail, (0.0, grid))?;
         Ok(Some(WindowTorques {
             hub_n_m: histories.torque_n_m,
             motor_n_m: histories.motor.map(|motor| motor.torque_n_m),

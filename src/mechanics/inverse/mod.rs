@@ -12,8 +12,6 @@ mod accuracy;
 mod amplitudes;
 mod analysis;
 mod arm;
-mod bent;
-mod bent_answer;
 mod curves;
 mod diagnostics;
 mod error;
@@ -33,13 +31,13 @@ mod warning;
 
 pub use accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
-pub use arm::{check_reach, invert_motion};
+pub use arm::check_reach;
 pub(crate) use curves::size;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]
 pub(crate) use inversion::tests;
-pub use inversion::{WindowTorques, invert};
+pub use inversion::{WindowTorques, invert, invert_motion};
 pub use nodal_table::NodalTable;
 pub use solution::{Band, JointMotion, LinkMotion, LinkShape, SecondOrderFindings, Solution};
 pub use warning::{SolutionWarning, Straying, Warning};

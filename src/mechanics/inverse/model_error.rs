@@ -1,20 +1,13 @@
 //! Errors of a linear answer: large deflections, centrifugal stiffening and the thickness.
 
-use std::sync::Arc;
-
 use super::accuracy::PerQuantity;
-use super::bent::{BYTES, BentProblem};
-use super::bent_answer::BentAnswer;
-use super::curves::Curves;
-use super::error::InversionError;
+use super::arm::{ArmProblem, BYTES};
 use super::histories::{Histories, tip_deflection_m};
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, Problem};
 use crate::beam::{Mesh, MeshPlan};
-use crate::elastica::estimate;
 use crate::modal::{OF_DEFLECTION, OF_TORQUE, second_order_share};
-use crate::model::{KeptModes, Model, model_of};
-use crate::motion::TipPeriod;
+use crate::model::{KeptModes, model_of};
 use crate::numeric::{largest, largest_difference};
 use crate::response::{Play, Torque, simulate_on};
 
@@ -24,7 +17,7 @@ const ESTIMATED_TIP: f64 = 5e-3;
 const ESTIMATED_TORQUE: f64 = 2e-2;
 
 /// Most memory in bytes for counting the terms.
-const MOST_BYTES: usize = 1 << 30;
+const MOST_BYTES: usize = 3 << 29;
 
 /// Relative change of the torque, over the square of deflection over length. A bent link with a load at its tip is
 /// shorter from hub to tip by a tenth of that square, and the torque falls with the square of the distance.
@@ -136,9 +129,10 @@ impl Problem<'_> {
         }
         // A coarse mesh with all modes suffices.
         let coarse = model_of(link, mesh.clone(), KeptModes::All).ok()?;
-        let bent = BentProblem::of(self, link, *first_zero_per_s).ok()?;
-        let ([own, other], share) =
-            bent.estimated(&*coarse, &answer.period, &[0, nodes / 2]).ok()?;
+        let arm = link.clone().into();
+        let bent = ArmProblem::of_link(self, &arm, *first_zero_per_s).ok()?;
+        let probes = [vec![0, nodes / 2]];
+        let ([own, other], share) = bent.estimated(coarse, &answer.period, &probes).ok()?;
         let converges = share >= 1.0;
         let errors = own.apart(&other).zip(peaks, |off, size| share * off / size);
         let missing = own.torque_n_m.iter().zip(&other.torque_n_m);
@@ -157,28 +151,5 @@ impl Problem<'_> {
         let strays_m = largest(&played.tip[0].displacement_m[..len.min(end as usize)]);
         let travel_m = answer.period.histories.largest_travel_m();
         Some((ModelError { tip: strays_m / travel_m, errors }, converges))
-    }
-}
-
-impl BentProblem<'_> {
-    /// Histories of the linear link over a period of a motion at some nodes, further histories, and the change by all
-    /// second-order terms over the difference of both.
-    ///
-    /// # Errors
-    /// [`InversionError`].
-    fn estimated(
-        &self,
-        model: &dyn Model,
-        period: &Arc<TipPeriod>,
-        nodes: &[usize],
-    ) -> Result<([Curves; 2], f64), InversionError> {
-        let (chord, rest) = self.chord_and_rest(period, model.mesh().length_m())?;
-        let (both, share) = estimate(model, &chord, nodes)?;
-        let curves = both.map(|found| {
-            let second_order = found.second_order();
-            let (period, chord, rest) = (Arc::clone(period), chord.clone(), rest.clone());
-            BentAnswer { period, chord, found, rest }.curves(model, second_order, nodes)
-        });
-        Ok((curves, share))
     }
 }

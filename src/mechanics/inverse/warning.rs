@@ -212,14 +212,17 @@ pub enum Warning {
     },
     /// Second-order terms that do not converge to the tolerance. The iteration omits their high frequencies.
     #[error(
-        "the iteration of the second-order terms leaves the {} off by {share:.1e} of its range, above the tolerance \
+        "the iteration of the second-order terms leaves the {} off by {share:.1e} of its {}, above the tolerance \
          {tolerance:e}",
-        quantity.name()
+        quantity.name(),
+        of.name()
     )]
     InexactIteration {
+        /// Reference of the share.
+        of: ShareOf,
         /// The quantity.
         quantity: Quantity,
-        /// Its error over its range.
+        /// Its error over the reference.
         share: f64,
         /// The analysis tolerance.
         tolerance: f64,

@@ -1,9 +1,9 @@
 //! Laws that hold for every link that follows a chord (energy, rotation, units, the rigid limit).
 
-use flexlink::elastica::{ChordPeriod, ElasticaError, ElasticaMotion, SecondOrder, follow};
+use flexlink::elastica::{ArmPeriod, ElasticaError, ElasticaMotion, Kept, SecondOrder};
 use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
 
-use super::{STEP_S, Turn, arm, chord, model};
+use super::{STEP_S, Turn, arm, chord, follow, model};
 
 pub(crate) const GRAVITY: [f64; 2] = [0.0, -9.81];
 
@@ -168,9 +168,8 @@ fn the_moment_at_the_axis_is_the_torque_less_what_the_hub_takes() {
         for level in [SecondOrder::None, SecondOrder::First, SecondOrder::Full] {
             let off = |elements: usize| {
                 let model = model(&parts, elements);
-                let found = follow(&*model, &chord(&turn(), gravity), level, 1e-10)
-                    .expect("a motion")
-                    .motion;
+                let found =
+                    follow(&model, &chord(&turn(), gravity), level, 1e-10).expect("a motion");
                 let last = Turn::sample(turn().duration_s + 1.0);
                 let angle = |k: usize| {
                     turn().at(k as f64 * STEP_S - super::BEFORE_S)[0] + found.hub_slope_rad[k]
@@ -217,10 +216,8 @@ fn first_order_leaves_out_the_square_of_the_deflections() {
         }
         parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 3e-4 / stiffer };
         let model = model(&parts, 6);
-        let [none, first, full] =
-            [SecondOrder::None, SecondOrder::First, SecondOrder::Full].map(|order| {
-                follow(&*model, &chord(&turn(), GRAVITY), order, 1e-12).expect("a motion").motion
-            });
+        let [none, first, full] = [SecondOrder::None, SecondOrder::First, SecondOrder::Full]
+            .map(|order| follow(&model, &chord(&turn(), GRAVITY), order, 1e-12).expect("a motion"));
         [differ(&full, &none), differ(&full, &first)]
     };
     let ([counted, left], [counted_less, left_less]) = (apart(400.0), apart(1600.0));
@@ -236,8 +233,8 @@ fn a_link_that_hardly_bends_is_the_rigid_pendulum() {
         damping: Damping::None,
         ..arm()
     };
-    let found = follow(&*model(&stiff, 4), &chord(&turn(), GRAVITY), SecondOrder::Full, 1e-12);
-    let found = found.expect("a motion").motion;
+    let found = follow(&model(&stiff, 4), &chord(&turn(), GRAVITY), SecondOrder::Full, 1e-12);
+    let found = found.expect("a motion");
     let inertia = 0.05 + 0.5 * 1.1_f64.powi(3) / 3.0 + 0.2 * 1.1 * 1.1 + 1e-4;
     let moment = 9.81 * (0.5 * 1.1 * 1.1 / 2.0 + 0.2 * 1.1);
     for k in 0..Turn::sample(turn().duration_s + 1.0) {
@@ -253,9 +250,9 @@ fn a_link_that_hardly_bends_is_the_rigid_pendulum() {
 fn a_steady_turn_takes_no_torque_and_does_not_bend() {
     let len = 256;
     let columns = [vec![0.0; len], vec![6.0; len], vec![0.0; len]];
-    let chord = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
-    let found = follow(&*model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11);
-    let (found, friction) = (found.expect("a motion").motion, 0.3 * 6.0);
+    let chord = ArmPeriod::new(STEP_S, vec![columns], Kept::Angles, [0.0; 2]).expect("a period");
+    let found = follow(&model(&loaded_arm(), 6), &chord, SecondOrder::Full, 1e-11);
+    let (found, friction) = (found.expect("a motion"), 0.3 * 6.0);
     assert!(found.torque_n_m.iter().all(|t| (t - friction).abs() < 1e-12));
     assert!(found.largest_slope < 1e-12);
 }
@@ -263,7 +260,7 @@ fn a_steady_turn_takes_no_torque_and_does_not_bend() {
 #[test]
 fn what_is_not_derived_is_refused() {
     let refused = |parts: &LinkParts, gravity, second_order| {
-        let found = follow(&*model(parts, 4), &chord(&turn(), gravity), second_order, 1e-9);
+        let found = follow(&model(parts, 4), &chord(&turn(), gravity), second_order, 1e-9);
         found.expect_err("a refusal").to_string()
     };
     let damped = |damping| LinkParts { damping, ..arm() };
@@ -277,17 +274,20 @@ fn what_is_not_derived_is_refused() {
     assert!(refused(&soft, GRAVITY, SecondOrder::Full).starts_with("slope of the link"));
     let chord_of_turn = chord(&turn(), GRAVITY);
     for tolerance in [0.0, f64::NAN, 1.0] {
-        let found = follow(&*model(&arm(), 4), &chord_of_turn, SecondOrder::Full, tolerance);
+        let found = follow(&model(&arm(), 4), &chord_of_turn, SecondOrder::Full, tolerance);
         assert!(matches!(found, Err(ElasticaError::Tolerance(_))), "{found:?}");
     }
     let jumps = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     let columns = [vec![0.0; 64], vec![0.0; 64], (0..64).map(jumps).collect()];
-    let coarse = ChordPeriod::new(STEP_S, columns, [0.0; 2]).expect("a period");
-    let found = follow(&*model(&arm(), 4), &coarse, SecondOrder::Full, 1e-9);
+    let coarse = ArmPeriod::new(STEP_S, vec![columns], Kept::Angles, [0.0; 2]).expect("a period");
+    let found = follow(&model(&arm(), 4), &coarse, SecondOrder::Full, 1e-9);
     assert!(matches!(found, Err(ElasticaError::LongStep { .. })), "{found:?}");
-    let uneven = ChordPeriod::new(STEP_S, [vec![0.0; 8], vec![0.0; 7], vec![0.0; 8]], [0.0; 2]);
+    let uneven =
+        ArmPeriod::new(STEP_S, vec![[8, 7, 8].map(|len| vec![0.0; len])], Kept::Angles, [0.0; 2]);
     assert!(uneven.expect_err("a refusal").to_string().contains("equally many"));
     let lost = [vec![0.0; 8], vec![0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0], vec![0.0; 8]];
-    let lost = ChordPeriod::new(STEP_S, lost, [0.0; 2]).expect_err("a refusal").to_string();
+    let lost = ArmPeriod::new(STEP_S, vec![lost], Kept::Angles, [0.0; 2])
+        .expect_err("a refusal")
+        .to_string();
     assert_eq!(lost, "rate of sample 2 = NaN, but must be a finite number");
 }

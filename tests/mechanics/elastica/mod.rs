@@ -8,7 +8,9 @@ pub(crate) mod statics;
 use std::sync::Arc;
 
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
-use flexlink::elastica::{ChordPeriod, returning};
+use flexlink::elastica::{
+    ArmPeriod, ElasticaError, ElasticaMotion, Kept, SecondOrder, follow_arm, returning,
+};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::model::{KeptModes, Model, model_of};
 
@@ -69,7 +71,7 @@ pub(crate) fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
 
 /// The turn over a period: half a second of rest on either side, one second more after it, half a second in which
 /// the chord returns, and one second before the next.
-pub(crate) fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ChordPeriod {
+pub(crate) fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ArmPeriod {
     let last = Turn::sample(turn.duration_s + BEFORE_S + 1.0);
     let columns: Vec<[f64; 3]> =
         (0..=last).map(|k| turn.at(k as f64 * STEP_S - BEFORE_S)).collect();
@@ -81,5 +83,17 @@ pub(crate) fn chord(turn: &Turn, gravity_m_s2: [f64; 2]) -> ChordPeriod {
     angle.resize(len, turn.from_rad);
     rate.resize(len, 0.0);
     acceleration.resize(len, 0.0);
-    ChordPeriod::new(STEP_S, [angle, rate, acceleration], gravity_m_s2).expect("a period")
+    let chords = vec![[angle, rate, acceleration]];
+    ArmPeriod::new(STEP_S, chords, Kept::Angles, gravity_m_s2).expect("a period")
+}
+
+/// The motion of one link.
+pub(crate) fn follow(
+    model: &Arc<dyn Model>,
+    period: &ArmPeriod,
+    second_order: SecondOrder,
+    tolerance: f64,
+) -> Result<ElasticaMotion, ElasticaError> {
+    let found = follow_arm(std::slice::from_ref(model), period, second_order, tolerance)?;
+    Ok(found.links.into_iter().next().expect("a link").bent)
 }

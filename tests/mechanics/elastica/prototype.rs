@@ -1,9 +1,9 @@
 //! One link under gravity and without, against an independent program: the same elastica with elements of its own,
 //! a fixed point in the time domain, in another language.
 
-use flexlink::elastica::{SecondOrder, follow};
+use flexlink::elastica::SecondOrder;
 
-use super::{Turn, arm, chord, model};
+use super::{Turn, arm, chord, follow, model};
 
 /// Numbers of that program at -0.25, 0, … 1.75 s.
 struct Prototype {
@@ -189,7 +189,7 @@ fn torque_and_joint_angle_are_those_of_an_independent_program() {
     let model = model(&arm(), 8);
     for expected in &PROTOTYPE {
         let chord = chord(&turn, expected.gravity_m_s2);
-        let found = follow(&*model, &chord, expected.second_order, 1e-9).expect("a motion").motion;
+        let found = follow(&model, &chord, expected.second_order, 1e-9).expect("a motion");
         let [torque_bound, angle_bound] = bounds(expected);
         for k in 0..9 {
             let time_s = -0.25 + 0.25 * k as f64;

@@ -2,10 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use flexlink::elastica::{ChordPeriod, ElasticaMotion, SecondOrder, follow};
+use flexlink::elastica::{ArmPeriod, ElasticaMotion, Kept, SecondOrder};
 use flexlink::link::{Damping, Hub, LinkParts, Payload, Segment};
 
-use super::{STEP_S, arm, model};
+use super::{STEP_S, arm, follow, model};
 
 const G: f64 = 9.81;
 
@@ -22,8 +22,8 @@ fn soft() -> LinkParts {
 
 fn at_rest(parts: &LinkParts, elements: usize, chord_rad: f64) -> ElasticaMotion {
     let columns = [vec![chord_rad; 8], vec![0.0; 8], vec![0.0; 8]];
-    let chord = ChordPeriod::new(STEP_S, columns, [0.0, -G]).expect("a period");
-    follow(&*model(parts, elements), &chord, SecondOrder::Full, 1e-12).expect("a shape").motion
+    let chord = ArmPeriod::new(STEP_S, vec![columns], Kept::Angles, [0.0, -G]).expect("a period");
+    follow(&model(parts, elements), &chord, SecondOrder::Full, 1e-12).expect("a shape")
 }
 
 /// Moment at the axis, and direction there, of a cantilever whose tip lies in the direction `chord_rad`: integrated

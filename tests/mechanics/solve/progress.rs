@@ -6,7 +6,9 @@ use std::sync::Mutex;
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Resources, Stage, Watch, invert, invert_motion};
 
-use flexlink::motion::Motion;
+use flexlink::elastica::SecondOrder;
+use flexlink::link::{Arm, ArmLink, ArmParts, Taper};
+use flexlink::motion::{ArmPath, Motion, PathColumn, PathColumns, Recording};
 
 use super::{Smooth, link};
 
@@ -59,6 +61,36 @@ fn every_mesh_is_told_and_solved_to_its_last_frequency_and_watching_changes_noth
         assert!(meshes.contains(&answers) && meshes.contains(&(2 * answers)), "{meshes:?}");
         let unwatched = invert(&link, &plan, &motion, &analysis).unwrap();
         assert!(unwatched.hub().torque_n_m == solution.hub().torque_n_m);
+    }
+}
+
+/// Each refinement is one stage, of both meshes or of the finer one alone; the elements are those of the finer mesh.
+#[test]
+fn every_mesh_of_a_bent_link_and_of_an_arm_is_told_and_solved_to_its_end() {
+    let stiff = link(|parts| parts.segments[0].bending_stiffness_n_m2 = Taper::constant(60.0));
+    let plan = MeshPlan::new(&stiff, &[None], Some(ElementCount::Auto), 1e-6).unwrap();
+    let full = Analysis::default().with_second_order(SecondOrder::Full);
+    let one = (Arm::from(stiff.clone()), Motion::Tip(Smooth::SHORT.motion()));
+    let links = vec![ArmLink { name: None, link: stiff }; 2];
+    let two = Arm::new(ArmParts { links, ..ArmParts::default() }).unwrap();
+    let angle = |by: f64| {
+        let septic = |u: f64| u.powi(4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)));
+        let at = |k: u32| by * septic(f64::from(k) / 200.0);
+        let (name, values) = (String::new(), (0..=200).map(at).collect());
+        Some(PathColumn { name, values, recording: Recording::default() })
+    };
+    let time_s = (0..=200).map(|k| 0.01 * f64::from(k)).collect();
+    let columns = PathColumns { time_s, tip: None, angles: vec![angle(0.3), angle(0.5)] };
+    let path = Motion::Path(ArmPath::new(columns, &two.lengths_m()).unwrap());
+    for (arm, motion) in [one, (two, path)] {
+        let (notes, plans) = (Notes::default(), vec![plan.clone(); arm.links().len()]);
+        let resources = Resources { watch: &notes, ..Resources::default() };
+        let solution = invert_motion(&arm, &plans, &motion, &full, &resources).unwrap();
+        let finest: usize =
+            solution.links.iter().map(|link| 2 * link.mesh().elements().len()).sum();
+        let meshes = notes.meshes();
+        assert!(meshes.contains(&finest), "{meshes:?} without {finest}");
+        assert!(meshes.iter().all(|elements| *elements <= finest), "{meshes:?}");
     }
 }
 

@@ -55,7 +55,7 @@ fn every_warning_reads_as_in_the_snapshot() {
         Warning::InexactModel { torque: 0.0567, tip: share },
         Warning::ThickLink { share },
         Warning::SlowIteration { contraction: 0.789 },
-        Warning::InexactIteration { quantity, share, tolerance },
+        Warning::InexactIteration { of: ShareOf::Range, quantity, share, tolerance },
         Warning::SecondOrderLeftOut { share: Some(share) },
         Warning::SecondOrderLeftOut { share: Some(1.23) },
         Warning::SecondOrderLeftOut { share: None },

@@ -5,31 +5,38 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::elastica::{AngleHistories, ArmMotion, ArmPeriod};
-use crate::inverse::MotorHistories;
-use crate::inverse::curves::Curves;
+use crate::elastica::{AngleHistories, ArmLinkMotion, ArmMotion, ArmPeriod};
+use crate::inverse::curves::{Curves, Shape};
+use crate::inverse::periodic_answer::PeriodicAnswer;
 use crate::inverse::rest::Rest;
 use crate::inverse::solution::farthest_m;
-use crate::link::{Arm, Drive};
+use crate::inverse::spectra::{DrivenModel, HubSpectra};
+use crate::inverse::{MotorHistories, Unwatched};
+use crate::link::Drive;
+use crate::model::Model;
 use crate::motion::{ArmPath, Prescribed, TipPeriod};
 
-/// The path over one period, and the chords along it.
-pub(super) struct PathPeriod {
+/// Links on their meshes, the inner one first.
+pub(in super::super) type Models = [Arc<dyn Model>];
+
+/// The wanted motion over one period, and the chords along it.
+pub(in super::super) struct PathPeriod {
     pub(super) arm: ArmPeriod,
     pub(super) rest: Rest,
-    /// Samples at rest before the motion and after it.
-    pub(super) rests: [usize; 2],
+    /// Direction of each chord in rad at rest before the motion and after it.
+    pub(super) rests: Vec<[f64; 2]>,
     /// Chords of the rigid arm, which do not return.
     pub(super) rigid: Vec<AngleHistories>,
-    /// The period of the coordinate with the highest cut-off.
-    pub(super) tip: Arc<TipPeriod>,
+    /// The period of the tip, or of the coordinate with the highest cut-off.
+    pub(in super::super) tip: Arc<TipPeriod>,
     /// Largest error of each coordinate of the path, in m.
     pub(super) errors_m: Vec<f64>,
 }
 
 /// The answer over one period.
-pub(super) struct ArmAnswer {
-    pub(super) motion: ArmMotion,
+pub(in super::super) struct ArmAnswer {
+    pub(super) models: Vec<Arc<dyn Model>>,
+    pub(in super::super) motion: ArmMotion,
     pub(super) path: Arc<PathPeriod>,
 }
 
@@ -67,9 +74,19 @@ impl PathPeriod {
     pub(super) fn len(&self) -> usize {
         self.tip.spectrum.pair.len()
     }
+
+    /// Number of bins of its band.
+    pub(super) fn bins(&self) -> usize {
+        self.tip.spectrum.band_len()
+    }
 }
 
 impl ArmAnswer {
+    /// Another motion of the same models on the same path.
+    pub(super) fn with(&self, motion: ArmMotion) -> Self {
+        Self { models: self.models.clone(), motion, path: Arc::clone(&self.path) }
+    }
+
     /// A history of a period, or a derivative of it in time.
     pub(super) fn derivative(&self, history: &[f64], order: usize) -> Vec<f64> {
         let spectrum = &self.path.tip.spectrum;
@@ -80,14 +97,14 @@ impl ArmAnswer {
     }
 
     /// Histories of a joint, and of its motor where it has a drive.
-    pub(super) fn joint(&self, arm: &Arm, joint: usize) -> JointHistories {
+    pub(super) fn joint(&self, joint: usize) -> JointHistories {
         let bent = bent_rad(&self.motion, joint);
         let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
         let of = |elastic: &[f64]| -> AngleHistories {
             [0, 1, 2].map(|part| sum(&self.derivative(elastic, part), &chords[part]))
         };
         let angle = of(&bent);
-        let motor = arm.links()[joint].link.drive().map(|drive| {
+        let motor = self.models[joint].link().drive().map(|drive| {
             let torque_n_m = &self.motion.links[joint].bent.torque_n_m;
             motor(drive, torque_n_m, |twist| of(&sum(&bent, twist)))
         });
@@ -95,54 +112,61 @@ impl ArmAnswer {
     }
 
     /// Histories of all quantities outside the chords' return, a set for each joint.
-    pub(super) fn curves(&self, arm: &Arm, probes: &[Vec<usize>]) -> Vec<Curves> {
-        self.curves_by(arm, probes, |values| self.path.rest.outside_return(values))
+    pub(in super::super) fn curves(&self, probes: &[Vec<usize>]) -> Vec<Curves> {
+        self.curves_by(probes, |values| self.path.rest.outside_return(values))
     }
 
-    /// Histories of all quantities over the samples of the path itself.
-    pub(super) fn curves_of_motion(
-        &self,
-        arm: &Arm,
-        probes: &[Vec<usize>],
-        given: usize,
-    ) -> Vec<Curves> {
-        self.curves_by(arm, probes, |values| values[..given].to_vec())
+    /// Histories of all quantities over the first samples of the period, those of the motion itself.
+    pub(super) fn curves_of_motion(&self, probes: &[Vec<usize>], given: usize) -> Vec<Curves> {
+        self.curves_by(probes, |values| values[..given].to_vec())
     }
 
     fn curves_by(
         &self,
-        arm: &Arm,
         probes: &[Vec<usize>],
         chronological: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Vec<Curves> {
         let of = |joint: usize| {
-            let JointHistories { angle: [angle, rate, acceleration], motor } =
-                self.joint(arm, joint);
+            let JointHistories { angle: [angle, rate, acceleration], motor } = self.joint(joint);
             let bent = &self.motion.links[joint].bent;
             let nodes = probes[joint].iter();
+            let displacement_m = |node: &usize| {
+                chronological(&displacement_m(&self.models, &self.motion, joint, *node))
+            };
             Curves {
                 torque_n_m: chronological(&bent.torque_n_m),
                 hub_angle_rad: chronological(&angle),
                 hub_rate_rad_s: chronological(&rate),
                 hub_acceleration_rad_s2: chronological(&acceleration),
-                displacement_m: nodes
-                    .clone()
-                    .map(|node| chronological(&bent.deflections[2 * node]))
-                    .collect(),
+                displacement_m: nodes.clone().map(displacement_m).collect(),
                 moment_n_m: nodes.map(|node| chronological(&bent.moments_n_m[*node])).collect(),
                 motor: motor.map(|motor| {
                     [motor.torque_n_m, motor.rate_rad_s].map(|values| chronological(&values))
                 }),
             }
         };
-        (0..arm.links().len()).into_par_iter().map(of).collect()
+        (0..self.models.len()).into_par_iter().map(of).collect()
+    }
+
+    /// The answer of one link as amplitudes at hub and motor.
+    pub(in super::super) fn periodic(&self) -> PeriodicAnswer {
+        let (model, period, watch) = (&*self.models[0], &*self.path.tip, &Unwatched);
+        let (bent, pair) = (&self.motion.links[0].bent, &period.spectrum.pair);
+        let hub = HubSpectra {
+            torque_n_m: pair.amplitudes(&bent.torque_n_m),
+            excess_angle_rad: pair.amplitudes(&bent.hub_slope_rad),
+            root_moment_n_m: pair.amplitudes(&bent.moments_n_m[0]),
+            blocked_hz: None,
+        };
+        let motor = DrivenModel { model, period, watch }.motor_spectra(&hub);
+        PeriodicAnswer::new(hub, motor.as_ref(), Arc::clone(&self.path.tip))
     }
 
     /// Largest distance in m of the rigid arm's tip from its start, over the samples of its path.
-    pub(super) fn way_of_chords_m(&self, arm: &Arm, given: usize) -> f64 {
+    pub(super) fn way_of_chords_m(&self, given: usize) -> f64 {
         let [mut x_m, mut y_m] = [vec![0.0; given], vec![0.0; given]];
-        for (chord, own) in self.path.rigid.iter().zip(arm.links()) {
-            let length_m = own.link.length_m();
+        for (chord, model) in self.path.rigid.iter().zip(&self.models) {
+            let length_m = model.mesh().length_m();
             for k in 0..given {
                 x_m[k] += length_m * libm::cos(chord[0][k]);
                 y_m[k] += length_m * libm::sin(chord[0][k]);
@@ -186,23 +210,39 @@ fn motor(
     MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w }
 }
 
+/// Displacement in m of a node: for one link along its arc, for several from the chord.
+fn displacement_m(models: &Models, motion: &ArmMotion, joint: usize, node: usize) -> Vec<f64> {
+    let ArmLinkMotion { bent, chord, .. } = &motion.links[joint];
+    if models.len() > 1 {
+        return bent.deflections[2 * node].clone();
+    }
+    let nodes_m = models[joint].mesh().nodes_m();
+    let arcs_m = Shape::arc_m(bent, motion.second_order, nodes_m, node);
+    arcs_m.iter().zip(&chord[0]).map(|(arc_m, angle)| arc_m + nodes_m[node] * angle).collect()
+}
+
 /// All quantities of an arm at rest: one sample of each.
-pub(super) fn curves_at_rest(arm: &Arm, motion: &ArmMotion, probes: &[Vec<usize>]) -> Vec<Curves> {
+pub(super) fn curves_at_rest(
+    models: &Models,
+    motion: &ArmMotion,
+    probes: &[Vec<usize>],
+) -> Vec<Curves> {
     let first = |history: &[f64]| vec![history[0]];
     let of = |joint: usize| {
         let bent = &motion.links[joint].bent;
         let angle = sum(&bent_rad(motion, joint), &turned(motion, joint, 0));
         let nodes = probes[joint].iter();
-        let drive = arm.links()[joint].link.drive();
+        let displacement_m = |node: &usize| first(&displacement_m(models, motion, joint, *node));
+        let drive = models[joint].link().drive();
         Curves {
             torque_n_m: first(&bent.torque_n_m),
             hub_angle_rad: first(&angle),
             hub_rate_rad_s: vec![0.0],
             hub_acceleration_rad_s2: vec![0.0],
-            displacement_m: nodes.clone().map(|node| first(&bent.deflections[2 * node])).collect(),
+            displacement_m: nodes.clone().map(displacement_m).collect(),
             moment_n_m: nodes.map(|node| first(&bent.moments_n_m[*node])).collect(),
             motor: drive.map(|drive| [vec![bent.torque_n_m[0] / drive.gear_ratio], vec![0.0]]),
         }
     };
-    (0..arm.links().len()).map(of).collect()
+    (0..models.len()).map(of).collect()
 }

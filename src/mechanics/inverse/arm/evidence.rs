@@ -9,11 +9,13 @@ use crate::elastica::{ArmMotion, SecondOrder, estimate_arm};
 use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link, thick_share,
 };
+use crate::inverse::mesh_error::uncertain;
+use crate::inverse::problem::Problem;
 use crate::inverse::{
     InversionError, JointMotion, Quantity, QuantityErrors, Resources, SecondOrderFindings, ShareOf,
     Solution, SolutionWarning, Unwatched, Warning,
 };
-use crate::motion::Cutoff;
+use crate::motion::{Cutoff, Motion};
 use crate::numeric::{Size, extremes, largest, largest_difference};
 
 /// Number of solved paths with different errors of the samples.
@@ -26,37 +28,73 @@ const BEYOND_STRAYS: f64 = 1.3;
 /// Largest change of a torque by further iterations, over its size, that counts as round-off.
 const ROUND_OFF: f64 = 1e-11;
 
-impl Solved {
-    /// Estimate of the largest change of a torque by all terms, over its range, for a solution with fewer terms. `None`
-    /// where all terms are refused.
-    pub(super) fn left_out(&self) -> Option<f64> {
-        let Self { models, answer, .. } = self;
-        let motion = estimate_arm(models, &answer.path.arm).ok()?;
-        let full = ArmAnswer { motion, path: Arc::clone(&answer.path) };
-        Some(largest_change(answer, &full))
-    }
-}
-
 impl Solver<'_> {
-    /// Change of each quantity by half the step, where the solver covers every frequency of the samples or second-order
-    /// terms exceed their resolution. `None` where the path cannot be sampled twice as often.
+    /// Largest change of a torque by omitted terms, over its range; for several links an estimate. `None` where all terms
+    /// count, or fewer because all do not converge; `Some(None)` where all terms are refused.
+    pub(in super::super) fn left_out(&self, answer: &ArmAnswer) -> Option<Option<f64>> {
+        let problem = &self.problem;
+        if problem.second_order == SecondOrder::Full || self.falls_back {
+            return None;
+        }
+        let ArmAnswer { models, path, .. } = answer;
+        let full = if problem.is_link() {
+            problem.with(SecondOrder::Full, problem.cutoffs.clone()).answer(models, path, None)
+        } else {
+            let motion = estimate_arm(models, &path.arm).map_err(InversionError::from);
+            motion.map(|motion| answer.with(motion))
+        };
+        Some(full.ok().map(|full| largest_change(answer, &full)))
+    }
+
+    /// Change of each quantity by further iterations and by loads of more frequencies, over its size. Several links have
+    /// one estimate for all quantities.
+    pub(super) fn iteration_errors(
+        &self,
+        Solved { nodes, answer, sizes, .. }: &Solved,
+    ) -> Result<Sizes, InversionError> {
+        if !self.problem.is_link() {
+            let error = answer.motion.iteration.error;
+            return Ok(sizes.iter().map(|size| size.zip(size, |_, _| error)).collect());
+        }
+        let own = answer.curves(nodes);
+        let mut errors = sizes[0].zip(&sizes[0], |_, _| 0.0);
+        for (motion, factor) in answer.motion.others(&answer.models, &answer.path.arm)? {
+            let changed = own[0].apart(&answer.with(motion).curves(nodes)[0]);
+            let changed = changed.zip(&sizes[0], |off, size| factor * off / size);
+            errors = errors.zip(&changed, |sum, error| sum + error);
+        }
+        Ok(vec![errors])
+    }
+
+    /// Change of each quantity by half the step, where the solver covers every frequency of an arm's samples or
+    /// second-order terms exceed their resolution. `None` where the motion cannot be sampled twice as often.
     pub(super) fn step_errors(
         &self,
-        Solved { models, probes, answer, sizes, .. }: &Solved,
+        Solved { nodes, answer, sizes, .. }: &Solved,
         first_zero_per_s: Option<f64>,
     ) -> Result<Option<Sizes>, InversionError> {
         let problem = &self.problem;
-        let keeps_all = problem.analysis.tip_tolerance() == 0.0;
+        let keeps_all = problem.analysis.tip_tolerance() == 0.0 && !problem.is_link();
         if !answer.motion.iteration.exceeds_step && !keeps_all {
             return Ok(None);
         }
-        let Ok(path) = problem.path.twice_as_often() else { return Ok(None) };
-        let resources = Resources { watch: &Unwatched, ..problem.resources() };
-        let (arm, given) = (problem.arm, problem.path.grid().len);
-        let finer = ArmProblem::of(arm, &path, (problem.analysis, resources), first_zero_per_s)?;
-        let found = finer.answer(models, &finer.period(2 * answer.path.len())?, Some(probes))?;
-        let own = answer.curves_of_motion(arm, probes, given);
-        let finer = found.curves_of_motion(arm, probes, 2 * given - 1);
+        let Ok(finer) = problem.wanted.twice_as_often() else { return Ok(None) };
+        let resources = Resources { watch: &Unwatched, ..problem.resources };
+        let (arm, analysis, given) = (problem.arm, problem.analysis, problem.wanted.grid().len);
+        let answered = |finer: &ArmProblem<'_>| {
+            finer.answer(&answer.models, &finer.period(2 * answer.path.len())?, Some(nodes))
+        };
+        let found = match &finer {
+            Motion::Tip(motion) => {
+                let link = Problem::new(motion, analysis, first_zero_per_s, resources)?;
+                answered(&ArmProblem::of_link(&link, arm, first_zero_per_s)?)?
+            }
+            Motion::Path(path) => {
+                answered(&ArmProblem::of(arm, path, (analysis, resources), first_zero_per_s)?)?
+            }
+        };
+        let own = answer.curves_of_motion(nodes, given);
+        let finer = found.curves_of_motion(nodes, 2 * given - 1);
         let pairs = own.iter().zip(&finer).zip(sizes);
         let errors = pairs.map(|((own, finer), size)| {
             own.apart_from_finer(finer).zip(size, |off, size| off / size)
@@ -68,20 +106,27 @@ impl Solver<'_> {
     /// samples; 1 where the arm cannot follow samples with such errors.
     pub(super) fn input_errors(
         &self,
-        Solved { models, probes, answer, sizes, .. }: &Solved,
+        Solved { nodes, probes, answer, sizes, .. }: &Solved,
     ) -> Result<Option<Sizes>, InversionError> {
         let problem = &self.problem;
+        let Some(path) = problem.wanted.path() else {
+            let period = &answer.path.tip;
+            let measured = (&*answer.models[0], &probes[0].at(&nodes[0]));
+            let of_input = |input| uncertain(measured, period, &input, &sizes[0]);
+            let errors = period.spectrum.cutoff.input.map(of_input).transpose()?;
+            return Ok(errors.map(|errors| vec![errors]));
+        };
         if problem.cutoffs.iter().all(|own| own.input.is_none()) {
             return Ok(None);
         }
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let curves = |path: &Arc<PathPeriod>| -> Result<_, InversionError> {
-            Ok(linear.answer(models, path, Some(probes))?.curves(problem.arm, probes))
+            Ok(linear.answer(&answer.models, path, Some(nodes))?.curves(nodes))
         };
         let own = curves(&answer.path)?;
         let mut errors: Option<Sizes> = None;
         for stray in 0..STRAYS {
-            let path = linear.straying(answer.path.len(), Some(stray));
+            let path = linear.straying((path, answer.path.len()), Some(stray));
             let Ok(other) = path.and_then(|path| curves(&path)) else {
                 return Ok(Some(sizes.iter().map(|size| size.zip(size, |_, _| 1.0)).collect()));
             };
@@ -141,17 +186,21 @@ impl Solver<'_> {
             let coarse = Warning::CoarseStep { of, quantity, share };
             found.extend((share > COARSE).then_some(coarse));
             let (quantity, share) = worst(&|own| own.iteration.unwrap_or(0.0));
-            let inexact = Warning::InexactIteration { quantity, share, tolerance };
+            // The iteration measures changes of torques over their ranges.
+            let of_iteration = ShareOf::Range;
+            let inexact =
+                Warning::InexactIteration { of: of_iteration, quantity, share, tolerance };
             found.extend((share > tolerance).then_some(inexact));
             let uncertain = errors.torque.input.filter(|share| *share > UNCERTAIN);
             found.extend(uncertain.map(|share| Warning::UncertainInput { of, share }));
-            let mesh = solved.models[joint].mesh();
+            let model = &*solved.answer.models[joint];
+            let mesh = model.mesh();
             found.extend(blocked_tip(mesh, spectrum, tolerance));
             found.extend(unsettled.get(joint).copied().flatten());
             let mut torque = solved.answer.torque_amplitudes_n_m(joint);
             // The mean torque holds a weight at rest, apart from the motion.
             torque[0] = 0.0.into();
-            found.extend(thick_share(&*solved.models[joint], moving, &torque).and_then(thick_link));
+            found.extend(thick_share(model, moving, &torque).and_then(thick_link));
             let joint = Some(joint);
             warnings.extend(found.into_iter().map(|warning| SolutionWarning { joint, warning }));
         }
@@ -161,7 +210,7 @@ impl Solver<'_> {
     /// For each joint a torque whose peak changes at twice the tip's tolerance.
     pub(super) fn unsettled(
         &self,
-        Solved { models, answer, sizes, .. }: &Solved,
+        Solved { answer, sizes, .. }: &Solved,
     ) -> Result<Vec<Option<Warning>>, InversionError> {
         let problem = &self.problem;
         let none = vec![Vec::new(); sizes.len()];
@@ -169,7 +218,9 @@ impl Solver<'_> {
             motion.links.iter().map(|link| largest(&link.bent.torque_n_m)).collect()
         };
         let found = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| {
-            Ok::<_, InversionError>(peaks(&problem.answer(models, path, Some(&none))?.motion))
+            Ok::<_, InversionError>(peaks(
+                &problem.answer(&answer.models, path, Some(&none))?.motion,
+            ))
         };
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let looser = problem.with(SecondOrder::None, looser(&problem.cutoffs));

@@ -13,4 +13,5 @@ mod solve;
 mod window;
 
 pub use problem::check_reach;
-pub use solve::invert_motion;
+pub(super) use problem::{ArmProblem, BYTES};
+pub(super) use solve::{Solver, invert_arm};

@@ -1,26 +1,28 @@
-//! An arm and its path: the arm's reach, periods of any length, and the motion over one.
+//! An arm of one link or several and its wanted motion: the arm's reach, periods of any length, and the motion over one.
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 use std::sync::Arc;
 
-use super::answer::{ArmAnswer, PathPeriod};
+use super::answer::{ArmAnswer, Models, PathPeriod};
 use crate::elastica::{
-    AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, follow_arm, follow_arm_at,
-    reaching, returning,
+    AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, estimate, follow_arm,
+    follow_arm_at, reaching, returning,
 };
+use crate::inverse::curves::Curves;
 use crate::inverse::period::{Padding, check_memory};
+use crate::inverse::problem::Problem;
 use crate::inverse::rest::{Rest, Return, left_to_return};
-use crate::inverse::{Analysis, InversionError, Resources, Warning};
+use crate::inverse::{Analysis, InversionError, Resources, Stage, Unwatched, Warning};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;
-use crate::motion::{ArmPath, CourseHistories, Cutoff, Prescribed};
+use crate::motion::{ArmPath, CourseHistories, Cutoff, Motion, MotionError, Prescribed, TipPeriod};
+use crate::numeric::TimeGrid;
 
 /// Sine of the elbow's angle that causes a warning below it.
 const NEARLY_STRETCHED: f64 = 0.15;
 
 /// Memory in bytes for each node and sample of the period, as measured of one link.
-const BYTES: usize = 300;
+pub(in super::super) const BYTES: usize = 300;
 
 /// Largest difference in rad between prescribed directions and directions from the tip's place.
 const AGREEMENT: f64 = 1e-3;
@@ -32,23 +34,60 @@ const SMALL: f64 = 0.1;
 /// Samples of an arm at rest.
 const AT_REST: usize = 8;
 
-pub(super) type Models = [Arc<dyn Model>];
+/// The wanted motion.
+#[derive(Clone, Copy)]
+pub(super) enum Wanted<'a> {
+    /// Tip of one link along its arc.
+    Tip(&'a Problem<'a>),
+    /// Path of several links.
+    Path(&'a ArmPath),
+}
 
-/// An arm, its path, and the required accuracy.
-pub(super) struct ArmProblem<'a> {
+impl<'a> Wanted<'a> {
+    /// Path of several links.
+    pub(super) fn path(self) -> Option<&'a ArmPath> {
+        match self {
+            Self::Tip(_) => None,
+            Self::Path(path) => Some(path),
+        }
+    }
+
+    /// Grid of its samples.
+    pub(super) fn grid(self) -> TimeGrid {
+        match self {
+            Self::Tip(problem) => problem.motion.grid(),
+            Self::Path(path) => path.grid(),
+        }
+    }
+
+    /// The motion sampled twice as often.
+    pub(super) fn twice_as_often(self) -> Result<Motion, MotionError> {
+        match self {
+            Self::Tip(problem) => problem.motion.twice_as_often().map(Motion::Tip),
+            Self::Path(path) => path.twice_as_often().map(Motion::Path),
+        }
+    }
+}
+
+/// An arm, its wanted motion, and the required accuracy.
+pub(in super::super) struct ArmProblem<'a> {
     pub(super) arm: &'a Arm,
-    pub(super) path: &'a ArmPath,
+    pub(super) wanted: Wanted<'a>,
+    /// Direction in rad of one link at zero displacement of its tip.
+    start_angle_rad: f64,
     pub(super) analysis: &'a Analysis,
-    pub(super) second_order: SecondOrder,
+    pub(in super::super) second_order: SecondOrder,
     pub(super) cutoffs: Vec<Cutoff>,
     pub(super) padding: Padding,
     returns: Return,
-    resources: Resources<'a>,
+    pub(super) resources: Resources<'a>,
     is_left: bool,
     pub(super) nearly_stretched: Option<Warning>,
 }
 
 impl<'a> ArmProblem<'a> {
+    /// The problem of several links.
+    ///
     /// # Errors
     /// [`InversionError`] if the arm cannot follow the path.
     pub(super) fn of(
@@ -61,7 +100,8 @@ impl<'a> ArmProblem<'a> {
         let grid = path.grid();
         let problem = Self {
             arm,
-            path,
+            wanted: Wanted::Path(path),
+            start_angle_rad: 0.0,
             analysis,
             second_order: analysis.second_order().unwrap_or(SecondOrder::Full),
             cutoffs: path.cutoffs(analysis.tip_tolerance()),
@@ -71,26 +111,57 @@ impl<'a> ArmProblem<'a> {
             is_left: arm.elbow() != Some(Elbow::Right),
             nearly_stretched,
         };
-        problem.refuse_beside()?;
+        problem.refuse_beside(path)?;
         Ok(problem)
     }
 
-    pub(super) fn resources(&self) -> Resources<'a> {
-        self.resources
+    /// The problem of one link with weight or second-order terms. Without weight, its chord need not return.
+    ///
+    /// # Errors
+    /// [`InversionError::NoStartAngle`].
+    pub(in super::super) fn of_link(
+        problem: &'a Problem<'a>,
+        arm: &'a Arm,
+        first_zero_per_s: Option<f64>,
+    ) -> Result<Self, InversionError> {
+        let link = &arm.links()[0].link;
+        let returns = link.has_weight() && problem.motion.cycles().is_none();
+        Ok(Self {
+            arm,
+            wanted: Wanted::Tip(problem),
+            start_angle_rad: problem.start_angle_rad(link)?,
+            analysis: problem.analysis,
+            second_order: problem.analysis.second_order_of(link),
+            cutoffs: vec![problem.cutoff],
+            padding: problem.padding,
+            returns: if returns {
+                Return::of(1, first_zero_per_s, &problem.motion.grid())
+            } else {
+                Return::NONE
+            },
+            resources: problem.resources,
+            is_left: true,
+            nearly_stretched: None,
+        })
+    }
+
+    /// True for one link along its arc.
+    pub(super) fn is_link(&self) -> bool {
+        self.wanted.path().is_none()
     }
 
     /// Refuses directions that contradict the tip's places.
-    fn refuse_beside(&self) -> Result<(), InversionError> {
-        if self.path.beside().is_empty() {
+    fn refuse_beside(&self, path: &ArmPath) -> Result<(), InversionError> {
+        if path.beside().is_empty() {
             return Ok(());
         }
         let at_rest = |given: Vec<f64>| {
             let none = vec![0.0; given.len()];
             [given, none.clone(), none]
         };
-        let courses: Vec<_> = self.path.given().into_iter().map(at_rest).collect();
+        let courses: Vec<_> = path.given().into_iter().map(at_rest).collect();
         let chords = self.chords(&courses, 0)?;
-        for (link, angles) in self.path.beside() {
+        for (link, angles) in path.beside() {
             let pairs = angles.iter().zip(&chords[*link][0]);
             let off =
                 |(found, expected): (&f64, &f64)| libm::remainder(found - expected, TAU).abs();
@@ -109,7 +180,7 @@ impl<'a> ArmProblem<'a> {
         courses: &[CourseHistories],
         seam: usize,
     ) -> Result<Vec<AngleHistories>, InversionError> {
-        if self.path.prescribed() == Prescribed::Angles {
+        if self.kept() == Kept::Angles {
             return Ok(courses.to_vec());
         }
         let len = courses[0][0].len();
@@ -136,41 +207,56 @@ impl<'a> ArmProblem<'a> {
     }
 
     fn kept(&self) -> Kept {
-        match self.path.prescribed() {
-            Prescribed::Tip => Kept::Tip,
-            Prescribed::Angles => Kept::Angles,
+        match self.wanted.path().map(ArmPath::prescribed) {
+            Some(Prescribed::Tip) => Kept::Tip,
+            _ => Kept::Angles,
         }
     }
 
     /// Samples of the shortest period.
-    pub(super) fn shortest_len(&self) -> Result<usize, InversionError> {
-        self.returns.shortest_len(self.padding, self.path.grid().len)
+    pub(in super::super) fn shortest_len(&self) -> Result<usize, InversionError> {
+        self.returns.shortest_len(self.padding, self.wanted.grid().len)
     }
 
-    /// The path over a period of `len` samples.
-    pub(super) fn period(&self, len: usize) -> Result<Arc<PathPeriod>, InversionError> {
-        self.straying(len, None)
+    /// The motion over a period of `len` samples.
+    pub(in super::super) fn period(&self, len: usize) -> Result<Arc<PathPeriod>, InversionError> {
+        match self.wanted {
+            Wanted::Tip(problem) => self.along_arc(problem.period(len)?).map(Arc::new),
+            Wanted::Path(path) => self.straying((path, len), None),
+        }
+    }
+
+    /// The chord of one link over a period of its tip.
+    fn along_arc(&self, tip: Arc<TipPeriod>) -> Result<PathPeriod, InversionError> {
+        let (histories, spectrum) = (&tip.histories, &tip.spectrum);
+        let length_m = self.arm.length_m();
+        let angle = |m: f64| self.start_angle_rad + m / length_m;
+        let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
+        let rigid = [
+            histories.displacement_m.iter().map(|m| angle(*m)).collect(),
+            per_length(&histories.velocity_m_s),
+            per_length(&histories.acceleration_m_s2),
+        ];
+        // The tip rings around its places at rest.
+        let ends_m = [0.0, spectrum.travel_m()].map(|travel_m| histories.start_m() + travel_m);
+        let rests = vec![ends_m.map(angle)];
+        let (seam_reach, errors_m) = (spectrum.seam_reach(), vec![tip.tip_error_m()]);
+        self.returned((tip, vec![rigid]), Some(rests), seam_reach, errors_m)
     }
 
     /// The path over a period; with `stray` it has possible errors of its samples, different for each number.
     pub(super) fn straying(
         &self,
-        len: usize,
+        (path, len): (&ArmPath, usize),
         stray: Option<u64>,
     ) -> Result<Arc<PathPeriod>, InversionError> {
         check_memory(len, 0, self.resources.memory_bytes)?;
-        let (given, step_s) = (self.path.grid().len, self.path.grid().step_s);
-        let seam = self.padding.seam(given, len);
-        let found = self.path.over_period((len, seam), &self.cutoffs, stray);
+        let seam = self.padding.seam(path.grid().len, len);
+        let found = path.over_period((len, seam), &self.cutoffs, stray);
         let rigid = self.chords(&found.courses, seam)?;
-        let returning = self.returns.samples(self.padding, given, len);
-        let returned = self.returned(rigid.clone(), &returning, seam);
-        let arm = ArmPeriod::new(step_s, returned, self.kept(), self.arm.gravity_m_s2())?;
         // A path that has passed its checks moves at least one coordinate.
         let tip = found.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
-        let rests = [returning.end, returning.start - 1];
-        let rest = Rest::of(&tip.spectrum, found.seam_reach, returning);
-        Ok(Arc::new(PathPeriod { arm, rest, rests, rigid, tip, errors_m: found.errors_m }))
+        self.returned((tip, rigid), None, found.seam_reach, found.errors_m).map(Arc::new)
     }
 
     /// Refuses answers on all these meshes at once if they exceed the memory limit.
@@ -194,8 +280,27 @@ impl<'a> ArmProblem<'a> {
         if open > self.analysis.tolerance() { SMALL * open } else { 0.0 }
     }
 
-    /// The motion on meshes; with `nodes`, only at these nodes of each link.
-    pub(super) fn answer(
+    /// Reports the start of answers on these meshes, each of which advances by the bins of the period.
+    pub(super) fn begin(&self, models: &[&Models], path: &PathPeriod) {
+        let finest = models.last().copied().into_iter().flatten();
+        let elements = finest.map(|model| model.mesh().elements().len()).sum();
+        let stage = Stage::Solve { elements };
+        self.resources.watch.begin(stage, models.len() * path.bins());
+    }
+
+    /// The motion on meshes, with progress; with `nodes`, only at these nodes of each link.
+    pub(in super::super) fn answer(
+        &self,
+        models: &Models,
+        path: &Arc<PathPeriod>,
+        nodes: Option<&[Vec<usize>]>,
+    ) -> Result<ArmAnswer, InversionError> {
+        self.begin(&[models], path);
+        self.answer_in_stage(models, path, nodes)
+    }
+
+    /// [`Self::answer`] in a stage that has [begun](Self::begin).
+    pub(super) fn answer_in_stage(
         &self,
         models: &Models,
         path: &Arc<PathPeriod>,
@@ -204,40 +309,73 @@ impl<'a> ArmProblem<'a> {
         self.refuse_memory(&[models], path)?;
         let how = (self.second_order, self.analysis.iterated_to());
         let motion = follow_arm_at(models, &path.arm, how, nodes)?;
-        Ok(ArmAnswer { motion, path: Arc::clone(path) })
+        self.resources.watch.advance(path.bins());
+        Ok(ArmAnswer { models: models.to_vec(), motion, path: Arc::clone(path) })
+    }
+
+    /// Histories of one linear link over a period of its motion at some nodes, further histories, and the change by all
+    /// second-order terms over the difference of both.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub(in super::super) fn estimated(
+        &self,
+        model: Arc<dyn Model>,
+        period: &Arc<TipPeriod>,
+        probes: &[Vec<usize>; 1],
+    ) -> Result<([Curves; 2], f64), InversionError> {
+        let path = Arc::new(self.along_arc(Arc::clone(period))?);
+        let models = vec![model];
+        let (both, share) = estimate(&models, &path.arm, probes)?;
+        let curves = both.map(|motion| {
+            let (models, path) = (models.clone(), Arc::clone(&path));
+            ArmAnswer { models, motion, path }.curves(probes).remove(0)
+        });
+        Ok((curves, share))
     }
 
     /// Chords with a return around the seam; whole turns need no return. The first two chords return over the same
     /// turns, so that the elbow stays on its side.
     ///
-    /// After a cut-off the motion rings on at rest. The tip's place determines the angles of this ringing, so that it
-    /// fades out and in again while the chords return.
+    /// After a cut-off the motion rings on at rest. The place of an arm's tip determines the angles of this ringing, so
+    /// that it fades out and in again while the chords return. One link rings on around its `rests`.
     fn returned(
         &self,
-        mut chords: Vec<AngleHistories>,
-        samples: &Range<usize>,
-        seam: usize,
-    ) -> Vec<AngleHistories> {
+        (tip, rigid): (Arc<TipPeriod>, Vec<AngleHistories>),
+        rests: Option<Vec<[f64; 2]>>,
+        seam_reach: usize,
+        errors_m: Vec<f64>,
+    ) -> Result<PathPeriod, InversionError> {
+        let (len, seam) = (tip.spectrum.pair.len(), tip.spectrum.seam);
+        let samples = self.returns.samples(self.padding, self.wanted.grid().len, len);
         let half = samples.len() / 2;
         let fades = returning(1.0, 0.0, half);
         let back = returning(0.0, 1.0, samples.len() - half);
-        let fading: Vec<f64> = fades.into_iter().chain(back).collect();
-        let mut turns = 0.0;
+        let is_fading = rests.is_none();
+        let fading = fades.into_iter().chain(back).map(|share| if is_fading { share } else { 1.0 });
+        let fading: Vec<f64> = fading.collect();
+        let at_ends =
+            |[angle, ..]: &AngleHistories| [angle[samples.end % len], angle[samples.start - 1]];
+        let rests = rests.unwrap_or_else(|| rigid.iter().map(at_ends).collect());
+        let (mut chords, mut turns) = (rigid.clone(), 0.0);
         for (link, [angle, rate, acceleration]) in chords.iter_mut().enumerate() {
-            let rests = [angle[samples.start - 1], angle[samples.end]];
-            let travel = rests[0] - rests[1];
+            let [before, after] = rests[link];
+            let travel = after - before;
             if link != 1 || self.kept() == Kept::Angles {
                 turns = (travel / TAU).round();
             }
-            let left = left_to_return(travel - TAU * turns, samples, seam);
+            let left = left_to_return(travel - TAU * turns, &samples, seam);
             for ((k, left), share) in left.zip(&fading) {
-                let rest = if k < seam { rests[0] } else { rests[1] };
+                let rest = if k < seam { after } else { before };
                 angle[k] = rest + left + share * (angle[k] - rest);
                 rate[k] *= share;
                 acceleration[k] *= share;
             }
         }
-        chords
+        let (step_s, gravity_m_s2) = (tip.spectrum.step_s, self.arm.gravity_m_s2());
+        let arm = ArmPeriod::new(step_s, chords, self.kept(), gravity_m_s2)?;
+        let rest = Rest::of(&tip.spectrum, seam_reach, samples);
+        Ok(PathPeriod { arm, rest, rests, rigid, tip, errors_m })
     }
 
     /// The arm at rest with its chords before and after the motion.
@@ -246,27 +384,28 @@ impl<'a> ArmProblem<'a> {
         models: &Models,
         path: &PathPeriod,
     ) -> Result<[ArmMotion; 2], InversionError> {
-        let pose = |sample: usize| -> Result<ArmMotion, InversionError> {
-            let held = |chord: &AngleHistories| {
-                [vec![chord[0][sample]; AT_REST], vec![0.0; AT_REST], vec![0.0; AT_REST]]
+        let pose = |end: usize| -> Result<ArmMotion, InversionError> {
+            let held = |rests: &[f64; 2]| {
+                [vec![rests[end]; AT_REST], vec![0.0; AT_REST], vec![0.0; AT_REST]]
             };
-            let chords = path.rigid.iter().map(held).collect();
+            let chords = path.rests.iter().map(held).collect();
             let period = ArmPeriod::new(1.0, chords, self.kept(), self.arm.gravity_m_s2())?;
             Ok(follow_arm(models, &period, self.second_order, self.analysis.iterated_to())?)
         };
-        Ok([pose(path.rests[0])?, pose(path.rests[1])?])
+        Ok([pose(0)?, pose(1)?])
     }
 
-    /// The same problem with other cut-offs or terms.
-    pub(super) fn with(&self, second_order: SecondOrder, cutoffs: Vec<Cutoff>) -> Self {
-        Self { second_order, cutoffs, ..*self }
+    /// The same problem with other cut-offs or terms, without progress.
+    pub(in super::super) fn with(&self, second_order: SecondOrder, cutoffs: Vec<Cutoff>) -> Self {
+        let resources = Resources { watch: &Unwatched, ..self.resources };
+        Self { second_order, cutoffs, resources, ..*self }
     }
 }
 
 /// Refuses a path beyond the arm's reach, or within reach only stretched or folded, as [`invert_motion`] does; returns the
 /// warning of a nearly stretched or folded elbow. Accepts every path of directions.
 ///
-/// [`invert_motion`]: super::invert_motion
+/// [`invert_motion`]: crate::inverse::invert_motion
 ///
 /// # Errors
 /// [`InversionError`] with the sample.

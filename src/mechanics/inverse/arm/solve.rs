@@ -1,4 +1,4 @@
-//! The inversion of an arm: mesh, period, window and errors, up to the solution.
+//! The inversion of links on their chords: meshes, period, window and errors, up to the solution of an arm.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -10,7 +10,8 @@ use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
 use crate::inverse::amplitudes::Probes;
 use crate::inverse::curves::Curves;
-use crate::inverse::inversion::invert_link;
+use crate::inverse::diagnostics::Edge;
+use crate::inverse::mesh_error::TORQUES_N_M;
 use crate::inverse::period::{PeriodicTorque, Window};
 use crate::inverse::rest::lengthened;
 use crate::inverse::{
@@ -32,31 +33,8 @@ const STILL: f64 = 0.5;
 type Models = Vec<Arc<dyn Model>>;
 pub(super) type Sizes = Vec<PerQuantity<f64>>;
 
-/// Finds the torques of all joints for the motion of an arm, or of one link; `plans` has one for each link.
-///
-/// # Errors
-/// [`InversionError`]: impossible damping, an arm that cannot follow its path, a torque that is not finite, an automatic
-/// mesh that does not converge, second-order terms that do not converge, a window too long to transform, or more memory
-/// than `resources` allow.
-pub fn invert_motion(
-    arm: &Arm,
-    plans: &[MeshPlan],
-    motion: &Motion,
-    analysis: &Analysis,
-    resources: &Resources<'_>,
-) -> Result<Solution, InversionError> {
-    match (motion, arm.links(), plans) {
-        (Motion::Tip(motion), [own], [plan]) => {
-            invert_link(&own.link, plan, motion, analysis, resources)
-        }
-        (Motion::Tip(_), [_], _) => Err(InversionError::Plans { plans: plans.len(), links: 1 }),
-        (Motion::Tip(_), links, _) => Err(InversionError::OtherMotion { links: links.len() }),
-        (Motion::Path(path), ..) => invert_arm(arm, plans, path, analysis, resources),
-    }
-}
-
-/// [`invert_motion`] for several links.
-fn invert_arm(
+/// The inversion of several links.
+pub(in super::super) fn invert_arm(
     arm: &Arm,
     plans: &[MeshPlan],
     path: &ArmPath,
@@ -82,7 +60,7 @@ fn invert_arm(
         .reduce(f64::min);
     let problem = ArmProblem::of(arm, path, (analysis, *resources), first_zero_per_s)?;
     let solver = Solver { problem, plans, falls_back: false };
-    let refusal = match solver.solution(models.clone(), first_zero_per_s) {
+    let refusal = match solver.solution(path, models.clone(), first_zero_per_s) {
         Err(error @ InversionError::Elastica(ElasticaError::Diverges { .. })) => error,
         found => return found,
     };
@@ -92,9 +70,10 @@ fn invert_arm(
         return Err(refused());
     }
     // By default all terms count; first-order terms alone are the next best choice.
-    let problem = solver.problem.with(SecondOrder::First, solver.problem.cutoffs.clone());
+    let mut problem = solver.problem.with(SecondOrder::First, solver.problem.cutoffs.clone());
+    problem.resources = *resources;
     let first = Solver { problem, plans, falls_back: true };
-    match first.solution(models.clone(), first_zero_per_s) {
+    match first.solution(path, models.clone(), first_zero_per_s) {
         Err(InversionError::Elastica(ElasticaError::Diverges { .. })) => {
             Err(InversionError::NorFirst(Box::new(refused())))
         }
@@ -112,77 +91,119 @@ fn blocked(models: &Models, cutoffs: &[Cutoff]) -> Option<InversionError> {
     })
 }
 
-pub(super) struct Solver<'a> {
-    pub(super) problem: ArmProblem<'a>,
-    plans: &'a [MeshPlan],
+pub(in super::super) struct Solver<'a> {
+    pub(in super::super) problem: ArmProblem<'a>,
+    pub(in super::super) plans: &'a [MeshPlan],
     /// True if the solution counts fewer terms than the caller chose.
-    falls_back: bool,
+    pub(in super::super) falls_back: bool,
 }
 
-/// The answer on fine enough meshes, and its measured errors.
+/// The answer on fine enough meshes.
 pub(super) struct Solved {
-    pub(super) models: Models,
-    pub(super) probes: Vec<Vec<usize>>,
     pub(super) answer: ArmAnswer,
+    pub(super) probes: Vec<Probes>,
+    /// Places of the probes.
+    pub(super) nodes: Vec<Vec<usize>>,
     pub(super) sizes: Sizes,
     mesh: Sizes,
 }
 
+/// The answer, its samples to write, and its errors.
+pub(in super::super) struct Measured {
+    pub(super) solved: Solved,
+    pub(in super::super) window: Window,
+    /// Errors of each joint.
+    pub(in super::super) errors: Vec<PerQuantity<QuantityErrors>>,
+    /// Remainders of the first joint's torque.
+    pub(in super::super) edge: Edge,
+}
+
+impl Measured {
+    /// Answer, size of each quantity and model of one link.
+    pub(in super::super) fn of_link(self) -> (ArmAnswer, PerQuantity<f64>, Arc<dyn Model>) {
+        let Solved { answer, sizes, .. } = self.solved;
+        let model = Arc::clone(&answer.models[0]);
+        (answer, sizes[0], model)
+    }
+}
+
 impl Solver<'_> {
+    /// The answer with all its errors.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub(in super::super) fn measured(
+        &self,
+        models: Models,
+        first_zero_per_s: Option<f64>,
+    ) -> Result<Measured, InversionError> {
+        let problem = &self.problem;
+        let (solved, rests, left) = self.decayed(self.on_mesh(models)?)?;
+        let (window, cut) = self.window(&solved, rests.as_ref());
+        let step = self.step_errors(&solved, first_zero_per_s)?;
+        let input = self.input_errors(&solved)?;
+        let is_iterated = problem.second_order != SecondOrder::None;
+        let iteration = is_iterated.then(|| self.iteration_errors(&solved)).transpose()?;
+        let errors = solved.mesh.iter().enumerate().map(|(joint, mesh)| {
+            let of = |all: &Option<Sizes>| all.as_ref().map(|all| all[joint]);
+            let errors = mesh.zip(&left[joint].at_least(&cut[joint]), |mesh, window| {
+                QuantityErrors { mesh, window, ..QuantityErrors::default() }
+            });
+            errors
+                .with(of(&step), |errors, step| QuantityErrors { step: Some(step), ..errors })
+                .with(of(&iteration), |errors, iteration| QuantityErrors {
+                    iteration: Some(iteration),
+                    ..errors
+                })
+                .with(of(&input), |errors, input| QuantityErrors { input: Some(input), ..errors })
+        });
+        let errors = errors.collect();
+        let edge = Edge { cut: cut[0].torque, seam: left[0].torque };
+        Ok(Measured { solved, window, errors, edge })
+    }
+
+    /// The second-order terms of an answer, with the change by omitted ones.
+    pub(in super::super) fn findings(
+        &self,
+        answer: &ArmAnswer,
+        left_out: Option<Option<f64>>,
+    ) -> SecondOrderFindings {
+        let (order, iteration) = (self.problem.second_order, answer.motion.iteration);
+        SecondOrderFindings { order, iteration, left_out, fallback: None }
+    }
+
     fn solution(
         &self,
+        path: &ArmPath,
         models: Models,
         first_zero_per_s: Option<f64>,
     ) -> Result<Solution, InversionError> {
         let problem = &self.problem;
-        let (arm, path) = (problem.arm, problem.path);
-        let solved = self.on_mesh(models)?;
-        let (solved, rests, left) = self.decayed(solved)?;
-        let (window, cut) = self.window(&solved, &rests);
-        let step = self.step_errors(&solved, first_zero_per_s)?;
-        let input = self.input_errors(&solved)?;
-        let Solved { models, answer, mesh, .. } = &solved;
-        let iteration = answer.motion.iteration;
-        let is_iterated = problem.second_order != SecondOrder::None;
-        let error_of_iteration = is_iterated.then_some(iteration.error);
-        let errors = (0..arm.links().len()).map(|joint| {
-            let window = PerQuantity { torque: left[joint].torque.max(cut[joint]), ..left[joint] };
-            let errors = mesh[joint].zip(&window, |mesh, window| QuantityErrors {
-                mesh,
-                window,
-                iteration: error_of_iteration,
-                ..QuantityErrors::default()
-            });
-            let step = step.as_ref().map(|step| step[joint]);
-            let input = input.as_ref().map(|input| input[joint]);
-            errors
-                .with(step, |errors, step| QuantityErrors { step: Some(step), ..errors })
-                .with(input, |errors, input| QuantityErrors { input: Some(input), ..errors })
-        });
-        let errors = errors.collect::<Vec<_>>();
+        let arm = problem.arm;
+        let Measured { solved, window, errors, .. } = self.measured(models, first_zero_per_s)?;
+        let answer = &solved.answer;
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
-        let leaves_out = problem.second_order != SecondOrder::Full && !self.falls_back;
-        let left_out = || leaves_out.then(|| solved.left_out());
+        let left_out = || self.left_out(answer);
         // The error of the input already measures the digits' uncertainty.
         let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
         let shown = || {
             let unsettled = (!is_settled).then(|| self.unsettled(&solved)).transpose();
-            (answer.links(models, &grid), answer.joints(arm, &grid, &errors), unsettled)
+            (answer.links(&grid), answer.joints(arm, &grid, &errors), unsettled)
         };
         let (left_out, ((links, tip), joints, unsettled)) =
-            match problem.refuse_memory(&[&models[..]; 3], &solved.answer.path) {
+            match problem.refuse_memory(&[&answer.models[..]; 3], &answer.path) {
                 Ok(()) => rayon::join(left_out, shown),
                 Err(_) => (left_out(), shown()),
             };
-        let order = problem.second_order;
-        let mut found = SecondOrderFindings { order, iteration, left_out, fallback: None };
+        let mut found = self.findings(answer, left_out);
         let cutoffs = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
         let cutoff_hz = cutoffs.reduce(f64::max).map(|omega| omega / TAU);
         let spectrum = &answer.path.tip.spectrum;
         let band = Band::of(spectrum, spectrum.band_len());
         // The roll-off and the turning links bring frequencies above the path's; they are small above twice its cut-off.
-        let highest_hz = cutoff_hz.map_or(band.nyquist_hz, |cutoff_hz| 2.0 * cutoff_hz);
+        let highest_hz = cutoff_hz.map_or(f64::INFINITY, |cutoff_hz| 2.0 * cutoff_hz);
+        let highest_hz = highest_hz.min(band.nyquist_hz);
         let (first, last) = path.moving_samples();
         let on_grid = |k: usize| (k as i64 - window.start).max(0) as usize;
         let mut solution = Solution {
@@ -216,36 +237,39 @@ impl Solver<'_> {
     /// The answer over the shortest period on meshes fine enough for the plans.
     fn on_mesh(&self, coarsest: Models) -> Result<Solved, InversionError> {
         let problem = &self.problem;
-        let (arm, len) = (problem.arm, problem.shortest_len()?);
         let is_automatic = self.plans.iter().any(MeshPlan::is_automatic);
         let tolerance = MeshPlan::smallest_tolerance(self.plans);
-        let mut probes: Vec<Vec<usize>> = coarsest
-            .iter()
-            .zip(self.plans)
-            .map(|(model, plan)| Probes::of(model.mesh(), plan, problem.analysis).nodes)
-            .collect();
+        let probes = coarsest.iter().zip(self.plans);
+        let probes = probes.map(|(model, plan)| Probes::of(model.mesh(), plan, problem.analysis));
+        let probes: Vec<Probes> = probes.collect();
+        let mut nodes: Vec<Vec<usize>> = probes.iter().map(|own| own.nodes.clone()).collect();
         let mut models = coarsest;
-        let path = problem.period(len)?;
-        let mut known = None;
+        let path = problem.period(problem.shortest_len()?)?;
+        let mut known: Option<ArmAnswer> = None;
         loop {
-            let (finer, finer_probes) = refined(&models, &probes)?;
+            let (finer, finer_nodes) = refined(&models, &nodes)?;
             // The finer mesh of a fixed plan only measures the error: its probes suffice.
-            let nodes = (!is_automatic).then_some(&finer_probes[..]);
-            let mut own = || known.take().map_or_else(|| problem.answer(&models, &path, None), Ok);
-            let on_finer = || problem.answer(&finer, &path, nodes);
-            let (answer, finer_answer) = match problem.refuse_memory(&[&models, &finer], &path) {
+            let shown = (!is_automatic).then_some(&finer_nodes[..]);
+            let of_both = [&models[..], &finer];
+            problem.begin(if known.is_none() { &of_both } else { &of_both[1..] }, &path);
+            let own = || problem.answer_in_stage(&models, &path, None);
+            let mut own = || known.take().map_or_else(own, Ok);
+            let on_finer = || problem.answer_in_stage(&finer, &path, shown);
+            let (answer, finer_answer) = match problem.refuse_memory(&of_both, &path) {
                 Ok(()) => rayon::join(own, on_finer),
                 Err(_) => (own(), on_finer()),
             };
             let (answer, finer_answer) = (answer?, finer_answer?);
-            let on_finer = finer_answer.curves(arm, &finer_probes);
-            let sizes = self.sizes(&on_finer, &finer_answer);
-            let own = answer.curves(arm, &probes);
-            let mesh = changes(&models, &own, &on_finer, &sizes);
+            let on_finer = finer_answer.curves(&finer_nodes);
+            let sizes = self.sizes(&on_finer, &finer_answer, &probes);
+            if let Some(size) = sizes.iter().find(|own| !TORQUES_N_M.contains(&own.torque)) {
+                return Err(InversionError::OutOfRange { peak_n_m: size.torque });
+            }
+            let mesh = changes(&models, &answer.curves(&nodes), &on_finer, &sizes);
             let error = worst(&mesh);
             let small = problem.small(&finer_answer);
             if !is_automatic || error <= tolerance.max(small) {
-                return Ok(Solved { models, probes, answer, sizes, mesh });
+                return Ok(Solved { answer, probes, nodes, sizes, mesh });
             }
             let elements: usize = models.iter().map(|model| model.mesh().elements().len()).sum();
             let most: usize = finer.iter().map(|model| model.most_elements()).min().unwrap_or(0);
@@ -256,7 +280,7 @@ impl Solver<'_> {
             for (link, plan) in self.plans.iter().enumerate() {
                 if plan.is_automatic() {
                     models[link] = Arc::clone(&finer[link]);
-                    probes[link].clone_from(&finer_probes[link]);
+                    nodes[link].clone_from(&finer_nodes[link]);
                 }
             }
             known = self.plans.iter().all(MeshPlan::is_automatic).then_some(finer_answer);
@@ -264,10 +288,14 @@ impl Solver<'_> {
     }
 
     /// Size of each quantity, the reference of its errors; for a joint that hardly moves, a share of the largest size
-    /// of any joint.
-    fn sizes(&self, curves: &[Curves], answer: &ArmAnswer) -> Sizes {
+    /// of any joint. One link has the sizes of its measured quantities.
+    fn sizes(&self, curves: &[Curves], answer: &ArmAnswer, probes: &[Probes]) -> Sizes {
         let has_weight = self.problem.arm.has_weight();
-        let way_m = answer.way_of_chords_m(self.problem.arm, self.problem.path.grid().len);
+        if self.problem.is_link() {
+            let travel_m = answer.path.tip.histories.largest_travel_m();
+            return vec![probes[0].measured(curves[0].sizes(has_weight, travel_m))];
+        }
+        let way_m = answer.way_of_chords_m(self.problem.wanted.grid().len);
         let sizes: Sizes = curves.iter().map(|own| own.sizes(has_weight, way_m)).collect();
         let largest = sizes.iter().fold(sizes[0], |most, own| PerQuantity {
             torque: most.torque.max(own.torque),
@@ -286,12 +314,16 @@ impl Solver<'_> {
     }
 
     /// Lengthens the period until every quantity is at rest where the chords begin and end their return; returns the
-    /// remainders there.
+    /// remainders there. A periodic motion has no rest.
     fn decayed(
         &self,
         mut solved: Solved,
-    ) -> Result<(Solved, [ArmMotion; 2], Sizes), InversionError> {
+    ) -> Result<(Solved, Option<[ArmMotion; 2]>, Sizes), InversionError> {
         let problem = &self.problem;
+        if problem.padding.cycles.is_some() {
+            let none = solved.sizes.iter().map(|size| size.zip(size, |_, _| 0.0)).collect();
+            return Ok((solved, None, none));
+        }
         let initial = solved.answer.path.len();
         let linear = problem.with(SecondOrder::None, problem.cutoffs.clone());
         let is_linear = problem.second_order == SecondOrder::None;
@@ -305,63 +337,84 @@ impl Solver<'_> {
             let is_still = now <= open && now > STILL * last;
             last = now;
             let small = problem.small(&solved.answer);
+            let models = &solved.answer.models;
             let next = if now <= tolerance.max(small) || is_still {
                 None
             } else {
                 lengthened(len, initial, |len| {
                     Ok::<_, InversionError>(
                         is_linear || {
-                            let nodes = Some(&solved.probes[..]);
-                            let shorter =
-                                linear.answer(&solved.models, &linear.period(len)?, nodes)?;
+                            let nodes = Some(&solved.nodes[..]);
+                            let shorter = linear.answer(models, &linear.period(len)?, nodes)?;
                             worst(&left_at_rest(&linear, &solved, &shorter)?.1) <= tolerance
                         },
                     )
                 })?
             };
             if let Some(len) = next {
-                let path = problem.period(len)?;
-                solved.answer = problem.answer(&solved.models, &path, None)?;
+                solved.answer = problem.answer(models, &problem.period(len)?, None)?;
                 continue;
             }
             if len > initial {
-                let (finer, probes) = refined(&solved.models, &solved.probes)?;
-                let on_finer = problem.answer(&finer, &solved.answer.path, Some(&probes))?;
-                let on_finer = on_finer.curves(problem.arm, &probes);
-                let own = solved.answer.curves(problem.arm, &solved.probes);
-                solved.mesh = changes(&solved.models, &own, &on_finer, &solved.sizes);
+                let (finer, nodes) = refined(models, &solved.nodes)?;
+                let on_finer = problem.answer(&finer, &solved.answer.path, Some(&nodes))?;
+                let (own, on_finer) =
+                    (solved.answer.curves(&solved.nodes), on_finer.curves(&nodes));
+                solved.mesh = changes(models, &own, &on_finer, &solved.sizes);
             }
-            return Ok((solved, rests, left));
+            return Ok((solved, Some(rests), left));
         }
     }
 
-    /// The samples to write: until all torques stay within the tolerance of their values at rest; and the distance of
-    /// each from rest outside, over its size.
+    /// The samples to write: until all torques, and that of one link's motor, stay within the tolerance of their values
+    /// at rest; and the distance of each torque from rest outside, over its size. A periodic motion has the window of
+    /// its cycle.
     fn window(
         &self,
         Solved { answer, sizes, .. }: &Solved,
-        rests: &[ArmMotion; 2],
-    ) -> (Window, Vec<f64>) {
+        rests: Option<&[ArmMotion; 2]>,
+    ) -> (Window, Sizes) {
         let (problem, spectrum) = (&self.problem, &answer.path.tip.spectrum);
-        let given = problem.path.grid();
-        let (before, reach) = (spectrum.seam, spectrum.seam_reach());
-        let beyond: Vec<Vec<f64>> = (0..sizes.len())
-            .map(|joint| {
-                let at_rest = rests.each_ref().map(|rest| rest.links[joint].bent.torque_n_m[0]);
-                answer.path.rest.beyond(&answer.motion.links[joint].bent.torque_n_m, at_rest)
-            })
-            .collect();
-        let torques = || beyond.iter().map(|samples| PeriodicTorque { samples, before, reach });
-        let own = torques().zip(sizes).map(|(torque, size)| {
-            torque.window(given.len, given.step_s, problem.analysis, size.torque)
+        let given = problem.wanted.grid();
+        let whole = Window { start: 0, stop: given.len as i64 - 1 };
+        let Some(rests) = rests else {
+            return (whole, vec![PerQuantity::default(); sizes.len()]);
+        };
+        let at_rest =
+            |joint: usize| rests.each_ref().map(|rest| rest.links[joint].bent.torque_n_m[0]);
+        let beyond = |samples: &[f64], rests| answer.path.rest.beyond(samples, rests);
+        let joints = sizes.iter().enumerate().map(|(joint, size)| {
+            (beyond(&answer.motion.links[joint].bent.torque_n_m, at_rest(joint)), size.torque)
         });
-        let window = own.fold(Window { start: 0, stop: given.len as i64 - 1 }, |all, own| Window {
+        let joints: Vec<(Vec<f64>, f64)> = joints.collect();
+        let drive = answer.models[0].link().drive().filter(|_| problem.is_link());
+        let motor = drive.and_then(|drive| {
+            let samples = answer.joint(0).motor?.torque_n_m;
+            let at_rest = at_rest(0).map(|torque| torque / drive.gear_ratio);
+            Some((beyond(&samples, at_rest), sizes[0].motor_torque?))
+        });
+        let (before, reach) = (spectrum.seam, spectrum.seam_reach());
+        let each = joints.iter().chain(&motor).map(|(samples, size)| {
+            PeriodicTorque { samples, before, reach }.window(
+                given.len,
+                given.step_s,
+                problem.analysis,
+                *size,
+            )
+        });
+        let window = each.fold(whole, |all, own| Window {
             start: all.start.min(own.start),
             stop: all.stop.max(own.stop),
         });
-        let outside =
-            torques().zip(sizes).map(|(torque, size)| torque.outside(&window) / size.torque);
-        (window, outside.collect())
+        let outside = |(samples, size): &(Vec<f64>, f64)| {
+            PeriodicTorque { samples, before, reach }.outside(&window) / size
+        };
+        let cut = joints.iter().map(|torque| PerQuantity {
+            torque: outside(torque),
+            motor_torque: motor.as_ref().map(outside),
+            ..PerQuantity::default()
+        });
+        (window, cut.collect())
     }
 }
 
@@ -397,14 +450,14 @@ fn worst(errors: &Sizes) -> f64 {
 /// Remainder of each quantity beyond the arm at rest where the chords begin and end their return.
 fn left_at_rest(
     problem: &ArmProblem<'_>,
-    Solved { models, probes, sizes, .. }: &Solved,
+    Solved { nodes, sizes, .. }: &Solved,
     answer: &ArmAnswer,
 ) -> Result<([ArmMotion; 2], Sizes), InversionError> {
-    let arm = problem.arm;
+    let models = &answer.models;
     let rests = problem.at_rest(models, &answer.path)?;
-    let [first, last] = rests.each_ref().map(|rest| curves_at_rest(arm, rest, probes));
-    let reaches = answer.path.rest.reaches(problem.path.grid().len);
-    let curves = answer.curves(arm, probes);
+    let [first, last] = rests.each_ref().map(|rest| curves_at_rest(models, rest, nodes));
+    let reaches = answer.path.rest.reaches(problem.wanted.grid().len);
+    let curves = answer.curves(nodes);
     let ends = first.into_iter().zip(last).zip(&curves).zip(sizes);
     let left = ends.map(|(((first, last), own), size)| {
         own.left_of(&[first, last], reaches).zip(size, |left, size| left / size)

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::answer::{ArmAnswer, JointHistories};
-use super::problem::Models;
 use super::rigid::rigid_torques_n_m;
 use crate::elastica::AngleHistories;
 use crate::inverse::histories::cut;
@@ -32,7 +31,7 @@ impl ArmAnswer {
             self.path.rigid.iter().map(|chord| cut_all(chord, grid)).collect();
         let rigid_torques_n_m = rigid_torques_n_m(arm, &rigid);
         let of = |(joint, rigid_torque_n_m): (usize, Vec<f64>)| {
-            let JointHistories { angle, motor } = self.joint(arm, joint);
+            let JointHistories { angle, motor } = self.joint(joint);
             let link = &self.motion.links[joint];
             let before = joint.checked_sub(1).map(|before| &rigid[before][0]);
             let rigid_angle_rad = match before {
@@ -63,16 +62,12 @@ impl ArmAnswer {
     }
 
     /// The links over a window, and x and y of the tip with their derivatives.
-    pub(super) fn links(
-        &self,
-        models: &Models,
-        grid: &TimeGrid,
-    ) -> (Vec<LinkMotion>, Vec<TipMotionHistories>) {
+    pub(super) fn links(&self, grid: &TimeGrid) -> (Vec<LinkMotion>, Vec<TipMotionHistories>) {
         let none = || [0, 1, 2].map(|_| vec![0.0; grid.len]);
         // Place, velocity and acceleration of the joint.
         let mut axis = [none(), none()];
         let mut links = Vec::new();
-        for (link, model) in self.motion.links.iter().zip(models) {
+        for (link, model) in self.motion.links.iter().zip(&self.models) {
             let nodes_m = model.mesh().nodes_m();
             let chord = cut_all(&link.chord, grid);
             let units: Vec<[f64; 2]> =
