@@ -12,16 +12,16 @@ use flexlink::cli::terminal::memory;
 use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse, Unwatched};
 use flexlink::link::ParameterError;
 use flexlink::result::Remark;
-use flexlink::spec::ArmSpecification;
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 
 use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
-use crate::motion::{Call, Pickled, Samples};
+use crate::motion::Call;
 use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, Stored};
 use crate::properties::{Properties, Value, check, frame, slices};
+use crate::samples::{Pickled, Samples, meshed};
 use crate::threads::{apart, until_pressed, without_python};
 
 /// Keywords of `write`.
@@ -45,22 +45,6 @@ pub(crate) struct Solution {
     warnings: Vec<Notice>,
     remarks: OnceLock<Vec<Remark>>,
     summary: PyOnceLock<String>,
-}
-
-/// Gives a specification nodes at the stations of the options; of one link, an analysis for all tables.
-pub(crate) fn meshed(
-    mut specification: ArmSpecification,
-    options: &SolveOptions,
-) -> Fails<ArmSpecification> {
-    let ArmSpecification { arm, meshes, analysis, .. } = &mut specification;
-    match arm.links() {
-        [own] => {
-            meshes[0] = options.nodes.mesh(&own.link, meshes[0].clone())?;
-            *analysis = options.analysis(analysis);
-        }
-        _ => options.nodes.meshes(arm, meshes)?,
-    }
-    Ok(specification)
 }
 
 impl Solution {
