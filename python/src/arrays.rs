@@ -115,7 +115,7 @@ pub(crate) type Nodes = Option<Numbers>;
 /// Numbers of nodes.
 pub(crate) struct Numbers(Vec<usize>);
 
-/// The nodes of a call. Refuses arrays of so many samples that exceed the memory: their columns are computed one by one,
+/// The nodes of a call. Refuses arrays that exceed the memory: their columns are computed one by one,
 /// and then put into rows.
 pub(crate) fn checked(nodes: Nodes, all: usize, samples: usize) -> Raises<Vec<usize>> {
     let nodes = nodes.map_or_else(|| (0..all).collect(), |numbers| numbers.0);

@@ -21,11 +21,11 @@ use crate::threads::until_pressed;
 ///
 /// >>> import flexlink
 /// >>> strip = {"length": 1.0, "EI": 10.0, "mass_per_length": 0.5}
-/// >>> found = flexlink.modes(flexlink.Link(segments=[strip]), count=2)
+/// >>> result = flexlink.modes(flexlink.Link(segments=[strip]), count=2)
 /// >>> pinned = 3.926602312**2 * (10.0 / 0.5) ** 0.5 / 6.283185307  # of a pinned and free beam
-/// >>> bool(abs(found["frequency_hz"][0] / pinned - 1) < 1e-6)
+/// >>> bool(abs(result["frequency_hz"][0] / pinned - 1) < 1e-6)
 /// True
-/// >>> found["shapes"].shape == (2, found["nodes"].size)
+/// >>> result["shapes"].shape == (2, result["nodes"].size)
 /// True
 #[pyfunction]
 #[pyo3(signature = (link, count=10, *, at=None))]
@@ -41,11 +41,11 @@ pub(crate) fn modes<'py>(
     let at = at.map(OneOrEach::list);
     let specification = &link.specification;
     let compute = || computed(specification, at.as_deref(), count, Wanted::Modes);
-    let found = until_pressed(py, compute)?;
-    warn(py, &found.warnings(&specification.arm))?;
-    let in_pose = [("free_hz", each(&found.free, hertz)), ("held_hz", each(&found.held, hertz))];
-    Ok(match &found.setting {
-        Setting::Weightless => level(py, &found)?,
+    let result = until_pressed(py, compute)?;
+    warn(py, &result.warnings(&specification.arm))?;
+    let in_pose = [("free_hz", each(&result.free, hertz)), ("held_hz", each(&result.held, hertz))];
+    Ok(match &result.setting {
+        Setting::Weightless => level(py, &result)?,
         Setting::Straight { .. } => dictionary(py, in_pose)?,
         Setting::AtRest { tip_m, holding_torques_n_m, .. } => {
             let at_rest = [("holding_torque", &holding_torques_n_m[..]), ("tip", &tip_m[..])];
@@ -65,10 +65,10 @@ fn hertz(mode: &PoseMode) -> f64 {
     mode.square_per_s2.abs().sqrt().copysign(mode.square_per_s2) / TAU
 }
 
-fn level<'py>(py: Python<'py>, found: &ModesResult) -> PyResult<Bound<'py, PyDict>> {
+fn level<'py>(py: Python<'py>, result: &ModesResult) -> PyResult<Bound<'py, PyDict>> {
     let ratio = |mode: &PoseMode| mode.damping_ratio.unwrap_or(f64::NAN);
-    let (free, held) = (&found.free, &found.held);
-    let (zeros, nodes_m) = (&found.zeros[0], found.meshes[0].nodes_m());
+    let (free, held) = (&result.free, &result.held);
+    let (zeros, nodes_m) = (&result.zeros[0], result.meshes[0].nodes_m());
     let columns = [
         ("frequency_hz", each(free, hertz)),
         ("damping_ratio", each(free, ratio)),

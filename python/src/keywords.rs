@@ -143,7 +143,7 @@ fn refused<T: clap::Args>(error: &clap::Error, others: &[&str], renamed: Renamed
         ErrorKind::ArgumentConflict => {
             format!("{argument} must not stand beside {}", name(ContextKind::PriorArg))
         }
-        ErrorKind::MissingRequiredArgument => format!("{argument} must be given"),
+        ErrorKind::MissingRequiredArgument => format!("{argument} is missing"),
         _ => {
             let text = error.to_string();
             let line = text.lines().next().unwrap_or_default();

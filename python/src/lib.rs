@@ -9,7 +9,8 @@
 //! | `properties` | properties of results by name, for one link and for arms |
 //! | `keywords`, `toml` | keywords as the command's options, dictionaries as TOML |
 //! | `link` | a link or an arm, and its file |
-//! | `motion` | wanted motions from arrays and files |
+//! | `samples` | wanted motions from arrays and files |
+//! | `motion` | the motion of a call; motions that are read once |
 //! | `solution` | `solve`, and its result |
 //! | `simulation`, `simulate` | results of simulations; their input in the keywords of a call |
 //! | `sweep`, `sweep_work` | many cases in parallel; the work of one |
@@ -31,6 +32,7 @@ mod messages;
 mod motion;
 mod prelude;
 mod properties;
+mod samples;
 mod simulate;
 mod simulation;
 mod solution;

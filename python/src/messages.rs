@@ -44,34 +44,34 @@ impl From<Failure> for Raised {
 /// A text with keywords for options: `resample=STEP` for `--resample STEP`, and changes for `--set`.
 pub(crate) fn in_python(text: &str) -> String {
     let mut rest = text;
-    let mut found = String::new();
+    let mut shown = String::new();
     while let Some(at) = rest.find("--") {
         let (before, option) = (&rest[..at], &rest[at + 2..]);
         let end = option.find(|c: char| !(c.is_ascii_lowercase() || c == '-'));
         let (name, after) = option.split_at(end.unwrap_or(option.len()));
         let begins = before.chars().next_back().is_none_or(|c| " '\"`(".contains(c));
-        found.push_str(before);
+        shown.push_str(before);
         rest = after;
         match name {
-            "set" if begins && after.starts_with(" '") => found.push_str("the change"),
-            "set" if begins => found.push_str("a change"),
+            "set" if begins && after.starts_with(" '") => shown.push_str("the change"),
+            "set" if begins => shown.push_str("a change"),
             _ if begins && name.starts_with(|c: char| c.is_ascii_lowercase()) => {
-                found.push_str(&name.replace('-', "_"));
+                shown.push_str(&name.replace('-', "_"));
                 let value = after.strip_prefix(' ').unwrap_or_default();
                 let value = value.split([' ', ';', ')', '`']).next().unwrap_or_default();
                 let value = value.trim_end_matches([',', '.']);
-                if let Some(shown) = as_value(value) {
-                    found.push_str(&shown);
+                if let Some(value_of) = as_value(value) {
+                    shown.push_str(&value_of);
                     rest = &after[1 + value.len()..];
                 }
             }
             _ => {
-                found.push_str("--");
-                found.push_str(name);
+                shown.push_str("--");
+                shown.push_str(name);
             }
         }
     }
-    found + rest
+    shown + rest
 }
 
 /// The value of an option in the form of a keyword's value; `None` for another word.

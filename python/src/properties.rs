@@ -17,7 +17,7 @@ pub(crate) enum Links {
 }
 
 impl Links {
-    /// True for the names of so many links.
+    /// True if this many links have the name.
     pub(crate) fn holds(self, links: usize) -> bool {
         match self {
             Self::Any => true,
@@ -118,7 +118,7 @@ names! {
     One rigid_inertia,
 }
 
-/// Raises AttributeError if so many links lack the name.
+/// Raises AttributeError if this many links lack the name.
 pub(crate) fn check(name: &str, links: usize) -> PyResult<()> {
     match NAMES.iter().find(|(known, ..)| *known == name) {
         Some((_, of, _)) if !of.holds(links) => Err(PyAttributeError::new_err(of.refusal(name))),

@@ -13,9 +13,10 @@ use flexlink::store::read_state;
 use crate::arrays::{OneOrEach, column, columns};
 use crate::keywords::{take, unknown};
 use crate::link::Link;
-use crate::motion::{Motion, path_of};
+use crate::motion::Motion;
 use crate::prelude::*;
 use crate::properties::Links;
+use crate::samples::path_of;
 use crate::simulation::Simulation;
 use crate::threads::until_pressed;
 

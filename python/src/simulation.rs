@@ -170,7 +170,7 @@ impl Simulation {
             return self.summary(py)?.get_item("errors").map(Some);
         }
         let Some(error) = &self.error else { return Ok(None) };
-        let errors = [("tip", error.tip), ("hub_angle joint_angle", error.hub_angle)];
+        let errors = [("tip", error.tip), ("hub_angle", error.hub_angle)];
         Ok(Some(errors.into_py_dict(py)?.into_any()))
     }
 

@@ -12,16 +12,16 @@ use flexlink::cli::terminal::memory;
 use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse, Unwatched};
 use flexlink::link::ParameterError;
 use flexlink::result::Remark;
-use flexlink::spec::Specification;
 use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
 
 use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
 use crate::keywords::{self, solve_options};
 use crate::link::{Link, PickledSource, Source};
-use crate::motion::{Call, Pickled, Samples};
+use crate::motion::Call;
 use crate::prelude::*;
 use crate::properties::Value::{Computed, Entry, Notices, Stored};
 use crate::properties::{Properties, Value, check, frame, slices};
+use crate::samples::{Pickled, Samples, meshed};
 use crate::threads::{apart, until_pressed, without_python};
 
 /// Keywords of `write`.
@@ -44,19 +44,6 @@ pub(crate) struct Solution {
     warnings: Vec<Notice>,
     remarks: OnceLock<Vec<Remark>>,
     summary: PyOnceLock<String>,
-}
-
-/// Gives a specification nodes at the stations of the options; of one link, an analysis for all tables.
-pub(crate) fn meshed(
-    mut specification: Specification,
-    options: &SolveOptions,
-) -> Fails<Specification> {
-    let Specification { arm, meshes, analysis, .. } = &mut specification;
-    options.nodes.meshes(arm, meshes)?;
-    if arm.links().len() == 1 {
-        *analysis = options.analysis(analysis);
-    }
-    Ok(specification)
 }
 
 impl Solution {

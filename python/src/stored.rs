@@ -92,10 +92,12 @@ impl Run {
             let message = format!("{name} is missing: the run did not write it");
             return Err(Failure::new(Exit::InputRefused, &message, Some(hint)).into());
         };
+        let (times_s, last) = (&self.0.times_s, self.0.times_s.len() - 1);
+        let half_a_step_s = 0.5 * (times_s[last] - times_s[0]) / last as f64;
         // Both are ascending, and equal times have equal numbers.
-        let mut hub = self.0.times_s.iter().zip(&self.0.joints[0].angle_rad);
+        let mut hub = times_s.iter().zip(&self.0.joints[0].angle_rad);
         let turned = stored.times_s.iter().map(|at_s| {
-            let at = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - self.half_a_step_s());
+            let at = hub.by_ref().find(|(time_s, _)| **time_s >= at_s - half_a_step_s);
             at.map_or(f64::NAN, |(_, angle_rad)| angle_rad - origin_rad)
         });
         let turned: Vec<f64> = turned.collect();
@@ -113,12 +115,6 @@ impl Run {
         let nodes = nodes.unwrap_or_else(|| stored.nodes.clone());
         let histories = nodes.into_iter().map(history).collect::<Result<Vec<Vec<f64>>, _>>()?;
         Ok(rows(py, &histories, stored.times_s.len())?)
-    }
-
-    /// Half of the step of the run's times in s.
-    fn half_a_step_s(&self) -> f64 {
-        let (times_s, last) = (&self.0.times_s, self.0.times_s.len() - 1);
-        0.5 * (times_s[last] - times_s[0]) / last as f64
     }
 }
 

@@ -11,9 +11,10 @@ use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
 use crate::keywords::{solve_options, take};
 use crate::link::{Link, Source};
-use crate::motion::{Call, Samples};
+use crate::motion::Call;
 use crate::prelude::*;
-use crate::solution::{Solution, meshed};
+use crate::samples::{Samples, meshed};
+use crate::solution::Solution;
 use crate::toml;
 
 /// Factors on the motion among the changes of a case.
@@ -79,12 +80,12 @@ impl Outputs {
             duration: own.duration * case.scale.duration,
         };
         let mut kept = Vec::new();
-        let mut given = self.arguments.iter();
-        while let Some(argument) = given.next() {
+        let mut all = self.arguments.iter();
+        while let Some(argument) = all.next() {
             if !argument.starts_with("--scale-d") {
                 kept.push(argument.clone());
             } else if !argument.contains('=') {
-                given.next();
+                all.next();
             }
         }
         kept.into_iter().chain(scale_arguments(scale)).collect()
