@@ -62,7 +62,7 @@ impl Solution {
         (nodes, every): (Option<Nodes>, Every),
         find: impl FnOnce(&LibrarySolution, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let nodes = Nodes::or_all(nodes, self.solution().mesh().nodes_m().len());
+        let nodes = Nodes::or_all(nodes, self.solution().links[0].mesh().nodes_m().len());
         check_rows(self.solution().grid.thinned(every.0).len(), nodes.len())?;
         let found = until_pressed(py, || Ok(find(self.solution(), &nodes)?))?;
         rows(py, &found.samples, found.grid.len())
@@ -167,7 +167,7 @@ impl Solution {
     /// Distances of the nodes from the axis in m.
     #[getter]
     fn nodes<'py>(slf: &Bound<'py, Self>) -> Array<'py> {
-        view(slf, |own| own.solution().mesh().nodes_m())
+        view(slf, |own| own.solution().links[0].mesh().nodes_m())
     }
 
     /// Displacements of nodes in m, numbered from 0 at the root, all by default: a row for each sample, or for every

@@ -324,7 +324,7 @@ pub fn remarks(of_file: &[Remark], solution: &Solution, dropped: usize) -> Vec<R
     let of_motion = match &solution.motion {
         Motion::Tip(motion) => {
             let highest = TAU * solution.band.highest_hz;
-            let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+            let mut modes = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
             let within = modes.iter().filter(|omega| **omega <= highest).count();
             modes.truncate(within.max(1));
             remarks_on_link((solution, motion), &modes)
@@ -343,8 +343,8 @@ pub(crate) fn remarks_on_link(
     (solution, motion): (&Solution, &TipMotion),
     modes_rad_s: &[f64],
 ) -> Vec<Remark> {
-    let (link, travel_m) = (solution.link(), solution.tip_travel_m());
-    let of_modes = Remark::on_modes(link, solution.mesh(), modes_rad_s);
+    let (link, travel_m) = (solution.links[0].link(), solution.tip_travel_m());
+    let of_modes = Remark::on_modes(link, solution.links[0].mesh(), modes_rad_s);
     let of_motion = Remark::on_motion(link, motion, travel_m, solution.analysis.tip_tolerance());
     of_modes.into_iter().chain(of_motion).chain(Remark::on_jumps(solution)).collect()
 }
