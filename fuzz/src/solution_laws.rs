@@ -49,7 +49,7 @@ pub fn check_finite(solution: &Solution) {
             assert!(finite(samples), "a motor's history");
         }
     }
-    let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+    let nodes: Vec<usize> = (0..solution.links[0].mesh().nodes_m().len()).collect();
     for table in [
         solution.displacements(&nodes, EVERY).expect("nodes of the mesh"),
         solution.moments(&nodes, EVERY).expect("nodes of the mesh"),
@@ -143,8 +143,8 @@ pub fn check_linear(first: &Solution, second: &Solution, both: &Solution) {
 
 /// Largest |T̂/â| of every bin above zero, in kg m; the first stands for the mean velocity, too.
 fn transfers(solution: &Solution, bins: usize) -> Vec<f64> {
-    let friction_n_m_s_rad = solution.link().joint().friction_n_m_s_rad;
-    let (law, length_m) = (solution.law(), solution.mesh().length_m());
+    let friction_n_m_s_rad = solution.links[0].link().joint().friction_n_m_s_rad;
+    let (law, length_m) = (solution.links[0].law(), solution.links[0].mesh().length_m());
     let omegas: Vec<f64> =
         (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();
     let found = solution.links[0].model.tip_transfers(&omegas);
@@ -185,7 +185,7 @@ pub fn bending(model: &dyn Model) -> Option<f64> {
 /// If it is not.
 pub fn check_rigid(link: &Link, solution: &Solution, nyquist_rad_s: f64) {
     let Some(bending) = bending(&*solution.links[0].model) else { return };
-    let law = solution.law();
+    let law = solution.links[0].law();
     let bent = bending * law.lambda(nyquist_rad_s).norm();
     let period = solution.band.fft_length as f64;
     let round_off = TRANSFORM * f64::EPSILON * (period.log2() * period.sqrt() + period);

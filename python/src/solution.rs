@@ -153,7 +153,7 @@ impl Solution {
         check(name, self.links())?;
         let solution = self.inverse();
         let samples = solution.grid.thinned(every.0).len();
-        let nodes = checked(nodes, solution.mesh().nodes_m().len(), samples)?;
+        let nodes = checked(nodes, solution.links[0].mesh().nodes_m().len(), samples)?;
         let histories = until_pressed(py, || Ok(find(solution, &nodes)?))?;
         Ok(rows(py, &histories.samples, samples)?)
     }
@@ -176,7 +176,7 @@ impl Properties for Solution {
         ("tip", Stored(|own| slices(own.inverse().tip.iter().map(|axis| &axis.displacement_m)))),
         ("motor_torque", Stored(|own| slices(own.motors().map(|motor| &motor.torque_n_m)))),
         ("motor_rate", Stored(|own| slices(own.motors().map(|motor| &motor.rate_rad_s)))),
-        ("nodes", Stored(|own| vec![own.inverse().mesh().nodes_m()])),
+        ("nodes", Stored(|own| vec![own.inverse().links[0].mesh().nodes_m()])),
         ("errors", Entry),
         ("results", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),

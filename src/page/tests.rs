@@ -56,7 +56,7 @@ pub(super) fn solution() -> Solution {
 pub(super) fn run() -> StoredRun {
     let (link, solution) = (link(0.0), solution());
     let metrics = Metrics::of(&solution);
-    let mesh: Mesh = solution.mesh().clone();
+    let mesh: Mesh = solution.links[0].mesh().clone();
     let all: Vec<usize> = (0..mesh.nodes_m().len()).collect();
     let times = |len: usize| (0..len).map(|k| solution.grid.time_s(k)).collect::<Vec<f64>>();
     let times_s = times(solution.grid.len);
@@ -108,7 +108,7 @@ pub(super) fn run() -> StoredRun {
         links: vec![StoredLink {
             name: "1".to_owned(),
             link,
-            nodes_m: solution.mesh().nodes_m().to_vec(),
+            nodes_m: solution.links[0].mesh().nodes_m().to_vec(),
             positions_m: vec![],
             moments_n_m: None,
         }],

@@ -287,13 +287,14 @@ pub fn remarks(
     let of_modes = solution.motion.tip().map(|_| {
         let reported = || {
             let highest = TAU * solution.band.highest_hz;
-            let mut modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+            let mut modes = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
             let within = modes.iter().filter(|omega| **omega <= highest).count();
             modes.truncate(within.max(1));
             modes
         };
-        let modes_rad_s = modes_rad_s.map_or_else(reported, <[f64]>::to_vec);
-        Remark::on_modes(solution.link(), solution.mesh(), &modes_rad_s)
+        let (link, modes_rad_s) =
+            (&solution.links[0], modes_rad_s.map_or_else(reported, <[f64]>::to_vec));
+        Remark::on_modes(link.link(), link.mesh(), &modes_rad_s)
     });
     let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
     let of_motion = Remark::on_motion(&solution.arm, &solution.motion, travel_m, tolerance);

@@ -90,7 +90,7 @@ impl RunOutputs {
         &self,
         solution: &'a Solution,
     ) -> Result<NodalTable<'a>, ParameterError> {
-        let nodes = self.nodes_of(solution.mesh().nodes_m());
+        let nodes = self.nodes_of(solution.links[0].mesh().nodes_m());
         solution.deflections_at(&nodes, self.nodal_rows(&solution.grid))
     }
 

@@ -108,7 +108,7 @@ impl Summary {
         findings: &Findings,
         outputs: &RunOutputs,
     ) -> Self {
-        let (arm, link) = (&solution.arm, solution.link());
+        let (arm, link) = (&solution.arm, solution.links[0].link());
         let mut values = match &solution.motion {
             Motion::Tip(motion) => link_values((solution, motion), metrics),
             Motion::Path(path) => arm_values((solution, path), metrics),
@@ -122,7 +122,7 @@ impl Summary {
                 values["frequencies_without_gravity"] = json!(true);
             }
             let drive = Some(link.drive().copied());
-            Self { drive, ..Self::of("solve", inputs, link, solution.law()) }
+            Self { drive, ..Self::of("solve", inputs, link, solution.links[0].law()) }
         } else {
             Self::titled("solve", inputs, arm.title())
         };
@@ -223,7 +223,7 @@ impl Summary {
 
 /// Numbers of a solution of one link.
 fn link_values((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -> Value {
-    let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let frequencies = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
     let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
     let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
     let errors = ErrorsRecord {
@@ -233,12 +233,12 @@ fn link_values((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -
         joints: None,
     };
     json!({
-        "mesh": mesh_values(solution.mesh()),
+        "mesh": mesh_values(solution.links[0].mesh()),
         "motion": motion_values(motion, metrics),
         "periods_s": periods_s,
         "natural_frequencies_hz": hertz,
-        "modal_damping_ratios": solution.law().modal_ratios(&frequencies),
-        "zeros_per_s": solution.zeros_per_s(REPORTED_ZEROS),
+        "modal_damping_ratios": solution.links[0].law().modal_ratios(&frequencies),
+        "zeros_per_s": solution.links[0].zeros_per_s(REPORTED_ZEROS),
         "analysis": analysis_values(solution),
         "results": metrics.hub().by_name(),
         "errors": errors,

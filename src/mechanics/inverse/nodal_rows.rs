@@ -247,7 +247,7 @@ mod tests {
     fn no_value_exceeds_the_bound_of_its_part_and_no_bound_is_far_above() {
         for (steps, every) in [(100, 1), (4000, 1), (4000, 7)] {
             let solution = solution(steps);
-            let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+            let nodes: Vec<usize> = (0..solution.links[0].mesh().nodes_m().len()).collect();
             for table in [
                 solution.deflections(&nodes, NonZeroUsize::new(every).unwrap()).unwrap(),
                 solution.displacements(&nodes, NonZeroUsize::new(every).unwrap()).unwrap(),
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn the_peak_is_that_of_all_rows_unless_less_will_do() {
         let solution = solution(4000);
-        let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+        let nodes: Vec<usize> = (0..solution.links[0].mesh().nodes_m().len()).collect();
         for table in [
             solution.displacements(&nodes, NonZeroUsize::MIN).unwrap(),
             solution.deflections(&nodes, NonZeroUsize::new(3).unwrap()).unwrap().in_blocks_of(200),
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn a_bound_takes_the_very_first_and_last_row_of_its_part_in() {
         let mut spiked = solution(4000);
-        let nodes: Vec<usize> = (0..spiked.mesh().nodes_m().len()).collect();
+        let nodes: Vec<usize> = (0..spiked.links[0].mesh().nodes_m().len()).collect();
         for (row, every) in [(0, 1), (511, 1), (512, 1), (511, 7), (512, 7)] {
             spiked.joints[0].angle_rad.fill(0.0);
             spiked.joints[0].angle_rad[row * every] = -1e6;

@@ -102,7 +102,7 @@ impl<'a> NodalTable<'a> {
             let must = "must be one: those of an arm have their shapes in the solution";
             return Err(ParameterError::new("links", solution.links.len(), "", must));
         };
-        solution.mesh().check_nodes(nodes)?;
+        solution.links[0].mesh().check_nodes(nodes)?;
         Ok(Self::of((solution, spectra), nodes, times, quantity))
     }
 
@@ -128,7 +128,7 @@ impl<'a> NodalTable<'a> {
         let turned_rad = if spectra.shape.is_none() {
             Cow::Borrowed(&solution.joints[0].angle_rad[..])
         } else {
-            let length_m = solution.mesh().length_m();
+            let length_m = solution.links[0].mesh().length_m();
             solution.tip[0].displacement_m.iter().map(|m| m / length_m).collect()
         };
         let arms_m = None;
@@ -145,7 +145,7 @@ impl<'a> NodalTable<'a> {
     /// Turns deflections into total displacements: adds the rigid rotation.
     #[must_use]
     pub(crate) fn with_rotation(self) -> Self {
-        let nodes_m = self.plan.solution.mesh().nodes_m();
+        let nodes_m = self.plan.solution.links[0].mesh().nodes_m();
         let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
         // A bent link turns along its chord and needs other samples.
         let whole = if self.plan.spectra.shape.is_some() { OnceLock::new() } else { self.whole };
@@ -320,7 +320,7 @@ mod tests {
     fn rows_made_in_blocks_have_the_bits_of_those_made_at_once() {
         for (steps, is_narrow) in [(100, false), (4000, true)] {
             let solution = solution(steps);
-            let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).rev().collect();
+            let nodes: Vec<usize> = (0..solution.links[0].mesh().nodes_m().len()).rev().collect();
             assert_eq!(nodes.len(), 2 * PANEL + 9, "two full panels and another");
             for every in [1, 7] {
                 let whole =
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn nodes_solved_for_in_groups_have_the_bits_of_all_at_once() {
         let solution = solution(100);
-        let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+        let nodes: Vec<usize> = (0..solution.links[0].mesh().nodes_m().len()).collect();
         for table in [
             solution.deflections(&nodes, NonZeroUsize::MIN).unwrap(),
             solution.moments(&nodes, NonZeroUsize::MIN).unwrap(),

@@ -186,37 +186,27 @@ impl LinkMotion {
     pub fn mesh(&self) -> &Mesh {
         self.model.mesh()
     }
+
+    /// The damping law with all its numbers.
+    pub fn law(&self) -> &DampingLaw {
+        self.model.law()
+    }
+
+    /// The first `count` natural frequencies in rad/s, without the rigid rotation.
+    pub fn natural_frequencies_rad_s(&self, count: usize) -> Vec<f64> {
+        natural_frequencies(self.mesh(), count)
+    }
+
+    /// The first `count` zeros of torque → tip in 1/s.
+    pub fn zeros_per_s(&self, count: usize) -> Vec<f64> {
+        torque_zeros(self.mesh(), count)
+    }
 }
 
 impl Solution {
     /// The first joint: the hub of one link.
     pub fn hub(&self) -> &JointMotion {
         &self.joints[0]
-    }
-
-    /// The first link.
-    pub fn link(&self) -> &Link {
-        self.links[0].link()
-    }
-
-    /// The mesh of the first link.
-    pub fn mesh(&self) -> &Mesh {
-        self.links[0].mesh()
-    }
-
-    /// The damping law of the first link with all its numbers.
-    pub fn law(&self) -> &DampingLaw {
-        self.links[0].model.law()
-    }
-
-    /// The first `count` natural frequencies of the first link in rad/s, without the rigid rotation.
-    pub fn natural_frequencies_rad_s(&self, count: usize) -> Vec<f64> {
-        natural_frequencies(self.mesh(), count)
-    }
-
-    /// The first `count` zeros of torque → tip of the first link in 1/s.
-    pub fn zeros_per_s(&self, count: usize) -> Vec<f64> {
-        torque_zeros(self.mesh(), count)
     }
 
     /// Distances of the nodes of each link from its joint in m.
@@ -247,7 +237,7 @@ impl Solution {
     pub fn acceleration_rad_s2(&self, joint: usize) -> Cow<'_, [f64]> {
         match (&self.joints[joint].acceleration_rad_s2, &self.spectra) {
             (None, Some(LinkSpectra { hub, period, hub_tail, .. })) => {
-                let per_length = 1.0 / self.mesh().length_m();
+                let per_length = 1.0 / self.links[0].mesh().length_m();
                 let motion = HubMotion { period, tail: *hub_tail, per_length };
                 let spectrum = &period.spectrum;
                 let excess = spectrum.pair.samples(spectrum.derivative(&hub.excess_angle_rad, 2));

@@ -23,7 +23,7 @@ pub struct SolvedCase<'a> {
 impl<'a> SolvedCase<'a> {
     /// A case with its solution.
     pub fn of(solution: &'a Solution, metrics: &'a Metrics) -> Self {
-        let link = solution.motion.tip().map(|_| solution.natural_frequencies_rad_s(1));
+        let link = solution.motion.tip().map(|_| solution.links[0].natural_frequencies_rad_s(1));
         Self { solution, metrics, first_rad_s: link.and_then(|own| own.first().copied()) }
     }
 }

@@ -170,7 +170,7 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
     if model.kept_modes() != KeptModes::All {
         return kind.not_measured("the link is reduced to few modes");
     }
-    let elements = solution.mesh().elements().len();
+    let elements = solution.links[0].mesh().elements().len();
     if elements > MOST_ELEMENTS_OF_DENSE_SOLVE {
         return kind.not_measured(format!(
             "{elements} elements, more than the {MOST_ELEMENTS_OF_DENSE_SOLVE} that are factorised"
@@ -179,7 +179,7 @@ fn dense_transfer(answer: &Answer, solution: &Solution) -> Check {
     let Some(dense) = Dense::assemble(model.on_mesh().clone()) else {
         return kind.not_measured("its modes are no finite numbers");
     };
-    let modes = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let modes = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
     let first = modes.first().copied().unwrap_or(TAU / solution.band.period_s);
     let (low, high) = (0.3 * first, 3.0 * modes.last().copied().unwrap_or(first));
     let (mut worst, mut bound) = (0.0_f64, (kind.bound)(answer));

@@ -74,7 +74,7 @@ pub(super) fn simulated(
     interpolation: Interpolation,
     memory_bytes: Option<usize>,
 ) -> Result<Played, VerificationError> {
-    let (link, grid) = (solution.link(), solution.grid);
+    let (link, grid) = (solution.links[0].link(), solution.grid);
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, torque_n_m.to_vec())?;
     let initial_tip_m = solution.tip[0].displacement_m[0];
@@ -89,13 +89,13 @@ pub(super) fn simulated(
         cycle_turn_rad: turn_of_cycle_rad(link, motion),
         ..Play::of(&torque)
     };
-    Ok(simulate_on(link, solution.mesh().clone(), &play)?)
+    Ok(simulate_on(link, solution.links[0].mesh().clone(), &play)?)
 }
 
 /// Plays the written torque on a link, or moves its hub.
 fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unplayed> {
     let (solution, written_n_m) = (answer.solution, &answer.written_torques_n_m[0]);
-    let (link, ends) = (solution.link(), motion.ends());
+    let (link, ends) = (solution.links[0].link(), motion.ends());
     let ratio = match link.damping() {
         Damping::Hysteretic { ratio } if *ratio > 0.0 => Some(*ratio),
         _ => None,
@@ -159,13 +159,14 @@ fn energy(answer: &Answer, simulation: &Played) -> Check {
 /// omits the written torque, because the transfer contains its law of damping.
 fn played_viscous(answer: &Answer, ratio: f64) -> Result<PlayedChecks, Unplayed> {
     let solution = answer.solution;
-    let Some(&first_rad_s) = held_frequencies(solution.mesh(), f64::INFINITY, 1).first() else {
+    let Some(&first_rad_s) = held_frequencies(solution.links[0].mesh(), f64::INFINITY, 1).first()
+    else {
         return Err("hysteretic damping has no equation in time, and no mode".into());
     };
     let damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2.0 * ratio / first_rad_s };
     let resources = Resources { memory_bytes: answer.memory_bytes, ..Resources::default() };
     let unsolved = |error: &dyn Error| Unplayed::Reason(format!("with viscous damping: {error}"));
-    let link = Link::new(LinkParts { damping, ..solution.link().clone().into() });
+    let link = Link::new(LinkParts { damping, ..solution.links[0].link().clone().into() });
     let link = link.map_err(|error| unsolved(&error))?;
     let viscous =
         invert_motion(&link.into(), answer.plans, &solution.motion, &solution.analysis, &resources);
@@ -222,7 +223,7 @@ fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unpl
 
 /// Moves the hub of a link.
 fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
-    let (solution, link) = (answer.solution, answer.solution.link());
+    let (solution, link) = (answer.solution, answer.solution.links[0].link());
     let (grid, wanted) = (solution.grid, wanted_tip(solution, motion));
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let hub = HubReference::new(&time_s, solution.hub().angle_rad.clone(), None)?;
@@ -233,7 +234,7 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
-    let simulation = simulate_on(link, solution.mesh().clone(), &play);
+    let simulation = simulate_on(link, solution.links[0].mesh().clone(), &play);
     let simulation = simulation.map_err(|error| match error {
         SimulationError::NotConverged { .. } => "the motion of its hub does not converge".into(),
         SimulationError::Cycle(_) => "the link does not settle".into(),
@@ -273,7 +274,7 @@ fn torques_n_m(played: Played) -> Vec<Vec<f64>> {
 /// over the window; the difference `between_m` of cubics and straight lines through the samples; the tip tolerance of
 /// the analysis.
 fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
-    let (link, analysis) = (solution.link(), &solution.analysis);
+    let (link, analysis) = (solution.links[0].link(), &solution.analysis);
     let peak = largest(&solution.hub().torque_n_m);
     let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
@@ -283,7 +284,7 @@ fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f6
 
 /// The written torque less the hub's friction.
 fn net_torque(written_n_m: &[f64], solution: &Solution) -> Vec<f64> {
-    let friction = solution.link().joint().friction_n_m_s_rad;
+    let friction = solution.links[0].link().joint().friction_n_m_s_rad;
     let samples = written_n_m.iter().zip(&solution.hub().rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }

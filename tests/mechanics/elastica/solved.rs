@@ -143,7 +143,7 @@ fn what_rings_at_the_ends_is_within_what_is_stated() {
 #[test]
 fn the_last_node_moves_as_the_tip_and_the_first_moment_is_the_roots() {
     let found = solved(&under(DOWN, -1.2, arm()));
-    let last = found.mesh().nodes_m().len() - 1;
+    let last = found.links[0].mesh().nodes_m().len() - 1;
     let every = NonZeroUsize::MIN;
     let nodes = found.displacements(&[0, last], every).expect("nodes").histories();
     let tip = apart((&found, &nodes.samples[1]), (&found, &found.tip[0].displacement_m));

@@ -31,7 +31,7 @@ fn tapered() -> Link {
 
 /// Reported over true error, the latter against a mesh of eight times as many elements.
 fn reported_over_true(solution: &Solution, link: &Link, motion: &TipMotion) -> f64 {
-    let finer = solved(link, 8 * solution.mesh().elements().len(), motion);
+    let finer = solved(link, 8 * solution.links[0].mesh().elements().len(), motion);
     solution.hub().errors.torque.mesh / torque_difference(solution, &finer, 0)
 }
 
@@ -73,7 +73,7 @@ fn an_automatic_mesh_is_refined_below_its_tolerance_and_no_further() {
             let worst = |solution: &Solution| solution.hub().errors.of_kind(|e| e.mesh).worst().1;
             let error = worst(&solution);
             assert!(error <= tolerance, "{error:e} for {tolerance:e}");
-            let elements = solution.mesh().elements().len();
+            let elements = solution.links[0].mesh().elements().len();
             if elements > 8 {
                 let coarser = worst(&solved(&link, elements / 2, &motion));
                 assert!(coarser > tolerance, "half of {elements} elements would do: {coarser:e}");
@@ -100,8 +100,8 @@ fn the_error_falls_with_the_fourth_power_of_the_element_length() {
 #[test]
 fn a_motion_with_kinks_needs_more_elements_than_a_smooth_one() {
     let link = link(|_| ());
-    let smooth = automatic(&link, &Smooth::MOVE.motion(), 1e-4).mesh().elements().len();
-    let kinked = automatic(&link, &sine(0.5, 1.0, 256), 1e-4).mesh().elements().len();
+    let smooth = automatic(&link, &Smooth::MOVE.motion(), 1e-4).links[0].mesh().elements().len();
+    let kinked = automatic(&link, &sine(0.5, 1.0, 256), 1e-4).links[0].mesh().elements().len();
     assert!(smooth < kinked, "{smooth} and {kinked}");
     let plan = mesh_of(&link, kinked);
     assert!(!plan.is_automatic());
@@ -111,7 +111,7 @@ fn a_motion_with_kinks_needs_more_elements_than_a_smooth_one() {
 fn a_mesh_that_was_chosen_may_be_finer_than_any_automatic_one() {
     let link = link(|_| ());
     let solution = solved(&link, 5000, &Smooth { steps: 32, ..Smooth::MOVE }.motion());
-    assert_eq!(solution.mesh().elements().len(), 5000);
+    assert_eq!(solution.links[0].mesh().elements().len(), 5000);
     assert!(solution.hub().errors.torque.mesh < 1e-9, "{:e}", solution.hub().errors.torque.mesh);
 }
 
@@ -120,8 +120,11 @@ fn the_zero_that_is_reported_is_that_of_the_refined_mesh() {
     let (link, motion) =
         (tapered(), Smooth { duration_s: 0.3, steps: 300, ..Smooth::SHORT }.motion());
     let solution = automatic(&link, &motion, 1e-7);
-    assert!(solution.mesh().elements().len() > 16, "not refined");
-    assert_eq!(solution.first_zero_per_s, torque_zeros(solution.mesh(), 1).first().copied());
+    assert!(solution.links[0].mesh().elements().len() > 16, "not refined");
+    assert_eq!(
+        solution.first_zero_per_s,
+        torque_zeros(solution.links[0].mesh(), 1).first().copied()
+    );
     let coarse = solved(&link, 8, &motion);
     assert_ne!(coarse.first_zero_per_s, solution.first_zero_per_s);
 }

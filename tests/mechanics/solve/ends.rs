@@ -114,7 +114,7 @@ fn apart(found: &Solution, longer: &Solution, from_s: f64) -> Vec<(&'static str,
     let first = ((from_s - longer.grid.time_s(0)) / longer.grid.step_s).round();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample")]
     let first = first as usize;
-    let nodes: Vec<usize> = (1..found.mesh().nodes_m().len()).collect();
+    let nodes: Vec<usize> = (1..found.links[0].mesh().nodes_m().len()).collect();
     let deflections =
         |of: &Solution| of.deflections(&nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let mut pairs = vec![

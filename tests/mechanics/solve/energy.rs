@@ -18,10 +18,10 @@ fn work_j(solution: &Solution) -> f64 {
 ///
 /// Simpson over an even number of elements.
 fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f64> {
-    let nodes: Vec<usize> = (0..solution.mesh().nodes_m().len()).collect();
+    let nodes: Vec<usize> = (0..solution.links[0].mesh().nodes_m().len()).collect();
     let histories = solution.displacements(&nodes, NonZeroUsize::MIN).unwrap().histories().samples;
     let last = nodes.len() - 1;
-    let spacing = solution.mesh().length_m() / last as f64;
+    let spacing = solution.links[0].mesh().length_m() / last as f64;
     let weight = |node: usize| match node {
         _ if node == 0 || node == last => 1.0,
         _ if node % 2 == 1 => 4.0,
@@ -43,7 +43,7 @@ fn velocity_squared_n_m(solution: &Solution, mass_per_length_kg_m: f64) -> Vec<f
 
 /// Largest kinetic energy of the link, were it rigid.
 fn kinetic_j(solution: &Solution, inertia_kg_m2: f64) -> f64 {
-    let rate = peak(&solution.tip[0].velocity_m_s) / solution.mesh().length_m();
+    let rate = peak(&solution.tip[0].velocity_m_s) / solution.links[0].mesh().length_m();
     0.5 * inertia_kg_m2 * rate * rate
 }
 

@@ -100,7 +100,7 @@ proptest! {
         let cut = Link::new(parts(vec![piece(share), piece(1.0 - share)])).unwrap();
         let motion = Smooth::MOVE.motion();
         let (whole, cut) = (solved(&whole, 6, &motion), solved(&cut, 6, &motion));
-        let nodes = whole.mesh().nodes_m().iter().zip(cut.mesh().nodes_m());
+        let nodes = whole.links[0].mesh().nodes_m().iter().zip(cut.links[0].mesh().nodes_m());
         for (a, b) in nodes {
             prop_assert!((a - b).abs() < 1e-14, "the nodes stand where they stood");
         }

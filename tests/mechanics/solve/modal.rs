@@ -31,7 +31,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn assert_same(found: &Solution, expected: &Solution, tolerance: f64) {
-    let nodes: Vec<usize> = (0..expected.mesh().nodes_m().len()).collect();
+    let nodes: Vec<usize> = (0..expected.links[0].mesh().nodes_m().len()).collect();
     let bent = |solution: &Solution| {
         solution.deflections(&nodes, NonZeroUsize::MIN).unwrap().histories().samples.concat()
     };
@@ -76,7 +76,7 @@ fn a_series_through_two_modes_is_stiffness_damping_where_rayleigh_is() {
     let rayleigh = loaded(Damping::Rayleigh { alpha_per_s: 0.0, beta_s });
     let motion = Smooth::MOVE.motion();
     let expected = solved(&rayleigh, 8, &motion);
-    let frequencies = expected.natural_frequencies_rad_s(5);
+    let frequencies = expected.links[0].natural_frequencies_rad_s(5);
     let ratios = [0, 2].map(|mode| 0.5 * beta_s * frequencies[mode]).to_vec();
     let series = loaded(Damping::Caughey { modes: vec![1, 3], ratios });
     assert_same(&solved(&series, 8, &motion), &expected, 1e-8);
@@ -176,7 +176,7 @@ fn ratios_of_nothing_are_no_damping_under_every_law() {
 #[test]
 fn a_solution_tells_the_zeros_of_its_mesh() {
     let solution = solved(&link(|_| ()), 200, &Smooth::SHORT.motion());
-    let found = solution.zeros_per_s(3);
+    let found = solution.links[0].zeros_per_s(3);
     assert_eq!(found.len(), 3);
     for (z, unit) in found.iter().zip([11.186_642_72, 60.451_695_86, 149.277_767_6]) {
         let exact = unit * (5.0 / 0.8_f64).sqrt() / 2.25;

@@ -7,7 +7,7 @@ use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, Payload};
 
 fn all_nodes(solution: &Solution) -> Vec<usize> {
-    (0..solution.mesh().nodes_m().len()).collect()
+    (0..solution.links[0].mesh().nodes_m().len()).collect()
 }
 
 fn largest_difference(a: &[f64], b: impl Iterator<Item = f64>) -> f64 {
@@ -81,7 +81,7 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
 #[test]
 fn a_tip_without_payload_is_free_of_moment_and_one_with_inertia_is_not() {
     let solution = solved(&undamped(), 10, &Smooth::MOVE.motion());
-    let tip = solution.mesh().nodes_m().len() - 1;
+    let tip = solution.links[0].mesh().nodes_m().len() - 1;
     assert!(
         solution.moments(&[tip], NonZeroUsize::MIN).unwrap().histories().samples[0]
             .iter()
@@ -141,7 +141,7 @@ fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
 #[test]
 fn a_thinned_table_of_displacements_ends_with_the_tip_at_the_same_times() {
     let solution = solved(&link(|_| ()), 10, &Smooth::SHORT.motion());
-    let last = solution.mesh().nodes_m().len() - 1;
+    let last = solution.links[0].mesh().nodes_m().len() - 1;
     for every in [1, 3, 7] {
         let rows = solution
             .displacements(&[last], NonZeroUsize::new(every).unwrap())

@@ -54,7 +54,7 @@ fn every_mesh_is_told_and_solved_to_its_last_frequency_and_watching_changes_noth
         let resources = Resources { watch: &notes, ..Resources::default() };
         let solution = invert_motion(&arm, plans, &wanted, &analysis, &resources).unwrap();
         let meshes = notes.meshes();
-        let answers = solution.mesh().elements().len();
+        let answers = solution.links[0].mesh().elements().len();
         let doubled: Vec<usize> =
             meshes.iter().copied().take_while(|n| *n <= 2 * answers).collect();
         assert!(doubled.windows(2).all(|pair| pair[1] == 2 * pair[0] || pair[1] == answers));

@@ -174,7 +174,7 @@ fn a_quick_motion_on_two_elements_is_beyond_the_mesh() {
     let warning = of_kind(&solution, "above_mesh");
     let Warning::AboveMesh { share, resolved_hz } = *warning else { panic!("{warning}") };
     assert!((0.01..=1.0).contains(&share), "{warning}");
-    let hertz = solution.mesh().resolved_frequency_rad_s() / std::f64::consts::TAU;
+    let hertz = solution.links[0].mesh().resolved_frequency_rad_s() / std::f64::consts::TAU;
     assert!((resolved_hz - hertz).abs() < 1e-12);
 
     let coarse = of_kind(&solution, "coarse_mesh");

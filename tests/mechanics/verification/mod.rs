@@ -134,7 +134,7 @@ fn a_hysteretic_torque_strays_on_a_viscous_link_as_the_laws_differ() {
     assert!(own < 1e-4 && viscous < 1e-4, "{own:e} and {viscous:e}");
     // Without the prediction the tip is 0.1 to 1 % of its travel off.
     let Run { plan, solution, .. } = &run;
-    let link = solution.link();
+    let link = solution.links[0].link();
     let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
     let torque = Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap();
     let played = crate::response::simulate(link, plan, &Play::of(&torque)).unwrap();

@@ -31,14 +31,14 @@ pub(super) fn link_lines(
     (solution, motion): (&Solution, &TipMotion),
     metrics: &Metrics,
 ) -> Vec<(String, String)> {
-    let (link, law) = (solution.link(), solution.law());
-    let frequencies = solution.natural_frequencies_rad_s(REPORTED_MODES);
+    let (link, law) = (solution.links[0].link(), solution.links[0].law());
+    let frequencies = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
     let lines = [
-        ("link", link_line(link, solution.mesh())),
+        ("link", link_line(link, solution.links[0].mesh())),
         ("damping", damping_line(link, law, &frequencies)),
         ("gravity", gravity_line(solution)),
         ("order", order_line(solution)),
-        ("modes", modes_line(link, &frequencies, &solution.zeros_per_s(REPORTED_ZEROS))),
+        ("modes", modes_line(link, &frequencies, &solution.links[0].zeros_per_s(REPORTED_ZEROS))),
         ("motion", motion_line((solution, motion), metrics)),
     ];
     lines.map(|(label, line)| (label.to_owned(), line)).to_vec()
@@ -131,7 +131,7 @@ pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f
 
 /// Gravity, and the direction of the link at tip displacement 0.
 fn gravity_line(solution: &Solution) -> String {
-    let Some(gravity) = solution.link().gravity() else { return String::new() };
+    let Some(gravity) = solution.links[0].link().gravity() else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
     let start_rad = solution.hub().rigid_angle_rad[0];
     let last_rad = solution.hub().rigid_angle_rad[solution.grid.len - 1];
