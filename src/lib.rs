@@ -117,7 +117,7 @@
 //! | a joint that slides | It does not exist yet. Its parameters belong in [`link::Hub`] and `files/spec/raw.rs`. The rotation `v = xθ` is in `mechanics/beam`, `modal/shape.rs`, `model/dense.rs`, `elastica/kinematics.rs`, and `response/chain.rs` and `balance.rs`. Angles in rad run from there to `study/result/quantities.rs`, to the columns in `files/store/names.rs` and `files/csv/heading.rs`, and to the page |
 //! | a column of torque.csv | its name in `TORQUE` in `files/store/names.rs`; its history in `of_solution` and `of_played` in `run_tables.rs`. `read_run.rs` refuses a table without the column: raise `FORMAT` in `json.rs`. All columns of the file share the decimals of one peak |
 //! | a number of each joint in summary.json, sweeps and limits | one entry in `study/result/quantities.rs` |
-//! | a warning | a variant of [`inverse::Warning`], [`response::SimulationWarning`] or [`fit::FitWarning`]; all become a [`result::Notice`]. The compiler demands its text, kind and hint. `Solution`, `Played` and `FitOutcome` return it, each command prints it, `store` writes it. Commands with `--deny-warnings` pass the number to `WarningArgs::refuse`, which ends with exit code 4; `tests/cli/warnings.rs` checks the commands |
+//! | a warning | a variant of [`inverse::Warning`] or [`response::SimulationWarning`], whose text, kind and hint the compiler demands, or a [`result::Notice`] of `study/fit/advice.rs`; all become a `Notice`. `Solution`, `Played` and `FitOutcome` return it, each command prints it, `store` writes it. Commands with `--deny-warnings` pass the number to `WarningArgs::refuse`, which ends with exit code 4; `tests/cli/warnings.rs` checks the commands |
 //! | an option of several commands | `cli/options` |
 //!
 //! # Invariants

@@ -47,7 +47,7 @@ fn fitted(link: &Link, measured: &Path, free: &[String]) -> Fails<Fit> {
     let outcome = problem.fit(&|_| {})?;
     let (text, replaced): (String, Vec<Replaced>) = problem.fitted(&outcome)?;
     let record = fit_json(&problem.inputs, &replaced, &outcome);
-    let warnings = outcome.warnings().into_iter().map(Notice::from).collect();
+    let warnings = outcome.warnings();
     Ok(Fit { shown: source.file.shown.clone(), outcome, text, record, warnings })
 }
 

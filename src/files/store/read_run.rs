@@ -228,7 +228,7 @@ impl Parts {
             motor: motor.map(|(torque_n_m, rate_rad_s)| StoredMotor { torque_n_m, rate_rad_s }),
             readings: if is_alone { summary.readings() } else { numbers_in(results, "") },
             errors: errors_by_kind(errors),
-            limits: Summary::limits(limits),
+            limits: Summary::limits(limits, place)?,
         })
     }
 

@@ -276,8 +276,10 @@ impl Summary {
     }
 
     /// Limits of the record; no limits without an entry.
-    pub(super) fn limits(stored: &Value) -> Limits {
-        serde_json::from_value(stored.clone()).unwrap_or_default()
+    pub(super) fn limits(stored: &Value, place: Place) -> Result<Limits, TableError> {
+        let limits = Option::<Limits>::deserialize(stored);
+        let limits = limits.map_err(|error| place.refuse_whole(&format!("limits: {error}")))?;
+        Ok(limits.unwrap_or_default())
     }
 
     /// Terms of second order in a run of one link.

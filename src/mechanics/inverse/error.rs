@@ -3,7 +3,6 @@ use thiserror::Error;
 use crate::elastica::ElasticaError;
 use crate::link::ParameterError;
 use crate::model::ModelError;
-use crate::motion::MotionError;
 use crate::text::{gigabytes, significant};
 
 /// Reason why a valid link or arm and a valid motion have no torques here.
@@ -75,9 +74,6 @@ pub enum InversionError {
         /// Samples possible.
         limit: usize,
     },
-    /// The path at half its step.
-    #[error("the path at half the step: {0}")]
-    Finer(#[from] MotionError),
     /// A path of the tip, which two positions of the elbow can follow.
     #[error("elbow is missing: the second link can reach the path on the left or on the right")]
     NoElbow,
@@ -251,7 +247,6 @@ impl InversionError {
             Self::TooMuchMemory { .. } | Self::TooLong { .. } => {
                 "use a longer step, or a shorter analysis.lead and analysis.lag"
             }
-            Self::Finer(error) => return error.hint(),
             Self::NoElbow => {
                 "set elbow = \"left\" if the second link turns left from the first, else \"right\""
             }

@@ -201,7 +201,7 @@ impl ArmPath {
     }
 
     /// This path over another distance and duration: each coordinate changes by `distance` times as much from its first
-    /// sample. Directions besides the tip's place are dropped if they no longer belong to it.
+    /// sample. Of directions besides the tip's place only the first still belongs to a path of another distance.
     ///
     /// # Errors
     /// Those of [`TipMotion::scaled`].
@@ -217,7 +217,10 @@ impl ArmPath {
         let grid = courses.iter().find_map(Course::moving).map_or(self.grid, TipMotion::grid);
         let recording = self.recording.scaled(scale.distance, scale.duration);
         let is_as_long = scale.distance.total_cmp(&1.0).is_eq();
-        let beside = if is_as_long { self.beside.clone() } else { Vec::new() };
+        // Of another path only the start is the same.
+        let belonging = if is_as_long { self.grid.len } else { 1 };
+        let beside = self.beside.iter();
+        let beside = beside.map(|(link, angles)| (*link, angles[..belonging].to_vec())).collect();
         Ok(Self { grid, courses, beside, recording, ..self.clone() })
     }
 
@@ -273,7 +276,8 @@ impl ArmPath {
         let of = |course: &Course| match course {
             Course::Held(_) => Cutoff::ALL,
             Course::Moving(motion) => {
-                let found = motion.cutoff(tolerance * each_m / motion.farthest_m());
+                let size_m = self.farthest_m();
+                let found = motion.cutoff_of(tolerance * each_m / motion.farthest_m(), size_m);
                 let wanted_m =
                     if tolerance > 0.0 { tolerance.max(UNCERTAIN) * each_m } else { 0.0 };
                 let input = found.input.map(|input| InputBand { wanted_m, ..input });

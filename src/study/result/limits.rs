@@ -39,8 +39,19 @@ impl TryFrom<BTreeMap<String, f64>> for Limits {
         let key_of = |name: &str| {
             JointQuantity::with_limit().find(|(key, own)| stored_key(own, key) == name)
         };
-        let key = |name| key_of(name).map_or(name, |(key, _)| key);
-        Self::new(stored.iter().map(|(name, limit)| (key(name), *limit)))
+        let unknown = |name: &str, limit| {
+            ParameterError::new(
+                format!("limits.{name}"),
+                limit,
+                "",
+                "must be the limit of a quantity",
+            )
+        };
+        let limits = stored.iter().map(|(name, limit)| match key_of(name) {
+            Some((key, _)) => Ok((key, *limit)),
+            None => Err(unknown(name, *limit)),
+        });
+        Self::new(limits.collect::<Result<Vec<_>, _>>()?)
     }
 }
 
@@ -207,13 +218,13 @@ pub struct Check {
 }
 
 impl Metrics {
-    /// The limited values of all joints, in the order of the link file.
+    /// The limited values of all joints, in the order of [`QUANTITIES`].
     pub fn limited(&self, limits: &[Limits]) -> Vec<LimitedValue> {
         let joints = self.joints.iter().zip(limits);
         joints.flat_map(|(joint, limits)| joint.limited(limits)).collect()
     }
 
-    /// The limits of joints that a solution exceeds, in the order of the link file.
+    /// The limits of joints that a solution exceeds, in the order of [`QUANTITIES`].
     pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
         exceeded(self.limited(limits))
     }
@@ -235,7 +246,7 @@ fn exceeded(mut values: Vec<LimitedValue>) -> Vec<Exceeded> {
     values.into_iter().map(Exceeded).collect()
 }
 
-/// How near a solution comes to each limit of its joints, in the order of the link file.
+/// How near a solution comes to each limit of its joints, in the order of [`QUANTITIES`].
 pub fn reached(solution: &Solution, limits: &[Limits]) -> Vec<Reached> {
     let metrics = Metrics::of(solution);
     let joints = metrics.joints.iter().zip(limits).enumerate();
@@ -355,7 +366,7 @@ mod tests {
         let text = limits.stored().unwrap().to_string();
         assert_eq!(text, r#"{"torque_n_m":3.5,"motor_rate_rad_s":2.0}"#);
         assert_eq!(Limits::default().stored(), None);
-        for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"powers": 2.0}"#] {
+        for wrong in [r#"{"power_w": -2.0}"#, r#"{"power_w": 0}"#, r#"{"power": 2.0}"#] {
             assert!(serde_json::from_str::<Limits>(wrong).is_err(), "{wrong}");
         }
         let error = Limits::new([("torqe", 1.0)]).unwrap_err().to_string();
