@@ -173,7 +173,7 @@ fn invert_bent(
     let (answer, peaks, model) = measured.of_link();
     let bent = &answer.motion.links[0].bent;
     let bent = Bent {
-        findings: solver.findings(&answer, solver.left_out(&answer)),
+        findings: solver.findings(&answer),
         largest_slope: bent.largest_slope,
         shape: Shape::of(bent, answer.motion.second_order, model.mesh().nodes_m()),
     };

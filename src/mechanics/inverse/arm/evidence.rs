@@ -30,12 +30,9 @@ const ROUND_OFF: f64 = 1e-11;
 
 impl Solver<'_> {
     /// Largest change of a torque by omitted terms, over its range; for several links an estimate. `None` where all terms
-    /// count, or fewer because all do not converge; `Some(None)` where all terms are refused.
-    pub(in super::super) fn left_out(&self, answer: &ArmAnswer) -> Option<Option<f64>> {
+    /// are refused.
+    pub(super) fn left_out(&self, answer: &ArmAnswer) -> Option<f64> {
         let problem = &self.problem;
-        if problem.second_order == SecondOrder::Full || self.falls_back {
-            return None;
-        }
         let ArmAnswer { models, path, .. } = answer;
         let full = if problem.is_link() {
             problem.with(SecondOrder::Full, problem.cutoffs.clone()).answer(models, path, None)
@@ -43,7 +40,7 @@ impl Solver<'_> {
             let motion = estimate_arm(models, &path.arm).map_err(InversionError::from);
             motion.map(|motion| answer.with(motion))
         };
-        Some(full.ok().map(|full| largest_change(answer, &full)))
+        full.ok().map(|full| largest_change(answer, &full))
     }
 
     /// Change of each quantity by further iterations and by loads of more frequencies, over its size. Several links have

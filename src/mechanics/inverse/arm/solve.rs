@@ -163,12 +163,10 @@ impl Solver<'_> {
     }
 
     /// The second-order terms of an answer, with the change by omitted ones.
-    pub(in super::super) fn findings(
-        &self,
-        answer: &ArmAnswer,
-        left_out: Option<Option<f64>>,
-    ) -> SecondOrderFindings {
+    pub(in super::super) fn findings(&self, answer: &ArmAnswer) -> SecondOrderFindings {
         let (order, iteration) = (self.problem.second_order, answer.motion.iteration);
+        let leaves_out = order != SecondOrder::Full && !self.falls_back;
+        let left_out = leaves_out.then(|| self.left_out(answer));
         SecondOrderFindings { order, iteration, left_out, fallback: None }
     }
 
@@ -184,19 +182,18 @@ impl Solver<'_> {
         let answer = &solved.answer;
         let given = path.grid();
         let grid = TimeGrid { first: window.start, len: window.len(), ..given };
-        let left_out = || self.left_out(answer);
+        let findings = || self.findings(answer);
         // The error of the input already measures the digits' uncertainty.
         let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
         let shown = || {
             let unsettled = (!is_settled).then(|| self.unsettled(&solved)).transpose();
             (answer.links(&grid), answer.joints(arm, &grid, &errors), unsettled)
         };
-        let (left_out, ((links, tip), joints, unsettled)) =
+        let (mut found, ((links, tip), joints, unsettled)) =
             match problem.refuse_memory(&[&answer.models[..]; 3], &answer.path) {
-                Ok(()) => rayon::join(left_out, shown),
-                Err(_) => (left_out(), shown()),
+                Ok(()) => rayon::join(findings, shown),
+                Err(_) => (findings(), shown()),
             };
-        let mut found = self.findings(answer, left_out);
         let cutoffs = problem.cutoffs.iter().map(|own| own.omega_rad_s).filter(|o| o.is_finite());
         let cutoff_hz = cutoffs.reduce(f64::max).map(|omega| omega / TAU);
         let spectrum = &answer.path.tip.spectrum;
