@@ -163,7 +163,7 @@ impl GivenPath {
                 options.resample.motion_in(table, Some(arm))?
             }
         };
-        options.scale.scaled(wanted)
+        options.scale.scaled(&wanted)
     }
 
     /// The arguments for `unpickled`.

@@ -104,7 +104,7 @@ impl Given {
     ) -> Result<(Wanted, Vec<Notice>), Failure> {
         let (table, reading) = self.table(arm.length_m(), options)?;
         let wanted = options.resample.motion_in(table, Some(arm))?;
-        Ok((options.scale.scaled(wanted)?, reading))
+        Ok((options.scale.scaled(&wanted)?, reading))
     }
 
     pub(crate) fn file(&self) -> Option<&InputFile> {
@@ -277,7 +277,7 @@ impl Motion {
                 "link = nothing, but must be given for angles: they are arcs of its length";
             return Err(usage(&message, None));
         }
-        let wanted = options.scale.scaled(options.resample.motion_in(table, arm)?)?;
+        let wanted = options.scale.scaled(&options.resample.motion_in(table, arm)?)?;
         let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));

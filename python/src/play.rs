@@ -245,7 +245,7 @@ pub(crate) fn link_moves(
     let target = target.map(|own| own.target(grid.time_s(0), until_s.unwrap_or(grid.end_s())));
     let start_angle_rad = target.as_ref().and_then(TipTarget::start_angle_rad);
     let target = target.as_ref().map(TipPlaces::from);
-    let begins = Begins { state: state.is_some(), at: None, tip_m };
+    let begins = Begins { state: state.is_some(), moved: false, at: None, tip_m };
     let start = AtRest::of(&link.clone().into(), &begins, (&feedback, target.as_ref()))?;
     Ok(Moves {
         moving,

@@ -73,7 +73,7 @@ fn arm_moves(
     let interpolation = keywords.hold()?.unwrap_or(Interpolation::Cubic);
     let until_s = keywords.number("until")?;
     keywords.refuse_rest(OF_ARM, OF_LINK, "is for one link, and the arm has several")?;
-    let begins = Begins { state: state.is_some(), at: at.as_deref(), tip_m: None };
+    let begins = Begins { state: state.is_some(), moved: false, at: at.as_deref(), tip_m: None };
     let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
     Ok(Moves {
         moving: Moving::Torques(torques),

@@ -110,8 +110,8 @@ pub struct ResampleArgs {
     #[arg(long)]
     drop_outliers: bool,
 
-    /// The displacement carries noise of this standard deviation, in m or with its unit, as in "0.1 mm":
-    /// the tip follows it no closer than it deserves. Without it the decimals of the file decide.
+    /// The displacement, or the path of an arm, carries noise of this standard deviation, in m or with its unit, as in
+    /// "0.1 mm": the tip follows it no closer than it deserves. Without it the decimals of the file decide.
     #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
     noise: Option<Length>,
 
@@ -239,7 +239,7 @@ impl ResampleArgs {
 /// Factors on a motion, as those of a sweep.
 #[derive(Debug, Args)]
 pub struct ScaleArgs {
-    /// Multiply the motion's distance.
+    /// Multiply the motion's distance; an arm's path keeps its start.
     #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
     #[arg(default_value_t = 1.0, hide_default_value = true)]
     scale_distance: f64,
@@ -256,7 +256,7 @@ impl ScaleArgs {
     }
 
     /// Applies these factors to a motion.
-    pub fn scaled(&self, wanted: Wanted) -> Result<Wanted, Failure> {
+    pub fn scaled(&self, wanted: &Wanted) -> Result<Wanted, Failure> {
         wanted.scaled(self.scale()).map_err(|error| {
             let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
             Failure::new(Exit::Usage, &message, error.hint())

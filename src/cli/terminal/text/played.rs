@@ -57,7 +57,10 @@ fn arm_lines(run: &PlayedRun<'_>) -> Vec<(String, String)> {
     let joints = metrics.joints.iter().enumerate().map(|(number, joint)| {
         (format!("joint {}", number + 1), joint_text(joint, arm.has_weight()))
     });
-    let torques = format!("{}, {}", times(&played.grid), between(play.interpolation));
+    let (input, between) = match play.input {
+        Input::Torques(_) => ("torques", between(play.interpolation)),
+        Input::Angles(_) => ("joints", "quintic spline"),
+    };
     let [tip_m, joint_rad] = played.change();
     let errors = [tip_m, joint_rad, played.imbalance()].map(|own| significant(own, 2));
     let [tip, joint, energy] = errors;
@@ -65,7 +68,7 @@ fn arm_lines(run: &PlayedRun<'_>) -> Vec<(String, String)> {
         own("arm", size_line(arm)),
         own("damping", arm_damping_line(arm)),
         own("gravity", gravity_line(arm)),
-        own("torques", torques),
+        own(input, format!("{}, {between}", times(&played.grid))),
         own("feedback", gains_line(play)),
     ];
     let end = [
