@@ -121,7 +121,7 @@ impl Motion {
         if link.is_none() && is_of_angle {
             return Err(usage(&"link is missing: angles are arcs of its length", None));
         }
-        let wanted = options.scale.scaled(options.resample.motion_in(table, arm)?)?;
+        let wanted = options.scale.scaled(&options.resample.motion_in(table, arm)?)?;
         let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
         let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));

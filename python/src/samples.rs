@@ -101,7 +101,7 @@ impl Samples {
         let table = self.table(&arm.lengths_m(), options)?;
         let reading = self.remarks(table.reading());
         let wanted = options.resample.motion_in(table, Some(arm))?;
-        Ok((options.scale.scaled(wanted)?, reading))
+        Ok((options.scale.scaled(&wanted)?, reading))
     }
 
     pub(crate) fn remarks(&self, reading: &Reading) -> Vec<Notice> {

@@ -139,7 +139,7 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
     let (arm, analysis) = (&link.specification.arm, &link.specification.analysis);
     let order = link.one().map(|one| analysis.second_order_of(one));
     let is_large = order.is_some_and(|order| order != SecondOrder::None);
-    let begins = Begins { state: state.is_some(), at: at.as_deref(), tip_m };
+    let begins = Begins { state: state.is_some(), moved: false, at: at.as_deref(), tip_m };
     let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
     Ok(Moves {
         moving,

@@ -139,15 +139,16 @@ def test_a_node_that_a_case_has_not_is_its_error(tmp_path: Path) -> None:
     assert flexlink.read(tmp_path / "s/2").written_nodes == [10]
 
 
-def test_a_path_scaled_about_its_start_is_solved_as_by_the_command(
+def test_a_distance_of_an_arms_path_is_that_of_the_command(
     command: Command, tmp_path: Path
 ) -> None:
-    done = command("sweep", ARM, PATH, "--vary", "distance*=1,0.5", "-o", "s.csv")
+    done = command("sweep", ARM, PATH, "--vary", "distance*=1,0.8", "-o", "s.csv")
     assert done.returncode == 0, done.stderr
-    cases: list[dict[str, Any]] = [{"distance*": 1.0}, {"distance*": 0.5}]
+    cases: list[dict[str, Any]] = [{}, {"distance*": 0.8}]
     table = flexlink.sweep(flexlink.Arm.read(ARM), cases, PATH)
     theirs = flexlink.read(tmp_path / "s.csv")
-    np.testing.assert_allclose(table["peak_torque1_n_m"], theirs["peak_torque1_n_m"], rtol=1e-11)
+    for name in ("peak_torque1_n_m", "peak_torque2_n_m"):
+        np.testing.assert_allclose(table[name], theirs[name], rtol=1e-11)
 
 
 def test_a_mesh_of_a_sweep_is_measured_as_by_the_command(

@@ -34,7 +34,7 @@ impl Problem {
     ) -> Result<Self, Failure> {
         let (wanted, reading) = resample.motion_of(motion_file, &specification.arm, read)?;
         tell(&motion_file.shown, &reading);
-        Ok(Self::of(file, specification, scale.scaled(wanted)?))
+        Ok(Self::of(file, specification, scale.scaled(&wanted)?))
     }
 
     /// A link or an arm of a file, and its motion.

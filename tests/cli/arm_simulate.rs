@@ -103,3 +103,25 @@ fn torques_that_do_not_hold_the_arm_where_it_starts_are_warned_of() {
     let begins = "warning: torque1 begins with 0.0 N m, but 11.0824 N m hold the arm";
     assert!(told.starts_with(begins), "{told}");
 }
+
+/// The torques that moved joints take are those of the inversion, by equations that share nothing with it.
+#[test]
+fn joints_moved_as_solved_take_the_solved_torques() {
+    let bench = solved(&[]);
+    let moved = ["simulate", "arm.toml", "out/joint_angles.csv", "--input", "hub-angle"];
+    let text = stdout(&bench.run(&[&moved[..], &["--target", "out/tip.csv"]].concat()));
+    assert!(text.lines().any(|line| line.starts_with("joints   ")), "{text}");
+    let summary = bench.json("simulated/summary.json");
+    assert!(summary["joint_angles"]["samples"].as_u64().unwrap() > 100);
+    assert!(summary["tip_error"]["share"].as_f64().unwrap() < 1e-4, "{}", summary["tip_error"]);
+    for name in ["torque1_n_m", "torque2_n_m"] {
+        let [own, solved] = ["simulated", "out"]
+            .map(|folder| column(&bench, &format!("{folder}/torques.csv"), name));
+        let [low, high] = [f64::min, f64::max].map(|of| solved.iter().copied().reduce(of).unwrap());
+        let off = own.iter().zip(&solved).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(own.len() == solved.len() && off < 1e-3 * (high - low), "{name}: {off:e}");
+    }
+    bench.done(&["report", "simulated", "-q"]);
+    bench.refuses(2, &[&moved[..], &["--at", "0,1"]].concat(), "--input = hub-angle, but must be");
+    bench.refuses(3, &["simulate", "arm.toml", "out/tip.csv", "--input", "hub-angle"], "joint1");
+}

@@ -179,3 +179,74 @@ fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
     );
     bench.ends(3, &["report", "other.csv"]);
 }
+
+/// A factor on the distance is a path to a nearer end, and a path beyond the reach fails its case.
+#[test]
+fn a_factor_on_the_distance_is_a_path_about_its_start() {
+    let bench = bench();
+    swept(&bench, &["--vary", "distance*=1,0.5,9"]);
+    let rows = rows(&bench, "sweep.csv");
+    solve(&bench, &["path.csv", "--scale-distance", "0.5"]);
+    assert_row(&bench, &rows[0], &rows[2], 1e-9);
+    assert!(rows[3].last().unwrap().contains("the arm does not reach"), "{:?}", rows[3]);
+    let text = bench.read("path.csv");
+    let numbers =
+        |line: &str| -> Vec<f64> { line.split(',').map(|x| x.parse().unwrap()).collect() };
+    let first = numbers(text.lines().nth(1).unwrap());
+    let halved = text.lines().enumerate().map(|(row, line)| match row {
+        0 => line.to_owned(),
+        _ => {
+            let own = numbers(line);
+            let at = |axis: usize| 0.5 * (own[axis] + first[axis]);
+            format!("{},{},{}", own[0], at(1), at(2))
+        }
+    });
+    bench.write("nearer.csv", &halved.collect::<Vec<_>>().join("\n"));
+    solve(&bench, &["nearer.csv"]);
+    // Round-off moves the last digits of the errors.
+    let expected = bench.json("out/summary.json");
+    for joint in [1, 2] {
+        let name = format!("peak_torque{joint}_n_m");
+        let at = rows[0].iter().position(|own| *own == name).unwrap();
+        let own: f64 = rows[2][at].parse().unwrap();
+        let peak = expected["results"]["joints"][joint - 1]["peak_torque_n_m"].as_f64().unwrap();
+        assert!((own / peak - 1.0).abs() < 1e-6, "{own} {peak}");
+    }
+    // A factor of 1 is no option at all.
+    solve(&bench, &["path.csv"]);
+    let torques = bench.read("out/torques.csv");
+    solve(&bench, &["path.csv", "--scale-distance", "1"]);
+    assert_eq!(bench.read("out/torques.csv"), torques);
+}
+
+/// Torques of the inversion lead the arm that they were solved for along its path, and a heavier one elsewhere.
+#[test]
+fn torques_played_on_cases_of_an_arm_miss_the_path_of_another_arm() {
+    let bench = bench();
+    let flat = ["--set", "gravity=[0, 0]"];
+    solve(&bench, &[&["path.csv"], &flat[..]].concat());
+    let played = ["--torque", "out/torques.csv", "--vary", "links.fore.payload.mass*=1,1.2"];
+    swept(&bench, &[&played[..], &flat, &["--outputs", "cases"]].concat());
+    let rows = rows(&bench, "sweep.csv");
+    let at = |name: &str| rows[0].iter().position(|own| own == name).unwrap();
+    let number = |row: usize, name: &str| -> f64 { rows[row][at(name)].parse().unwrap() };
+    assert!(number(1, "tip_error_share") < 1e-5, "{:?}", rows[1]);
+    assert!(number(2, "tip_error_share") > 1e-2, "{:?}", rows[2]);
+    for (case, folder) in [(1, "cases/1"), (2, "cases/2")] {
+        let summary = bench.json(&format!("{folder}/summary.json"));
+        let is_in_row = |value: &serde_json::Value, name: &str| {
+            let (own, other) = (value.as_f64().unwrap(), number(case, name));
+            assert!((own - other).abs() <= 1e-9 * other.abs(), "{name}: {own} {other}");
+        };
+        is_in_row(&summary["tip_error"]["worst_m"], "tip_error_m");
+        for joint in [1, 2] {
+            let own = &summary["results"]["joints"][joint - 1]["peak_hub_rate_rad_s"];
+            is_in_row(own, &format!("peak_hub_rate{joint}_rad_s"));
+        }
+    }
+    bench.done(&["report", "sweep.csv", "-q"]);
+    let torques =
+        ["--torque", "out/torques.csv", "--column", "torque1", "--vary", "gravity=[0, 0]"];
+    let refused = [&["sweep", "arm.toml", "path.csv"], &torques[..]].concat();
+    bench.refuses(2, &refused, "--column is for one link");
+}

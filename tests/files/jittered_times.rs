@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use flexlink::csv::{
-    TableFormat, read_hub_reference_as, read_target, read_torque_table, read_torque_table_as,
+    TableFormat, read_joint_references, read_target, read_torque_table, read_torque_table_as,
 };
 
 /// A sine over 1 s at 5 ms, its times off by up to `jitter` steps in a pattern, its values those of the
@@ -34,7 +34,8 @@ fn samples_at_jittered_times_are_interpolated() {
     let (torque, reading) = read_torque_table_as("t.csv", text.as_bytes(), None, &form).unwrap();
     is_sine(torque.torque_n_m(), reading.jitter());
     let text = table("hub_angle", 0.04);
-    let (hub, reading) = read_hub_reference_as("h.csv", text.as_bytes(), &form).unwrap();
+    let (mut hubs, reading) = read_joint_references("h.csv", text.as_bytes(), 1, &form).unwrap();
+    let hub = hubs.remove(0);
     is_sine(hub.angle_rad(), reading.jitter());
     let text = table("displacement", 0.04);
     let (target, reading) = read_target("d.csv", text.as_bytes(), 1.5, None).unwrap();

@@ -110,8 +110,9 @@ pub struct ResampleArgs {
     #[arg(long)]
     drop_outliers: bool,
 
-    /// Standard deviation of the displacement's noise, in m or with its unit, as in "0.1 mm": the tip follows the
-    /// samples only as closely as the noise allows. Without it the decimals of the file decide.
+    /// Standard deviation of the noise of a displacement or of an arm's path, in m or with its unit, as in "0.1 mm": the
+    /// tip follows the samples only as closely as the noise allows. A direction of a link has this noise over its length.
+    /// Without it the decimals of the file decide.
     #[arg(long, value_name = "VALUE", value_parser = length, allow_negative_numbers = true)]
     noise: Option<Length>,
 
@@ -239,7 +240,7 @@ impl ResampleArgs {
 /// Factors on a motion, as those of a sweep.
 #[derive(Debug, Args)]
 pub struct ScaleArgs {
-    /// Multiply the motion's travel.
+    /// Multiply the motion's travel; an arm's path keeps its start.
     #[arg(long, value_name = "FACTOR", value_parser = finite, allow_negative_numbers = true)]
     #[arg(default_value_t = 1.0, hide_default_value = true)]
     scale_distance: f64,
@@ -256,7 +257,7 @@ impl ScaleArgs {
     }
 
     /// Applies these factors to a motion.
-    pub fn scaled(&self, wanted: Wanted) -> Result<Wanted, Failure> {
+    pub fn scaled(&self, wanted: &Wanted) -> Result<Wanted, Failure> {
         wanted.scaled(self.scale()).map_err(|error| {
             let message = format!("{}: {error}", scale_arguments(self.scale()).join(" "));
             Failure::new(Exit::Usage, &message, error.hint())

@@ -35,12 +35,16 @@ pub enum AtRest {
     Joints(Vec<f64>),
     Chords(Vec<f64>),
     Tip([f64; 2]),
+    /// Where the joints' motion begins.
+    Moved,
 }
 
 /// The start that a call names.
 pub struct Begins<'a> {
     /// Whether it is a state.
     pub state: bool,
+    /// Whether the motion of the joints is the input.
+    pub moved: bool,
     /// Directions of an arm's chords in rad.
     pub at: Option<&'a [f64]>,
     /// Displacement of one link's tip in m.
@@ -68,6 +72,7 @@ impl AtRest {
                 Ok(Self::Displaced(tip_m.or(of_hub).unwrap_or(0.0)))
             }
             _ if begins.state => Ok(Self::Joints(Vec::new())),
+            _ if begins.moved => Ok(Self::Moved),
             (links, Some(at)) => Ok(Self::Chords(directions(Some(at), links.len())?)),
             _ if !feedback.is_empty() => Ok(Self::Joints(first_rad().collect())),
             ([_, _], None) if target.is_some() && arm.elbow().is_some() => {
@@ -99,7 +104,8 @@ impl Moves {
             AtRest::Displaced(tip_m) => (*tip_m, None),
             AtRest::Joints(joints_rad) => (0.0, Some(Start::Joints(joints_rad))),
             AtRest::Chords(chords_rad) => (0.0, Some(Start::Chords(chords_rad))),
-            AtRest::Tip(at_m) => (0.0, Some(Start::Tip(*at_m))),
+            AtRest::Tip(at_m) => (0.0, Some(Start::Tip { at_m: *at_m, outer_rad: &[] })),
+            AtRest::Moved => (0.0, None),
         };
         Play {
             interpolation: self.interpolation,

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{
-    InputFile, Reading, TableFormat, read_hub_reference_as, read_joint_references,
-    read_joint_torques, read_recording, read_recording_as, read_target, read_tip_places,
-    read_torque_table_as,
+    InputFile, Reading, TableFormat, read_joint_references, read_joint_torques, read_recording,
+    read_recording_as, read_target, read_tip_places, read_torque_table_as,
 };
 use crate::link::{Arm, ParameterError};
-use crate::response::{Feedback, HubReference, Interpolation};
+use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
@@ -81,12 +80,13 @@ impl HoldArgs {
 /// What is played and compared.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArgs {
-    /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`.
+    /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and
+    /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, …
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
-    /// Quantity in TORQUE: the torque, or the hub angle, which the hub follows exactly while the torque is computed.
-    /// The hub rests before the first sample and keeps its rate after the last.
+    /// Quantity in TORQUE: the torque, or the hub angle (for an arm the angles of its joints), which the hub follows
+    /// exactly while the torque is computed. The hub rests before the first sample and keeps its rate after the last.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
     input: InputKind,
 
@@ -181,19 +181,15 @@ impl PlayArgs {
         let [target_file, measured, reference_file] =
             [open(&self.target)?, open(&self.measured)?, open(&self.reference)?];
         let InputFile { shown, bytes, .. } = &file;
-        let (moving, reading) = match (self.input, link) {
-            (InputKind::Torque, Some(_)) => {
-                let column = self.column.as_deref();
-                let (torque, reading) = read_torque_table_as(shown, bytes, column, &read.format())?;
-                (Moving::Torques(vec![torque]), reading)
-            }
-            (InputKind::Torque, None) => {
-                let (torques, reading) = read_joint_torques(shown, bytes, links, &read.format())?;
+        let (moving, reading) = match self.input {
+            InputKind::Torque => {
+                let how = (self.column.as_deref(), &read.format());
+                let (torques, reading) = read_torques(&file, links, how)?;
                 (Moving::Torques(torques), reading)
             }
-            (InputKind::HubAngle, _) => {
-                let (hub, reading) = read_hub_reference_as(shown, bytes, &read.format())?;
-                (Moving::Angles(vec![hub]), reading)
+            InputKind::HubAngle => {
+                let (hubs, reading) = read_joint_references(shown, bytes, links, &read.format())?;
+                (Moving::Angles(hubs), reading)
             }
         };
         self.hold.refuse_jitter(&file, &reading)?;
@@ -227,13 +223,9 @@ impl PlayArgs {
         });
         let measured = measured.transpose()?;
         let references = reference_file.as_ref().map(|file| -> Result<_, Failure> {
-            let (references, reading) = if links > 1 {
-                read_joint_references(&file.shown, &file.bytes, links)?
-            } else {
-                let form = TableFormat::default();
-                let (hub, reading) = read_hub_reference_as(&file.shown, &file.bytes, &form)?;
-                (vec![hub], reading)
-            };
+            let form = TableFormat::default();
+            let (references, reading) =
+                read_joint_references(&file.shown, &file.bytes, links, &form)?;
             tell(&file.shown, &reading);
             Ok(references)
         });
@@ -242,7 +234,12 @@ impl PlayArgs {
         let state = state_file.as_ref();
         let state = state.map(|file| read_state(&file.shown, &file.bytes, links)).transpose()?;
         let feedback = feedback(self.feedback.as_deref(), references, links)?;
-        let begins = Begins { state: state.is_some(), at: self.at.as_deref(), tip_m: None };
+        let begins = Begins {
+            state: state.is_some(),
+            moved: self.input == InputKind::HubAngle,
+            at: self.at.as_deref(),
+            tip_m: None,
+        };
         let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
         let moves = Moves {
             moving,
@@ -266,20 +263,16 @@ impl PlayArgs {
 
     /// Refuses options of one link for an arm, those of arms for one link, and those of a torque beside a hub angle.
     fn check(&self, arm: &Arm) -> Result<(), Failure> {
-        if arm.links().len() > 1 {
-            let of_one_link = [
-                ("--input", self.input != InputKind::Torque),
-                ("--column", self.column.is_some()),
-                ("--measured", self.measured.is_some()),
-                ("--periodic", self.periodic),
-            ];
-            let option = of_one_link.into_iter().find(|(_, is_there)| *is_there);
-            return option.map_or(Ok(()), |(name, _)| Err(for_one_link(name)));
-        }
         self.check_input()?;
         let refused = |option: &str, must| {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
         };
+        if arm.links().len() > 1 {
+            let of_one_link =
+                [("--measured", self.measured.is_some()), ("--periodic", self.periodic)];
+            let option = of_one_link.into_iter().find(|(_, is_there)| *is_there);
+            return option.map_or(Ok(()), |(name, _)| Err(for_one_link(name)));
+        }
         match &self.feedback {
             _ if self.at.is_some() => {
                 refused("--at sets the directions of an arm", "one link starts at its start_angle")
@@ -301,6 +294,7 @@ impl PlayArgs {
             ("--hold", self.hold.hold != Hold::Cubic),
             ("--linear", self.hold.linear),
             ("--feedback", self.feedback.is_some()),
+            ("--at", self.at.is_some()),
         ];
         let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
             return Ok(());
@@ -309,6 +303,7 @@ impl PlayArgs {
         let hint = match name {
             "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
             "--feedback" => "a hub that moves as prescribed needs no feedback",
+            "--at" => "the first angles are where it starts",
             _ => "the hub angle is a smooth curve through its samples",
         };
         Err(Failure::new(Exit::Usage, &message, Some(hint)))
@@ -341,6 +336,23 @@ fn gains(text: &str) -> Result<Gains, String> {
     let pairs = numbers.filter(|numbers| numbers.len().is_multiple_of(2));
     let pairs = pairs.map(|numbers| numbers.chunks(2).map(|pair| (pair[0], pair[1])).collect());
     pairs.ok_or_else(|| "must be two numbers, KP,KD, or a pair for each joint of an arm".into())
+}
+
+/// Reads the torque of a link, in a column of the user if he names one, or the torques of an arm.
+pub(crate) fn read_torques(
+    file: &InputFile,
+    links: usize,
+    (column, format): (Option<&str>, &TableFormat),
+) -> Result<(Vec<Torque>, Reading), Failure> {
+    let InputFile { shown, bytes, .. } = file;
+    match column {
+        None => Ok(read_joint_torques(shown, bytes, links, format)?),
+        Some(_) if links > 1 => Err(for_one_link("--column")),
+        column => {
+            let (torque, reading) = read_torque_table_as(shown, bytes, column, format)?;
+            Ok((vec![torque], reading))
+        }
+    }
 }
 
 /// The feedback of each joint around its reference, with one pair of gains for all joints, or one pair for each;

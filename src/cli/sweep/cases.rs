@@ -6,7 +6,7 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use crate::beam::Mesh;
-use crate::csv::{Digits, InputFile, TableFormat, read_torque_table_as};
+use crate::csv::{Digits, InputFile, TableFormat};
 use crate::link::Arm;
 use crate::modal::natural_frequencies;
 use crate::motion::MotionScale;
@@ -18,9 +18,9 @@ use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
 
 use super::first::{First, scaled};
-use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, for_one_link, option};
+use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, Wanted, scale_arguments};
-use crate::cli::options::play::HoldArgs;
+use crate::cli::options::play::{HoldArgs, read_torques};
 use crate::cli::options::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure, memory};
 
@@ -49,8 +49,8 @@ pub(crate) struct CaseArgs {
 /// A torque to play on every case.
 #[derive(Debug, Args)]
 pub(crate) struct TorqueArgs {
-    /// Play this torque (CSV: `time`, `torque`) on every case instead, and compare the tip with
-    /// MOTION.
+    /// Play this torque (CSV: `time`, `torque`; of an arm `torque1`, `torque2`, …) on every case instead, and
+    /// compare the tip with MOTION.
     #[arg(long, value_name = "FILE")]
     pub(crate) torque: Option<PathBuf>,
 
@@ -89,7 +89,7 @@ pub(crate) struct Cases<'a> {
     document: LinkDocument,
     pub(crate) link_file: InputFile,
     pub(crate) motion_file: InputFile,
-    pub(crate) torque_file: Option<(InputFile, Torque)>,
+    pub(crate) torque_file: Option<(InputFile, Vec<Torque>)>,
     /// Kind of the numbers in the table.
     pub(crate) kind: SweepKind,
     /// The first readable case.
@@ -123,19 +123,16 @@ impl<'a> Cases<'a> {
         let (first, reading) = read(0).or_else(|failure| {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
-        shared.scale.scaled(first.wanted.clone())?;
-        if shared.torque.torque.is_some() && first.periods.is_none() {
-            return Err(for_one_link("--torque"));
-        }
-        let torque_file = shared.torque.read()?;
+        shared.scale.scaled(&first.wanted)?;
+        let torque_file = shared.torque.read(first.arm.links().len())?;
         tell(&motion_file.shown, &reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, whose text must not depend on the place of the files.
         link_file.shown.clone_from(&link_file.name);
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
-        let kind = match torque_file {
-            Some(_) => SweepKind::Played,
+        let kind = match &torque_file {
+            Some((_, torques)) => SweepKind::Played { joints: torques.len() },
             None => SweepKind::of_links(&first.links()),
         };
         Ok(Self {
@@ -258,14 +255,14 @@ impl TorqueArgs {
         column.chain(self.hold.arguments()).collect()
     }
 
-    fn read(&self) -> Result<Option<(InputFile, Torque)>, Failure> {
+    fn read(&self, links: usize) -> Result<Option<(InputFile, Vec<Torque>)>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         let file = InputFile::read(path)?;
-        let (column, format) = (self.column.as_deref(), TableFormat::default());
-        let (torque, reading) = read_torque_table_as(&file.shown, &file.bytes, column, &format)?;
+        let how = (self.column.as_deref(), &TableFormat::default());
+        let (torques, reading) = read_torques(&file, links, how)?;
         tell(&file.shown, &reading);
         self.hold.refuse_jitter(&file, &reading)?;
-        Ok(Some((file, torque)))
+        Ok(Some((file, torques)))
     }
 }
 

@@ -62,8 +62,7 @@ PATH is that of --set, with = for values and *= for factors; distance*= and dura
 motion. VALUES are START:STOP:COUNT, START:STOP:COUNT:log, or a list a,b,c; both ends of a range may \
 have a unit. Several --vary make the product, the last one running fastest.
 
-For an arm of several links and its path (docs/arms.md) a row has the numbers of every joint; of the \
-motion only duration*= is varied.";
+An arm of several links and its path (docs/arms.md) take the same: a row has the numbers of every joint.";
 
 /// Most cases of one run; at a millisecond each they take more than a week.
 const MOST_CASES: usize = 1_000_000_000;

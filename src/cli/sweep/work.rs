@@ -5,17 +5,17 @@ use std::path::Path;
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::{Resources, Unwatched};
-use crate::response::{Play, PlayError, Torque, simulate};
+use crate::motion::{Motion, Prescribed};
+use crate::response::{Input, Play, PlayError, Start, Torque, simulate};
 use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark, TipPlaces};
 use crate::spec::Specification;
 use crate::store::{
     Findings, OutputFolder, PlayedRun, RunInputs, RunTables, SimulateFiles, Summary,
 };
-use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase, SweepKind};
+use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase};
 
 use super::cases::Cases;
 use super::tally::of_limit;
-use crate::cli::options::common::for_one_link;
 use crate::cli::options::inputs::{Wanted, remarks};
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::{Exit, Failure, memory};
@@ -94,32 +94,47 @@ impl Cases<'_> {
         Ok((numbers, notices, remarks))
     }
 
-    /// Plays the torque on a case, numbered from 0.
+    /// Plays the torques on a case, numbered from 0.
     fn play(
         &self,
         case: usize,
-        (torque_file, torque): &(InputFile, Torque),
+        (torque_file, torques): &(InputFile, Vec<Torque>),
         memory_bytes: Option<usize>,
     ) -> Result<Found, Failure> {
         let values = self.plan.case(case);
         let own = &self.specification(&values)?;
         let Specification { arm, meshes, remarks, analysis, limits, .. } = own;
-        let link = own.link();
         let Wanted { motion, .. } = self.motion_of(arm, values.motion)?;
-        let grid = torque.grid();
-        let motion = motion.into_tip().ok_or_else(|| for_one_link("--torque"))?;
-        let target = motion.target(grid.time_s(0), grid.end_s());
-        let play = Play {
-            until_s: Some(grid.end_s().max(target.grid().end_s())),
-            initial_tip_m: target.start_m(),
+        let grid = torques[0].grid();
+        let [from_s, until_s] = [grid.time_s(0), grid.end_s()];
+        let mut play = Play {
             memory_bytes,
             interpolation: self.shared.torque.hold.interpolation(),
-            is_large: analysis.second_order_of(link) != SecondOrder::None,
-            start_angle_rad: target.start_angle_rad(),
-            ..Play::of(torque)
+            is_large: analysis.second_order_of(own.link()) != SecondOrder::None,
+            ..Play::with(Input::Torques(torques))
         };
+        let first: Vec<f64>;
+        let places = match &motion {
+            Motion::Tip(motion) => {
+                let target = motion.target(from_s, until_s);
+                play.initial_tip_m = target.start_m();
+                play.start_angle_rad = target.start_angle_rad();
+                TipPlaces::from(&target)
+            }
+            Motion::Path(path) => {
+                first = path.between(from_s, until_s).1.iter().map(|own| own[0]).collect();
+                play.start = Some(match (path.prescribed(), &first[..]) {
+                    (Prescribed::Tip, [x, y, outer_rad @ ..]) => {
+                        Start::Tip { at_m: [*x, *y], outer_rad }
+                    }
+                    (_, chords_rad) => Start::Chords(chords_rad),
+                });
+                TipPlaces::of_path(path, &arm.lengths_m(), [from_s, until_s])
+            }
+        };
+        play.until_s = Some(until_s.max(places.grid.end_s()));
         let played = simulate(arm, meshes, &play, &|_| {})?;
-        let target = FollowedTarget::of(&played, &TipPlaces::from(&target))?;
+        let target = FollowedTarget::of(&played, &places)?;
         let error = PlayError::of(&played, arm, &play)?;
         let metrics = PlayedMetrics::of(&played);
         let tip_error = &target.tip_error;
@@ -133,8 +148,8 @@ impl Cases<'_> {
             target: Some(&target),
             comparison: None,
         };
-        let numbers =
-            SweepKind::played(&PlayedCase { simulation: &played, metrics: &metrics, tip_error });
+        let played_case = PlayedCase { simulation: &played, metrics: &metrics, tip_error };
+        let numbers = self.kind.played(&played_case);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let files = SimulateFiles {
@@ -145,7 +160,7 @@ impl Cases<'_> {
                 state: None,
             };
             let inputs = RunInputs::of_simulate(&self.link_file, &files, true, arguments);
-            let outputs = self.shared.outputs.of_case(&[played.mesh().nodes_m()])?;
+            let outputs = self.shared.outputs.of_case(&played.nodes_m())?;
             memory::check_nodes(outputs.simulation_bytes(&played), memory_bytes)?;
             let summary = Summary::of_played(inputs, &run);
             let tables = RunTables::of_played((arm, &played), run.target, &outputs)?;

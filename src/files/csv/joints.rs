@@ -115,8 +115,8 @@ pub fn read_torque_table_as(
     Ok((torques.remove(0), reading))
 }
 
-/// Reads the torques of an arm with `links` links: `time`, `torque1`, `torque2`, …, as in `torques.csv` of `solve`.
-/// Other columns are ignored.
+/// Reads the torques of an arm with `links` links: `time`, `torque1`, `torque2`, …, as in `torques.csv` of `solve`; of
+/// one link those of [`read_torque_table`]. Other columns are ignored.
 ///
 /// ```
 /// use flexlink::csv::read_joint_torques;
@@ -134,6 +134,10 @@ pub fn read_joint_torques(
     links: usize,
     format: &TableFormat,
 ) -> Result<(Vec<Torque>, Reading), TableError> {
+    if links == 1 {
+        let (torque, reading) = read_torque_table_as(name, bytes, None, format)?;
+        return Ok((vec![torque], reading));
+    }
     let hint = "torques.csv of `flexlink solve` holds them";
     let columns = |header: Header| columns(&TORQUES, &JOINT_TORQUES, (header, links), hint);
     torques(Samples::read(name, bytes, format, columns)?, &JOINT_TORQUES[..links])
@@ -166,34 +170,13 @@ fn torques(
 /// # Errors
 /// [`TableError`] names the file, and the faulty line and column.
 pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, TableError> {
-    read_hub_reference_as(name, bytes, &TableFormat::default()).map(|(reference, _)| reference)
+    let (mut read, _) = read_joint_references(name, bytes, 1, &TableFormat::default())?;
+    Ok(read.remove(0))
 }
 
-/// Reads a hub reference from a table with the user's options for its form; also returns its deviations from the
-/// standard form.
-///
-/// # Errors
-/// Those of [`read_hub_reference`]; also options that do not fit the table.
-pub fn read_hub_reference_as(
-    name: &str,
-    bytes: &[u8],
-    format: &TableFormat,
-) -> Result<(HubReference, Reading), TableError> {
-    let columns = |header: Header| {
-        let columns = Columns::find(&HUB_MOTION, header, Beside::Time)?;
-        columns.require(TIME, header)?;
-        columns.require(HUB_ANGLE, header).map_err(|error| {
-            error.or_hint("hub_angle.csv of `flexlink solve` holds it".to_owned())
-        })?;
-        Ok(columns)
-    };
-    let samples = Samples::read(name, bytes, format, columns)?;
-    let (mut references, reading) = references(samples, &[[HUB_ANGLE, HUB_RATE]])?;
-    Ok((references.remove(0), reading))
-}
-
-/// Reads the motion of an arm's joints for a feedback: `time`, `joint1`, `joint2`, … up to `links`, and optionally
-/// `joint1_rate`, …, as in `joint_angles.csv` of `solve`. Other columns are ignored.
+/// Reads the motion of an arm's joints, for a feedback or as an input: `time`, `joint1`, `joint2`, … up to `links`, and
+/// optionally `joint1_rate`, …, as in `joint_angles.csv` of `solve`; of one link that of [`read_hub_reference`]. Also
+/// returns the table's deviations from the standard form. Other columns are ignored.
 ///
 /// # Errors
 /// Those of [`read_joint_torques`].
@@ -201,12 +184,23 @@ pub fn read_joint_references(
     name: &str,
     bytes: &[u8],
     links: usize,
+    format: &TableFormat,
 ) -> Result<(Vec<HubReference>, Reading), TableError> {
-    let hint = "joint_angles.csv of `flexlink solve` holds them";
-    let columns = |header: Header| columns(&JOINT_MOTION, &JOINTS, (header, links), hint);
-    let samples = Samples::read(name, bytes, &TableFormat::default(), columns)?;
-    let motions: Vec<_> = (0..links).map(|joint| [JOINTS[joint], JOINT_RATES[joint]]).collect();
-    references(samples, &motions)
+    let columns = |header: Header| {
+        if links > 1 {
+            let hint = "joint_angles.csv of `flexlink solve` holds them";
+            return columns(&JOINT_MOTION, &JOINTS, (header, links), hint);
+        }
+        let columns = Columns::find(&HUB_MOTION, header, Beside::Time)?;
+        columns.require(TIME, header)?;
+        let hint = || "hub_angle.csv of `flexlink solve` holds it".to_owned();
+        columns.require(HUB_ANGLE, header).map_err(|error| error.or_hint(hint()))?;
+        Ok(columns)
+    };
+    let samples = Samples::read(name, bytes, format, columns)?;
+    let of_joint =
+        |joint| if links > 1 { [JOINTS[joint], JOINT_RATES[joint]] } else { [HUB_ANGLE, HUB_RATE] };
+    references(samples, &(0..links).map(of_joint).collect::<Vec<_>>())
 }
 
 /// The motions in the columns of these angles and rates.

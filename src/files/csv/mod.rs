@@ -28,8 +28,8 @@ pub(crate) use heading::{check_separator, refuse_missing};
 pub(crate) use input::sha256;
 pub use input::{InputError, InputFile, system_words};
 pub use joints::{
-    read_hub_reference, read_hub_reference_as, read_joint_references, read_joint_torques,
-    read_tip_places, read_torque_table, read_torque_table_as,
+    read_hub_reference, read_joint_references, read_joint_torques, read_tip_places,
+    read_torque_table, read_torque_table_as,
 };
 pub use motion::{
     MotionTable, SampleRows, read_motion_table, read_motion_table_as, read_target, write_path,

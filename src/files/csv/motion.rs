@@ -32,6 +32,7 @@ pub struct MotionTable {
 
 /// The columns of a motion.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a program has few tables")]
 pub(super) enum Sampled {
     /// The tip of one link along its arc.
     Tip {

@@ -204,7 +204,9 @@ impl MotionTable {
                         let deviation = recording.deviation();
                         recording.between =
                             quality::of_spline_of_acceleration(&known_s, own, deviation);
-                        displacement.iter_mut().for_each(|values| on_grid(values, rests));
+                        if let Some(values) = displacement {
+                            on_grid(values, rests);
+                        }
                     }
                     (None, Some(own)) => displaced(own, recording, rests),
                     (None, None) => {}

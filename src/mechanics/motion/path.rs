@@ -9,7 +9,7 @@ use super::error::{MotionError, PathError};
 use super::period::TipPeriod;
 use super::recording::{Recording, UNCERTAIN, Uncertainty};
 use super::samples::MotionColumns;
-use super::scale::MotionScale;
+use super::scale::{MotionScale, TipTarget};
 use super::spectrum::{Cutoff, InputBand};
 use super::tip_motion::TipMotion;
 use crate::numeric::{TimeGrid, extremes};
@@ -175,7 +175,8 @@ impl ArmPath {
         }
         let lengths_m = all.iter().map(|(_, per_value)| *per_value).collect();
         let courses = all.into_iter().map(|own| {
-            let is_held = range_m(&own) <= (own.1 * own.0.constant()).max(HELD * widest_m);
+            let (range_m, constant_m) = (range_m(&own), own.1 * own.0.constant());
+            let is_held = range_m < widest_m && range_m <= constant_m.max(HELD * widest_m);
             Course::of(&time_s, own, is_held)
         });
         let courses: Vec<Course> = courses.collect::<Result<_, _>>()?;
@@ -247,6 +248,20 @@ impl ArmPath {
 
     fn moving(&self) -> impl Iterator<Item = &TipMotion> {
         self.courses.iter().filter_map(Course::moving)
+    }
+
+    /// The coordinates in m and rad, with the rests around the path, in whole steps, between two times in s.
+    pub fn between(&self, from_s: f64, until_s: f64) -> (TimeGrid, Vec<Vec<f64>>) {
+        let targets = self.courses.iter().map(|own| Some(own.moving()?.target(from_s, until_s)));
+        let targets: Vec<_> = targets.collect();
+        let grid = targets.iter().flatten().next().map_or(self.grid, TipTarget::grid);
+        let each = targets.iter().zip(&self.courses).zip(&self.lengths_m);
+        let histories = each.map(|((target, course), length_m)| match (target, course) {
+            (Some(target), _) => target.displacement_m().iter().map(|m| m / length_m).collect(),
+            (None, Course::Held(value)) => vec![value / length_m; grid.len],
+            (None, Course::Moving(_)) => Vec::new(),
+        });
+        (grid, histories.collect())
     }
 
     /// Largest travel of a coordinate from its first sample, in m.

@@ -15,8 +15,13 @@ pub enum Start<'a> {
     Joints(&'a [f64]),
     /// The chords of its links in these directions in rad against x.
     Chords(&'a [f64]),
-    /// The tip of an arm of two links at x and y in m, its elbow on the side that the arm states.
-    Tip([f64; 2]),
+    /// The tip of an arm at x and y in m, its elbow on the side that the arm states.
+    Tip {
+        /// x and y.
+        at_m: [f64; 2],
+        /// Directions in rad of the chords from the third on.
+        outer_rad: &'a [f64],
+    },
 }
 
 /// Coordinates of an arm at rest, iterated from unbent links. `None` without a shape at rest.
@@ -24,7 +29,7 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
     let angles_rad = match start {
         Start::Joints(joints_rad) => joints_rad.to_vec(),
         Start::Chords(chords_rad) => against_each_other(chords_rad),
-        Start::Tip(at_m) => against_each_other(&reached(arm, at_m)?),
+        Start::Tip { at_m, outer_rad } => against_each_other(&reached(arm, at_m, outer_rad)?),
     };
     let mut straight = vec![0.0; chain.count];
     for (joint, angle_rad) in chain.joints.iter().zip(&angles_rad) {
@@ -50,21 +55,23 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
 /// Distance of chords from their directions in rad, or of the tip from its place over the arm's length. `None` for held
 /// joints.
 fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
+    let mut from_m = [0.0; 2];
+    let mut across = |(end, angle_rad): (&Place, Option<&f64>)| {
+        let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
+        from_m = end.at_m;
+        angle_rad.map(|angle_rad| direction(along_m, *angle_rad) - angle_rad)
+    };
     match start {
         Start::Joints(_) => None,
         Start::Chords(chords_rad) => {
-            let mut from_m = [0.0; 2];
-            let across = |(end, angle_rad): (&Place, &f64)| {
-                let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
-                from_m = end.at_m;
-                direction(along_m, *angle_rad) - angle_rad
-            };
-            Some(ends.iter().zip(chords_rad).map(across).collect())
+            ends.iter().zip(chords_rad.iter().map(Some)).map(across).collect()
         }
-        Start::Tip(at_m) => {
+        Start::Tip { at_m, outer_rad } => {
             let tip_m = ends.last().map_or([0.0; 2], |end| end.at_m);
             let of = |axis: usize| (tip_m[axis] - at_m[axis]) / arm.length_m();
-            Some(vec![of(0), of(1)])
+            let outer = [None, None].into_iter().chain(outer_rad.iter().map(Some));
+            let outer: Vec<f64> = ends.iter().zip(outer).filter_map(&mut across).collect();
+            Some([&[of(0), of(1)], &outer[..]].concat())
         }
     }
 }
@@ -75,13 +82,15 @@ fn against_each_other(chords_rad: &[f64]) -> Vec<f64> {
     chords_rad.iter().zip(before).map(|(own, before)| own - before).collect()
 }
 
-/// Directions of two unbent links that reach a place.
-fn reached(arm: &Arm, at_m: [f64; 2]) -> Option<Vec<f64>> {
+/// Directions of the unbent links that reach a place.
+fn reached(arm: &Arm, at_m: [f64; 2], outer_rad: &[f64]) -> Option<Vec<f64>> {
     let lengths_m = arm.lengths_m();
-    if lengths_m.len() != 2 {
+    if lengths_m.len() != outer_rad.len() + 2 {
         return None;
     }
     let is_left = arm.elbow()? == Elbow::Left;
-    let chords = reaching(&[[at_m, [0.0; 2], [0.0; 2]]], &lengths_m, &[], is_left).ok()?;
+    let outer: Vec<_> =
+        outer_rad.iter().map(|angle_rad| [vec![*angle_rad], vec![0.0], vec![0.0]]).collect();
+    let chords = reaching(&[[at_m, [0.0; 2], [0.0; 2]]], &lengths_m, &outer, is_left).ok()?;
     Some(chords.iter().map(|chord| chord[0][0]).collect())
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::motion::TipTarget;
+use crate::motion::{ArmPath, Prescribed, TipTarget};
 use crate::numeric::{CubicSpline, SplineEnds, TimeGrid, rounded};
 use crate::response::Played;
 
@@ -19,6 +19,24 @@ pub struct TipPlaces {
 impl From<&TipTarget> for TipPlaces {
     fn from(target: &TipTarget) -> Self {
         Self { grid: target.grid(), at_m: vec![target.displacement_m().to_vec()] }
+    }
+}
+
+impl TipPlaces {
+    /// The tip of an arm with links of these lengths along its path, with the rests around it, between two times in s.
+    pub fn of_path(path: &ArmPath, lengths_m: &[f64], [from_s, until_s]: [f64; 2]) -> Self {
+        let (grid, coordinates) = path.between(from_s, until_s);
+        let along = |part: fn(f64) -> f64| {
+            let at = |k: usize| {
+                coordinates.iter().zip(lengths_m).map(move |(own, m)| m * part(own[k])).sum()
+            };
+            (0..grid.len).map(at).collect()
+        };
+        let at_m = match path.prescribed() {
+            Prescribed::Tip => coordinates[..2].to_vec(),
+            Prescribed::Angles => vec![along(libm::cos), along(libm::sin)],
+        };
+        Self { grid, at_m }
     }
 }
 

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::torque_zeros;
-use crate::response::{Played, ResidualVibration};
-use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
+use crate::response::{Played, PlayedLink, ResidualVibration};
+use crate::result::{JointQuantity, Metrics, PlayedJoint, PlayedMetrics, QUANTITIES, TipError};
 
 /// A case with a computed torque.
 #[derive(Clone, Copy)]
@@ -41,6 +41,7 @@ pub struct PlayedCase<'a> {
 
 /// A column and the number that it shows of a case, where it has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
+type OfJoint = (&'static str, &'static str, fn(&PlayedJoint) -> f64);
 type OfPlayed = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 
 /// The columns of a link before those of its hub; an arm has the last.
@@ -62,7 +63,10 @@ const PLAYED: [OfPlayed; 16] = [
     ("period_1_s", |case| {
         case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
     }),
-    ("zero_1_per_s", |case| torque_zeros(case.simulation.mesh(), 1).first().copied()),
+    ("zero_1_per_s", |case| {
+        let first = |link: &PlayedLink| torque_zeros(&link.mesh, 1).first().copied();
+        case.simulation.links.iter().filter_map(first).reduce(f64::min)
+    }),
     ("tip_error_m", |case| Some(case.tip_error.worst_m)),
     ("tip_error_share", |case| Some(case.tip_error.share)),
     ("tip_error_time_s", |case| Some(case.tip_error.time_s)),
@@ -77,6 +81,14 @@ const PLAYED: [OfPlayed; 16] = [
     ("peak_deflection_m", |case| case.metrics.hub().peak_deflection_m.map(|peak| peak.value)),
     ("tip_model_error", |case| Some(case.simulation.modes()?.model_error.tip)),
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
+];
+
+/// The columns of an arm with played torques: its zero and its tip, and the quantities of each joint.
+const OF_TIP: std::ops::Range<usize> = 1..7;
+const OF_PLAYED_JOINT: [OfJoint; 3] = [
+    ("peak_torque", "_n_m", |joint| joint.peak_torque_n_m.value),
+    ("peak_hub_rate", "_rad_s", |joint| joint.peak_hub_rate_rad_s.value),
+    ("peak_power", "_w", |joint| joint.peak_power_w.value),
 ];
 
 /// The columns of an arm after those of its joints; errors are the worst of all joints.
@@ -111,8 +123,11 @@ pub enum SweepKind {
         /// With those of motors.
         is_driven: bool,
     },
-    /// One torque played on every case.
-    Played,
+    /// The torques of one table, played on every case.
+    Played {
+        /// Number of joints; 1 of one link.
+        joints: usize,
+    },
 }
 
 /// Numbers of a case, in the order of the columns; `None` for a missing number.
@@ -147,8 +162,17 @@ impl SweepKind {
 
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
-        let Self::Solved { joints, is_driven } = self else {
-            return PLAYED.map(|(name, _)| name.to_owned()).into();
+        let (joints, is_driven) = match self {
+            Self::Solved { joints, is_driven } => (joints, is_driven),
+            Self::Played { joints: 1 } => return PLAYED.map(|(name, _)| name.to_owned()).into(),
+            Self::Played { joints } => {
+                let of_tip = PLAYED[OF_TIP].iter().map(|(name, _)| (*name).to_owned());
+                let of_joint = |joint| {
+                    let each = OF_PLAYED_JOINT.into_iter();
+                    each.map(move |(name, unit, _)| format!("{name}{joint}{unit}"))
+                };
+                return of_tip.chain((1..=joints).flat_map(of_joint)).collect();
+            }
         };
         let name = |column| match column {
             Column::Whole((name, _)) => name.to_owned(),
@@ -167,8 +191,15 @@ impl SweepKind {
         Self::solved_columns(joints, is_driven).into_iter().map(number).collect()
     }
 
-    /// Numbers of a case with a played torque.
-    pub fn played(case: &PlayedCase) -> CaseNumbers {
-        PLAYED.iter().map(|(_, of)| of(case)).collect()
+    /// Numbers of a case with played torques.
+    pub fn played(self, case: &PlayedCase) -> CaseNumbers {
+        let joints = &case.metrics.joints;
+        if joints.len() == 1 {
+            return PLAYED.iter().map(|(_, of)| of(case)).collect();
+        }
+        let of_joint =
+            |joint: &PlayedJoint| OF_PLAYED_JOINT.map(|(_, _, of)| Some(of(joint))).into_iter();
+        let of_tip = PLAYED[OF_TIP].iter().map(|(_, of)| of(case));
+        of_tip.chain(joints.iter().flat_map(of_joint)).collect()
     }
 }

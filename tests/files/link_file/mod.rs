@@ -129,7 +129,7 @@ fn the_whole_example_is_read_in_si() {
     assert!((rate - 100.0 * std::f64::consts::PI).abs() < 1e-12, "{rate}");
     assert_eq!(limits.of("motor_power"), Some(100.0));
     let total = Some(ElementCount::Total(10));
-    let plan = MeshPlan::new(&link, &[Some(1), Some(9)], total, 1e-6);
+    let plan = MeshPlan::new(link, &[Some(1), Some(9)], total, 1e-6);
     assert_eq!(*mesh, plan.unwrap());
     let window = Analysis::new(1e-6, Some(0.5), Some(0.5));
     assert_eq!(analysis, window.unwrap().keeping_modes(5).unwrap());
@@ -144,7 +144,7 @@ fn only_segments_are_required() {
     assert_eq!(*link.hub(), Hub::default());
     assert_eq!(*link.damping(), Damping::None);
     assert_eq!(analysis, Analysis::default());
-    let plan = MeshPlan::new(&link, &[None], None, MeshPlan::DEFAULT_TOLERANCE);
+    let plan = MeshPlan::new(link, &[None], None, MeshPlan::DEFAULT_TOLERANCE);
     assert_eq!(*mesh, plan.unwrap());
 }
 

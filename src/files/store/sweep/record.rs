@@ -162,7 +162,8 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
     }
     let joints = joints_of(names);
     let solved = |joints| [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven });
-    let kinds = [&solved(1)[..], &[SweepKind::Played], &solved(joints)].concat();
+    let played = |joints| [SweepKind::Played { joints }];
+    let kinds = [&solved(1)[..], &played(1), &solved(joints), &played(joints)].concat();
     let names_of =
         |kind: SweepKind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat();
     let known: Vec<_> = kinds.into_iter().map(names_of).collect();
