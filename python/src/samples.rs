@@ -178,14 +178,10 @@ impl Wanted {
     }
 
     /// The motion as a problem of a link or an arm from a file.
-    pub(crate) fn problem(
-        self,
-        file: &InputFile,
-        specification: ArmSpecification,
-    ) -> Fails<Problem> {
+    pub(crate) fn problem(self, file: &InputFile, arm: ArmSpecification) -> Fails<Problem> {
         match self {
-            Self::Tip(motion) => Ok(Problem::of_link(MOTION, specification, *motion)),
-            Self::Path(path) => Problem::of_arm(file, specification, *path),
+            Self::Tip(motion) => Ok(Problem::of_link(MOTION, arm, *motion)),
+            Self::Path(path) => Problem::of_arm(file, arm, *path),
         }
     }
 }
