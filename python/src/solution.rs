@@ -280,14 +280,11 @@ impl Solution {
     }
 
     fn __repr__(&self) -> String {
-        let (samples, joints) = (self.inverse().grid.len, self.links());
-        match &self.solved.metrics.joints[..] {
-            [hub] => {
-                let peak = hub.peak_torque_n_m.value;
-                format!("Solution(samples={samples}, peak_torque={peak:.6})")
-            }
-            _ => format!("Solution(samples={samples}, joints={joints})"),
-        }
+        let joints_or_peak = match &self.solved.metrics.joints[..] {
+            [hub] => format!("peak_torque={:.6}", hub.peak_torque_n_m.value),
+            joints => format!("joints={}", joints.len()),
+        };
+        format!("Solution(samples={}, {joints_or_peak})", self.inverse().grid.len)
     }
 }
 

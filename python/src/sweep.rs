@@ -48,32 +48,23 @@ pub(crate) fn sweep<'py>(
     link: &Link,
     cases: Vec<Bound<'py, PyDict>>,
     time: &Any<'py>,
-    threads: Option<Threads>,
+    threads: Option<Any<'py>>,
     outputs: Option<PathBuf>,
     keywords: Option<Keywords<'py>>,
 ) -> Dictionary<'py> {
     let keywords = keywords.unwrap_or_else(|| PyDict::new(py));
+    let number = |threads: Any<'py>| {
+        let number = threads.extract().ok().filter(|number| (1..=256).contains(number));
+        number.ok_or_else(|| unlike("threads", &threads, "must be a whole number from 1 to 256"))
+    };
+    let threads: Option<usize> = threads.map(number).transpose()?;
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
     let mut call = Call::take(time, &keywords, link.links())?;
     let outputs = Outputs::of(std::mem::take(&mut call.arguments), outputs, cases.len())?;
     let mut shared = Shared::of(link, call, outputs)?;
     let rows = interruptible(py, |stop| all_rows(&mut shared, &cases, threads, stop))?;
-    Ok(table(varied, shared.kind, rows)?)
-}
-
-/// Number of threads in a call, up to the limit of the command.
-pub(crate) struct Threads(usize);
-
-impl<'py> FromPyObject<'_, 'py> for Threads {
-    type Error = PyErr;
-
-    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let number = value.extract().ok().filter(|threads| (1..=256).contains(threads));
-        number
-            .map(Self)
-            .ok_or_else(|| unlike("threads", &value, "must be a whole number from 1 to 256"))
-    }
+    table(varied, shared.kind, rows)
 }
 
 /// The values of each key that cases change, in the order of their first use.
@@ -104,36 +95,24 @@ fn varied<'py>(py: Python<'py>, cases: &[Bound<'py, PyDict>]) -> PyResult<Bound<
 fn all_rows(
     shared: &mut Shared,
     cases: &[Case],
-    threads: Option<Threads>,
+    threads: Option<usize>,
     stop: &AtomicBool,
 ) -> Fails<Vec<Row>> {
-    let threads = threads.map_or(0, |Threads(number)| number);
-    let pool = started(ThreadPoolBuilder::new().num_threads(threads))?;
+    let pool = started(ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)))?;
     let at_once = pool.current_num_threads().min(cases.len()).max(1);
     shared.memory_bytes = memory::available().map(|bytes| bytes / at_once);
     let shared = &*shared;
     pool.install(|| {
         let mut rows = Vec::with_capacity(cases.len());
-        in_order(
-            0..cases.len(),
-            stop,
-            |k| shared.row(k, &cases[k]),
-            |_, row| {
-                rows.push(row?);
-                Ok::<(), Failure>(())
-            },
-        )?;
+        let keep = |_, row: Fails<Row>| row.map(|row| rows.push(row));
+        in_order(0..cases.len(), stop, |k| shared.row(k, &cases[k]), keep)?;
         Ok(rows)
     })
 }
 
 /// Adds the columns of numbers, warnings and errors to the `varied` values.
-fn table(
-    varied: Bound<'_, PyDict>,
-    kind: SweepKind,
-    rows: Vec<Row>,
-) -> PyResult<Bound<'_, PyDict>> {
-    let (py, table) = (varied.py(), varied);
+fn table(table: Bound<'_, PyDict>, kind: SweepKind, rows: Vec<Row>) -> Dictionary<'_> {
+    let py = table.py();
     let (names, mut tally) = (kind.names(), Tally::default());
     let mut columns = vec![Vec::with_capacity(rows.len()); names.len()];
     let (mut warnings, mut errors) = (Vec::new(), Vec::new());
