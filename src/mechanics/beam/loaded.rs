@@ -79,7 +79,7 @@ pub fn loaded_motion(
 /// λ is ω² `mass`/`stiffness`. The recursion runs with the mesh's real matrices, and with loads q over `mass`; `mass`
 /// multiplies the torque at the end. R, G, A and the eliminated system are those of [`condense`].
 ///
-/// The bias p_i is the force and moment on node i that hold it at rest against all loads outboard of it: hence −q. From
+/// The bias `p_i` is the force and moment on node i that hold it at rest against all loads outboard of it: hence −q. From
 /// tip to hub, over an element with inner node i and outer node j:
 ///
 /// ```text
@@ -94,7 +94,7 @@ pub fn loaded_motion(
 /// w'_0 = −w_tip/(L + e_tip),     T = (A_0 a_0 + p_0)_φ + I_H a_φ         about the axis
 /// ```
 ///
-/// w_tip is the tip's deflection with the hub's tangent on the chord; the hub turns by w'_0 to bring the tip back to
+/// `w_tip` is the tip's deflection with the hub's tangent on the chord; the hub turns by w'_0 to bring the tip back to
 /// the chord. a includes the motion of the axis, so that the inertia forces of a rigid motion are no loads. A
 /// deflection is −1/ω² times the acceleration due to bending; G and h are proportional to ω² at low frequencies, so
 /// that it stays finite at ω = 0. Articulated bodies carry their bias force in the same way (Featherstone 1987).

@@ -15,6 +15,7 @@ mod remark;
 mod stored;
 mod tip_error;
 mod torque_table;
+mod value_errors;
 
 pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};

@@ -1,7 +1,7 @@
 //! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read.
 
-use super::limits::{Errors, Limit};
 use super::metrics::{JointMetrics, PlayedJoint};
+use super::value_errors::Errors;
 use crate::numeric::Dimension;
 use crate::text::{instant, significant};
 
@@ -26,6 +26,13 @@ pub struct JointQuantity {
     pub of: fn(&JointMetrics) -> Option<f64>,
     /// Reads the number of a simulation.
     pub of_played: fn(&PlayedJoint) -> Option<f64>,
+}
+
+/// A limited quantity: its key in the link file, and the error of its value in its unit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limit {
+    pub(super) key: &'static str,
+    pub(super) error: fn(&Errors) -> f64,
 }
 
 /// The SI unit of a quantity.

@@ -107,6 +107,6 @@ fn what_is_no_sweep_or_several_is_refused() {
         );
     }
     assert!(
-        refused(&format!("{header}\n1,2\n")).starts_with("x.csv:2: fields = 2, but must be 21")
+        refused(&format!("{header}\n1,2\n")).starts_with("x.csv:2: fields = 2, but must be 22")
     );
 }
