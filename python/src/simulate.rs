@@ -59,7 +59,7 @@ pub(crate) fn simulate<'py>(
     }
     let link = &described_by::<Link>(link)?.get().specification;
     let moves = link_moves(link, time, &keywords)?;
-    let run = until_pressed(py, || Run::of(link.clone().into(), moves))?;
+    let run = until_pressed(py, || Run::of(link.clone(), moves))?;
     warn(py, &run.warnings)?;
     Ok(Bound::new(py, PlayedLink(run))?.into_any())
 }

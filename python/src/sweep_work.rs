@@ -239,9 +239,10 @@ impl Shared {
             .scaled(case.scale)
             .map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))?;
         let analysis = specification.analysis;
-        specification.analysis = match has_tables || links > 1 {
-            true => options.analysis(&analysis),
-            false => analysis.without_tables(),
+        specification.analysis = if has_tables || links > 1 {
+            options.analysis(&analysis)
+        } else {
+            analysis.without_tables()
         };
         options.nodes.meshes(&specification.arm, &mut specification.meshes)?;
         Ok(Solvable::of(&self.source.file, specification, wanted))
