@@ -21,7 +21,7 @@ pub fn motion_csv(bytes: &[u8]) {
     let columns = table.columns().expect("a tip");
     check_columns(columns);
     check_written(columns);
-    let times_s = &table.columns().unwrap().time_s;
+    let times_s = &columns.time_s;
     let (first, last) = (times_s[0], *times_s.last().expect("times"));
     // Steps that divide the duration, and one that mostly does not.
     for step_s in [(last - first) / 7.0, (last - first) / 100.0, 0.01] {
