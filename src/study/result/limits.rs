@@ -13,10 +13,17 @@ use crate::inverse::Solution;
 use crate::link::{Drive, ParameterError};
 use crate::text::{given, significant};
 
-/// The largest values that a joint, its link and its motor may reach, in SI, by the keys of [`QUANTITIES`].
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+/// The largest values that a joint, its link and its motor may reach, in SI, by the keys of [`QUANTITIES`];
+/// infinite without a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "BTreeMap<String, f64>", into = "Map<String, Value>")]
-pub struct Limits([Option<f64>; QUANTITIES.len()]);
+pub struct Limits([f64; QUANTITIES.len()]);
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self([f64::INFINITY; QUANTITIES.len()])
+    }
+}
 
 impl From<Limits> for Map<String, Value> {
     fn from(limits: Limits) -> Self {
@@ -124,7 +131,7 @@ impl Limits {
             if !limit.is_finite() || limit <= 0.0 {
                 return refused(QUANTITIES[at].unit.text, "must be finite and above 0");
             }
-            all.0[at] = Some(limit);
+            all.0[at] = limit;
         }
         Ok(all)
     }
@@ -150,8 +157,8 @@ impl Limits {
 
     /// The limits that are set, with their quantities and keys, in the order of [`QUANTITIES`].
     fn entries(self) -> impl Iterator<Item = (&'static JointQuantity, &'static str, f64)> {
-        let set = QUANTITIES.iter().zip(self.0);
-        set.filter_map(|(own, limit)| Some((own, own.limit_key()?, limit?)))
+        let set = QUANTITIES.iter().zip(self.0).filter(|(_, limit)| limit.is_finite());
+        set.filter_map(|(own, limit)| Some((own, own.limit_key()?, limit)))
     }
 
     /// The limited values of a joint, in the order of [`QUANTITIES`].
