@@ -5,6 +5,7 @@ use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
 use flexlink::inverse::Resources;
+use flexlink::link::Arm;
 use flexlink::motion::{MotionError, MotionScale, Periods};
 use flexlink::spec::{LinkDocument, Specification};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
@@ -100,8 +101,8 @@ pub(crate) struct Shared {
     samples: Arc<Samples>,
     /// The wanted motion of the unchanged link or arm.
     wanted: Wanted,
-    /// Lengths of the links.
-    lengths_m: Vec<f64>,
+    /// The unchanged link or arm.
+    arm: Arm,
     /// The periods of one link's motion, which most cases share.
     periods: Option<Arc<Periods>>,
     pub(crate) kind: SweepKind,
@@ -124,7 +125,7 @@ impl Shared {
             outputs,
             samples: call.samples,
             wanted,
-            lengths_m: link.specification.arm.lengths_m(),
+            arm: link.specification.arm.clone(),
             periods,
             kind: SweepKind::of_links(&links.collect::<Vec<_>>()),
             memory_bytes: None,
@@ -145,7 +146,7 @@ impl Shared {
         let wanted = self.wanted_of(&specification, case)?;
         let (folder, options) = (self.outputs.folder_of(number), &self.outputs.options);
         let mut specification = meshed(specification, options)?;
-        if folder.is_none() && self.lengths_m.len() == 1 {
+        if folder.is_none() && self.arm.links().len() == 1 {
             specification.analysis = specification.analysis.without_tables();
         }
         let problem = Problem::of(&self.source.file, specification, wanted);
@@ -167,13 +168,14 @@ impl Shared {
     /// The motion of a case.
     fn wanted_of(&self, specification: &Specification, case: &Case) -> Fails<Wanted> {
         let arm = &specification.arm;
-        let (count, links) = (arm.links().len(), self.lengths_m.len());
+        let (count, links) = (arm.links().len(), self.arm.links().len());
         if count != links {
             let must = format!("must be {links}, as many as without the changes");
             return Err(usage(&format!("links = {count}, but {must}"), None));
         }
         // Angles are arcs of a link's length. A case may vary this length and the start angle.
-        let is_alike = arm.lengths_m() == self.lengths_m && arm.links()[0].link.gravity().is_none();
+        let read_by = |arm: &Arm| (arm.lengths_m(), arm.links()[0].link.gravity().copied());
+        let is_alike = read_by(arm) == read_by(&self.arm);
         let options = &self.outputs.options;
         let read = (!is_alike).then(|| self.samples.wanted(arm, options)).transpose()?;
         let wanted = read.as_ref().map_or(&self.wanted, |(wanted, _)| wanted);

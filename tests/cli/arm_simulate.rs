@@ -110,7 +110,7 @@ fn joints_moved_as_solved_take_the_solved_torques() {
     let bench = solved(&[]);
     let moved = ["simulate", "arm.toml", "out/joint_angles.csv", "--input", "hub-angle"];
     let text = stdout(&bench.run(&[&moved[..], &["--target", "out/tip.csv"]].concat()));
-    assert!(text.lines().any(|line| line.starts_with("joints   ")), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("input    joint angles")), "{text}");
     let summary = bench.json("simulated/summary.json");
     assert!(summary["joint_angles"]["samples"].as_u64().unwrap() > 100);
     assert!(summary["tip_error"]["share"].as_f64().unwrap() < 1e-4, "{}", summary["tip_error"]);

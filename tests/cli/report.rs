@@ -329,7 +329,7 @@ fn warnings_stand_in_the_page_with_what_helps() {
     done(&bench, &["report", "out", "-q"]);
     let page = bench.read("out/report.html");
     assert!(page.contains("<section id=\"warnings\""));
-    assert!(page.contains("elements halved") && page.contains("What helps: more elements"));
+    assert!(page.contains("elements halved") && page.contains("What helps: use more elements"));
 }
 
 #[test]

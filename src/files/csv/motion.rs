@@ -169,11 +169,12 @@ impl MotionTable {
     /// ```
     /// use flexlink::csv::{read_motion_table, read_motion_table_as};
     /// let file = b"time,displacement\n0,0\n0.1,0.2\n0.3,0.8\n0.4,1\n";
-    /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?.into_motion()?;
-    /// assert_eq!(motion.grid().len, 9);
+    /// let motion = read_motion_table("move.csv", file, 1.5)?.resampled(0.05)?;
+    /// assert_eq!(motion.columns().map(|columns| columns.time_s.len()), Some(9));
     /// let file = b"time,angle1,angle2\n0,0,1\n0.1,0.2,1\n0.3,0.8,1\n0.4,1,1\n";
     /// let path = read_motion_table_as("path.csv", file, &[0.5, 0.4], &Default::default())?;
-    /// assert_eq!(path.resampled(0.05)?.into_motion()?.grid().len, 9);
+    /// let path = path.resampled(0.05)?;
+    /// assert_eq!(path.path_columns().map(|columns| columns.time_s.len()), Some(9));
     /// # Ok::<(), flexlink::csv::TableError>(())
     /// ```
     ///

@@ -102,10 +102,9 @@ impl MotionTable {
         let place = Place { file: &self.rows.name, line: None };
         let (columns, recording) = match &self.sampled {
             Sampled::Path { .. } if self.ends != Ends::AtRest => {
-                let must = "must be rests: an arm returns to its start at rest between two periods of its inversion";
-                let hint = "leave --periodic and --moving-ends out".to_owned();
-                let error = place.refuse("ends of the path of an arm", "others", must);
-                return Err(error.with_hint(hint));
+                let message = "--periodic and --moving-ends are for one link: between two periods of its inversion, an \
+                               arm returns to its start at rest";
+                return Err(place.refuse_whole(message));
             }
             Sampled::Path { .. } => return Ok(()),
             Sampled::Tip { columns, recording, .. } => (columns, recording),

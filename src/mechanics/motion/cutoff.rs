@@ -72,11 +72,6 @@ impl TipMotion {
     ///
     /// If even the highest cut-off has a larger error, the result is this cut-off with the reason.
     pub fn cutoff(&self, tolerance: f64) -> Cutoff {
-        self.cutoff_of(tolerance, self.farthest_m())
-    }
-
-    /// The cut-off of a coordinate of a motion whose largest coordinate travels `size_m`: noise may cost a share of it.
-    pub(super) fn cutoff_of(&self, tolerance: f64, size_m: f64) -> Cutoff {
         let chosen_rad_s = self.recording().lowpass_rad_s;
         if tolerance <= 0.0 && chosen_rad_s.is_none() {
             return self.all_frequencies();
@@ -99,7 +94,7 @@ impl TipMotion {
         let travel_m = period.histories.largest_travel_m();
         let wanted_m = tolerance.max(0.0) * travel_m;
         let noise = self.uncertain(tolerance, travel_m);
-        let most_m = LARGEST_TOLERANCE * size_m.max(travel_m);
+        let most_m = LARGEST_TOLERANCE * travel_m;
         let allowed_m = |omega_rad_s: f64| {
             noise.map_or(wanted_m, |noise| wanted_m.max(noise.followed_m(omega_rad_s)).min(most_m))
         };

@@ -290,7 +290,9 @@ impl PathError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Column { error: MotionError::MovingAtEnd { .. }, .. }
-            | Self::TurnsAtEnd { .. } => Some("add the samples that bring the arm to rest"),
+            | Self::TurnsAtEnd { .. } => Some(
+                "add the samples that bring the arm to rest, or state the noise of the samples with --noise",
+            ),
             Self::Column { error, .. } | Self::Motion(error) => error.hint(),
             Self::Jump { .. } => Some("add or subtract 2π, or 360 deg, from there on"),
             Self::TooMany { .. } => Some("leave the column out, or add the link to the arm file"),

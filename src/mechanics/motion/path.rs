@@ -181,9 +181,7 @@ impl ArmPath {
         });
         let courses: Vec<Course> = courses.collect::<Result<_, _>>()?;
         let of_moving = courses.iter().filter_map(Course::moving).map(TipMotion::recording);
-        let coarser =
-            |a: Recording, b: Recording| if b.deviation() < a.deviation() { a } else { b };
-        let Some(coarsest) = of_moving.copied().reduce(coarser) else {
+        let Some(coarsest) = of_moving.copied().reduce(Recording::coarser) else {
             return Err(PathError::NoMotion);
         };
         let recording = Recording { dropped, ..coarsest };
@@ -291,8 +289,7 @@ impl ArmPath {
         let of = |course: &Course| match course {
             Course::Held(_) => Cutoff::ALL,
             Course::Moving(motion) => {
-                let size_m = self.farthest_m();
-                let found = motion.cutoff_of(tolerance * each_m / motion.farthest_m(), size_m);
+                let found = motion.cutoff(tolerance * each_m / motion.farthest_m());
                 let wanted_m =
                     if tolerance > 0.0 { tolerance.max(UNCERTAIN) * each_m } else { 0.0 };
                 let input = found.input.map(|input| InputBand { wanted_m, ..input });

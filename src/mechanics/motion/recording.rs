@@ -170,6 +170,19 @@ impl Recording {
         self.uncertainty.map_or(0.0, |own| own.deviation())
     }
 
+    /// The coarser quality of two coordinates, with the larger move of their rests.
+    pub(super) fn coarser(self, other: Self) -> Self {
+        let mut coarser = if other.deviation() < self.deviation() { self } else { other };
+        let moves = [self, other].map(|own| match own.uncertainty {
+            Some(Uncertainty::Noisy { moved_m, .. }) => moved_m,
+            _ => 0.0,
+        });
+        if let Some(Uncertainty::Noisy { moved_m, .. }) = &mut coarser.uncertainty {
+            *moved_m = moves[0].max(moves[1]);
+        }
+        coarser
+    }
+
     /// Multiplies displacements and duration by these factors.
     pub(super) fn scaled(self, distance: f64, duration: f64) -> Self {
         Self {

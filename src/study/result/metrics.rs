@@ -3,7 +3,7 @@
 use super::peak::{Peak, Peaks};
 use crate::inverse::{MotorHistories, Solution};
 use crate::motion::{Ends, TipMotionHistories};
-use crate::numeric::{TimeGrid, dot, extremes};
+use crate::numeric::{TimeGrid, dot, extremes, largest};
 use crate::response::{JointMotion, Played};
 
 /// Share of the peak torque that counts as acting: the level of the paper's 0.3 s.
@@ -314,7 +314,15 @@ impl Acting {
     /// Root mean square of the torque from the first sample to the last.
     fn rms(&self, torque: &[f64]) -> f64 {
         let acting = &torque[self.first..=self.last];
-        (dot(acting, acting) / acting.len() as f64).sqrt()
+        let mean = |values: &[f64]| dot(values, values) / values.len() as f64;
+        match mean(acting) {
+            square if square.is_finite() => square.sqrt(),
+            // A square may exceed double precision.
+            _ => {
+                let size = largest(acting);
+                size * mean(&acting.iter().map(|value| value / size).collect::<Vec<_>>()).sqrt()
+            }
+        }
     }
 
     pub(super) fn start_s(&self, grid: &TimeGrid) -> f64 {

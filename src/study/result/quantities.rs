@@ -1,4 +1,6 @@
 //! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read.
+//! Two lists choose from it: figures of limited histories in `page/joint.rs`, and columns of played sweeps in
+//! `study/sweep/columns.rs`.
 
 use super::metrics::{JointMetrics, PlayedJoint};
 use super::value_errors::Errors;

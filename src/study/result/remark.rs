@@ -308,7 +308,8 @@ impl Remark {
                 "write more decimals; if these are exact, add zeros at the end: 0.500000000"
             }
             Self::PathDigits { .. } => {
-                "write the path with more decimals; the errors of the input show the effect"
+                "write the path with more decimals, or give --noise if these are exact; the errors of the input show the \
+                 effect"
             }
             Self::Noise { .. } => "see the errors of the input for the effect on the torque",
             Self::Jumps { .. } => {

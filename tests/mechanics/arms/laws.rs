@@ -410,7 +410,7 @@ fn what_cannot_be_is_refused() {
     };
     let dragged = Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 1e-4 };
     let dragged = two_links().map(|parts| LinkParts { damping: dragged.clone(), ..parts });
-    assert!(refusal(&dragged, &line(GRAVITY)).ends_with("links with alpha = 0"));
+    assert!(refusal(&dragged, &line(GRAVITY)).ends_with("a link with alpha = 0"));
     let straight = vec![[vec![0.3; 8], vec![0.0; 8], vec![0.0; 8]]; 2];
     let stretched = ArmPeriod::new(0.01, straight, Kept::Tip, GRAVITY).unwrap_err();
     assert_eq!(stretched, ElasticaError::Elbow { sample: 0, sine: 0.0 });

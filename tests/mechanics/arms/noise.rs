@@ -198,3 +198,42 @@ fn ends_that_are_no_rests_and_noise_without_rests_are_refused() {
     let error = table.with_noise(1e-7).unwrap_err();
     assert!(error.to_string().contains("x: the recording rests for"), "{error}");
 }
+
+/// Places of the tip with the direction of the first link, which agree within the noise or contradict.
+#[test]
+fn directions_beside_the_places_agree_within_the_noise_alone() {
+    let arm = arm(&two_links(), [0.0, -9.81]);
+    let [l1, l2] = [0, 1].map(|link| arm.lengths_m()[link]);
+    let text = |mut noise: Box<dyn FnMut() -> f64>, off_rad: f64| {
+        let mut text = "time,x,y,angle1\n".to_owned();
+        for k in 0..=420_u32 {
+            let share = septic(((f64::from(k) - 60.0) / 300.0).clamp(0.0, 1.0))[0];
+            let [a, b] = [-0.6 + 0.7 * share, 0.8 + 0.3 * share];
+            let (x, y) = (l1 * a.cos() + l2 * b.cos(), l1 * a.sin() + l2 * b.sin());
+            let [x, y, a] = [x + noise(), y + noise(), a + off_rad + noise() / l1];
+            writeln!(text, "{:.6},{x:.16},{y:.16},{a:.16}", 0.005 * f64::from(k)).unwrap();
+        }
+        text
+    };
+    let mut random = Random::of(23);
+    let noisy = text(Box::new(move || 1e-3 * random.normal()), 0.0);
+    let refused = |path: &ArmPath| {
+        let plans = super::inversion::plans(&arm, ElementCount::Auto);
+        let motion = Motion::Path(path.clone());
+        let resources = flexlink::inverse::Resources::default();
+        let solved = flexlink::inverse::invert_motion(
+            &arm,
+            &plans,
+            &motion,
+            &Analysis::default(),
+            &resources,
+        );
+        matches!(solved, Err(flexlink::inverse::InversionError::Disagree { .. }))
+    };
+    assert!(!refused(&path_of(&read(&noisy, &arm).with_noise(1e-3).unwrap())));
+    let contradicting = path_of(&read(&text(Box::new(|| 0.0), 0.3), &arm));
+    let shorter = MotionScale { distance: 0.9, ..MotionScale::default() };
+    assert!(refused(&contradicting) && refused(&contradicting.scaled(shorter).unwrap()));
+    let agreeing = path_of(&read(&text(Box::new(|| 0.0), 0.0), &arm));
+    assert!(!refused(&agreeing) && !refused(&agreeing.scaled(shorter).unwrap()));
+}

@@ -15,7 +15,9 @@ use crate::inverse::rest::{Rest, Return, left_to_return};
 use crate::inverse::{Analysis, InversionError, Resources, Stage, Unwatched, Warning};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;
-use crate::motion::{ArmPath, CourseHistories, Cutoff, Motion, MotionError, Prescribed, TipPeriod};
+use crate::motion::{
+    ArmPath, CourseHistories, Cutoff, Motion, MotionError, Prescribed, TipPeriod, Uncertainty,
+};
 use crate::numeric::TimeGrid;
 
 /// Sine of the elbow's angle that causes a warning below it.
@@ -26,6 +28,9 @@ pub(in super::super) const BYTES: usize = 300;
 
 /// Largest difference in rad between prescribed directions and directions from the tip's place.
 const AGREEMENT: f64 = 1e-3;
+
+/// Standard deviations of noise that directions may differ by, too.
+const DEVIATIONS: f64 = 6.0;
 
 /// Share of the iteration's error. Where a warning reports that error, refinement of mesh and period stops once their
 /// errors are below this share.
@@ -161,11 +166,24 @@ impl<'a> ArmProblem<'a> {
         };
         let courses: Vec<_> = path.given().into_iter().map(at_rest).collect();
         let chords = self.chords(&courses, 0)?;
+        let noise_m = match path.recording().uncertainty {
+            Some(Uncertainty::Noisy { deviation_m, .. }) => DEVIATIONS * deviation_m,
+            _ => 0.0,
+        };
+        let shortest_m = self.arm.lengths_m()[..2].iter().copied().fold(f64::INFINITY, f64::min);
+        let noise_rad = noise_m / shortest_m;
         for (link, angles) in path.beside() {
             let pairs = angles.iter().zip(&chords[*link][0]);
             let off =
                 |(found, expected): (&f64, &f64)| libm::remainder(found - expected, TAU).abs();
-            if let Some(sample) = pairs.clone().position(|pair| off(pair) > AGREEMENT) {
+            // Noise turns a direction, and that from the place the more, the straighter the elbow.
+            let allowed = |sample: usize| {
+                let elbow_rad = chords[1][0][sample] - chords[0][0][sample];
+                AGREEMENT + noise_rad * (1.0 + libm::sin(elbow_rad).abs().recip())
+            };
+            let mut numbered = pairs.enumerate();
+            if let Some((sample, _)) = numbered.find(|(sample, pair)| off(*pair) > allowed(*sample))
+            {
                 let (found, expected) = (angles[sample], chords[*link][0][sample]);
                 return Err(InversionError::Disagree { sample, link: *link, found, expected });
             }
