@@ -132,7 +132,7 @@ def test_a_run_goes_on_from_the_state_of_another(tmp_path: Path) -> None:
     with pytest.raises(flexlink.InputError, match="at must not stand beside state"):
         flexlink.simulate(arm, time, torque=torque, at=[0.1, 0.5], state=first)
     with pytest.raises(TypeError, match="state = <class 'int'>, but must be an earlier"):
-        flexlink.simulate(arm, time, torque=torque, state=3)  # type: ignore[call-overload]
+        flexlink.simulate(arm, time, torque=torque, state=3)  # type: ignore[arg-type]
 
 
 def test_what_cannot_be_played_is_refused_in_words() -> None:
@@ -143,7 +143,7 @@ def test_what_cannot_be_played_is_refused_in_words() -> None:
     def refused(**keywords: object) -> str:
         given = {"torque": torque, "at": [0.0, 0.0]} | keywords
         with pytest.raises(flexlink.FlexlinkError) as caught:
-            flexlink.simulate(arm, time, **given)  # type: ignore[call-overload]
+            flexlink.simulate(arm, time, **given)  # type: ignore[arg-type]
         return str(caught.value)
 
     assert refused(torque=torque[:, 0]) == (
