@@ -79,7 +79,7 @@ def test_stations_of_arrays_are_read_back(command: Command, tmp_path: Path) -> N
     assert "a program wrote this run without input files" in repeated.stderr
     with pytest.raises(flexlink.InputError, match="stations = 0.123 m, but must be a node") as told:
         solution.write(tmp_path / "t", stations=[0.123])
-    assert told.value.hint == "solve with --stations to have nodes there"
+    assert told.value.hint == "solve with stations to have nodes there"
     with pytest.raises(flexlink.InputError, match="unexpected keyword `node`") as told:
         solution.write(tmp_path / "t", node=[1])  # type: ignore[call-arg]
     assert told.value.hint == "did you mean `nodes`?"
