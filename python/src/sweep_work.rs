@@ -1,12 +1,12 @@
 //! The work of one case of a sweep: its link or arm, its solution, and the folder of its results.
 
-use flexlink::cli::options::inputs::{Wanted, scale_arguments};
+use flexlink::cli::options::inputs::{Wanted, are_read_alike, scale_arguments};
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::of_limit;
 use flexlink::inverse::Resources;
 use flexlink::link::Arm;
-use flexlink::motion::{MotionError, MotionScale, Periods};
+use flexlink::motion::{MotionScale, Periods};
 use flexlink::spec::{LinkDocument, Specification};
 use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind};
 
@@ -174,12 +174,10 @@ impl Shared {
             return Err(usage(&format!("links = {count}, but {must}"), None));
         }
         // Angles are arcs of a link's length. A case may vary this length and the start angle.
-        let read_by = |arm: &Arm| (arm.lengths_m(), arm.links()[0].link.gravity().copied());
-        let is_alike = read_by(arm) == read_by(&self.arm);
+        let is_alike = are_read_alike(arm, &self.arm);
         let options = &self.outputs.options;
         let read = (!is_alike).then(|| self.samples.wanted(arm, options)).transpose()?;
         let wanted = read.as_ref().map_or(&self.wanted, |(wanted, _)| wanted);
-        let refused = |error: MotionError| Failure::new(Exit::InputRefused, &error, error.hint());
-        wanted.scaled(case.scale).map_err(refused)
+        wanted.of_case(case.scale)
     }
 }

@@ -132,7 +132,7 @@ pub(super) mod formula {
         known.";
 }
 
-/// What the kinds of warnings of a sweep's cases say.
+/// Meanings of the kinds of warnings of a sweep's cases.
 const WARNINGS: [(&str, &str); 33] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),

@@ -143,6 +143,18 @@ impl Wanted {
     pub fn scaled(&self, scale: MotionScale) -> Result<Self, MotionError> {
         Ok(Self { motion: self.motion.scaled(scale)?, rows: self.rows.clone() })
     }
+
+    /// The same for a case of a sweep, which an error refuses.
+    pub fn of_case(&self, scale: MotionScale) -> Result<Self, Failure> {
+        self.scaled(scale).map_err(|error| Failure::new(Exit::InputRefused, &error, error.hint()))
+    }
+}
+
+/// True if a file is the same motion of both arms, whose links may differ: angles are arcs of one link's length, and its
+/// start angle is that of a motion in angles.
+pub fn are_read_alike(one: &Arm, other: &Arm) -> bool {
+    let read_by = |arm: &Arm| (arm.lengths_m(), arm.links()[0].link.gravity().copied());
+    read_by(one) == read_by(other)
 }
 
 /// A length above 0 as written, and in m.

@@ -33,7 +33,7 @@ enum Hold {
     Cubic,
 }
 
-/// What a torque is between its samples.
+/// Course of a torque between its samples.
 #[derive(Debug, Args)]
 pub(crate) struct HoldArgs {
     /// The torque between the samples of TORQUE: a cubic spline, straight lines, or each sample held until
@@ -77,7 +77,7 @@ impl HoldArgs {
     }
 }
 
-/// What is played and compared.
+/// Input, references and options of `simulate`.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArgs {
     /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and

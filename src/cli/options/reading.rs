@@ -9,7 +9,7 @@ use crate::cli::terminal::console;
 
 const READING: &str = "Reading a measured MOTION or TORQUE";
 
-/// How MOTION, or the TORQUE of `simulate`, is to be read. What is not given is read from the file.
+/// How MOTION, or the TORQUE of `simulate`, is to be read. The file decides where an option is absent.
 #[derive(Debug, Args)]
 pub struct ReadArgs {
     /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;

@@ -17,14 +17,14 @@ use crate::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
 use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
 
-use super::first::{First, scaled};
+use super::first::First;
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, Wanted, scale_arguments};
 use crate::cli::options::play::{HoldArgs, read_torques};
 use crate::cli::options::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure, memory};
 
-/// What all cases of a sweep share beside LINK and MOTION.
+/// Options that all cases of a sweep share beside LINK and MOTION.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArgs {
     #[command(flatten)]
@@ -229,7 +229,7 @@ impl<'a> Cases<'a> {
             return motion;
         }
         let Self { shared, motion_file, .. } = self;
-        scaled(&shared.resample.motion_of(motion_file, arm, &shared.read)?.0, scale)
+        shared.resample.motion_of(motion_file, arm, &shared.read)?.0.of_case(scale)
     }
 
     /// The arguments of `solve` that shape the results of this case, for the record.

@@ -2,12 +2,12 @@
 
 use crate::csv::{InputFile, Reading};
 use crate::link::{Arm, Link};
-use crate::motion::{MotionError, MotionScale, Periods};
+use crate::motion::{MotionScale, Periods};
 use crate::spec::Specification;
 
-use crate::cli::options::inputs::{ResampleArgs, Wanted};
+use crate::cli::options::inputs::{ResampleArgs, Wanted, are_read_alike};
 use crate::cli::options::reading::ReadArgs;
-use crate::cli::terminal::{Exit, Failure};
+use crate::cli::terminal::Failure;
 
 /// The first readable case, and the inputs that others share with it.
 pub(super) struct First {
@@ -35,25 +35,17 @@ impl First {
         Self { wanted: Wanted { motion, rows: rows.named(name) }, ..self }
     }
 
-    /// Its motion over another distance and duration, if a file would be the same motion of this arm, whose links may
-    /// differ: angles are arcs of one link's length, and its start angle is that of a motion in angles.
+    /// Its motion over another distance and duration, if a file would be the same motion of this arm.
     pub(super) fn motion_of(
         &self,
         arm: &Arm,
         scale: MotionScale,
     ) -> Option<Result<Wanted, Failure>> {
-        let read_by = |arm: &Arm| (arm.lengths_m(), arm.links()[0].link.gravity().copied());
-        (read_by(arm) == read_by(&self.arm)).then(|| scaled(&self.wanted, scale))
+        are_read_alike(arm, &self.arm).then(|| self.wanted.of_case(scale))
     }
 
     /// The links.
     pub(super) fn links(&self) -> Vec<&Link> {
         self.arm.links().iter().map(|own| &own.link).collect()
     }
-}
-
-/// A motion over another distance and duration; an error is that of a case.
-pub(super) fn scaled(wanted: &Wanted, scale: MotionScale) -> Result<Wanted, Failure> {
-    let refused = |error: MotionError| Failure::new(Exit::InputRefused, &error, error.hint());
-    wanted.scaled(scale).map_err(refused)
 }

@@ -1,4 +1,4 @@
-//! Links on their chords, from the last inward, from the last inward, with the next link's load on its tip.
+//! Links on their chords, from the last inward, with the next link's load on its tip.
 
 use std::sync::Arc;
 
