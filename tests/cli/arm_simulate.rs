@@ -125,3 +125,40 @@ fn joints_moved_as_solved_take_the_solved_torques() {
     bench.refuses(2, &[&moved[..], &["--at", "0,1"]].concat(), "--input = hub-angle, but must be");
     bench.refuses(3, &["simulate", "arm.toml", "out/tip.csv", "--input", "hub-angle"], "joint1");
 }
+
+/// A rig's table: the run's joint 2 in degrees and y of its tip, a row late, and 1.1 times the torque of joint 1.
+#[test]
+fn a_recording_of_an_arm_is_compared_channel_by_channel() {
+    let bench = solved(&["--digits", "full"]);
+    let of = |file: &str, name: &str| column(&bench, &format!("out/{file}"), name);
+    let times = of("torques.csv", "time_s");
+    let (angles, torques) =
+        (of("joint_angles.csv", "joint2_rad"), of("torques.csv", "torque1_n_m"));
+    let places = of("tip.csv", "y_m");
+    let late = |k: usize| k.saturating_sub(1);
+    let rows = times.iter().zip(&torques).enumerate().map(|(k, (time, torque))| {
+        let angle = angles[late(k)].to_degrees();
+        format!("{time},{angle},{},{},0\n", 1.1 * torque, places[late(k)])
+    });
+    let rows: String = rows.collect();
+    bench.write("rig.csv", &format!("time,joint2 [deg],torque1,y,joint3\n{rows}"));
+    let play = ["simulate", "arm.toml", "out/joint_angles.csv", "--input", "hub-angle"];
+    let output = bench.run(&[&play[..], &["--measured", "rig.csv"]].concat());
+    assert!(stderr(&output).contains("columns not read: 5 \"joint3\""), "{}", stderr(&output));
+    assert!(stdout(&output).contains("\ny "), "{}", stdout(&output));
+    let step_s = times[1] - times[0];
+    let summary = bench.json("simulated/summary.json");
+    for (number, (name, late, gain)) in
+        [("y", 1.0, 1.0), ("joint2", 1.0, 1.0), ("torque1", 0.0, 1.1)].iter().enumerate()
+    {
+        let channel = &summary["measured"]["channels"][number];
+        assert_eq!(channel["channel"], *name);
+        let [delay_s, fitted, left] =
+            ["delay_s", "gain", "left"].map(|key| channel["fit"][key].as_f64().unwrap());
+        assert!((delay_s / step_s - late).abs() < 1e-3, "{name}: {delay_s} s");
+        assert!((fitted / gain - 1.0).abs() < 1e-4 && left < 1e-3, "{name}: {channel}");
+    }
+    bench.write("rig.csv", "time,hub_angle\n0,0\n1,0\n");
+    let refused = [&play[..], &["--measured", "rig.csv", "-o", "other"]].concat();
+    bench.refuses(3, &refused, "must include one of x, y, joint1, joint2, joint1_rate");
+}

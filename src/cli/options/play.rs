@@ -109,7 +109,8 @@ pub(crate) struct PlayArgs {
     target: Option<PathBuf>,
 
     /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
-    /// `velocity`, `acceleration`, `tip_deflection` and `torque`, at any times.
+    /// `velocity`, `acceleration`, `tip_deflection` and `torque`; of an arm any of `x`, `y`, `joint1`, `joint1_rate`,
+    /// `torque1`, `joint2`, …; at any times.
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
 
@@ -214,9 +215,9 @@ impl PlayArgs {
         let measured = measured.map(|file| -> Result<_, Failure> {
             let (recording, reading) = if file.bytes == *bytes {
                 // The options assign the columns of this table.
-                read_recording_as(&file.shown, &file.bytes, &read.format())?
+                read_recording_as(&file.shown, &file.bytes, links, &read.format())?
             } else {
-                read_recording(&file.shown, &file.bytes)?
+                read_recording(&file.shown, &file.bytes, links)?
             };
             tell(&file.shown, &reading);
             Ok((file, recording))
@@ -268,10 +269,7 @@ impl PlayArgs {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
         };
         if arm.links().len() > 1 {
-            let of_one_link =
-                [("--measured", self.measured.is_some()), ("--periodic", self.periodic)];
-            let option = of_one_link.into_iter().find(|(_, is_there)| *is_there);
-            return option.map_or(Ok(()), |(name, _)| Err(for_one_link(name)));
+            return if self.periodic { Err(for_one_link("--periodic")) } else { Ok(()) };
         }
         match &self.feedback {
             _ if self.at.is_some() => {

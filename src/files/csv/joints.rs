@@ -15,12 +15,12 @@ use crate::response::{HubReference, Torque};
 use crate::result::TipPlaces;
 
 /// Angles of an arm's joints.
-const JOINTS: [Quantity; 9] = nine(
+pub(super) const JOINTS: [Quantity; 9] = nine(
     ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7", "joint8", "joint9"],
     quantity("", "_rad", Dimension::NONE, ["rad", "deg"]),
 );
 /// Rates of an arm's joints.
-const JOINT_RATES: [Quantity; 9] = nine(
+pub(super) const JOINT_RATES: [Quantity; 9] = nine(
     [
         "joint1_rate",
         "joint2_rate",

@@ -151,7 +151,7 @@ fn suspect(columns: &Columns, fields: &[&str]) -> Option<usize> {
 fn absent_by(vocabulary: &Vocabulary, columns: &Columns, field: &str) -> Option<&'static str> {
     let absent = vocabulary.quantities.iter().filter(|known| !columns.has(**known));
     let name = vocabulary.plain(split_unit(field).0);
-    nearest(&name, absent.map(|quantity| quantity.word))
+    nearest(&name, absent.map(|quantity| quantity.word)).filter(|word| *word != name)
 }
 
 /// Unread columns, and a remedy: correcting a slip, or else the `other` hint.

@@ -1,12 +1,13 @@
-//! Measurements of a link: records and free decays for a fit, and a recording for comparison with a simulation.
+//! Measurements: records and free decays for a fit, and a recording for comparison with a simulation.
 
 use super::columns::{Beside, Columns, Header};
 use super::format::{ColumnScale, Reading, TableFormat};
 use super::heading::{
-    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Heading, Measure, Quantity,
-    ROOT_STRAIN, Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, names, quantity,
-    refuse_missing,
+    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, Measure,
+    PATH_X, PATH_Y, Quantity, ROOT_STRAIN, Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE,
+    Vocabulary, joined, names, quantity, refuse_missing,
 };
+use super::joints::{JOINT_RATES, JOINTS};
 use super::motion_columns::unread;
 use super::outliers::{Judged, doubt};
 use super::place::BY_HEADINGS;
@@ -150,26 +151,32 @@ const CHANNELS: Vocabulary = Vocabulary {
     ..Vocabulary::NONE
 };
 
-/// Channel of each quantity.
-const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
-    (HUB_ANGLE, SimulatedChannel::HubAngle),
-    (HUB_RATE, SimulatedChannel::HubRate),
-    (TIP, SimulatedChannel::Tip),
-    (DISPLACEMENT, SimulatedChannel::Tip),
-    (VELOCITY, SimulatedChannel::Velocity),
-    (ACCELERATION, SimulatedChannel::Acceleration),
-    (DEFLECTION, SimulatedChannel::TipDeflection),
-    (TORQUE, SimulatedChannel::Torque),
-];
+/// Names of all quantities that the simulation of an arm yields.
+const ARM_CHANNELS: Vocabulary = Vocabulary {
+    quantities: &joined::<30>(&[&[TIME, PATH_X, PATH_Y], &JOINTS, &JOINT_RATES, &JOINT_TORQUES]),
+    example: "time,joint1,joint2",
+    ..CHANNELS
+};
 
-/// Reads a recording: `time`, and any of `hub_angle`, `hub_rate`, `tip` or `displacement`, `velocity` and
-/// `acceleration` of the tip, `tip_deflection` and `torque`. Times must increase, but need not be uniform.
+/// Channel of a quantity.
+fn channel_of(quantity: Quantity) -> Option<SimulatedChannel> {
+    let name = match quantity {
+        DISPLACEMENT => TIP.word,
+        DEFLECTION => "tip_deflection",
+        _ => quantity.word,
+    };
+    SimulatedChannel::of_name(name)
+}
+
+/// Reads a recording of one link: `time`, and any of `hub_angle`, `hub_rate`, `tip` or `displacement`, `velocity` and
+/// `acceleration` of the tip, `tip_deflection` and `torque`. A recording of an arm has any of `x` and `y` of the tip,
+/// `joint1`, `joint1_rate`, `torque1`, `joint2`, … Times must increase, but need not be uniform.
 ///
 /// ```
 /// use flexlink::csv::read_recording;
 /// use flexlink::result::SimulatedChannel;
 /// let file = b"Time (ms),hub_angle [deg],tip [mm]\n0,0,0\n1,1,0\n2,3,1\n3,6,3\n";
-/// let (recording, _) = read_recording("rig.csv", file)?;
+/// let (recording, _) = read_recording("rig.csv", file, 1)?;
 /// let (channel, samples) = &recording.channels[1];
 /// assert_eq!((*channel, samples[3], recording.time_s[3]), (SimulatedChannel::Tip, 0.003, 0.003));
 /// # Ok::<(), flexlink::csv::TableError>(())
@@ -177,8 +184,12 @@ const OF_QUANTITY: [(Quantity, SimulatedChannel); 8] = [
 ///
 /// # Errors
 /// [`TableError`] names the file, and the faulty line and column.
-pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Reading), TableError> {
-    read_recording_as(name, bytes, &TableFormat::default())
+pub fn read_recording(
+    name: &str,
+    bytes: &[u8],
+    links: usize,
+) -> Result<(ChannelRecording, Reading), TableError> {
+    read_recording_as(name, bytes, links, &TableFormat::default())
         .map_err(|error| error.of_named_file(BY_HEADINGS))
 }
 
@@ -190,40 +201,46 @@ pub fn read_recording(name: &str, bytes: &[u8]) -> Result<(ChannelRecording, Rea
 pub fn read_recording_as(
     name: &str,
     bytes: &[u8],
+    links: usize,
     format: &TableFormat,
 ) -> Result<(ChannelRecording, Reading), TableError> {
-    let mut samples = Samples::read(name, bytes, format, channel_columns)?;
+    let vocabulary = if links == 1 { &CHANNELS } else { &ARM_CHANNELS };
+    let columns = |header: Header| channel_columns(header, vocabulary, links);
+    let mut samples = Samples::read(name, bytes, format, columns)?;
     doubt(&mut samples);
     let time_s = samples.take(TIME).unwrap_or_default();
-    let taken = OF_QUANTITY.into_iter();
-    let taken = taken.filter_map(|(quantity, channel)| Some((channel, samples.take(quantity)?)));
-    let channels = taken.collect();
+    let each = vocabulary.quantities[1..].iter();
+    let channels = each.filter_map(|own| Some((channel_of(*own)?, samples.take(*own)?))).collect();
     Ok((ChannelRecording { time_s, channels }, samples.reading))
 }
 
-fn channel_columns(header: Header) -> Result<Columns, TableError> {
+fn channel_columns(
+    header: Header,
+    vocabulary: &Vocabulary,
+    links: usize,
+) -> Result<Columns, TableError> {
     let Header { fields, place, format } = header;
-    let mut columns = Columns::find(&CHANNELS, header, Beside::Others)?;
-    if !format.columns.is_empty() {
-        let is_chosen = |quantity| format.columns.iter().any(|own| own.quantity == quantity);
-        let counts = |own: &Heading| {
-            let is_common =
-                CHANNELS.spelling(fields[own.index], own.quantity) == Some(Spelling::Alias);
-            own.quantity == TIME || is_chosen(own.quantity) || !is_common
-        };
-        columns.headings.retain(counts);
-        let is_read = |index: &usize| columns.headings.iter().any(|own| own.index == *index);
-        columns.unread = (0..fields.len()).filter(|index| !is_read(index)).collect();
-    }
+    let mut columns = Columns::find(vocabulary, header, Beside::Others)?;
+    let joint_of = |own: Quantity| channel_of(own).and_then(SimulatedChannel::joint);
+    let has = |own: Quantity| joint_of(own).is_none_or(|joint| joint < links);
+    let is_chosen = |quantity| format.columns.iter().any(|own| own.quantity == quantity);
+    let counts = |own: &Heading| {
+        let spelling = vocabulary.spelling(fields[own.index], own.quantity);
+        let is_common = !format.columns.is_empty() && spelling == Some(Spelling::Alias);
+        has(own.quantity) && (own.quantity == TIME || is_chosen(own.quantity) || !is_common)
+    };
+    columns.headings.retain(counts);
+    let is_read = |index: &usize| columns.headings.iter().any(|own| own.index == *index);
+    columns.unread = (0..fields.len()).filter(|index| !is_read(index)).collect();
     columns.require(TIME, header)?;
     columns.refuse_both([TIP, DISPLACEMENT], header, "rename one of them")?;
     if columns.headings.len() < 2 {
-        let words = CHANNELS.quantities[1..].iter().map(|quantity| quantity.word);
+        let words = vocabulary.quantities[1..].iter().filter(|own| has(**own)).map(|own| own.word);
         let wanted = format!("one of {}", words.collect::<Vec<_>>().join(", "));
         return Err(refuse_missing(&names(fields), &wanted, place));
     }
     let hint = "a simulation has no such channel";
-    columns.reading.unread = unread(&columns, fields, &CHANNELS, hint);
+    columns.reading.unread = unread(&columns, fields, vocabulary, hint);
     Ok(columns)
 }
 
@@ -368,7 +385,8 @@ mod tests {
             ..TableFormat::default()
         };
         let read = |choices: &[&str]| {
-            let (recording, reading) = read_recording_as("r.csv", file, &columns(choices)).unwrap();
+            let (recording, reading) =
+                read_recording_as("r.csv", file, 1, &columns(choices)).unwrap();
             let channels: Vec<_> = recording.channels.iter().map(|(own, _)| *own).collect();
             (channels, reading.unread)
         };

@@ -82,12 +82,14 @@ impl Played {
         self.bent().map_or([0.0; 2], |bent| bent.change)
     }
 
-    /// Period of the first flexible mode of one link in s; for a linear link with a prescribed hub, of the held link.
+    /// Longest period of a link's first flexible mode in s; for a linear link with a prescribed hub, of the held link.
     pub fn first_period_s(&self) -> Option<f64> {
         match &self.by {
             PlayedBy::Modes(modes) => modes.equations.first_period_s(),
             PlayedBy::Elastica(_) => {
-                self.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
+                let first =
+                    self.links.iter().filter_map(|own| own.natural_frequencies_rad_s.first());
+                first.map(|omega| TAU / omega).reduce(f64::max)
             }
         }
     }

@@ -25,6 +25,14 @@ pub enum ComparisonError {
         /// Times of the recording.
         times: usize,
     },
+    /// A channel that the simulation does not have.
+    #[error("{} = a channel of the recording, but the simulation has {joints} joint(s)", channel.name())]
+    Absent {
+        /// The channel.
+        channel: SimulatedChannel,
+        /// Joints of the simulation.
+        joints: usize,
+    },
     /// Too few times within the simulation.
     #[error(
         "{found} of the times lie within the simulation, {} to {} s, but at least {FEWEST} must",
@@ -46,6 +54,10 @@ impl ComparisonError {
     pub fn hint(&self) -> &'static str {
         match self {
             Self::NoChannel => "record what a simulation has: hub angle, tip, torque",
+            Self::Absent { joints: 1, .. } => "a hub has hub_angle, hub_rate and torque",
+            Self::Absent { .. } => {
+                "the joints of an arm have joint1, joint1_rate, torque1, joint2, …"
+            }
             Self::Uneven { .. } => "write a sample of every channel at each time",
             Self::NoOverlap { .. } => {
                 "count time from the same instant in both, or simulate longer with --until"
@@ -57,7 +69,7 @@ impl ComparisonError {
 /// Fewest times that recording and simulation share.
 const FEWEST: usize = 8;
 
-/// Largest delay, in periods of the first mode and in durations that recording and simulation share.
+/// Largest delay, in periods of a link's first mode and in durations that recording and simulation share.
 const OF_PERIOD: f64 = 0.25;
 const OF_RECORD: f64 = 0.1;
 
@@ -128,11 +140,12 @@ pub struct ChannelFit {
 impl Comparison {
     /// Compares at the recording's times; a cubic spline interpolates the simulation.
     ///
-    /// The link rests before the simulation's first sample. The search covers delays up to a quarter of the first
-    /// mode's period, where the next wave would fit as well, and up to a tenth of the duration.
+    /// Link or arm rest before the simulation's first sample. The search covers delays up to a quarter of the longest
+    /// period of a link's first mode, where the next wave would fit as well, and up to a tenth of the duration.
     ///
     /// # Errors
-    /// [`ComparisonError`]: a recording without channel or with too few times within the simulation.
+    /// [`ComparisonError`]: a recording without channel, with a channel that the simulation does not have, or with too few
+    /// times within the simulation.
     pub fn of(simulation: &Played, recording: &ChannelRecording) -> Result<Self, ComparisonError> {
         let times = recording.time_s.len();
         if recording.channels.is_empty() {
@@ -159,22 +172,26 @@ impl Comparison {
         let period_s = simulation.first_period_s().unwrap_or(f64::INFINITY);
         let longest_delay_s = (OF_PERIOD * period_s).min(OF_RECORD * (until_s - from_s));
         let compared = |(channel, recorded): &(SimulatedChannel, Vec<f64>)| {
+            let joints = simulation.joints.len();
+            let absent = ComparisonError::Absent { channel: *channel, joints };
+            let samples = channel.of(simulation).ok_or(absent)?;
             let simulated = SimulatedHistory {
-                spline: CubicSpline::uniform(&channel.of(simulation), SplineEnds::NotAKnot),
+                spline: CubicSpline::uniform(&samples, SplineEnds::NotAKnot),
                 start_s,
                 step_s: grid.step_s,
                 last: (grid.len - 1) as f64,
             };
             let pair = Pair { simulated, time_s, recorded: &recorded[first..behind] };
-            pair.compared(*channel, longest_delay_s)
+            Ok(pair.compared(*channel, longest_delay_s))
         };
+        let channels = recording.channels.iter().map(compared);
         Ok(Self {
             from_s,
             until_s,
             samples: found,
             left_out: times - found,
             longest_delay_s,
-            channels: recording.channels.iter().map(compared).collect(),
+            channels: channels.collect::<Result<_, _>>()?,
         })
     }
 

@@ -32,6 +32,7 @@ fn samples(simulation: &Played, channel: SimulatedChannel) -> Vec<f64> {
         SimulatedChannel::Acceleration => simulation.tip[0].acceleration_m_s2.clone(),
         SimulatedChannel::TipDeflection => simulation.tip_deflection_m(),
         SimulatedChannel::Torque => simulation.hub().torque_n_m.clone(),
+        _ => panic!("a channel of arms"),
     }
 }
 
@@ -200,4 +201,8 @@ fn a_recording_of_nothing_or_of_another_time_is_refused() {
     assert_eq!(refused(&[0.0, 1.0], &[]), nothing);
     let uneven = "tip = 3 samples, but must be as many as there are times, 2";
     assert_eq!(refused(&[0.0, 1.0], &[tip(2), tip(3)]), uneven);
+    let joint = (SimulatedChannel::JointAngle(1), vec![0.1; 9]);
+    let absent = "joint2 = a channel of the recording, but the simulation has 1 joint(s)";
+    let times: Vec<f64> = (0..9).map(|k| 0.1 * f64::from(k)).collect();
+    assert_eq!(refused(&times, &[joint]), absent);
 }

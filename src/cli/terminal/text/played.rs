@@ -101,7 +101,7 @@ fn measured_text(comparison: &Comparison) -> String {
 const NOTHING: f64 = 1e-6;
 
 fn channel_row(channel: &ChannelComparison, comparison: &Comparison) -> String {
-    let name = channel.channel.name().to_owned();
+    let name = channel.channel.name();
     // Smaller values are round-off.
     let least = NOTHING * channel.recorded_deviation;
     let is_more = channel.rms >= least;
