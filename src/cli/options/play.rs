@@ -269,7 +269,7 @@ impl PlayArgs {
             Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
         };
         if arm.links().len() > 1 {
-            return if self.periodic { Err(for_one_link("--periodic")) } else { Ok(()) };
+            return Ok(());
         }
         match &self.feedback {
             _ if self.at.is_some() => {

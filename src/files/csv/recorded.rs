@@ -61,8 +61,7 @@ impl MotionTable {
     /// A velocity without other columns is integrated: the displacement is the integral of its not-a-knot cubic spline.
     ///
     /// # Errors
-    /// Those of [`TipMotion::with_ends`] and [`ArmPath::new`], with file and line; a path of an arm that does not begin
-    /// and end at rest.
+    /// Those of [`TipMotion::with_ends`] and [`ArmPath::with_ends`], with file and line.
     pub fn into_motion(self) -> Result<Motion, TableError> {
         self.refuse_jump()?;
         let of_integral = self.with_integral();
@@ -75,7 +74,7 @@ impl MotionTable {
         let Self { sampled, rows, ends, .. } = uniform;
         let motion = match sampled {
             Sampled::Path { columns, lengths_m } => {
-                let path = ArmPath::new(columns, &lengths_m);
+                let path = ArmPath::with_ends(columns, &lengths_m, ends);
                 Motion::Path(path.map_err(|e| rows.refused(e.sample(), &e, e.hint()))?)
             }
             Sampled::Tip { columns, recording, .. } => {
@@ -96,19 +95,9 @@ impl MotionTable {
         Ok(motion)
     }
 
-    /// Refuses velocities at the ends from rounded rows, because they depend on only four rows, and ends of a path that
-    /// are no rests.
+    /// Refuses velocities at the ends from rounded rows, because they depend on only four rows.
     fn check_ends(&self) -> Result<(), TableError> {
-        let place = Place { file: &self.rows.name, line: None };
-        let (columns, recording) = match &self.sampled {
-            Sampled::Path { .. } if self.ends != Ends::AtRest => {
-                let message = "--periodic and --moving-ends are for one link: between two periods of its inversion, an \
-                               arm returns to its start at rest";
-                return Err(place.refuse_whole(message));
-            }
-            Sampled::Path { .. } => return Ok(()),
-            Sampled::Tip { columns, recording, .. } => (columns, recording),
-        };
+        let Sampled::Tip { columns, recording, .. } = &self.sampled else { return Ok(()) };
         let MotionColumns { time_s, acceleration_m_s2, velocity_m_s, displacement_m } = columns;
         let given = velocity_m_s.as_ref().or(acceleration_m_s2.as_ref());
         let displacement_m = displacement_m.as_deref().filter(|_| given.is_none());

@@ -154,8 +154,8 @@ pub enum InversionError {
 pub enum RefusedEnds {
     /// Weight or second-order terms, never at rest at a constant velocity.
     #[error(
-        "the tip moves at the ends of its motion, but with gravity or second-order terms it must rest there or \
-         repeat its motion"
+        "the tip moves at the ends of its motion, but an arm, or a link with gravity or second-order terms, must rest \
+         there or repeat its motion"
     )]
     Bent,
     /// Drag on every mass: even a constant velocity needs a torque.

@@ -80,8 +80,14 @@ fn invert_link(
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
-    refuse_ends(&*coarsest, motion, analysis)?;
-    if link.has_weight() || analysis.second_order_of(link) != SecondOrder::None {
+    let is_bent = link.has_weight() || analysis.second_order_of(link) != SecondOrder::None;
+    refuse_ends(motion.ends(), (is_bent, coarsest.law().mass_rate_per_s() > 0.0), analysis)?;
+    let turns = motion.travel_m() / (TAU * link.length_m());
+    let is_turned = motion.ends() == Ends::Periodic && (turns - turns.round()).abs() > WHOLE_TURNS;
+    if is_turned && link.has_weight() {
+        return Err(InversionError::Ends(RefusedEnds::Turned));
+    }
+    if is_bent {
         return invert_bent(coarsest, plan, motion, analysis, resources);
     }
     let mut first_zero_per_s = first_zero(coarsest.mesh());
@@ -122,25 +128,17 @@ fn invert_link(
     problem.solution(answering, answer, (&window, edge), &errors, None)
 }
 
-/// Refuses ends of a motion that do not suit this link or the analysis.
-fn refuse_ends(
-    model: &dyn Model,
-    motion: &TipMotion,
+/// Refuses ends of a motion that do not suit the analysis, links that bend far or sag, or links with drag.
+pub(super) fn refuse_ends(
+    ends: Ends,
+    (is_bent, has_drag): (bool, bool),
     analysis: &Analysis,
 ) -> Result<(), InversionError> {
-    let link = model.link();
-    let is_bent = link.has_weight() || analysis.second_order_of(link) != SecondOrder::None;
-    let has_drag = model.law().mass_rate_per_s() > 0.0;
     let has_edges = analysis.lead_s().is_some() || analysis.lag_s().is_some();
-    let turn_m = TAU * link.length_m();
-    let turns = motion.travel_m() / turn_m;
-    let refused = match motion.ends() {
+    let refused = match ends {
         Ends::Moving if is_bent => Some(RefusedEnds::Bent),
         Ends::Moving if has_drag => Some(RefusedEnds::Drag),
         Ends::Periodic if has_edges => Some(RefusedEnds::Edges),
-        Ends::Periodic if link.has_weight() && (turns - turns.round()).abs() > WHOLE_TURNS => {
-            Some(RefusedEnds::Turned)
-        }
         _ => None,
     };
     refused.map_or(Ok(()), |why| Err(InversionError::Ends(why)))

@@ -28,20 +28,20 @@ impl Padding {
     /// Padding that lets the torque decay to a tenth of the tolerance, as e^{z₁t} before and e^{−z₁t} after the motion.
     /// Rest within the trajectory counts.
     pub(super) fn new(motion: &TipMotion, analysis: &Analysis, first_zero: Option<f64>) -> Self {
-        if let Some(cycles) = motion.cycles() {
-            return Self { before: 0, after: 0, cycles: Some(cycles) };
-        }
-        let (first, last) = motion.moving_samples();
-        Self::around((first, last), motion.grid(), analysis, first_zero)
+        let moving = (motion.cycles(), motion.moving_samples());
+        Self::around(moving, motion.grid(), analysis, first_zero)
     }
 
-    /// Padding of a motion from sample `first` to sample `last` of its grid.
+    /// Padding of a motion from sample `first` to sample `last` of its grid; a period of `cycles` samples needs none.
     pub(super) fn around(
-        (first, last): (usize, usize),
+        (cycles, (first, last)): (Option<usize>, (usize, usize)),
         TimeGrid { step_s, len, .. }: TimeGrid,
         analysis: &Analysis,
         first_zero: Option<f64>,
     ) -> Self {
+        if cycles.is_some() {
+            return Self { before: 0, after: 0, cycles };
+        }
         let decay_s = first_zero.map_or(0.0, |z| libm::log(10.0 / analysis.tolerance()) / z);
         let decay = (decay_s / step_s).ceil() as usize;
         let given = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);

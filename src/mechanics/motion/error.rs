@@ -293,6 +293,9 @@ impl PathError {
             | Self::TurnsAtEnd { .. } => Some(
                 "add the samples that bring the arm to rest, or state the noise of the samples with --noise",
             ),
+            Self::Column { error: MotionError::Unclosed { .. }, .. } => {
+                Some("a cycle of an arm ends where it begins, without further turns of its links")
+            }
             Self::Column { error, .. } | Self::Motion(error) => error.hint(),
             Self::Jump { .. } => Some("add or subtract 2π, or 360 deg, from there on"),
             Self::TooMany { .. } => Some("leave the column out, or add the link to the arm file"),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::error::{MotionError, PathError};
 use super::period::TipPeriod;
 use super::recording::{Recording, UNCERTAIN, Uncertainty};
-use super::samples::MotionColumns;
+use super::samples::{Ends, MotionColumns};
 use super::scale::{MotionScale, TipTarget};
 use super::spectrum::{Cutoff, InputBand};
 use super::tip_motion::TipMotion;
@@ -114,7 +114,7 @@ enum Course {
     Moving(TipMotion),
 }
 
-/// The wanted motion of an arm on a uniform grid, from rest to rest. A clone shares the samples.
+/// The wanted motion of an arm on a uniform grid, from rest to rest unless its [`Ends`] differ. A clone shares the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmPath {
     grid: TimeGrid,
@@ -141,6 +141,18 @@ impl ArmPath {
     /// # Errors
     /// [`PathError`].
     pub fn new(columns: PathColumns, lengths_m: &[f64]) -> Result<Self, PathError> {
+        Self::with_ends(columns, lengths_m, Ends::AtRest)
+    }
+
+    /// [`ArmPath::new`] with other ends. A cycle leads back to its start.
+    ///
+    /// # Errors
+    /// [`PathError`]; also a cycle that ends with its first sample.
+    pub fn with_ends(
+        columns: PathColumns,
+        lengths_m: &[f64],
+        ends: Ends,
+    ) -> Result<Self, PathError> {
         let dropped = columns.each().map(|column| column.recording.dropped).sum();
         let PathColumns { time_s, tip, angles } = columns;
         let links = lengths_m.len();
@@ -177,7 +189,7 @@ impl ArmPath {
         let courses = all.into_iter().map(|own| {
             let (range_m, constant_m) = (range_m(&own), own.1 * own.0.constant());
             let is_held = range_m < widest_m && range_m <= constant_m.max(HELD * widest_m);
-            Course::of(&time_s, own, is_held)
+            Course::of(&time_s, own, (is_held, ends))
         });
         let courses: Vec<Course> = courses.collect::<Result<_, _>>()?;
         let of_moving = courses.iter().filter_map(Course::moving).map(TipMotion::recording);
@@ -238,6 +250,16 @@ impl ArmPath {
         &self.beside
     }
 
+    /// Motion before the first sample and after the last.
+    pub fn ends(&self) -> Ends {
+        self.moving().next().map_or(Ends::AtRest, TipMotion::ends)
+    }
+
+    /// Number of samples in the shortest period of a periodic path, all of them in the path.
+    pub(crate) fn cycles(&self) -> Option<usize> {
+        self.moving().next().and_then(TipMotion::cycles)
+    }
+
     /// Numbers of the last sample at rest before the motion and of the first one after it.
     pub fn moving_samples(&self) -> (usize, usize) {
         let ends = self.moving().map(TipMotion::moving_samples);
@@ -276,9 +298,8 @@ impl ArmPath {
             Course::Held(value) => Ok(Course::Held(*value)),
             Course::Moving(motion) => motion.twice_as_often().map(Course::Moving),
         };
-        let courses = self.courses.iter().map(finer).collect::<Result<_, _>>()?;
-        let own = self.grid;
-        let grid = TimeGrid { step_s: 0.5 * own.step_s, len: 2 * own.len - 1, ..own };
+        let courses = self.courses.iter().map(finer).collect::<Result<Vec<_>, _>>()?;
+        let grid = courses.iter().find_map(Course::moving).map_or(self.grid, TipMotion::grid);
         Ok(Self { grid, courses, beside: Vec::new(), ..self.clone() })
     }
 
@@ -430,7 +451,7 @@ impl Course {
     fn of(
         time_s: &[f64],
         (column, length_m): (PathColumn, f64),
-        is_held: bool,
+        (is_held, ends): (bool, Ends),
     ) -> Result<Self, PathError> {
         if is_held {
             let [low, high] = extremes(&column.values);
@@ -456,7 +477,8 @@ impl Course {
             }
             error => PathError::Column { column: name, error },
         };
-        Ok(Self::Moving(TipMotion::new(columns).map_err(refused)?.recorded(recording)))
+        let motion = TipMotion::with_ends(columns, ends).map_err(refused)?;
+        Ok(Self::Moving(motion.recorded(recording)))
     }
 }
 

@@ -81,9 +81,12 @@ impl Motion {
         }
     }
 
-    /// Its ends. A path begins and ends at rest.
+    /// Its ends.
     pub fn ends(&self) -> Ends {
-        self.tip().map_or(Ends::AtRest, TipMotion::ends)
+        match self {
+            Self::Tip(motion) => motion.ends(),
+            Self::Path(path) => path.ends(),
+        }
     }
 
     /// Times of its samples.

@@ -9,7 +9,7 @@ use super::linkage::Linkage;
 use super::modes::HubReaction;
 use super::play::PlayProgress;
 use super::radau::{Motion, Radau};
-use super::state::settle;
+use super::state::{Cycle, settle};
 use crate::numeric::{TimeGrid, dot};
 
 /// Number of steps that ends the refinement: the first level with more steps is the last one.
@@ -41,14 +41,6 @@ pub(super) struct InitialMotion {
     pub(super) rates: Vec<f64>,
     /// Direction in rad of zero displacement for one link.
     pub(super) from_rad: f64,
-}
-
-/// One cycle that repeats.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cycle {
-    pub(super) grid: TimeGrid,
-    /// Whether the hub is free: it may turn on from cycle to cycle, at one rate.
-    pub(super) is_free: bool,
 }
 
 /// Links, the input of each joint, and their start.
@@ -160,8 +152,8 @@ impl Problem<'_> {
         let holding_n_m = self.linkage.joints.iter().map(|joint| -balance.force[*joint]);
         let mut played = BentMotion::empty(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
         self.accelerate(0, &mut motion, &mut balance)?;
-        if let Some(Cycle { grid: cycle, is_free }) = self.cycle {
-            settle(&mut motion, cycle, is_free, |motion, sample| {
+        if let Some(cycle) = &self.cycle {
+            settle(&mut motion, cycle, &self.linkage.joints, |motion, sample| {
                 (0..steps).try_for_each(|step| self.step(&mut radau, motion, (sample, step, steps)))
             })?;
             self.accelerate_under_torques(0, &mut motion, &mut balance)?;

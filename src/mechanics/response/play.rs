@@ -135,7 +135,8 @@ pub struct Play<'a> {
     /// Initial state of the links under torques. `None`: at rest.
     pub state: Option<&'a State>,
     /// Periodic steady state under one repeating cycle of the input. Holds the rotation per cycle in rad of a
-    /// prescribed hub, or of a linear link's hub without friction and feedback.
+    /// prescribed hub, or of a linear link's hub without friction and feedback. The prescribed joints of an arm make the
+    /// whole turns of their angles.
     pub cycle_turn_rad: Option<f64>,
 }
 
@@ -165,6 +166,17 @@ impl<'a> Play<'a> {
             start_angle_rad: None,
             state: None,
             cycle_turn_rad: None,
+        }
+    }
+
+    /// Rotation in rad of a prescribed joint over a cycle, where the input repeats.
+    pub(super) fn turn_of_cycle_rad(&self, joint: usize) -> Option<f64> {
+        match self.input {
+            Input::Angles(joints) if joints.len() > 1 => {
+                let turn_rad = joints[joint].turn_rad(None);
+                self.cycle_turn_rad.map(|_| TAU * (turn_rad / TAU).round())
+            }
+            _ => self.cycle_turn_rad,
         }
     }
 
@@ -310,7 +322,7 @@ impl<'a> Play<'a> {
             Input::Torques(torques) => &torques[joint],
             Input::Angles(hubs) => {
                 let hub = &hubs[joint];
-                let turn_rad = self.cycle_turn_rad;
+                let turn_rad = self.turn_of_cycle_rad(joint);
                 if let Some(jump_rad) = turn_rad.and_then(|turn_rad| hub.jump_rad(turn_rad)) {
                     return Err(CycleError::Reference { jump_rad }.into());
                 }

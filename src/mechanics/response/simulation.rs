@@ -2,7 +2,7 @@
 
 use super::bent::BentMotion;
 use super::chain::play_bytes;
-use super::driver::{Cycle, Drive, InitialMotion, Problem, refine};
+use super::driver::{Drive, InitialMotion, Problem, refine};
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
@@ -12,7 +12,7 @@ use super::played::{Played, PlayedBy, PlayedLink};
 use super::pose::without_noise;
 use super::rest::{Start, at_rest};
 use super::shape::{Held, direction, refuse_unknown, resting, viscous};
-use super::state::State;
+use super::state::{Cycle, State};
 use super::warnings;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Arm, ArmLink, Damping, Link};
@@ -222,8 +222,10 @@ impl Bending<'_> {
             Some(link) => self.start_of_link(link, &linkage, state)?,
             None => self.start_of_arm(&linkage, state)?,
         };
-        if let (Some(_), Input::Angles([hub])) = (one, play.input) {
-            start.rates[0] = hub.accelerations(play.cycle_turn_rad).2;
+        if let Input::Angles(hubs) = play.input {
+            for (number, (joint, hub)) in linkage.joints.iter().zip(hubs).enumerate() {
+                start.rates[*joint] = hub.accelerations(play.turn_of_cycle_rad(number)).2;
+            }
         }
         let aim_rad = one.map_or(0.0, |link| {
             let reference = play.feedback.first().filter(|_| link.has_weight());
@@ -231,19 +233,24 @@ impl Bending<'_> {
             play.zero_of_state_rad(link).or(reference_rad).unwrap_or(start.q[0])
         });
         let aims_rad = vec![aim_rad; linkage.joints.len()];
-        let cycle = play.cycle_turn_rad.and(one).map(|link| self.cycle(link)).transpose()?;
+        let cycle = play.cycle_turn_rad.map(|_| self.cycle(&linkage.joints)).transpose()?;
         Ok(Problem { linkage, drives, aims_rad, grid, start, cycle })
     }
 
-    /// One cycle of a link.
-    fn cycle(&self, link: &Link) -> Result<Cycle, SimulationError> {
-        let reaction = self.play.reaction(0, link);
-        let is_unheld = !link.has_weight() && reaction.stiffness_n_m_rad == 0.0;
-        let is_moved = !self.play.input.is_torque();
-        if is_unheld && !is_moved && reaction.damping_n_m_s_rad == 0.0 {
-            return Err(CycleError::Free.into());
-        }
-        Ok(Cycle { grid: self.play.input.grid(), is_free: is_unheld || is_moved })
+    /// One cycle of the input: every prescribed joint is free, and the first joint under a torque without weight and
+    /// without stiffness of its feedback.
+    fn cycle(&self, joints: &[usize]) -> Result<Cycle, SimulationError> {
+        let free = match &self.drives[0] {
+            Drive::Acceleration(_) => joints.to_vec(),
+            Drive::Torque(_, reaction) => {
+                let is_unheld = !self.arm.has_weight() && reaction.stiffness_n_m_rad == 0.0;
+                if is_unheld && reaction.damping_n_m_s_rad == 0.0 {
+                    return Err(CycleError::Free.into());
+                }
+                joints[..usize::from(is_unheld)].to_vec()
+            }
+        };
+        Ok(Cycle { grid: self.play.input.grid(), free })
     }
 
     /// One link before the input, at rest or in a state.
@@ -317,7 +324,7 @@ pub struct MovedJoint<'a> {
 /// Moves the joints of an arm over a grid, independent of the inversion. Refines the motion until tip and joints change
 /// by less than `tolerance` of their motion, or to the finest level (see
 /// [`BentPlay::change`](super::BentPlay::change)). `highest_rad_s` is the highest frequency of the motion. Prescribed
-/// joints let no pose fall.
+/// joints let no pose fall. A motion that `repeats` is one cycle over the grid, in its periodic steady state.
 ///
 /// # Errors
 /// [`SimulationError`], for example for damping without an equation in time.
@@ -326,25 +333,34 @@ pub fn move_arm(
     joints: &[MovedJoint<'_>],
     grid: &TimeGrid,
     (highest_rad_s, tolerance): (f64, f64),
+    repeats: bool,
 ) -> Result<Played, SimulationError> {
     let drive = |joint: &MovedJoint<'_>| {
         let samples = joint.accelerations_rad_s2.to_vec();
+        if repeats {
+            return Drive::Acceleration(Driving::repeated(samples, Interpolation::Cubic));
+        }
         let pieces = pieces(&samples, Interpolation::Cubic);
-        Drive::Acceleration(Driving { samples, pieces, hold: 0.0, repeats: false, turning: None })
+        Drive::Acceleration(Driving { samples, pieces, hold: 0.0, repeats, turning: None })
     };
     let drives: Vec<Drive> = joints.iter().map(drive).collect();
     let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
-    let problem = |more: usize, _: Option<&BentMotion>| {
+    let problem = |more: usize, before: Option<&BentMotion>| {
         let linkage = rayleigh(arm, Linkage::of(arm, highest_rad_s, more, None))?;
-        let q =
-            at_rest(arm, &linkage, Start::Joints(&angles_rad)).ok_or(SimulationError::NoRest)?;
-        let mut rates = vec![0.0; linkage.count];
+        let (mut q, mut rates) = match before.filter(|_| repeats) {
+            Some(before) => linkage.of_state(&before.play.state(grid, 0))?,
+            None => {
+                let q = at_rest(arm, &linkage, Start::Joints(&angles_rad));
+                (q.ok_or(SimulationError::NoRest)?, vec![0.0; linkage.count])
+            }
+        };
         for (joint, moved) in linkage.joints.iter().zip(joints) {
-            rates[*joint] = moved.rate_rad_s;
+            (q[*joint], rates[*joint]) = (moved.angle_rad, moved.rate_rad_s);
         }
+        let cycle = repeats.then(|| Cycle { grid: *grid, free: linkage.joints.clone() });
         let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
-        Ok(Problem { linkage, drives: &drives, aims_rad, grid, start, cycle: None })
+        Ok(Problem { linkage, drives: &drives, aims_rad, grid, start, cycle })
     };
     let motion = refine(problem, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
     Ok(of_motion(motion, (*grid, grid.len), Vec::new(), Vec::new()))

@@ -11,7 +11,7 @@ use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::{Arm, Link, POSITION_TOLERANCE};
 use crate::modal::Shape;
-use crate::numeric::{TimeGrid, largest, largest_difference};
+use crate::numeric::{TimeGrid, largest};
 
 /// The motion of a link at one instant.
 ///
@@ -200,14 +200,22 @@ pub(super) fn of_cycle(
     Ok([coordinates, rates])
 }
 
-/// Integrates cycles until the state repeats. For a free hub only the rate must repeat.
+/// One cycle that repeats.
+#[derive(Debug, Clone)]
+pub(super) struct Cycle {
+    pub(super) grid: TimeGrid,
+    /// Coordinates of free joints, which may turn on from cycle to cycle, each at one rate.
+    pub(super) free: Vec<usize>,
+}
+
+/// Integrates cycles until the state repeats. For a free joint only the rate must repeat.
 ///
 /// # Errors
 /// [`CycleError`], and errors of `advance`.
 pub(super) fn settle(
     motion: &mut Motion,
-    grid: TimeGrid,
-    is_free: bool,
+    Cycle { grid, free }: &Cycle,
+    joints: &[usize],
     mut advance: impl FnMut(&mut Motion, usize) -> Result<(), SimulationError>,
 ) -> Result<(), SimulationError> {
     let cycle_s = grid.len as f64 * grid.step_s;
@@ -217,15 +225,18 @@ pub(super) fn settle(
         let mut turned_rad = 0.0_f64;
         for sample in 0..grid.len {
             advance(motion, sample)?;
-            turned_rad = turned_rad.max((motion.q[0] - start.q[0]).abs());
+            let turns_rad = joints.iter().map(|joint| (motion.q[*joint] - start.q[*joint]).abs());
+            turned_rad = turns_rad.fold(turned_rad, f64::max);
         }
-        let bent_rad = largest_difference(&motion.q[1..], &start.q[1..]);
-        let hub_rad = if is_free {
-            (motion.rates[0] - start.rates[0]) * cycle_s
-        } else {
-            motion.q[0] - start.q[0]
-        };
-        let share = bent_rad.max(hub_rad.abs()) / turned_rad.max(f64::MIN_POSITIVE);
+        let changes_rad = (0..motion.q.len()).map(|coordinate| {
+            if free.contains(&coordinate) {
+                (motion.rates[coordinate] - start.rates[coordinate]) * cycle_s
+            } else {
+                motion.q[coordinate] - start.q[coordinate]
+            }
+        });
+        let changed_rad = changes_rad.map(f64::abs).fold(0.0, f64::max);
+        let share = changed_rad / turned_rad.max(f64::MIN_POSITIVE);
         if share <= SETTLED {
             return Ok(());
         }

@@ -22,8 +22,8 @@ pub(super) fn of_bent(
 ) -> Vec<SimulationWarning> {
     match (play.input, arm.links().len()) {
         (_, 1) => of_link(arm, play, motion, first),
-        (Input::Torques(_), _) => of_arm(arm, play, motion),
-        (Input::Angles(_), _) => imbalance(motion).into_iter().collect(),
+        (Input::Torques(_), _) if play.cycle_turn_rad.is_none() => of_arm(arm, play, motion),
+        _ => imbalance(motion).into_iter().collect(),
     }
 }
 

@@ -233,7 +233,7 @@ pub(super) fn moved(found: &Solution) -> Result<Played, SimulationError> {
         accelerations_rad_s2: joint.acceleration_rad_s2.as_ref().expect("an acceleration"),
     });
     let joints: Vec<MovedJoint<'_>> = joints.collect();
-    move_arm(&found.arm, &joints, &found.grid, (highest, 1e-7))
+    move_arm(&found.arm, &joints, &found.grid, (highest, 1e-7), false)
 }
 
 /// Lagrange's equations of the same arm, which know nothing of the inversion, its chords or its mesh: moved by the joint

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::inverse::{Solution, Straying};
-use crate::motion::{ArmPath, Prescribed};
+use crate::motion::{ArmPath, Ends, Prescribed};
 use crate::numeric::Size;
 use crate::response::{MovedJoint, Played, SimulationError, move_arm};
 
@@ -30,7 +30,8 @@ impl Solution {
         let joints: Vec<MovedJoint<'_>> = joints.collect();
         let highest_rad_s = TAU * self.band.cutoff_hz.unwrap_or(0.25 / self.grid.step_s);
         let tolerance = SETTLED * self.analysis.tolerance();
-        move_arm(&self.arm, &joints, &self.grid, (highest_rad_s, tolerance))
+        let repeats = self.motion.ends() == Ends::Periodic;
+        move_arm(&self.arm, &joints, &self.grid, (highest_rad_s, tolerance), repeats)
     }
 
     /// Largest distance of the moved arm's tip from its path, over its travel; for a path of angles, from the solved

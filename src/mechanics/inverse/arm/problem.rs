@@ -9,6 +9,7 @@ use crate::elastica::{
     follow_arm_at, reaching, returning,
 };
 use crate::inverse::curves::Curves;
+use crate::inverse::inversion::refuse_ends;
 use crate::inverse::period::{Padding, check_memory};
 use crate::inverse::problem::Problem;
 use crate::inverse::rest::{Rest, Return, left_to_return};
@@ -101,8 +102,10 @@ impl<'a> ArmProblem<'a> {
         (analysis, resources): (&'a Analysis, Resources<'a>),
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, InversionError> {
+        refuse_ends(path.ends(), (true, false), analysis)?;
         let nearly_stretched = check_reach(arm, path)?;
-        let grid = path.grid();
+        let (grid, links) = (path.grid(), arm.links().len());
+        let moving = (path.cycles(), path.moving_samples());
         let problem = Self {
             arm,
             wanted: Wanted::Path(path),
@@ -110,8 +113,11 @@ impl<'a> ArmProblem<'a> {
             analysis,
             second_order: analysis.second_order().unwrap_or(SecondOrder::Full),
             cutoffs: path.cutoffs(analysis.tip_tolerance()),
-            padding: Padding::around(path.moving_samples(), grid, analysis, first_zero_per_s),
-            returns: Return::of(arm.links().len(), first_zero_per_s, &grid),
+            padding: Padding::around(moving, grid, analysis, first_zero_per_s),
+            returns: match path.cycles() {
+                Some(_) => Return::NONE,
+                None => Return::of(links, first_zero_per_s, &grid),
+            },
             resources,
             is_left: arm.elbow() != Some(Elbow::Right),
             nearly_stretched,
@@ -352,7 +358,7 @@ impl<'a> ArmProblem<'a> {
         Ok((curves, share))
     }
 
-    /// Chords with a return around the seam; whole turns need no return. The first two chords return over the same
+    /// Chords with a return around the seam; whole turns and cycles need no return. The first two chords return over the same
     /// turns, so that the elbow stays on its side.
     ///
     /// After a cut-off the motion rings on at rest. The place of an arm's tip determines the angles of this ringing, so
