@@ -22,8 +22,11 @@ use crate::threads::until_pressed;
 
 /// The keywords of one link and of arms, with blanks between.
 const KEYWORDS: [(Links, &str); 3] = [
-    (Links::Any, "torque hold until feedback reference reference_rate target state"),
-    (Links::One, "hub_angle hub_rate initial_tip periodic"),
+    (
+        Links::Any,
+        "torque hub_angle hub_rate hold until periodic feedback reference reference_rate target state",
+    ),
+    (Links::One, "initial_tip"),
     (Links::Several, "at"),
 ];
 
@@ -35,7 +38,7 @@ const NO_GAINS: &str =
 const HALF_A_FEEDBACK: &str =
     "one of feedback and reference, but must be both or none, and reference_rate with them alone";
 
-/// Plays a torque, or a motion of the hub, on a link at rest, or torques on an arm, as ``flexlink simulate``: independent of
+/// Plays torques, or a motion of the joints, on a link or an arm at rest, as ``flexlink simulate``: independent of
 /// ``solve``.
 ///
 /// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
@@ -45,7 +48,8 @@ const HALF_A_FEEDBACK: &str =
 /// target or the reference does, or with its tip at ``initial_tip`` in m, or from ``state``: an earlier simulation, or the
 /// file that its ``save_state`` wrote.
 ///
-/// For an arm ``torque``, ``reference`` and ``reference_rate`` have a column for each joint, as those of its solution.
+/// For an arm ``torque``, ``hub_angle``, ``hub_rate``, ``reference`` and ``reference_rate`` have a column for each joint, as
+/// those of its solution.
 /// ``feedback`` is a pair for all joints or a list of pairs; ``target`` has x and y of the tip in m at each time. The arm
 /// starts at rest where the reference does, or with its chords in the directions ``at`` in rad, or where the target does,
 /// or from a ``state``. Ctrl-C ends it.
@@ -139,7 +143,8 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
     let (arm, analysis) = (&link.specification.arm, &link.specification.analysis);
     let order = link.one().map(|one| analysis.second_order_of(one));
     let is_large = order.is_some_and(|order| order != SecondOrder::None);
-    let begins = Begins { state: state.is_some(), moved: false, at: at.as_deref(), tip_m };
+    let moved = matches!(moving, Moving::Angles(_));
+    let begins = Begins { state: state.is_some(), moved, at: at.as_deref(), tip_m };
     let start = AtRest::of(arm, &begins, (&feedback, target.as_ref()))?;
     Ok(Moves {
         moving,

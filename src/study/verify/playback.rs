@@ -212,7 +212,9 @@ fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unpl
         }
         let bound = least.max(allowed(of_motion).min(CHOSEN));
         let at_rest = change_at_rest(written, needed, least_n_m);
-        for (kind, found) in [(torque, change), (Kind::TORQUE_AT_REST, at_rest)] {
+        let is_cycle = solution.motion.ends() == Ends::Periodic;
+        let at_rest = (!is_cycle).then_some((Kind::TORQUE_AT_REST, at_rest));
+        for (kind, found) in [(torque, change)].into_iter().chain(at_rest) {
             let check = kind.measured_to(found, bound);
             let name = format!("{}{number}", check.name);
             checks.push(Check { name, what: format!("{} {number}", check.what), ..check });

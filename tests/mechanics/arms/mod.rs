@@ -1,6 +1,7 @@
 //! Arms of several links.
 
 mod curves;
+mod cycles;
 mod digits;
 mod fallback;
 mod inversion;

@@ -2,7 +2,7 @@
 
 use crate::inverse::Solution;
 use crate::link::Arm;
-use crate::motion::{ArmPath, Motion, Prescribed};
+use crate::motion::{ArmPath, Ends, Motion, Prescribed};
 use crate::result::{JointMetrics, Metrics};
 use crate::text::{instant, plain, significant, visible};
 
@@ -84,10 +84,17 @@ fn path_line(solution: &Solution, path: &ArmPath) -> String {
         Prescribed::Tip => "of the tip",
         Prescribed::Angles => "as angles of the links",
     };
-    let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
-    let [step, travel] = four([grid.step_s, solution.tip_travel_m()]);
+    let [step, travel, period] =
+        four([grid.step_s, solution.tip_travel_m(), grid.len as f64 * grid.step_s]);
+    let times = match path.ends() {
+        Ends::Periodic => format!("one cycle of {period} s"),
+        _ => {
+            let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
+            format!("{from} … {to} s")
+        }
+    };
     let cutoff = solution.band.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
         format!("up to {} Hz", significant(hertz, 4))
     });
-    format!("{what}, {from} … {to} s at {step} s; the tip moves by {travel} m;\n         {cutoff}")
+    format!("{what}, {times} at {step} s; the tip moves by {travel} m;\n         {cutoff}")
 }

@@ -36,7 +36,8 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
         played_by(played, play),
         ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
     ];
-    let joints = metrics.joints.iter().flat_map(|joint| joint_lines(joint, arm.has_weight()));
+    let is_held = arm.has_weight() && play.cycle_turn_rad.is_none();
+    let joints = metrics.joints.iter().flat_map(|joint| joint_lines(joint, is_held));
     let after = [
         ("after", residual_line(played)),
         ("decay", decay_line(played, play)),
@@ -51,8 +52,8 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
     labelled(run.arm.title(), lines)
 }
 
-/// The lines of a hub, or the numbered ones of an arm's joint.
-fn joint_lines(joint: &PlayedJoint, has_weight: bool) -> Vec<(String, String)> {
+/// The lines of a hub, or the numbered ones of an arm's joint, which a torque holds at the start if it `is_held`.
+fn joint_lines(joint: &PlayedJoint, is_held: bool) -> Vec<(String, String)> {
     let line =
         |label, start: &str| joint_line(label, start, joint.joint, |own| (own.of_played)(joint));
     let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
@@ -63,7 +64,7 @@ fn joint_lines(joint: &PlayedJoint, has_weight: bool) -> Vec<(String, String)> {
     let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
     let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);
     let holding =
-        if has_weight { format!("; {holding} N m hold it where it starts") } else { String::new() };
+        if is_held { format!("; {holding} N m hold it where it starts") } else { String::new() };
     let text = format!("peak {peak} N m{holding}\n{:LABEL$}{}", "", line("hub", &turns));
     vec![(format!("joint {}", number + 1), text)]
 }
