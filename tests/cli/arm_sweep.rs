@@ -246,5 +246,5 @@ fn torques_played_on_cases_of_an_arm_miss_the_path_of_another_arm() {
     let torques =
         ["--torque", "out/torques.csv", "--column", "torque1", "--vary", "gravity=[0, 0]"];
     let refused = [&["sweep", "arm.toml", "path.csv"], &torques[..]].concat();
-    bench.refuses(2, &refused, "--column is for one link");
+    bench.refuses(2, &refused, "--column names one column");
 }

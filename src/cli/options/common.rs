@@ -236,9 +236,3 @@ pub fn option(name: &str, value: impl Display) -> Vec<String> {
 pub(crate) fn digits_arguments(digits: Digits) -> Vec<String> {
     if digits == Digits::default() { Vec::new() } else { option("--digits", digits) }
 }
-
-/// The refusal of an option that applies only to a single link.
-pub(crate) fn for_one_link(option: &str) -> Failure {
-    let message = format!("{option} is for one link, and the arm has several");
-    Failure::new(Exit::Usage, &message, None)
-}

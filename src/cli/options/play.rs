@@ -13,7 +13,7 @@ use crate::response::{Feedback, HubReference, Interpolation, Torque};
 use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
-use super::common::{angle_rad, finite, for_one_link, option};
+use super::common::{angle_rad, finite, option};
 use super::moves::{AtRest, Begins, Moves, Moving};
 use super::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure};
@@ -262,24 +262,15 @@ impl PlayArgs {
         Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
     }
 
-    /// Refuses options of one link for an arm, those of arms for one link, and those of a torque beside a hub angle.
+    /// Refuses options of arms for one link, and those of a torque beside a hub angle.
     fn check(&self, arm: &Arm) -> Result<(), Failure> {
         self.check_input()?;
-        let refused = |option: &str, must| {
-            Err(Failure::new(Exit::Usage, &format!("{option}, but {must}"), None))
-        };
-        if arm.links().len() > 1 {
-            return Ok(());
+        if self.at.is_some() && arm.links().len() == 1 {
+            let message =
+                "--at sets the directions of an arm, but one link starts at its start_angle";
+            return Err(Failure::new(Exit::Usage, &message, None));
         }
-        match &self.feedback {
-            _ if self.at.is_some() => {
-                refused("--at sets the directions of an arm", "one link starts at its start_angle")
-            }
-            Some(gains) if gains.len() > 1 => {
-                refused("--feedback = several pairs", "must be one, KP,KD, for one link")
-            }
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// Refuses options of a torque beside a hub angle.
@@ -345,7 +336,12 @@ pub(crate) fn read_torques(
     let InputFile { shown, bytes, .. } = file;
     match column {
         None => Ok(read_joint_torques(shown, bytes, links, format)?),
-        Some(_) if links > 1 => Err(for_one_link("--column")),
+        Some(_) if links > 1 => {
+            let message =
+                "--column names one column, but the torques of an arm are torque1, torque2, …";
+            let hint = "rename the columns in the file";
+            Err(Failure::new(Exit::Usage, &message, Some(hint)))
+        }
         column => {
             let (torque, reading) = read_torque_table_as(shown, bytes, column, format)?;
             Ok((vec![torque], reading))
@@ -366,9 +362,11 @@ pub fn feedback(
         Some(each) if each.len() == links => each.to_vec(),
         Some(others) => {
             let found = others.len();
-            let message = format!(
-                "--feedback = {found} pairs, but must be 1, for all joints, or {links}, one for each"
-            );
+            let each = match links {
+                1 => String::new(),
+                _ => format!(", for all joints, or {links}, one for each"),
+            };
+            let message = format!("--feedback = {found} pairs, but must be 1{each}");
             let hint = "KP1,KD1,KP2,KD2, from the inner joint on";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));
         }
