@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::arm_links::{Answers, Follower, Iterate, Shortened, State};
 use super::chord::resolved;
 use super::error::{ElasticaError, FINEST};
-use super::iteration::{
-    MOST_ITERATIONS, OF_NYQUIST, REACH, factor_of, further, long_step, over_widest_band,
-};
 use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, SecondOrder};
+use super::on_chord::{
+    MOST_ITERATIONS, OF_NYQUIST, REACH, factor_of, further, long_step, over_widest_band,
+};
 use super::reaction::{ArmMotion, Iteration, apart};
 use crate::model::Model;
 use crate::numeric::FourierPair;

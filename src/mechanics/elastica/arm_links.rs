@@ -7,10 +7,9 @@ use rayon::prelude::*;
 
 use super::chord::{ChordHistories, ChordPeriod, TipLoad, resolved};
 use super::error::ElasticaError;
-use super::iteration::{REACH, check};
 use super::kinematics::{ArmPeriod, Bar, Moving, axes};
 use super::loads::SecondOrder;
-use super::on_chord::LinkOnChord;
+use super::on_chord::{LinkOnChord, REACH, check};
 use super::reaction::{ArmLinkMotion, ArmMotion, Iteration, apart, band, joint_rates, size};
 use super::sag::Sag;
 use crate::beam::LoadedMotion;

@@ -76,7 +76,6 @@ mod arm;
 mod arm_links;
 mod chord;
 mod error;
-mod iteration;
 mod kinematics;
 mod loads;
 mod on_chord;

@@ -4,9 +4,8 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
+use super::accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf, size};
 use super::analysis::{Analysis, Unwatched};
-use super::curves::size;
 use super::histories::Histories;
 use super::periodic_answer::PeriodicAnswer;
 use super::solution::SecondOrderFindings;

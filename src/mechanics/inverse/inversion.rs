@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
 use super::arm::{ArmProblem, Solver, invert_arm};
-use super::curves::Shape;
 use super::diagnostics::{Diagnostics, Edge, thick_share};
 use super::error::{InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
@@ -14,7 +13,9 @@ use super::mesh_error::MeshAnswer;
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, Problem};
-use super::solution::{Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Solution};
+use super::solution::{
+    Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
+};
 use super::warning::SolutionWarning;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;

@@ -6,11 +6,11 @@ use std::slice::from_ref;
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
-use super::hub_loop::{held, in_loop};
 use super::modes::{
-    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, kept_modes, torque_band_rad_s,
+    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, in_loop, kept_modes,
+    torque_band_rad_s,
 };
-use super::rest::Start;
+use super::pose::Start;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
 use crate::link::{Arm, Damping, Link};

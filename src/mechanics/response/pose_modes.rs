@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::damped_modes::{SmallMotions, damping_ratio};
+use super::link_ratios::{SmallMotions, damping_ratio};
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
 use crate::numeric::{Size, SymmetricEigen, dot, magnitude, relative_change};

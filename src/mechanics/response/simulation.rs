@@ -2,6 +2,7 @@
 
 use super::bent::BentMotion;
 use super::chain::play_bytes;
+use super::checks::of_bent;
 use super::driver::{Cycle, Drive, InitialMotion, Problem, refine};
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
@@ -9,11 +10,9 @@ use super::linear::play_modes;
 use super::linkage::Linkage;
 use super::play::{Input, Play, PlayProgress, refuse_memory};
 use super::played::{Played, PlayedBy, PlayedLink};
-use super::pose::without_noise;
-use super::rest::{Start, at_rest};
+use super::pose::{Start, at_rest, without_noise};
 use super::shape::{Held, direction, refuse_unknown, resting, viscous};
 use super::state::State;
-use super::warnings;
 use crate::beam::{Mesh, MeshPlan};
 use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, natural_frequencies};
@@ -143,7 +142,7 @@ fn play_bent(
             joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, weight_n_m));
         }
     }
-    let warnings = warnings::of_bent(arm, play, &motion, &played[0]);
+    let warnings = of_bent(arm, play, &motion, &played[0]);
     Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
 }
 

@@ -6,10 +6,10 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::elastica::{AngleHistories, ArmLinkMotion, ArmMotion, ArmPeriod};
-use crate::inverse::curves::{Curves, Shape};
+use crate::inverse::accuracy::Curves;
+use crate::inverse::period::Rest;
 use crate::inverse::periodic_answer::PeriodicAnswer;
-use crate::inverse::rest::Rest;
-use crate::inverse::solution::farthest_m;
+use crate::inverse::solution::{Shape, farthest_m};
 use crate::inverse::spectra::{DrivenModel, HubSpectra};
 use crate::inverse::{MotorHistories, Unwatched};
 use crate::link::Drive;

@@ -8,10 +8,9 @@ use crate::elastica::{
     AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, estimate, follow_arm,
     follow_arm_at, reaching, returning,
 };
-use crate::inverse::curves::Curves;
-use crate::inverse::period::{Padding, check_memory};
+use crate::inverse::accuracy::Curves;
+use crate::inverse::period::{Padding, Rest, Return, check_memory, left_to_return};
 use crate::inverse::problem::Problem;
-use crate::inverse::rest::{Rest, Return, left_to_return};
 use crate::inverse::{Analysis, InversionError, Resources, Stage, Unwatched, Warning};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;

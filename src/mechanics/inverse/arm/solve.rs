@@ -4,16 +4,15 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::answer::{ArmAnswer, curves_at_rest};
-use super::moved::straying;
 use super::problem::ArmProblem;
+use super::window::straying;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
-use crate::inverse::amplitudes::Probes;
-use crate::inverse::curves::Curves;
+use crate::inverse::accuracy::Curves;
 use crate::inverse::diagnostics::Edge;
 use crate::inverse::mesh_error::TORQUES_N_M;
-use crate::inverse::period::{PeriodicTorque, Window};
-use crate::inverse::rest::lengthened;
+use crate::inverse::period::{PeriodicTorque, Window, lengthened};
+use crate::inverse::spectra::Probes;
 use crate::inverse::{
     Analysis, Band, InversionError, PerQuantity, QuantityErrors, Resources, SecondOrderFindings,
     Solution,
