@@ -126,6 +126,15 @@ impl PerQuantity<QuantityErrors> {
         self.zip(self, |errors, _| kind(errors))
     }
 
+    /// The worst error of a kind and its quantity, if it exceeds a threshold.
+    pub(super) fn above(
+        &self,
+        threshold: f64,
+        kind: impl Fn(QuantityErrors) -> f64,
+    ) -> Option<(Quantity, f64)> {
+        Some(self.of_kind(kind).worst()).filter(|(_, error)| *error > threshold)
+    }
+
     /// Pairs these errors with those of a further kind, where a run measured them.
     pub(super) fn with(
         &self,

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
+use super::accuracy::Curves;
 use super::error::InversionError;
 use super::periodic_answer::PeriodicAnswer;
 use crate::beam::{Checkpoints, NodalQuantity};
@@ -27,6 +28,21 @@ pub struct MotorHistories {
     pub rate_rad_s: Vec<f64>,
     /// Mechanical power of the motor in W.
     pub power_w: Vec<f64>,
+}
+
+impl MotorHistories {
+    /// The motor under the torque of a joint, from angle, rate and acceleration of the rotor.
+    pub(super) fn of(
+        drive: &Drive,
+        joint_n_m: &[f64],
+        [angle_rad, rate_rad_s, acceleration]: [Vec<f64>; 3],
+    ) -> Self {
+        let pairs = joint_n_m.iter().zip(&acceleration);
+        let torque_n_m: Vec<f64> =
+            pairs.map(|(t, a)| t / drive.gear_ratio + drive.rotor_inertia_kg_m2 * a).collect();
+        let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
+        Self { torque_n_m, angle_rad, rate_rad_s, power_w }
+    }
 }
 
 /// All histories of a solution except those of the nodes.
@@ -102,6 +118,21 @@ impl Histories {
         Ok(Self { motor, ..histories })
     }
 
+    /// Copies of these histories as curves, with the hub's acceleration in rad/s²: displacement of the tip, moment at the
+    /// root.
+    pub(super) fn curves(&self, hub_acceleration_rad_s2: Vec<f64>) -> Curves {
+        let motor = self.motor.as_ref();
+        Curves {
+            torque_n_m: self.torque_n_m.clone(),
+            hub_angle_rad: self.hub_angle_rad.clone(),
+            hub_rate_rad_s: self.hub_rate_rad_s.clone(),
+            hub_acceleration_rad_s2,
+            displacement_m: vec![self.tip.displacement_m.clone()],
+            moment_n_m: vec![self.root_moment_n_m.clone()],
+            motor: motor.map(|motor| [motor.torque_n_m.clone(), motor.rate_rad_s.clone()]),
+        }
+    }
+
     /// Motion and torque of the motor for the torque T at the hub.
     ///
     /// The joint's spring twists by T/k; rotor inertia and gear ratio n follow:
@@ -119,7 +150,7 @@ impl Histories {
         answer: &PeriodicAnswer,
         hub: &HubMotion<'_>,
     ) -> Result<MotorHistories, InversionError> {
-        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = *drive;
+        let Drive { joint_stiffness_n_m_rad, gear_ratio, .. } = *drive;
         let friction = hub.friction(friction_n_m_s_rad, &self.grid);
         let hub_acceleration = hub.on(&self.grid, answer.excess(2), &self.tip.acceleration_m_s2, 2);
         let hub_motions = [&self.hub_angle_rad, &self.hub_rate_rad_s, &hub_acceleration];
@@ -138,22 +169,20 @@ impl Histories {
             let motions = hub_motions[order].iter().zip(torque);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()
         });
-        let pairs = self.torque_n_m.iter().zip(&acceleration);
-        let torque_n_m: Vec<f64> =
-            pairs.map(|(t, a)| t / gear_ratio + rotor_inertia_kg_m2 * a).collect();
-        let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
+        let motor =
+            MotorHistories::of(drive, &self.torque_n_m, [angle_rad, rate_rad_s, acceleration]);
         let histories = [
-            ("torque", &torque_n_m),
-            ("angle", &angle_rad),
-            ("rate", &rate_rad_s),
-            ("power", &power_w),
+            ("torque", &motor.torque_n_m),
+            ("angle", &motor.angle_rad),
+            ("rate", &motor.rate_rad_s),
+            ("power", &motor.power_w),
         ];
         for (history, samples) in histories {
             if samples.iter().any(|sample| !sample.is_finite()) {
                 return Err(InversionError::MotorNotFinite { history });
             }
         }
-        Ok(MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w })
+        Ok(motor)
     }
 }
 

@@ -12,7 +12,7 @@ use super::histories::{Histories, SlowTails};
 use super::mesh_error::MeshAnswer;
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
-use super::problem::{AnsweringModel, Problem};
+use super::problem::{AnsweringModel, LinkProblem};
 use super::solution::{
     Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
 };
@@ -86,7 +86,7 @@ fn invert_link(
         return invert_bent(coarsest, plan, motion, analysis, resources);
     }
     let mut first_zero_per_s = first_zero(coarsest.mesh());
-    let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
+    let problem = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
     let period = problem.shortest_period()?;
     let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors, input_errors } =
         MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
@@ -165,7 +165,7 @@ fn invert_bent(
     resources: &Resources<'_>,
 ) -> Result<Solution, InversionError> {
     let first_zero_per_s = first_zero(coarsest.mesh());
-    let link = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
+    let link = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
     let arm = coarsest.link().clone().into();
     let problem = ArmProblem::of_link(&link, &arm, first_zero_per_s)?;
     let solver = Solver { problem, plans: std::slice::from_ref(plan), falls_back: false };
@@ -204,7 +204,7 @@ impl Solution {
     ) -> Result<Option<WindowTorques>, InversionError> {
         let Some(LinkSpectra { hub_tail, shape, .. }) = &self.spectra else { return Ok(None) };
         let (first_zero, model) = (self.first_zero_per_s, &self.links[0].model);
-        let problem = Problem::new(motion, &self.analysis, first_zero, *resources)?;
+        let problem = LinkProblem::new(motion, &self.analysis, first_zero, *resources)?;
         let answer = if shape.is_some() {
             let bent = ArmProblem::of_link(&problem, &self.arm, first_zero)?;
             let given = (self.band.period_s / motion.grid().step_s).ceil() as usize;
@@ -228,7 +228,7 @@ fn first_zero(mesh: &Mesh) -> Option<f64> {
     torque_zeros(mesh, 1).first().copied()
 }
 
-impl Problem<'_> {
+impl LinkProblem<'_> {
     /// The solution over a window of the answer; `errors` are the errors of mesh, modes and window.
     fn solution(
         &self,

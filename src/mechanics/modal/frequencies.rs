@@ -206,13 +206,13 @@ pub fn held_frequencies(mesh: &Mesh, joint_stiffness_n_m_rad: f64, count: usize)
 
 /// Weights a and b of [`second_order_share`] for the change of the torque of a prescribed tip motion, rounded up from
 /// random links.
-pub(crate) const OF_TORQUE: [f64; 2] = [0.7, 0.35];
+pub(crate) const TORQUE_WEIGHTS: [f64; 2] = [0.7, 0.35];
 
 /// Weights a and b of [`second_order_share`] for the change of the deflections under a prescribed torque.
-pub(crate) const OF_DEFLECTION: [f64; 2] = [0.3, 0.1];
+pub(crate) const DEFLECTION_WEIGHTS: [f64; 2] = [0.3, 0.1];
 
 /// Estimated change by the second-order terms, which a linear link neglects, as a share up to 1. Returns it as a
-/// function of the deflection d in m and of the weights [a, b], [`OF_TORQUE`] or [`OF_DEFLECTION`].
+/// function of the deflection d in m and of the weights [a, b], [`TORQUE_WEIGHTS`] or [`DEFLECTION_WEIGHTS`].
 ///
 /// ```text
 /// a (d/l)² + s/(1 + s),    s = b (1 + 8 r/l) (Ω/ω₁)²

@@ -10,7 +10,7 @@ mod thickness;
 
 pub use basis::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES, ModalBasis};
 pub(crate) use frequencies::{
-    OF_DEFLECTION, OF_TORQUE, flexible_modes, hub_moves_mass, second_order_share,
+    DEFLECTION_WEIGHTS, TORQUE_WEIGHTS, flexible_modes, hub_moves_mass, second_order_share,
 };
 pub use frequencies::{
     REPORTED_MODES, REPORTED_ZEROS, held_frequencies, modes_below, natural_frequencies,

@@ -210,11 +210,6 @@ impl BentPlay {
         self.linkage.length_m()
     }
 
-    /// Largest moment in N m of a straight link's weight.
-    pub(super) fn weight_moment_n_m(&self) -> f64 {
-        self.linkage.links[0].weight_moment_n_m()
-    }
-
     /// Largest imbalance of energy over the largest work, kinetic energy or change of all energy; 0 for an arm at rest.
     pub fn imbalance(&self) -> f64 {
         let energies_j: Vec<f64> =

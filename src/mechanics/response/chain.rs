@@ -151,19 +151,6 @@ impl Chain {
         chain
     }
 
-    /// Largest moment in N m of the straight link's weight.
-    pub(super) fn weight_moment_n_m(&self) -> f64 {
-        let rest = vec![0.0; self.count];
-        let mut moment = 0.0;
-        self.walk(&rest, &rest, |place, met| {
-            if let Met::Mass(mass_kg) = met {
-                moment += mass_kg * place.at_m[0];
-            }
-        });
-        let [x, y] = self.gravity_m_s2;
-        moment * (x * x + y * y).sqrt()
-    }
-
     /// Length L from the axis to the tip in m.
     pub(super) fn length_m(&self) -> f64 {
         self.root_m + self.pieces.iter().map(|piece| piece.length_m).sum::<f64>()

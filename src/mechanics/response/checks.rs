@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bent::{BentMotion, JointMotion};
 use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
-use super::history::{APART_RAD, Feedback};
+use super::history::{APART_RAD, Torque};
 use super::modes::{MOST_MODES, kept_modes};
 use super::play::{Input, Play};
 use super::played::{Played, PlayedBy, PlayedLink};
@@ -231,66 +231,52 @@ pub(super) fn of_bent(
     motion: &BentMotion,
     first: &PlayedLink,
 ) -> Vec<SimulationWarning> {
-    match (play.input, arm.links().len()) {
-        (_, 1) => of_link(arm, play, motion, first),
-        (Input::Torques(_), _) => of_arm(arm, play, motion),
-        (Input::Angles(_), _) => imbalance(motion).into_iter().collect(),
+    let is_link = arm.links().len() == 1;
+    let mut warnings = match play.input {
+        _ if play.cycle_turn_rad.is_some() => Vec::new(),
+        Input::Torques(torques) if arm.has_weight() || !is_link => {
+            of_torques(arm, torques, play, motion)
+        }
+        Input::Angles(_) if !is_link => Vec::new(),
+        input => {
+            let [begins, ends] = input.warnings(&motion.joints[0].torque_n_m);
+            begins.filter(|_| play.state.is_none()).into_iter().chain(ends).collect()
+        }
+    };
+    if is_link {
+        let first_rad_s = first.natural_frequencies_rad_s.first().filter(|omega| **omega > 0.0);
+        let period_s = first_rad_s.map(|omega| TAU / omega);
+        // Bent links move until the end, so that the step always matters.
+        warnings.extend(SimulationWarning::coarse_step(play.input.grid().step_s, period_s));
     }
+    let share = motion.play.imbalance();
+    warnings.extend((share > IMBALANCE).then_some(SimulationWarning::Imbalance { share }));
+    warnings
 }
 
-fn of_link(
+/// Warnings of torques that do not begin with the holding torques or end with a jump, and of references apart from the
+/// joints.
+fn of_torques(
     arm: &Arm,
+    torques: &[Torque],
     play: &Play<'_>,
     motion: &BentMotion,
-    link: &PlayedLink,
 ) -> Vec<SimulationWarning> {
-    let hub = &motion.joints[0];
-    let [begins, ends] = play.input.warnings(&hub.torque_n_m);
-    let own = match (play.state, play.input) {
-        _ if play.cycle_turn_rad.is_some() => [None; 3],
-        (Some(_), _) => [None, ends.filter(|_| !arm.has_weight()), None],
-        (None, Input::Torques([torque])) if arm.has_weight() => {
-            let reference = play.feedback.first().map(Feedback::reference);
-            let apart = reference.and_then(|reference| reference.apart(hub.angle_rad[0]));
-            [unheld(motion, torque.torque_n_m()), None, apart]
-        }
-        (None, _) => [begins, ends, None],
-    };
-    let first_rad_s = link.natural_frequencies_rad_s.first().copied().unwrap_or(0.0);
-    let period_s = (first_rad_s > 0.0).then(|| TAU / first_rad_s);
-    // Bent links move until the end, so that the step always matters.
-    let step_s = play.input.grid().step_s;
-    let coarse = SimulationWarning::coarse_step(step_s, period_s);
-    own.into_iter().chain([coarse, imbalance(motion)]).flatten().collect()
-}
-
-/// A warning of a torque that does not begin with the holding torque.
-fn unheld(motion: &BentMotion, torque_n_m: &[f64]) -> Option<SimulationWarning> {
-    let (holding_n_m, [low, high]) = (motion.joints[0].holding_n_m?, extremes(torque_n_m));
-    let (first, range) = (torque_n_m[0], high - low);
-    // Round-off holds a link that hangs straight.
-    let least = STEP_SHARE * STEP_SHARE * motion.play.weight_moment_n_m();
-    let size = if range > 0.0 { range } else { holding_n_m.abs() }.max(least);
-    let share = (first - holding_n_m).abs() / size;
-    let warning =
-        SimulationWarning::BeginsUnheld { joint: None, torque_n_m: first, holding_n_m, share };
-    (share > STEP_SHARE).then_some(warning)
-}
-
-fn of_arm(arm: &Arm, play: &Play<'_>, motion: &BentMotion) -> Vec<SimulationWarning> {
-    let Input::Torques(torques) = play.input else { return Vec::new() };
     let ranges = torques.iter().map(|torque| {
         let [low, high] = extremes(torque.torque_n_m());
         high - low
     });
     let range = ranges.fold(0.0, f64::max);
     let holding = motion.joints.iter().map(|joint| joint.holding_n_m.unwrap_or_default());
-    let most = holding.clone().fold(range, |most, own| most.max(own.abs()));
-    let size = if range > 0.0 { range } else { most };
+    let most = holding.clone().fold(0.0, |most: f64, own| most.max(own.abs()));
+    // Round-off holds links that hang straight.
+    let least = STEP_SHARE * STEP_SHARE * arm.weight_moment_n_m();
+    let size = if range > 0.0 { range } else { most }.max(least);
     let starts_at_rest = play.state.is_none();
     let mut warnings = Vec::new();
     for (number, (torque, holding_n_m)) in torques.iter().zip(holding).enumerate() {
-        let (own, joint) = (torque.torque_n_m(), Some(number + 1));
+        let own = torque.torque_n_m();
+        let joint = (torques.len() > 1).then_some(number + 1);
         let torque_n_m = own[0];
         let share = (torque_n_m - holding_n_m).abs() / size;
         if starts_at_rest && share > STEP_SHARE {
@@ -311,11 +297,5 @@ fn of_arm(arm: &Arm, play: &Play<'_>, motion: &BentMotion) -> Vec<SimulationWarn
             hub_rad,
         }));
     }
-    warnings.extend(imbalance(motion));
     warnings
-}
-
-fn imbalance(motion: &BentMotion) -> Option<SimulationWarning> {
-    let share = motion.play.imbalance();
-    (share > IMBALANCE).then_some(SimulationWarning::Imbalance { share })
 }

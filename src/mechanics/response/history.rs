@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::driving::CycleError;
-use super::error::{SimulationError, SimulationWarning};
+use super::error::SimulationError;
 use crate::link::{ParameterError, not_negative};
 use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
@@ -168,14 +168,6 @@ impl HubReference {
 }
 
 impl HubReference {
-    /// Warns of a first angle apart from the hub's angle, for a link with weight.
-    pub(super) fn apart(&self, hub_rad: f64) -> Option<SimulationWarning> {
-        let reference_rad = self.angle_rad[0];
-        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
-        let warning = SimulationWarning::ReferenceApart { joint: None, reference_rad, hub_rad };
-        is_apart.then_some(warning)
-    }
-
     /// Turn in rad from the first sample, or from another angle, to the last sample.
     pub(super) fn turn_rad(&self, zero_rad: Option<f64>) -> f64 {
         let angle = self.angle_rad();

@@ -3,7 +3,7 @@
 use super::bent::BentMotion;
 use super::chain::play_bytes;
 use super::checks::of_bent;
-use super::driver::{Cycle, Drive, InitialMotion, Problem, refine};
+use super::driver::{Cycle, Drive, DrivenLinks, InitialMotion, refine};
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
@@ -135,7 +135,7 @@ fn play_bent(
     }
     let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
     let refined = (grid.len, tolerance, MOST_REFINEMENTS);
-    let mut motion = refine(|more, before| bending.problem(more, before), refined, watch)?;
+    let mut motion = refine(|more, before| bending.driven_links(more, before), refined, watch)?;
     if links.len() > 1 {
         let weight_n_m = arm.weight_moment_n_m();
         for joint in &mut motion.joints {
@@ -189,12 +189,12 @@ impl Bending<'_> {
         self.links[0].natural_frequencies_rad_s.first().copied().unwrap_or(0.0)
     }
 
-    /// The problem with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.
-    fn problem(
+    /// The links with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.
+    fn driven_links(
         &self,
         more: usize,
         before: Option<&BentMotion>,
-    ) -> Result<Problem<'_>, SimulationError> {
+    ) -> Result<DrivenLinks<'_>, SimulationError> {
         let Self { arm, play, grid, drives, .. } = self;
         let one = match arm.links() {
             [one] => Some(&one.link),
@@ -231,7 +231,7 @@ impl Bending<'_> {
         });
         let aims_rad = vec![aim_rad; linkage.joints.len()];
         let cycle = play.cycle_turn_rad.and(one).map(|link| self.cycle(link)).transpose()?;
-        Ok(Problem { linkage, drives, aims_rad, grid, start, cycle })
+        Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle })
     }
 
     /// One cycle of a link.
@@ -333,7 +333,7 @@ pub fn move_arm(
     };
     let drives: Vec<Drive> = joints.iter().map(drive).collect();
     let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
-    let problem = |more: usize, _: Option<&BentMotion>| {
+    let links = |more: usize, _: Option<&BentMotion>| {
         let linkage = rayleigh(arm, Linkage::of(arm, highest_rad_s, more, None))?;
         let q =
             at_rest(arm, &linkage, Start::Joints(&angles_rad)).ok_or(SimulationError::NoRest)?;
@@ -343,9 +343,9 @@ pub fn move_arm(
         }
         let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
-        Ok(Problem { linkage, drives: &drives, aims_rad, grid, start, cycle: None })
+        Ok(DrivenLinks { linkage, drives: &drives, aims_rad, grid, start, cycle: None })
     };
-    let motion = refine(problem, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
+    let motion = refine(links, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
     Ok(of_motion(motion, (*grid, grid.len), Vec::new(), Vec::new()))
 }
 

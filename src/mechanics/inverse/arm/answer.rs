@@ -47,22 +47,26 @@ pub(super) struct JointHistories {
     pub(super) motor: Option<MotorHistories>,
 }
 
-/// Angle in rad that the slopes of a link's root and of the tip before it add to the joint's chord angle.
-fn bent_rad(motion: &ArmMotion, joint: usize) -> Vec<f64> {
-    let own = motion.links[joint].bent.hub_slope_rad.iter();
-    match joint.checked_sub(1).map(|before| &motion.links[before].tip_slope_rad) {
-        None => own.copied().collect(),
-        Some(before) => own.zip(before).map(|(own, before)| own - before).collect(),
+/// History of a joint's link less that of the link before; the first joint has no link before.
+pub(super) fn relative(link: &[f64], before: Option<&Vec<f64>>) -> Vec<f64> {
+    match before {
+        None => link.to_vec(),
+        Some(before) => link.iter().zip(before).map(|(link, before)| link - before).collect(),
     }
 }
 
+/// Angle in rad that the slopes of a link's root and of the tip before it add to the joint's chord angle.
+fn bent_rad(ArmMotion { links, .. }: &ArmMotion, joint: usize) -> Vec<f64> {
+    let before = joint.checked_sub(1).map(|before| &links[before].tip_slope_rad);
+    relative(&links[joint].bent.hub_slope_rad, before)
+}
+
 /// Turn of a joint's chords against each other: angle, rate or acceleration.
-fn turned(motion: &ArmMotion, joint: usize, part: usize) -> Vec<f64> {
-    let own = motion.links[joint].chord[part].iter();
-    match joint.checked_sub(1).map(|before| &motion.links[before].chord[part]) {
-        None => own.copied().collect(),
-        Some(before) => own.zip(before).map(|(own, before)| own - before).collect(),
-    }
+fn turned(ArmMotion { links, .. }: &ArmMotion, joint: usize, part: usize) -> Vec<f64> {
+    relative(
+        &links[joint].chord[part],
+        joint.checked_sub(1).map(|before| &links[before].chord[part]),
+    )
 }
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -203,11 +207,7 @@ fn motor(
     let twist: Vec<f64> = torque_n_m.iter().map(|t| t / drive.joint_stiffness_n_m_rad).collect();
     let [angle_rad, rate_rad_s, acceleration] = turned(&twist)
         .map(|values| values.iter().map(|x| drive.gear_ratio * x).collect::<Vec<_>>());
-    let pairs = torque_n_m.iter().zip(&acceleration);
-    let torque_n_m: Vec<f64> =
-        pairs.map(|(t, a)| t / drive.gear_ratio + drive.rotor_inertia_kg_m2 * a).collect();
-    let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
-    MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w }
+    MotorHistories::of(drive, torque_n_m, [angle_rad, rate_rad_s, acceleration])
 }
 
 /// Displacement in m of a node: for one link along its arc, for several from the chord.

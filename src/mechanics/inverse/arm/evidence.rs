@@ -10,10 +10,10 @@ use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link, thick_share,
 };
 use crate::inverse::mesh_error::uncertain;
-use crate::inverse::problem::Problem;
+use crate::inverse::problem::LinkProblem;
 use crate::inverse::{
-    InversionError, JointMotion, Quantity, QuantityErrors, Resources, SecondOrderFindings, ShareOf,
-    Solution, SolutionWarning, Unwatched, Warning,
+    InversionError, JointMotion, Quantity, Resources, SecondOrderFindings, ShareOf, Solution,
+    SolutionWarning, Unwatched, Warning,
 };
 use crate::motion::{Cutoff, Motion};
 use crate::numeric::{Size, extremes, largest, largest_difference};
@@ -83,7 +83,7 @@ impl Solver<'_> {
         };
         let found = match &finer {
             Motion::Tip(motion) => {
-                let link = Problem::new(motion, analysis, first_zero_per_s, resources)?;
+                let link = LinkProblem::new(motion, analysis, first_zero_per_s, resources)?;
                 answered(&ArmProblem::of_link(&link, arm, first_zero_per_s)?)?
             }
             Motion::Path(path) => {
@@ -167,29 +167,30 @@ impl Solver<'_> {
         let spectrum = &solved.answer.path.tip.spectrum;
         let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
         for (joint, JointMotion { errors, .. }) in solution.joints.iter().enumerate() {
-            let worst = |kind: &dyn Fn(QuantityErrors) -> f64| errors.of_kind(kind).worst();
-            let (quantity, share) = worst(&|own| own.window);
-            let mut found = Vec::new();
-            found.extend((share > tolerance).then_some(Warning::InexactWindow {
-                of,
-                quantity,
-                share,
-                tolerance,
-            }));
-            let (quantity, error) = worst(&|own| own.mesh);
-            let coarse = Warning::CoarseMesh { of, quantity, error };
-            found.extend((error > COARSE).then_some(coarse));
-            let (quantity, share) = worst(&|own| own.step.unwrap_or(0.0));
-            let coarse = Warning::CoarseStep { of, quantity, share };
-            found.extend((share > COARSE).then_some(coarse));
-            let (quantity, share) = worst(&|own| own.iteration.unwrap_or(0.0));
-            // The iteration measures changes of torques over their ranges.
-            let of_iteration = ShareOf::Range;
-            let inexact =
-                Warning::InexactIteration { of: of_iteration, quantity, share, tolerance };
-            found.extend((share > tolerance).then_some(inexact));
+            let window = errors.above(tolerance, |errors| errors.window);
+            let mesh = errors.above(COARSE, |errors| errors.mesh);
+            let step = errors.above(COARSE, |errors| errors.step.unwrap_or(0.0));
+            let iteration = errors.above(tolerance, |errors| errors.iteration.unwrap_or(0.0));
             let uncertain = errors.torque.input.filter(|share| *share > UNCERTAIN);
-            found.extend(uncertain.map(|share| Warning::UncertainInput { of, share }));
+            let of_errors = [
+                window.map(|(quantity, share)| Warning::InexactWindow {
+                    of,
+                    quantity,
+                    share,
+                    tolerance,
+                }),
+                mesh.map(|(quantity, error)| Warning::CoarseMesh { of, quantity, error }),
+                step.map(|(quantity, share)| Warning::CoarseStep { of, quantity, share }),
+                // The iteration measures changes of torques over their ranges.
+                iteration.map(|(quantity, share)| Warning::InexactIteration {
+                    of: ShareOf::Range,
+                    quantity,
+                    share,
+                    tolerance,
+                }),
+                uncertain.map(|share| Warning::UncertainInput { of, share }),
+            ];
+            let mut found: Vec<Warning> = of_errors.into_iter().flatten().collect();
             let model = &*solved.answer.models[joint];
             let mesh = model.mesh();
             found.extend(blocked_tip(mesh, spectrum, tolerance));

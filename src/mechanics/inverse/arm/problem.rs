@@ -10,7 +10,7 @@ use crate::elastica::{
 };
 use crate::inverse::accuracy::Curves;
 use crate::inverse::period::{Padding, Rest, Return, check_memory, left_to_return};
-use crate::inverse::problem::Problem;
+use crate::inverse::problem::LinkProblem;
 use crate::inverse::{Analysis, InversionError, Resources, Stage, Unwatched, Warning};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;
@@ -42,7 +42,7 @@ const AT_REST: usize = 8;
 #[derive(Clone, Copy)]
 pub(super) enum Wanted<'a> {
     /// Tip of one link along its arc.
-    Tip(&'a Problem<'a>),
+    Tip(&'a LinkProblem<'a>),
     /// Path of several links.
     Path(&'a ArmPath),
 }
@@ -124,7 +124,7 @@ impl<'a> ArmProblem<'a> {
     /// # Errors
     /// [`InversionError::NoStartAngle`].
     pub(in super::super) fn of_link(
-        problem: &'a Problem<'a>,
+        problem: &'a LinkProblem<'a>,
         arm: &'a Arm,
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, InversionError> {

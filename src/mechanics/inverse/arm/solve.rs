@@ -293,14 +293,7 @@ impl Solver<'_> {
         }
         let way_m = answer.way_of_chords_m(self.problem.wanted.grid().len);
         let sizes: Sizes = curves.iter().map(|own| own.sizes(has_weight, way_m)).collect();
-        let largest = sizes.iter().fold(sizes[0], |most, own| PerQuantity {
-            torque: most.torque.max(own.torque),
-            hub_angle: most.hub_angle.max(own.hub_angle),
-            hub_rate: most.hub_rate.max(own.hub_rate),
-            hub_acceleration: most.hub_acceleration.zip(own.hub_acceleration).map(max),
-            bending_moment: most.bending_moment.zip(own.bending_moment).map(max),
-            ..most
-        });
+        let largest = sizes.iter().fold(sizes[0], |most, own| most.zip(own, f64::max));
         let floored = |own: &PerQuantity<f64>| PerQuantity {
             motor_torque: own.motor_torque,
             motor_rate: own.motor_rate,
@@ -412,10 +405,6 @@ impl Solver<'_> {
         });
         (window, cut.collect())
     }
-}
-
-fn max((a, b): (f64, f64)) -> f64 {
-    a.max(b)
 }
 
 /// Models with elements half as long, and the same places on them.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::answer::{ArmAnswer, JointHistories};
+use super::answer::{ArmAnswer, JointHistories, relative};
 use crate::elastica::AngleHistories;
 use crate::inverse::histories::cut;
 use crate::inverse::{
@@ -37,12 +37,7 @@ impl ArmAnswer {
             let JointHistories { angle, motor } = self.joint(joint);
             let link = &self.motion.links[joint];
             let before = joint.checked_sub(1).map(|before| &rigid[before][0]);
-            let rigid_angle_rad = match before {
-                None => rigid[joint][0].clone(),
-                Some(before) => {
-                    rigid[joint][0].iter().zip(before).map(|(own, before)| own - before).collect()
-                }
-            };
+            let rigid_angle_rad = relative(&rigid[joint][0], before);
             let [angle_rad, rate_rad_s, acceleration_rad_s2] = cut_all(&angle, grid);
             JointMotion {
                 torque_n_m: cut(&link.bent.torque_n_m, grid),
