@@ -94,4 +94,5 @@ pub use error::ElasticaError;
 pub(crate) use kinematics::STRETCHED;
 pub use kinematics::{AngleHistories, ArmPeriod, Kept, reaching};
 pub use loads::SecondOrder;
+pub(crate) use on_chord::underived;
 pub use reaction::{ArmLinkMotion, ArmMotion, ElasticaMotion, Iteration};

@@ -12,6 +12,7 @@ use super::loads::{BentLink, SecondOrder};
 use super::reaction::{ElasticaMotion, Straight, band};
 use super::sag::Sag;
 use crate::beam::{LoadedMotion, Loads};
+use crate::link::Link;
 use crate::modal::DampingLaw;
 use crate::model::{KeptModes, Model};
 use crate::numeric::FourierPair;
@@ -354,27 +355,32 @@ pub(super) fn check(
     chord: &ChordPeriod,
     is_exact: bool,
 ) -> Result<(), ElasticaError> {
-    let refused = |what, known| Err(ElasticaError::NotDerived { what, known });
-    let law = model.law();
     if chord.reaches_nyquist(model.mesh().length_m()) {
         return Err(long_step(chord.step_s, OF_NYQUIST));
     }
     if model.kept_modes() != KeptModes::All {
-        return refused(
-            "the link is reduced to its first modes (analysis.modes)",
-            "with all modes",
-        );
+        let what = "the link is reduced to its first modes (analysis.modes)";
+        return Err(ElasticaError::NotDerived { what, known: "with all modes" });
     }
-    if is_exact && model.mesh().has_shear() {
-        return refused("the link has shear and rotary inertia", "without them");
+    let underived = underived(model.link(), model.law(), is_exact);
+    underived.map_or(Ok(()), |[what, known]| Err(ElasticaError::NotDerived { what, known }))
+}
+
+/// Property of a link that second-order terms are not derived for, and the possible ones; without `is_exact`, drag alone.
+pub(crate) fn underived(
+    link: &Link,
+    law: &DampingLaw,
+    is_exact: bool,
+) -> Option<[&'static str; 2]> {
+    if is_exact && link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
+        Some(["the link has shear and rotary inertia", "without them"])
+    } else if law.mass_rate_per_s() != 0.0 {
+        Some(["the damping drags every mass (alpha)", "with alpha = 0"])
+    } else if is_exact && law.is_modal() {
+        Some(["the damping is set mode by mode", "with hysteretic or rayleigh damping"])
+    } else {
+        None
     }
-    if law.mass_rate_per_s() != 0.0 {
-        return refused("the damping drags every mass (alpha)", "with alpha = 0");
-    }
-    if law.is_modal() && is_exact {
-        return refused("the damping is set mode by mode", "with hysteretic or rayleigh damping");
-    }
-    Ok(())
 }
 
 /// Error for a step, with about this share of it as a remedy.

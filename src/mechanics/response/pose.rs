@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::balance::{Balance, Met, Place};
 use super::linkage::Linkage;
-use super::shape::{direction, in_parts, settled};
+use super::shape::{in_parts, settled};
 use crate::elastica::reaching;
 use crate::link::{Arm, Damping, Elbow};
 use crate::numeric::dot;
@@ -356,14 +356,17 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
     })
 }
 
-/// Distance of chords from their directions in rad, or of the tip from its place over the arm's length. `None` for held
-/// joints.
+/// Sine of the angle from each chord to its direction, and distance of the tip from its place over the arm's length.
+/// `None` for held joints.
 fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
     let mut from_m = [0.0; 2];
     let mut across = |(end, angle_rad): (&Place, Option<&f64>)| {
         let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
         from_m = end.at_m;
-        angle_rad.map(|angle_rad| direction(along_m, *angle_rad) - angle_rad)
+        angle_rad.map(|angle_rad| {
+            let [x, y] = along_m;
+            (x * libm::sin(*angle_rad) - y * libm::cos(*angle_rad)) / (x * x + y * y).sqrt()
+        })
     };
     match start {
         Start::Joints(_) => None,

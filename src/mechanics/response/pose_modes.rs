@@ -254,10 +254,7 @@ fn lowest(
         shift *= 10.0;
     }
     let lower = factor.ok_or(PoseError::Spread)?.unpack();
-    let half = lower.solve_lower_triangular(&mass).ok_or(PoseError::Spread)?;
-    let whole = lower.solve_lower_triangular(&half.transpose()).ok_or(PoseError::Spread)?;
-    // Symmetric, so that the order of its entries does not matter.
-    let eigen = SymmetricEigen::new(size, whole.as_slice().to_vec()).ok_or(PoseError::Spread)?;
+    let eigen = SymmetricEigen::over(&lower, &mass).ok_or(PoseError::Spread)?;
     let least = size as f64 * f64::EPSILON * eigen.values.last().copied().unwrap_or_default();
     let upper = lower.transpose();
     let kept = (0..size).rev().take_while(|k| eigen.values[*k] > least).take(count);

@@ -11,9 +11,10 @@ use super::linkage::Linkage;
 use super::play::{Input, Play, PlayProgress, refuse_memory};
 use super::played::{Played, PlayedBy, PlayedLink};
 use super::pose::{Start, at_rest, without_noise};
-use super::shape::{Held, direction, refuse_unknown, resting, viscous};
+use super::shape::{direction, viscous};
 use super::state::State;
 use crate::beam::{Mesh, MeshPlan};
+use crate::elastica::underived;
 use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, natural_frequencies};
 use crate::numeric::TimeGrid;
@@ -131,7 +132,9 @@ fn play_bent(
     let played = meshes.into_iter().zip(laws).map(|(mesh, law)| PlayedLink::of(mesh, law));
     let played: Vec<PlayedLink> = played.collect();
     for (own, link) in links.iter().zip(&played) {
-        refuse_unknown(&own.link, &link.law)?;
+        if let Some([what, known]) = underived(&own.link, &link.law, true) {
+            return Err(SimulationError::NotDerived { what, known });
+        }
     }
     let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
     let refined = (grid.len, tolerance, MOST_REFINEMENTS);
@@ -262,17 +265,17 @@ impl Bending<'_> {
             return Ok(InitialMotion { q, rates: own, from_rad: given_rad.unwrap_or(level_rad) });
         }
         let start_rad = self.play.start_m(link) / link.length_m() + given_rad.unwrap_or(0.0);
-        let mut straight = vec![0.0; linkage.count];
-        straight[0] = start_rad;
         if !link.has_weight() {
+            let mut straight = vec![0.0; linkage.count];
+            straight[0] = start_rad;
             return Ok(InitialMotion { q: straight, rates, from_rad: given_rad.unwrap_or(0.0) });
         }
-        let held = match self.play.input {
+        let start = match self.play.input {
             Input::Torques(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
-            Input::Torques(_) => Held::Chord(start_rad),
-            Input::Angles(_) => Held::Hub,
+            Input::Torques(_) => Start::Chords(&[start_rad]),
+            Input::Angles(_) => Start::Joints(&[start_rad]),
         };
-        let q = resting(chain, &straight, held).ok_or(SimulationError::NoRest)?;
+        let q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
         // With a prescribed hub the weight determines the chord.
         let first_rad = direction(chain.tip(&q, &rates).at_m, start_rad);
         Ok(InitialMotion { q, rates, from_rad: given_rad.unwrap_or(first_rad) })
