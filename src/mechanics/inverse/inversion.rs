@@ -23,7 +23,7 @@ use crate::link::{Arm, Link};
 use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{Ends, Motion, TipMotion};
-use crate::numeric::{TimeGrid, fast_length};
+use crate::numeric::TimeGrid;
 
 /// Largest distance from whole turns, in turns, of a cycle under gravity that ends in its first direction.
 const WHOLE_TURNS: f64 = 1e-6;
@@ -207,10 +207,7 @@ impl Solution {
         let problem = LinkProblem::new(motion, &self.analysis, first_zero, *resources)?;
         let answer = if shape.is_some() {
             let bent = ArmProblem::of_link(&problem, &self.arm, first_zero)?;
-            let given = (self.band.period_s / motion.grid().step_s).ceil() as usize;
-            let shortest = bent.shortest_len()?;
-            let is_cycle = motion.cycles().is_some();
-            let len = if is_cycle { shortest } else { shortest.max(fast_length(given)) };
+            let len = problem.len_over(bent.shortest_len()?, self.band.period_s);
             bent.answer(&[Arc::clone(model)], &bent.period(len)?, None)?.periodic()
         } else {
             problem.answer_over(&**model, self.band.period_s)?

@@ -47,10 +47,10 @@ impl Padding {
     ) -> Self {
         let decay_s = first_zero.map_or(0.0, |z| libm::log(10.0 / analysis.tolerance()) / z);
         let decay = (decay_s / step_s).ceil() as usize;
-        let given = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
+        let requested = |time_s: Option<f64>| steps(time_s.unwrap_or(0.0), step_s);
         Self {
-            before: decay.saturating_sub(first).max(given(analysis.lead_s())),
-            after: decay.saturating_sub(len - 1 - last).max(given(analysis.lag_s())),
+            before: decay.saturating_sub(first).max(requested(analysis.lead_s())),
+            after: decay.saturating_sub(len - 1 - last).max(requested(analysis.lag_s())),
             cycles: None,
         }
     }
@@ -175,9 +175,9 @@ impl PeriodicTorque<'_> {
             let mut late = self.part(last + 1, end + 1).into_iter().flatten().rev();
             late.position(acts).map_or(last, |k| end - k as i64 + 1)
         };
-        let given = |time_s: f64| steps(time_s, step_s) as i64;
-        let start = analysis.lead_s().map_or_else(before_it_acts, |lead_s| -given(lead_s));
-        let stop = analysis.lag_s().map_or_else(after_it_acts, |lag_s| last + given(lag_s));
+        let requested = |time_s: f64| steps(time_s, step_s) as i64;
+        let start = analysis.lead_s().map_or_else(before_it_acts, |lead_s| -requested(lead_s));
+        let stop = analysis.lag_s().map_or_else(after_it_acts, |lag_s| last + requested(lag_s));
         Window { start: start.max(begin), stop: stop.min(end) }
     }
 

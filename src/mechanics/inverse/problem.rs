@@ -110,16 +110,16 @@ impl<'a> LinkProblem<'a> {
 
     /// The samples to write: until both the torque and that of the motor stay below the tolerance.
     pub(super) fn window(&self, answer: &PeriodicAnswer) -> Window {
-        let given = self.motion.grid();
+        let grid = self.motion.grid();
         if self.padding.cycles.is_some() {
-            return Window { start: 0, stop: given.len as i64 - 1 };
+            return Window { start: 0, stop: grid.len as i64 - 1 };
         }
-        let of = |samples: &[f64]| {
+        let window_of = |samples: &[f64]| {
             let torque = answer.periodic(samples);
-            torque.window(given.len, given.step_s, self.analysis, torque.peak())
+            torque.window(grid.len, grid.step_s, self.analysis, torque.peak())
         };
-        let hub = of(&answer.torque_n_m);
-        answer.motor_n_m.as_deref().map(of).map_or(hub, |motor| Window {
+        let hub = window_of(&answer.torque_n_m);
+        answer.motor_n_m.as_deref().map(window_of).map_or(hub, |motor| Window {
             start: hub.start.min(motor.start),
             stop: hub.stop.max(motor.stop),
         })
@@ -131,22 +131,29 @@ impl<'a> LinkProblem<'a> {
         model: &dyn Model,
         period_s: f64,
     ) -> Result<PeriodicAnswer, InversionError> {
-        let own = self.padding.period_len(self.motion.grid().len)?;
-        if self.padding.cycles.is_some() {
-            return self.answer(model, own);
+        let shortest = self.padding.period_len(self.motion.grid().len)?;
+        self.answer(model, self.len_over(shortest, period_s))
+    }
+
+    /// Samples of a period at least as long as another one and as the shortest; a cycle keeps its period.
+    pub(super) fn len_over(&self, shortest: usize, period_s: f64) -> usize {
+        match self.padding.cycles {
+            Some(_) => shortest,
+            None => {
+                let samples = (period_s / self.motion.grid().step_s).ceil() as usize;
+                shortest.max(fast_length(samples))
+            }
         }
-        let given = (period_s / self.motion.grid().step_s).ceil() as usize;
-        self.answer(model, own.max(fast_length(given)))
     }
 
     /// Direction of the chord in rad at zero displacement of the tip; 0 for a link without gravity.
     pub(super) fn start_angle_rad(&self, link: &Link) -> Result<f64, InversionError> {
         let Some(gravity) = link.gravity() else { return Ok(0.0) };
-        let given = self.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
+        let start_rad = self.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
         if gravity.acts() {
-            given.ok_or(InversionError::NoStartAngle)
+            start_rad.ok_or(InversionError::NoStartAngle)
         } else {
-            Ok(given.unwrap_or(0.0))
+            Ok(start_rad.unwrap_or(0.0))
         }
     }
 

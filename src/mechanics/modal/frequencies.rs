@@ -329,12 +329,12 @@ pub fn torque_zeros(mesh: &Mesh, count: usize) -> Vec<f64> {
     let Some((start, limit)) = scan else { return Vec::new() };
     let all =
         |mesh: &Mesh| changes(start, limit, count, |exponents| displacements_m(mesh, exponents));
-    let mut found = all(mesh);
-    if mesh.has_shear() && !found.is_empty() {
+    let mut zeros = all(mesh);
+    if mesh.has_shear() && !zeros.is_empty() {
         let finer = all(&mesh.refined());
-        found.retain(|zero| finer.iter().any(|finer| (zero / finer - 1.0).abs() < SETTLED_ZERO));
+        zeros.retain(|zero| finer.iter().any(|finer| (zero / finer - 1.0).abs() < SETTLED_ZERO));
     }
-    found
+    zeros
 }
 
 /// Tip displacement per hub angle, `L + e_tip`, in m where both grow as e^{zt}.
@@ -374,18 +374,18 @@ fn changes(
     values: impl Fn(&[f64; SECTIONS]) -> [f64; SECTIONS],
 ) -> Vec<f64> {
     let mut scan = geometric_scan(start, SCAN_RATIO);
-    let mut found = Vec::new();
+    let mut crossings = Vec::new();
     let mut previous: Option<(f64, f64)> = None;
     loop {
         let places = next_places(&mut scan);
         for now in places.into_iter().zip(values(&places)) {
-            if now.0 > limit || found.len() == count {
-                return found;
+            if now.0 > limit || crossings.len() == count {
+                return crossings;
             }
             let is_other =
                 |then: &(f64, f64)| then.1.is_sign_negative() != now.1.is_sign_negative();
             if let Some(before) = previous.filter(is_other) {
-                found.push(root(before, now, &values));
+                crossings.push(root(before, now, &values));
             }
             previous = Some(now);
         }

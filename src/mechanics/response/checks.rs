@@ -187,7 +187,7 @@ impl PlayError {
         let (basis, _) = kept_modes(&mesh, modes.band_rad_s, most_modes);
         let equations = play.equations(link, (&mesh, &law), basis)?;
         let driving = play.driving((0, link), play.zero_of_state_rad(link), link.has_weight())?;
-        let mut found = tip.displacement_m.iter().zip(&turned);
+        let mut played_samples = tip.displacement_m.iter().zip(&turned);
         let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
         let ([q, rates], _) = play.start(link, (&equations, &mesh), &driving)?;
         let stepper = Stepper::new(&equations, grid.step_s).starting_at(&q, &rates);
@@ -195,7 +195,7 @@ impl PlayError {
             (equations.tip(&stepper.coordinates()), equations.hub(&stepper.coordinates()));
         stepper.run(driving.steps(grid.len), |stepper| {
             let q = stepper.coordinates();
-            let Some((displacement_m, turned_rad)) = found.next() else { return };
+            let Some((displacement_m, turned_rad)) = played_samples.next() else { return };
             let (own_m, own_rad) = (equations.tip(&q) - first_m, equations.hub(&q) - first_rad);
             tip_m = tip_m.max((own_m - (displacement_m - start_m)).abs());
             hub_rad = hub_rad.max((own_rad - turned_rad).abs());
@@ -275,22 +275,22 @@ fn of_torques(
     let starts_at_rest = play.state.is_none();
     let mut warnings = Vec::new();
     for (number, (torque, holding_n_m)) in torques.iter().zip(holding).enumerate() {
-        let own = torque.torque_n_m();
+        let samples_n_m = torque.torque_n_m();
         let joint = (torques.len() > 1).then_some(number + 1);
-        let torque_n_m = own[0];
+        let torque_n_m = samples_n_m[0];
         let share = (torque_n_m - holding_n_m).abs() / size;
         if starts_at_rest && share > STEP_SHARE {
             let begins = SimulationWarning::BeginsUnheld { joint, torque_n_m, holding_n_m, share };
             warnings.push(begins);
         }
-        let torque_n_m = own[own.len() - 1];
+        let torque_n_m = samples_n_m[samples_n_m.len() - 1];
         let share = torque_n_m.abs() / size;
         if !arm.has_weight() && share > STEP_SHARE {
             warnings.push(SimulationWarning::EndsWithJump { joint, torque_n_m, share });
         }
         let hub_rad = motion.joints[number].angle_rad[0];
-        let reference = play.feedback.get(number).map(|own| own.reference().angle_rad()[0]);
-        let apart = reference.filter(|own| starts_at_rest && (own - hub_rad).abs() > APART_RAD);
+        let reference = play.feedback.get(number).map(|of| of.reference().angle_rad()[0]);
+        let apart = reference.filter(|at| starts_at_rest && (at - hub_rad).abs() > APART_RAD);
         warnings.extend(apart.map(|reference_rad| SimulationWarning::ReferenceApart {
             joint,
             reference_rad,

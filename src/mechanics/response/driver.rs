@@ -93,7 +93,7 @@ pub(super) fn refine<'a>(
         let mut motion = play(refinement, Some(&coarser))?;
         // Both are arrays: tip in m, joints in rad.
         let (change, travel) = (motion.change_from(&coarser), motion.moved());
-        let least = [ROUND_OFF_RAD * motion.play.length_m(), ROUND_OFF_RAD];
+        let least = [ROUND_OFF_RAD * motion.play.linkage.length_m(), ROUND_OFF_RAD];
         let is_within = |share: f64| (0..2).all(|k| change[k] <= (share * travel[k]).max(least[k]));
         (motion.play.change, motion.play.is_unsettled) = (change, !is_within(UNSETTLED));
         let is_settled = is_within(tolerance);

@@ -81,15 +81,16 @@ impl OnHub {
         (spring_n_m_rad, friction_n_m_s_rad): (f64, f64),
     ) -> Self {
         let basis = ModalBasis::lowest(mesh, count);
-        let own = Equations::new(mesh, law, basis, HubReaction::default()).coordinates;
-        let squares: Vec<f64> = own.iter().map(|own| own.square).collect();
+        let modes = Equations::new(mesh, law, basis, HubReaction::default()).coordinates;
+        let squares: Vec<f64> = modes.iter().map(|own| own.square).collect();
         let (rates_per_s, losses) = match law {
-            DampingLaw::Hysteretic { ratio } => {
-                (vec![0.0; own.len()], squares.iter().map(|square| 2.0 * ratio * square).collect())
-            }
-            _ => (own.iter().map(|own| own.rate_per_s).collect(), vec![0.0; own.len()]),
+            DampingLaw::Hysteretic { ratio } => (
+                vec![0.0; modes.len()],
+                squares.iter().map(|square| 2.0 * ratio * square).collect(),
+            ),
+            _ => (modes.iter().map(|own| own.rate_per_s).collect(), vec![0.0; modes.len()]),
         };
-        let hub_angles = own.iter().map(|own| own.hub_angle).collect();
+        let hub_angles = modes.iter().map(|own| own.hub_angle).collect();
         Self { squares, rates_per_s, losses, hub_angles, spring_n_m_rad, friction_n_m_s_rad }
     }
 
@@ -134,14 +135,14 @@ impl SmallMotions for OnHub {
     /// Applies the formula of Sherman and Morrison, as only the hub's spring and friction couple the coordinates.
     fn solved(&self, s_per_s: Complex64, share: f64, y: &[Complex64]) -> Option<Vec<Complex64>> {
         let size = magnitude(s_per_s);
-        let own = |k: usize| {
+        let receptances = |k: usize| {
             let rate = self.rates_per_s[k] + self.losses[k] / size;
             (s_per_s * s_per_s + s_per_s * (share * rate) + self.squares[k]).inv()
         };
-        let own: Vec<Complex64> = (0..y.len()).map(own).collect();
-        let alone: Vec<Complex64> = y.iter().zip(&own).map(|(y, own)| y * own).collect();
-        let of_hub: Vec<Complex64> =
-            self.hub_angles.iter().zip(&own).map(|(angle, own)| own * *angle).collect();
+        let receptances: Vec<Complex64> = (0..y.len()).map(receptances).collect();
+        let alone: Vec<Complex64> = y.iter().zip(&receptances).map(|(y, own)| y * own).collect();
+        let of_hub = self.hub_angles.iter().zip(&receptances);
+        let of_hub: Vec<Complex64> = of_hub.map(|(angle, own)| own * *angle).collect();
         let compliance = self.hub_angle(&of_hub);
         let at_hub = s_per_s * (share * self.friction_n_m_s_rad) + self.spring_n_m_rad;
         let torque = self.hub_angle(&alone)
@@ -150,9 +151,9 @@ impl SmallMotions for OnHub {
             } else {
                 at_hub / (at_hub * compliance + 1.0)
             };
-        let found: Vec<_> =
-            alone.iter().zip(&of_hub).map(|(own, hub)| own - hub * torque).collect();
-        product(&found, &found).is_finite().then_some(found)
+        let solution: Vec<_> =
+            alone.iter().zip(&of_hub).map(|(alone, hub)| alone - hub * torque).collect();
+        product(&solution, &solution).is_finite().then_some(solution)
     }
 }
 

@@ -134,14 +134,14 @@ impl Equations {
 
     /// Damping of a coordinate: Σ c q̇, less the part that turns with the reference.
     fn damped(&self, k: usize, rate: &[f64], turning_rad_s: f64) -> f64 {
-        let own = match &self.damping {
+        let whole = match &self.damping {
             None => self.coordinates[k].rate_per_s * rate[k],
             Some(damping) => {
                 let row = &damping[k * rate.len()..][..rate.len()];
                 row.iter().zip(rate).map(|(c, rate)| c * rate).sum()
             }
         };
-        own - self.drags.as_ref().map_or(0.0, |drags| drags[k] * turning_rad_s)
+        whole - self.drags.as_ref().map_or(0.0, |drags| drags[k] * turning_rad_s)
     }
 
     /// Power that damping and drag dissipate at these rates in W, the reference turning at a rate in rad/s.
@@ -170,9 +170,9 @@ impl Equations {
             // Friction acts on the hub; the rest of the reaction is the motor's.
             return u - (reaction.torque_n_m(self.hub(q), hub_rate) - friction_n_m);
         };
-        let own = acceleration[0] + drag_per_s * rate[0];
+        let turning = acceleration[0] + drag_per_s * rate[0];
         let bending = self.bending(acceleration) + drag_per_s * self.bending(rate);
-        inertia_kg_m2 * own + bending + friction_n_m
+        inertia_kg_m2 * turning + bending + friction_n_m
     }
 }
 
@@ -287,8 +287,8 @@ pub(super) fn kept_modes(
 /// `None` where the numbers are not finite.
 pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
     let rigid = free.coordinates.first()?;
-    let found = hub_modes(free, f64::INFINITY)?;
-    let count = found.len();
+    let held_modes = hub_modes(free, f64::INFINITY)?;
+    let count = held_modes.len();
     let mut coordinates = vec![Coordinate {
         square: 0.0,
         rate_per_s: 0.0,
@@ -298,7 +298,7 @@ pub(super) fn held(free: &Equations, law: &DampingLaw) -> Option<Equations> {
     }];
     let mut shapes = vec![free.shapes[0].clone().scaled(rigid.hub_angle.recip())];
     let mut modes: Vec<Vec<f64>> = Vec::with_capacity(count);
-    for (number, HubMode { omega_rad_s, mode, .. }) in found.into_iter().enumerate() {
+    for (number, HubMode { omega_rad_s, mode, .. }) in held_modes.into_iter().enumerate() {
         coordinates.push(Coordinate {
             square: omega_rad_s * omega_rad_s,
             rate_per_s: 2.0 * law.modal_ratio(number + 1, omega_rad_s) * omega_rad_s,
@@ -363,14 +363,14 @@ fn hub_modes(free: &Equations, spring_n_m_rad: f64) -> Option<Vec<HubMode>> {
     let eigen = SymmetricEigen::new(count, matrix)?;
     let mode = |k: usize| {
         let (omega_rad_s, y) = (eigen.values[k].sqrt().recip(), eigen.vector(k));
-        let own = y[first..].iter().zip(flexible);
-        let own: Vec<f64> = own.map(|(y, mode)| omega_rad_s * y / mode.square.sqrt()).collect();
-        let turned: f64 = own.iter().zip(flexible).map(|(x, mode)| x * mode.hub_angle).sum();
+        let bent = y[first..].iter().zip(flexible);
+        let bent: Vec<f64> = bent.map(|(y, mode)| omega_rad_s * y / mode.square.sqrt()).collect();
+        let turned: f64 = bent.iter().zip(flexible).map(|(x, mode)| x * mode.hub_angle).sum();
         let by_spring = of_spring.map_or(0.0, |turn| omega_rad_s * y[0] * turn);
         let rotation = -turned / rigid.hub_angle - by_spring;
         HubMode {
             omega_rad_s,
-            mode: std::iter::once(rotation).chain(own).collect(),
+            mode: std::iter::once(rotation).chain(bent).collect(),
             link_share: y[first..].iter().map(|y| y * y).sum(),
         }
     };

@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::balance::{Balance, Met, Place};
 use super::linkage::Linkage;
-use super::shape::{in_parts, settled};
+use super::shape::{direction, in_parts, settled};
 use crate::elastica::reaching;
 use crate::link::{Arm, Damping, Elbow};
 use crate::numeric::dot;
@@ -214,20 +214,20 @@ impl ArmPose {
         let stations = self.chain.stations(along_m);
         // Coordinates may have any size: the largest one changes by these steps.
         let part = PART_RAD / shape.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-        let mut found: Vec<_> = along_m.iter().map(|own| vec![[0.0; 2]; own.len()]).collect();
+        let mut moved: Vec<_> = along_m.iter().map(|own| vec![[0.0; 2]; own.len()]).collect();
         for (parts, share) in (1_u8..).zip(SHARES) {
             for sign in [1.0, -1.0] {
                 let step = sign * f64::from(parts) * part;
                 let q: Vec<f64> = self.rest.iter().zip(shape).map(|(q, x)| q + step * x).collect();
                 let places = self.chain.places_m(&stations, &q);
-                for (own, place) in found.iter_mut().flatten().zip(places.iter().flatten()) {
+                for (own, place) in moved.iter_mut().flatten().zip(places.iter().flatten()) {
                     own.iter_mut()
                         .zip(place)
                         .for_each(|(own, at)| *own += sign * share / part * at);
                 }
             }
         }
-        found
+        moved
     }
 
     /// Response to the torque of each joint at `frequency_hz` > 0, friction of the joints included. It is not finite at
@@ -284,17 +284,17 @@ impl Linkage {
         let count = self.count;
         let (mut q, mut slopes) = (q.to_vec(), vec![0.0; count * count]);
         for column in 0..count {
-            let own = q[column];
+            let rest_rad = q[column];
             for (part, share) in (1_u8..).zip(SHARES) {
                 for sign in [1.0, -1.0] {
-                    q[column] = own + sign * f64::from(part) * PART_RAD;
+                    q[column] = rest_rad + sign * f64::from(part) * PART_RAD;
                     let factor = -sign * share / PART_RAD;
                     for (row, force) in self.weights(&q).into_iter().enumerate() {
                         slopes[row * count + column] += factor * force;
                     }
                 }
             }
-            q[column] = own;
+            q[column] = rest_rad;
         }
         let both = |at: usize| 0.5 * (slopes[at] + slopes[at % count * count + at / count]);
         (0..count * count).map(both).collect()
@@ -356,16 +356,18 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
     })
 }
 
-/// Sine of the angle from each chord to its direction, and distance of the tip from its place over the arm's length.
-/// `None` for held joints.
+/// Distance of chords from their directions in rad, of the chord of one link as a sine, or distance of the tip from its
+/// place over the arm's length. `None` for held joints.
 fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
     let mut from_m = [0.0; 2];
     let mut across = |(end, angle_rad): (&Place, Option<&f64>)| {
         let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
         from_m = end.at_m;
-        angle_rad.map(|angle_rad| {
-            let [x, y] = along_m;
-            (x * libm::sin(*angle_rad) - y * libm::cos(*angle_rad)) / (x * x + y * y).sqrt()
+        angle_rad.map(|angle_rad| match (along_m, ends) {
+            ([x, y], [_]) => {
+                (x * libm::sin(*angle_rad) - y * libm::cos(*angle_rad)) / (x * x + y * y).sqrt()
+            }
+            _ => direction(along_m, *angle_rad) - angle_rad,
         })
     };
     match start {
@@ -375,10 +377,10 @@ fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
         }
         Start::Tip { at_m, outer_rad } => {
             let tip_m = ends.last().map_or([0.0; 2], |end| end.at_m);
-            let of = |axis: usize| (tip_m[axis] - at_m[axis]) / arm.length_m();
+            let off = |axis: usize| (tip_m[axis] - at_m[axis]) / arm.length_m();
             let outer = [None, None].into_iter().chain(outer_rad.iter().map(Some));
             let outer: Vec<f64> = ends.iter().zip(outer).filter_map(&mut across).collect();
-            Some([&[of(0), of(1)], &outer[..]].concat())
+            Some([&[off(0), off(1)], &outer[..]].concat())
         }
     }
 }

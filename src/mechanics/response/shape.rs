@@ -71,10 +71,10 @@ fn newton_change(
 ) -> Option<DVector<f64>> {
     let mut slopes = DMatrix::zeros(q.len(), q.len());
     for k in 0..q.len() {
-        let own = q[k];
-        q[k] = own + PART_RAD;
+        let unmoved = q[k];
+        q[k] = unmoved + PART_RAD;
         slopes.set_column(k, &((left(q) - now) / PART_RAD));
-        q[k] = own;
+        q[k] = unmoved;
     }
     slopes.lu().solve(now)
 }
@@ -116,10 +116,10 @@ pub(super) fn viscous(
         let first = usize::from(spring_n_m_rad.is_none());
         let size = count - first;
         let bent = DMatrix::from_fn(size, size, |i, j| {
-            let own = mass[(i + first) * count + j + first];
+            let entry = mass[(i + first) * count + j + first];
             // A free hub follows, so that the momentum stays 0.
             let follows = is_free && spring_n_m_rad.is_none();
-            own - if follows { mass[(i + 1) * count] * mass[j + 1] / mass[0] } else { 0.0 }
+            entry - if follows { mass[(i + 1) * count] * mass[j + 1] / mass[0] } else { 0.0 }
         });
         let mut stiffness =
             DMatrix::from_fn(size, size, |i, j| chain.stiffness[(i + first) * count + j + first]);
@@ -198,13 +198,13 @@ impl Chain {
                 piece_shapes(order, rows[row][0]).0[column]
             });
             let values = DMatrix::from_fn(rows.len(), 2, |row, column| rows[row][1 + column]);
-            let found = shapes.lu().solve(&values).ok_or_else(refused)?;
+            let factors = shapes.lu().solve(&values).ok_or_else(refused)?;
             // Polynomials of higher order are 0; the last shape is the outer end.
             for k in 1..order {
                 (q[piece.first + k - 1], rates[piece.first + k - 1]) =
-                    (found[(k, 0)], found[(k, 1)]);
+                    (factors[(k, 0)], factors[(k, 1)]);
             }
-            (q[piece.outer()], rates[piece.outer()]) = (found[(order, 0)], found[(order, 1)]);
+            (q[piece.outer()], rates[piece.outer()]) = (factors[(order, 0)], factors[(order, 1)]);
             from_m = to_m;
         }
         Ok((q, rates))
@@ -240,15 +240,15 @@ impl Chain {
         let mut inner = vec![hub.map(|part| self.root_m * part)];
         let mut slopes = Vec::with_capacity(self.pieces.len());
         for piece in &self.pieces {
-            let own = piece.shapes.iter().map(|shape| {
+            let directions = piece.shapes.iter().map(|shape| {
                 let bent: f64 = piece.coordinates().map(|(i, k)| q[i] * shape[k]).sum();
                 [libm::cos(q[0] + bent), libm::sin(q[0] + bent)]
             });
-            let own: Vec<[f64; 2]> = own.collect();
+            let directions: Vec<[f64; 2]> = directions.collect();
             let whole = piece.within.last().map_or(&[][..], Vec::as_slice);
             let last = inner[inner.len() - 1];
-            inner.push(reached(last, piece.length_m, whole, &own));
-            slopes.push(own);
+            inner.push(reached(last, piece.length_m, whole, &directions));
+            slopes.push(directions);
         }
         let place = |station: &Station| {
             let piece = station.piece;

@@ -332,7 +332,7 @@ pub fn move_arm(
     let drive = |joint: &MovedJoint<'_>| {
         let samples = joint.accelerations_rad_s2.to_vec();
         let pieces = pieces(&samples, Interpolation::Cubic);
-        Drive::Acceleration(Driving { samples, pieces, hold: 0.0, repeats: false, turning: None })
+        Drive::Acceleration(Driving::new(samples, pieces))
     };
     let drives: Vec<Drive> = joints.iter().map(drive).collect();
     let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();

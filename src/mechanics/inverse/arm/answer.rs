@@ -104,13 +104,13 @@ impl ArmAnswer {
     pub(super) fn joint(&self, joint: usize) -> JointHistories {
         let bent = bent_rad(&self.motion, joint);
         let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
-        let of = |elastic: &[f64]| -> AngleHistories {
+        let with_chords = |elastic: &[f64]| -> AngleHistories {
             [0, 1, 2].map(|part| sum(&self.derivative(elastic, part), &chords[part]))
         };
-        let angle = of(&bent);
+        let angle = with_chords(&bent);
         let motor = self.models[joint].link().drive().map(|drive| {
             let torque_n_m = &self.motion.links[joint].bent.torque_n_m;
-            motor(drive, torque_n_m, |twist| of(&sum(&bent, twist)))
+            motor(drive, torque_n_m, |twist| with_chords(&sum(&bent, twist)))
         });
         JointHistories { angle, motor }
     }
@@ -130,7 +130,7 @@ impl ArmAnswer {
         probes: &[Vec<usize>],
         chronological: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Vec<Curves> {
-        let of = |joint: usize| {
+        let curves_of = |joint: usize| {
             let JointHistories { angle: [angle, rate, acceleration], motor } = self.joint(joint);
             let bent = &self.motion.links[joint].bent;
             let nodes = probes[joint].iter();
@@ -149,7 +149,7 @@ impl ArmAnswer {
                 }),
             }
         };
-        (0..self.models.len()).into_par_iter().map(of).collect()
+        (0..self.models.len()).into_par_iter().map(curves_of).collect()
     }
 
     /// The answer of one link as amplitudes at hub and motor.
@@ -228,7 +228,7 @@ pub(super) fn curves_at_rest(
     probes: &[Vec<usize>],
 ) -> Vec<Curves> {
     let first = |history: &[f64]| vec![history[0]];
-    let of = |joint: usize| {
+    let curves_of = |joint: usize| {
         let bent = &motion.links[joint].bent;
         let angle = sum(&bent_rad(motion, joint), &turned(motion, joint, 0));
         let nodes = probes[joint].iter();
@@ -244,5 +244,5 @@ pub(super) fn curves_at_rest(
             motor: drive.map(|drive| [vec![bent.torque_n_m[0] / drive.gear_ratio], vec![0.0]]),
         }
     };
-    (0..models.len()).map(of).collect()
+    (0..models.len()).map(curves_of).collect()
 }

@@ -144,17 +144,17 @@ impl Solver<'_> {
         let is_iterated = problem.second_order != SecondOrder::None;
         let iteration = is_iterated.then(|| self.iteration_errors(&solved)).transpose()?;
         let errors = solved.mesh.iter().enumerate().map(|(joint, mesh)| {
-            let of = |all: &Option<Sizes>| all.as_ref().map(|all| all[joint]);
+            let at = |all: &Option<Sizes>| all.as_ref().map(|all| all[joint]);
             let errors = mesh.zip(&left[joint].at_least(&cut[joint]), |mesh, window| {
                 QuantityErrors { mesh, window, ..QuantityErrors::default() }
             });
             errors
-                .with(of(&step), |errors, step| QuantityErrors { step: Some(step), ..errors })
-                .with(of(&iteration), |errors, iteration| QuantityErrors {
+                .with(at(&step), |errors, step| QuantityErrors { step: Some(step), ..errors })
+                .with(at(&iteration), |errors, iteration| QuantityErrors {
                     iteration: Some(iteration),
                     ..errors
                 })
-                .with(of(&input), |errors, input| QuantityErrors { input: Some(input), ..errors })
+                .with(at(&input), |errors, input| QuantityErrors { input: Some(input), ..errors })
         });
         let errors = errors.collect();
         let edge = Edge { cut: cut[0].torque, seam: left[0].torque };
@@ -179,8 +179,8 @@ impl Solver<'_> {
         let arm = problem.arm;
         let Measured { solved, window, errors, .. } = self.measured(models, first_zero_per_s)?;
         let answer = &solved.answer;
-        let given = path.grid();
-        let grid = TimeGrid { first: window.start, len: window.len(), ..given };
+        let motion_grid = path.grid();
+        let grid = TimeGrid { first: window.start, len: window.len(), ..motion_grid };
         let findings = || self.findings(answer);
         // The error of the input already measures the digits' uncertainty.
         let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
@@ -364,8 +364,8 @@ impl Solver<'_> {
         rests: Option<&[ArmMotion; 2]>,
     ) -> (Window, Sizes) {
         let (problem, spectrum) = (&self.problem, &answer.path.tip.spectrum);
-        let given = problem.wanted.grid();
-        let whole = Window { start: 0, stop: given.len as i64 - 1 };
+        let motion_grid = problem.wanted.grid();
+        let whole = Window { start: 0, stop: motion_grid.len as i64 - 1 };
         let Some(rests) = rests else {
             return (whole, vec![PerQuantity::default(); sizes.len()]);
         };
@@ -385,8 +385,8 @@ impl Solver<'_> {
         let (before, reach) = (spectrum.seam, spectrum.seam_reach());
         let each = joints.iter().chain(&motor).map(|(samples, size)| {
             PeriodicTorque { samples, before, reach }.window(
-                given.len,
-                given.step_s,
+                motion_grid.len,
+                motion_grid.step_s,
                 problem.analysis,
                 *size,
             )

@@ -33,7 +33,7 @@ impl ArmAnswer {
         let rigid: Vec<AngleHistories> =
             self.path.rigid.iter().map(|chord| cut_all(chord, grid)).collect();
         let rigid_torques_n_m = rigid_torques_n_m(arm, &rigid);
-        let of = |(joint, rigid_torque_n_m): (usize, Vec<f64>)| {
+        let motion_of = |(joint, rigid_torque_n_m): (usize, Vec<f64>)| {
             let JointHistories { angle, motor } = self.joint(joint);
             let link = &self.motion.links[joint];
             let before = joint.checked_sub(1).map(|before| &rigid[before][0]);
@@ -56,7 +56,7 @@ impl ArmAnswer {
                 errors: errors[joint],
             }
         };
-        rigid_torques_n_m.into_par_iter().enumerate().map(of).collect()
+        rigid_torques_n_m.into_par_iter().enumerate().map(motion_of).collect()
     }
 
     /// The links over a window, and x and y of the tip with their derivatives.
