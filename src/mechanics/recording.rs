@@ -78,8 +78,8 @@ impl Digits {
     pub fn rounding(&self) -> Option<Rounding> {
         let (power, _) =
             self.decades.iter().rev().find(|(_, decade)| decade.different >= FEWEST_DIFFERENT)?;
-        let own = self.decades.range(..=power);
-        let digits = own.map(|(power, decade)| power + decade.decimals).max()?;
+        let smaller = self.decades.range(..=power);
+        let digits = smaller.map(|(power, decade)| power + decade.decimals).max()?;
         let decimals = digits - power;
         let step = format!("1e{}", -decimals).parse().ok()?;
         Some(Rounding { decimals, step })

@@ -20,7 +20,6 @@ mod mesh;
 mod pivoted;
 mod plan;
 mod recursion;
-mod stations;
 mod transfer;
 
 pub(crate) use batch::{Checkpoints, Pivots, nodal_transfers_from, pivots, tip_displacements_m};

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::arm_links::{Answers, Follower, Iterate, Shortened, State};
 use super::chord::resolved;
 use super::error::{ElasticaError, FINEST};
-use super::iteration::{
-    MOST_ITERATIONS, OF_NYQUIST, REACH, factor_of, further, long_step, over_widest_band,
-};
 use super::kinematics::ArmPeriod;
 use super::loads::{BentLink, SecondOrder};
+use super::on_chord::{
+    MOST_ITERATIONS, OF_NYQUIST, REACH, factor_of, further, long_step, over_widest_band,
+};
 use super::reaction::{ArmMotion, Iteration, apart};
 use crate::model::Model;
 use crate::numeric::FourierPair;
@@ -293,13 +293,13 @@ impl Follower<'_> {
             let loads = own.loads((histories.pop().unwrap_or_default(), &time));
             let loads = loads.map_err(|error| self.of_link(link, error))?;
             largest_slope = is_one.then_some(loads.largest_slope);
-            let found = on_chord.with_loads(&linear.answers[link], &loads.nodal, pair);
-            let few = &found[..bins.min(found.len())];
+            let link_answers = on_chord.with_loads(&linear.answers[link], &loads.nodal, pair);
+            let few = &link_answers[..bins.min(link_answers.len())];
             let along_n: Vec<f64> = loads.axial_n.iter().map(|axial| -axial).collect();
             let at_all = |few: &[f64]| self.arm.at_all(pair, few, bins, 0);
             let torque_n_m = if is_one {
                 // All frequencies, so that changes between bands are those of the same frequencies.
-                on_chord.hub(&found, order, &self.arm.pair, &on_chord.chord.histories).0
+                on_chord.hub(&link_answers, order, &self.arm.pair, &on_chord.chord.histories).0
             } else {
                 at_all(&on_chord.hub(few, order, pair, &time).0)
             };
@@ -308,7 +308,7 @@ impl Follower<'_> {
             across_n.iter_mut().zip(left_n).for_each(|(across, left)| *across += left);
             let forces_n = [at_all(&along_n), self.arm.pair.samples(across_n)];
             state.hand_inward(link, forces_n, &torque_n_m);
-            answers.insert(0, found);
+            answers.insert(0, link_answers);
             torques_n_m.insert(0, torque_n_m);
         }
         let (iteration, others) = (Iteration::default(), Vec::new());

@@ -7,10 +7,9 @@ use rayon::prelude::*;
 
 use super::chord::{ChordHistories, ChordPeriod, TipLoad, resolved};
 use super::error::ElasticaError;
-use super::iteration::{REACH, check};
 use super::kinematics::{ArmPeriod, Bar, Moving, axes};
 use super::loads::SecondOrder;
-use super::on_chord::LinkOnChord;
+use super::on_chord::{LinkOnChord, REACH, check};
 use super::reaction::{ArmLinkMotion, ArmMotion, Iteration, apart, band, joint_rates, size};
 use super::sag::Sag;
 use crate::beam::LoadedMotion;
@@ -157,10 +156,10 @@ impl<'a> Follower<'a> {
 
     /// Number of bins beyond which a share of the torques is negligible.
     pub(super) fn band(&self, answers: &Answers, negligible: f64) -> usize {
-        let of = |(answers, model): (&Vec<LoadedMotion<Complex64>>, &Arc<dyn Model>)| {
+        let band_of = |(answers, model): (&Vec<LoadedMotion<Complex64>>, &Arc<dyn Model>)| {
             band(answers, negligible, (model.mesh(), self.round_off_n_m))
         };
-        answers.iter().zip(self.models).map(of).fold(1, usize::max)
+        answers.iter().zip(self.models).map(band_of).fold(1, usize::max)
     }
 
     /// Checks the links, and solves them without second-order terms.
@@ -216,11 +215,11 @@ impl<'a> Follower<'a> {
             by_m.iter().map(|few| [0, 1, 2].map(|order| derived(few, order))).collect::<Vec<_>>()
         });
         let at = |sample: usize| {
-            let own = |link: usize| {
+            let length_of = |link: usize| {
                 let by_m = |order: usize| by_m.as_ref().map_or(0.0, |by| by[link][order][sample]);
                 [0, 1, 2].map(|order: usize| rigid[link][order] - by_m(order))
             };
-            let lengths: Vec<Moving> = (0..rigid.len()).map(own).collect();
+            let lengths: Vec<Moving> = (0..rigid.len()).map(length_of).collect();
             Ok(arm.carried(arm.bars(sample, [&rigid, &lengths])?).collect())
         };
         let samples: Vec<_> = (0..arm.len()).into_par_iter().map(at).collect();
@@ -253,12 +252,12 @@ impl<'a> Follower<'a> {
         let (mut answers, mut torques_n_m) = (Vec::new(), Vec::new());
         for link in (0..self.arm.links()).rev() {
             let on_chord = self.on_chord(link, &state.chords[link]);
-            let found = on_chord.linear().map_err(|error| self.of_link(link, error))?;
+            let link_answers = on_chord.linear().map_err(|error| self.of_link(link, error))?;
             let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
-            let (torque_n_m, _) = on_chord.hub(&found, SecondOrder::None, pair, chord);
-            let forces_n = on_chord.linear_ends(&found);
+            let (torque_n_m, _) = on_chord.hub(&link_answers, SecondOrder::None, pair, chord);
+            let forces_n = on_chord.linear_ends(&link_answers);
             state.hand_inward(link, forces_n, &torque_n_m);
-            answers.insert(0, found);
+            answers.insert(0, link_answers);
             torques_n_m.insert(0, torque_n_m);
         }
         Ok(Iterate {

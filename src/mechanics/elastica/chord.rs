@@ -177,9 +177,9 @@ pub(super) fn check_period(
     chords: &[[&[f64]; 3]],
 ) -> Result<usize, ElasticaError> {
     let len = chords.first().map_or(0, |[angles, ..]| angles.len());
-    let found = chords.iter().map(|chord| chord.map(<[f64]>::len)).find(|own| *own != [len; 3]);
+    let uneven = chords.iter().map(|chord| chord.map(<[f64]>::len)).find(|own| *own != [len; 3]);
     let is_period = len >= FEWEST && len.is_multiple_of(2);
-    if let Some([angles, rates, accelerations]) = found.or((!is_period).then_some([len; 3])) {
+    if let Some([angles, rates, accelerations]) = uneven.or((!is_period).then_some([len; 3])) {
         return Err(ElasticaError::Lengths { angles, rates, accelerations });
     }
     if !(step_s > 0.0 && step_s.is_finite()) {

@@ -134,8 +134,8 @@ impl ElasticaError {
     /// Turns the error of an iteration after the first into divergence, if the motion was possible before the links
     /// bent.
     pub(super) fn diverging(self, iterations: usize, change: f64) -> Self {
-        let own = if let Self::OfLink { error, .. } = &self { error } else { &self };
-        match own {
+        let cause = if let Self::OfLink { error, .. } = &self { error } else { &self };
+        match cause {
             Self::Elbow { .. } | Self::LongStep { .. } | Self::TooSteep { .. } => {
                 Self::Diverges { iterations, change }
             }

@@ -156,7 +156,7 @@ impl BentLink {
         let largest = blocks.enumerate().map(|(block, (rows, states))| {
             let mut scratch = Scratch::default();
             let instants = rows.chunks_mut(columns).zip(states.chunks(stride)).enumerate();
-            let found = instants.map(|(k, (row, state))| {
+            let written = instants.map(|(k, (row, state))| {
                 let sample = block * BLOCK + k;
                 let now = Instant {
                     w: &state[..width],
@@ -170,7 +170,7 @@ impl BentLink {
                 };
                 write(&now, &mut scratch, row)
             });
-            found.fold(0.0, Size::larger)
+            written.fold(0.0, Size::larger)
         });
         let largest = largest.reduce(|| 0.0, Size::larger);
         let history = |column| rows.iter().skip(column).step_by(columns).copied().collect();
@@ -254,8 +254,8 @@ impl BentLink {
             let (slopes, places) = (&mut scratch.slopes[element], &mut scratch.places[element]);
             for ((slope, place), point) in slopes.iter_mut().zip(places.iter_mut()).zip(points) {
                 let turned = |dofs: &[f64; 4]| dot(&point.slope, dofs);
-                let own = [turned(&w), turned(&rate), turned(&acceleration)];
-                *slope = Slope::of(self.second_order, own);
+                let derivatives = [turned(&w), turned(&rate), turned(&acceleration)];
+                *slope = Slope::of(self.second_order, derivatives);
                 *place = Place {
                     x: point.s_m,
                     w: dot(&point.shape, &w),
@@ -322,7 +322,7 @@ impl BentLink {
             });
             let outboard = self.points.outboard(element, &mut axial, &forces);
             let dofs = 2 * element..2 * element + 4;
-            let own = &mut loads[dofs.clone()];
+            let element_loads = &mut loads[dofs.clone()];
             for (k, point) in points.iter().enumerate() {
                 let slope = &slopes[k];
                 let force = -point.mass_kg_m * left_across(now, &places[k]);
@@ -342,7 +342,7 @@ impl BentLink {
                     moment -= m * w2 * slope.sine * cubed;
                     bending = point.stiffness_n_m2 * (w2 + self.beta_s * w2_rate) - m * sec;
                 }
-                for (dof, load) in own.iter_mut().enumerate() {
+                for (dof, load) in element_loads.iter_mut().enumerate() {
                     *load += point.weight_m
                         * (point.shape[dof] * force
                             + point.slope[dof] * moment

@@ -158,8 +158,8 @@ impl Points {
         let beyond = *outer;
         *outer += forces.iter().sum::<f64>();
         std::array::from_fn(|k| {
-            let own: f64 = (0..POINTS).map(|j| self.within[j][k] * forces[j]).sum();
-            beyond + own * length_m / points[k].weight_m
+            let weighted: f64 = (0..POINTS).map(|j| self.within[j][k] * forces[j]).sum();
+            beyond + weighted * length_m / points[k].weight_m
         })
     }
 }

@@ -108,9 +108,9 @@ impl RestingArm<'_> {
         let rows = chunks.par_iter().map(of_chunk).collect::<Result<Vec<_>, _>>()?.concat();
         let mut columns = 0..rows[0].len();
         let sags = models().map(|model| {
-            let own = columns.by_ref().take(2 * model.mesh().nodes_m().len());
+            let numbers = columns.by_ref().take(2 * model.mesh().nodes_m().len());
             let history = |column: usize| rows.iter().map(|row| row[column]).collect::<Vec<_>>();
-            Sag { loads: own.map(|column| pair.amplitudes(history(column))).collect() }
+            Sag { loads: numbers.map(|column| pair.amplitudes(history(column))).collect() }
         });
         Ok(sags.collect())
     }
@@ -184,14 +184,14 @@ impl RestingArm<'_> {
             chord_rad_s2: Complex64::ZERO,
             nodal: loads.chunks(2).map(|node| [node[0].into(), node[1].into()]).collect(),
         };
-        let found = model.loaded_motion(0.0, &loads);
-        let bent: Vec<f64> = found.deflections.as_flattened().iter().map(|w| w.re).collect();
+        let motion = model.loaded_motion(0.0, &loads);
+        let bent: Vec<f64> = motion.deflections.as_flattened().iter().map(|w| w.re).collect();
         let cosine = match self.second_order {
             SecondOrder::Full => (1.0 - bent[1] * bent[1]).sqrt(),
             _ => 1.0,
         };
         let force_n = [0, 1].map(|axis| force_n[axis] - self.masses_kg[link] * gravity[axis]);
-        Rested { load: (force_n, found.torque_n_m.re * cosine), bent }
+        Rested { load: (force_n, motion.torque_n_m.re * cosine), bent }
     }
 }
 
@@ -205,9 +205,9 @@ struct Rested {
 fn bending_loads(mesh: &Mesh, dofs: &[f64]) -> Vec<f64> {
     let mut loads = vec![0.0; dofs.len()];
     for (k, element) in mesh.elements().iter().enumerate() {
-        let own = element.stiffness() * Vector4::from_column_slice(&dofs[2 * k..2 * k + 4]);
-        for (load, own) in loads[2 * k..2 * k + 4].iter_mut().zip(&own) {
-            *load += own;
+        let forces = element.stiffness() * Vector4::from_column_slice(&dofs[2 * k..2 * k + 4]);
+        for (load, force) in loads[2 * k..2 * k + 4].iter_mut().zip(&forces) {
+            *load += force;
         }
     }
     loads

@@ -1,6 +1,9 @@
-//! Errors of a solution: the cost of each approximation, for every written quantity.
+//! Errors of a solution: the cost of each approximation, for every written quantity; histories of all
+//! quantities and their differences.
 
 use serde::Serialize;
+
+use crate::numeric::{Size, extremes, largest, largest_difference};
 
 /// A quantity of a solution over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,6 +126,15 @@ impl PerQuantity<QuantityErrors> {
         self.zip(self, |errors, _| kind(errors))
     }
 
+    /// The worst error of a kind and its quantity, if it exceeds a threshold.
+    pub(super) fn above(
+        &self,
+        threshold: f64,
+        kind: impl Fn(QuantityErrors) -> f64,
+    ) -> Option<(Quantity, f64)> {
+        Some(self.of_kind(kind).worst()).filter(|(_, error)| *error > threshold)
+    }
+
     /// Pairs these errors with those of a further kind, where a run measured them.
     pub(super) fn with(
         &self,
@@ -177,6 +189,88 @@ pub struct QuantityErrors {
     /// thickness. `None` with weight or where second-order terms count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<f64>,
+}
+
+/// Histories of all quantities.
+pub(super) struct Curves {
+    pub(super) torque_n_m: Vec<f64>,
+    pub(super) hub_angle_rad: Vec<f64>,
+    pub(super) hub_rate_rad_s: Vec<f64>,
+    pub(super) hub_acceleration_rad_s2: Vec<f64>,
+    /// One for each of some nodes.
+    pub(super) displacement_m: Vec<Vec<f64>>,
+    pub(super) moment_n_m: Vec<Vec<f64>>,
+    /// Torque in N m and rate in rad/s of the motor, where there is a drive.
+    pub(super) motor: Option<[Vec<f64>; 2]>,
+}
+
+impl Curves {
+    fn each(&self) -> PerQuantity<&[Vec<f64>]> {
+        let one = std::slice::from_ref::<Vec<f64>>;
+        let motor = self.motor.as_ref();
+        PerQuantity {
+            torque: one(&self.torque_n_m),
+            hub_angle: one(&self.hub_angle_rad),
+            hub_rate: one(&self.hub_rate_rad_s),
+            hub_acceleration: Some(one(&self.hub_acceleration_rad_s2)),
+            displacement: Some(&self.displacement_m),
+            bending_moment: Some(&self.moment_n_m),
+            motor_torque: motor.map(|motor| one(&motor[0])),
+            motor_rate: motor.map(|motor| one(&motor[1])),
+        }
+    }
+
+    /// Largest value of `of` over pairs of histories of the same quantity.
+    fn compared(&self, other: &Self, of: impl Fn(&[f64], &[f64]) -> f64) -> PerQuantity<f64> {
+        self.each().zip(&other.each(), |own, others| {
+            own.iter().zip(others).map(|(a, b)| of(a, b)).fold(0.0, Size::larger)
+        })
+    }
+
+    /// Largest difference of each quantity.
+    pub(super) fn apart(&self, other: &Self) -> PerQuantity<f64> {
+        self.compared(other, largest_difference)
+    }
+
+    /// Largest difference of each quantity from histories with twice as many samples.
+    pub(super) fn apart_from_finer(&self, finer: &Self) -> PerQuantity<f64> {
+        self.compared(finer, |own, finer| {
+            let pairs = own.iter().zip(finer.iter().step_by(2));
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, Size::larger)
+        })
+    }
+
+    /// Largest distance of each quantity from rest, over `reaches` samples at its start and its end. One sample cannot
+    /// show it, as ringing passes the rest twice a cycle.
+    pub(super) fn left_of(&self, rests: &[Self; 2], reaches: [usize; 2]) -> PerQuantity<f64> {
+        let farthest = |samples: &[f64], rest: f64| {
+            samples.iter().map(|own| (own - rest).abs()).fold(0.0, Size::larger)
+        };
+        let first = self.compared(&rests[0], |own, rest| farthest(&own[..reaches[0]], rest[0]));
+        let last =
+            self.compared(&rests[1], |own, rest| farthest(&own[own.len() - reaches[1]..], rest[0]));
+        first.zip(&last, Size::larger)
+    }
+
+    /// Size of each quantity, the reference of its errors: its range with weight, else its peak; for the hub angle the
+    /// largest turn, for displacements the tip's travel.
+    pub(super) fn sizes(&self, has_weight: bool, travel_m: f64) -> PerQuantity<f64> {
+        let sizes = self.compared(self, |own, _| size(own, has_weight));
+        let start = self.hub_angle_rad[0];
+        let turn =
+            self.hub_angle_rad.iter().map(|angle| (angle - start).abs()).fold(0.0, Size::larger);
+        let hub_angle = if has_weight { sizes.hub_angle } else { turn };
+        PerQuantity { hub_angle, displacement: Some(travel_m), ..sizes }
+    }
+}
+
+/// Reference of a quantity's errors: its peak or, for a link with weight, its largest value less its smallest.
+pub(crate) fn size(history: &[f64], has_weight: bool) -> f64 {
+    if !has_weight {
+        return largest(history);
+    }
+    let [low, high] = extremes(history);
+    high - low
 }
 
 #[cfg(test)]

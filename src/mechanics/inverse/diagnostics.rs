@@ -4,9 +4,8 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
+use super::accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf, size};
 use super::analysis::{Analysis, Unwatched};
-use super::curves::size;
 use super::histories::Histories;
 use super::periodic_answer::PeriodicAnswer;
 use super::solution::SecondOrderFindings;
@@ -96,14 +95,14 @@ impl Diagnostics<'_> {
         let (rows, given) = (self.histories.grid.len, motion.grid().len);
         let times = rows as f64 / given as f64;
         let is_long = seam > tolerance && rows > LONG_ROWS && times > LONG_TIMES;
-        let coarse = |kind: fn(QuantityErrors) -> f64| {
-            Some(errors.of_kind(kind).worst()).filter(|(_, error)| *error > COARSE)
-        };
-        let coarse_mesh = coarse(|errors| errors.mesh)
+        let coarse_mesh = errors
+            .above(COARSE, |errors| errors.mesh)
             .map(|(quantity, error)| Warning::CoarseMesh { of, quantity, error });
-        let few_modes = coarse(|errors| errors.modes.unwrap_or(0.0))
+        let few_modes = errors
+            .above(COARSE, |errors| errors.modes.unwrap_or(0.0))
             .map(|(quantity, error)| Warning::FewModes { quantity, error });
-        let coarse_step = coarse(|errors| errors.step.unwrap_or(0.0))
+        let coarse_step = errors
+            .above(COARSE, |errors| errors.step.unwrap_or(0.0))
             .map(|(quantity, share)| Warning::CoarseStep { of, quantity, share });
         corrected
             .into_iter()
@@ -151,8 +150,7 @@ impl Diagnostics<'_> {
         let slow = slow.filter(|factor| *factor > SLOW);
         let slow = slow.map(|contraction| Warning::SlowIteration { contraction });
         let tolerance = self.analysis.tolerance();
-        let iteration = self.errors.of_kind(|errors| errors.iteration.unwrap_or(0.0));
-        let inexact = Some(iteration.worst()).filter(|(_, error)| *error > tolerance);
+        let inexact = self.errors.above(tolerance, |errors| errors.iteration.unwrap_or(0.0));
         let inexact = inexact.map(|(quantity, share)| Warning::InexactIteration {
             of: self.shares(),
             quantity,

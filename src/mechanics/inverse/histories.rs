@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
+use super::accuracy::Curves;
 use super::error::InversionError;
 use super::periodic_answer::PeriodicAnswer;
 use crate::beam::{Checkpoints, NodalQuantity};
@@ -13,7 +14,7 @@ use crate::model::Model;
 use crate::motion::{TAIL_TERMS, TailTerms, TipMotionHistories, TipPeriod, tail_sum};
 use crate::numeric::TimeGrid;
 
-/// Spacing of the frequencies that determine the series of a transfer, over the first zero.
+/// Spacing of the low frequencies that determine the power series of a transfer, over the first zero.
 const SPACING: f64 = 0.1;
 
 /// Histories of the motor on its side of the gear, on the solution's grid.
@@ -27,6 +28,21 @@ pub struct MotorHistories {
     pub rate_rad_s: Vec<f64>,
     /// Mechanical power of the motor in W.
     pub power_w: Vec<f64>,
+}
+
+impl MotorHistories {
+    /// The motor under the torque of a joint, from angle, rate and acceleration of the rotor.
+    pub(super) fn of(
+        drive: &Drive,
+        joint_n_m: &[f64],
+        [angle_rad, rate_rad_s, acceleration]: [Vec<f64>; 3],
+    ) -> Self {
+        let pairs = joint_n_m.iter().zip(&acceleration);
+        let torque_n_m: Vec<f64> =
+            pairs.map(|(t, a)| t / drive.gear_ratio + drive.rotor_inertia_kg_m2 * a).collect();
+        let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
+        Self { torque_n_m, angle_rad, rate_rad_s, power_w }
+    }
 }
 
 /// All histories of a solution except those of the nodes.
@@ -43,8 +59,8 @@ pub(super) struct Histories {
 }
 
 impl Histories {
-    /// Histories of an answer on `grid`, a part of its period. `tail` is the hub angle's slow tail; the start angle is
-    /// the direction of the chord at zero displacement of the tip.
+    /// Cuts the histories on `grid` out of an answer over one period. `tail` is the slow tail of the hub angle (see
+    /// [`SlowTails`]). `start_angle_rad` is the direction of the chord at zero displacement of the tip.
     ///
     /// # Errors
     /// [`InversionError::MotorNotFinite`].
@@ -102,9 +118,25 @@ impl Histories {
         Ok(Self { motor, ..histories })
     }
 
+    /// Copies of these histories as curves, with the hub's acceleration in rad/s²: displacement of the tip, moment at the
+    /// root.
+    pub(super) fn curves(&self, hub_acceleration_rad_s2: Vec<f64>) -> Curves {
+        let motor = self.motor.as_ref();
+        Curves {
+            torque_n_m: self.torque_n_m.clone(),
+            hub_angle_rad: self.hub_angle_rad.clone(),
+            hub_rate_rad_s: self.hub_rate_rad_s.clone(),
+            hub_acceleration_rad_s2,
+            displacement_m: vec![self.tip.displacement_m.clone()],
+            moment_n_m: vec![self.root_moment_n_m.clone()],
+            motor: motor.map(|motor| [motor.torque_n_m.clone(), motor.rate_rad_s.clone()]),
+        }
+    }
+
     /// Motion and torque of the motor for the torque T at the hub.
     ///
-    /// The joint's spring twists by T/k; rotor inertia and gear ratio n follow:
+    /// The torque twists the joint's spring by T/k. The gear multiplies angles by n, and the rotor's inertia J needs a
+    /// further torque:
     ///
     /// ```text
     /// φ = n (θ + T/k)      motor angle
@@ -119,7 +151,7 @@ impl Histories {
         answer: &PeriodicAnswer,
         hub: &HubMotion<'_>,
     ) -> Result<MotorHistories, InversionError> {
-        let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = *drive;
+        let Drive { joint_stiffness_n_m_rad, gear_ratio, .. } = *drive;
         let friction = hub.friction(friction_n_m_s_rad, &self.grid);
         let hub_acceleration = hub.on(&self.grid, answer.excess(2), &self.tip.acceleration_m_s2, 2);
         let hub_motions = [&self.hub_angle_rad, &self.hub_rate_rad_s, &hub_acceleration];
@@ -128,7 +160,8 @@ impl Histories {
                 0 => cut(&answer.torque_n_m, &self.grid),
                 _ => cut(&answer.derivative(&answer.hub.torque_n_m, order), &self.grid),
             };
-            // Friction follows the hub's rate, which contains the images. Each derivative makes them smaller.
+            // The friction's torque contains the images of the hub's rate. Each derivative makes them smaller: the second
+            // derivative keeps them.
             if order < 2 {
                 hub.take_images_off(&self.grid, order + 1, friction_n_m_s_rad, &mut torque);
             }
@@ -138,22 +171,20 @@ impl Histories {
             let motions = hub_motions[order].iter().zip(torque);
             motions.map(|(hub, t)| gear_ratio * (hub + t / joint_stiffness_n_m_rad)).collect()
         });
-        let pairs = self.torque_n_m.iter().zip(&acceleration);
-        let torque_n_m: Vec<f64> =
-            pairs.map(|(t, a)| t / gear_ratio + rotor_inertia_kg_m2 * a).collect();
-        let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
+        let motor =
+            MotorHistories::of(drive, &self.torque_n_m, [angle_rad, rate_rad_s, acceleration]);
         let histories = [
-            ("torque", &torque_n_m),
-            ("angle", &angle_rad),
-            ("rate", &rate_rad_s),
-            ("power", &power_w),
+            ("torque", &motor.torque_n_m),
+            ("angle", &motor.angle_rad),
+            ("rate", &motor.rate_rad_s),
+            ("power", &motor.power_w),
         ];
         for (history, samples) in histories {
             if samples.iter().any(|sample| !sample.is_finite()) {
                 return Err(InversionError::MotorNotFinite { history });
             }
         }
-        Ok(MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w })
+        Ok(motor)
     }
 }
 
@@ -182,8 +213,8 @@ fn rigid_torque_n_m(
     moving.zip(weights).map(|(moving, weight)| moving + weight).collect()
 }
 
-/// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m, from the hub angles of the
-/// rigid and of the flexible link.
+/// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m. The hub angle of the rigid link is `v_tip/L`,
+/// that of the flexible link θ.
 pub(super) fn tip_deflection_m(rigid_rad: &[f64], flexible_rad: &[f64], length_m: f64) -> Vec<f64> {
     let pairs = rigid_rad.iter().zip(flexible_rad);
     pairs.map(|(rigid, flexible)| length_m * (rigid - flexible)).collect()
@@ -204,7 +235,7 @@ fn add(more: &[f64], samples: &mut [f64]) {
     }
 }
 
-/// Parts of a period within `grid`, one after the other.
+/// Slices of a period that make up `grid`, in order: at the period's end the grid continues at its start.
 fn parts<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T]> {
     let (mut first, mut left) = (grid.in_period(0, period.len()), grid.len);
     std::iter::from_fn(move || {
@@ -215,18 +246,18 @@ fn parts<'a, T>(period: &'a [T], grid: &TimeGrid) -> impl Iterator<Item = &'a [T
     })
 }
 
-/// The hub's motion over a period: the tip's over the length, and the part from bending.
+/// Hub angle over a period: the angle of the rigid link, `v_tip/L`, plus the excess by bending.
 pub(super) struct HubMotion<'a> {
     pub(super) period: &'a TipPeriod,
-    /// The hub angle's slow tail, where damping leaves one.
+    /// Slow tail of the hub angle, with hysteretic damping.
     pub(super) tail: Option<TailTerms>,
     /// One over the length, in 1/m.
     pub(super) per_length: f64,
 }
 
 impl HubMotion<'_> {
-    /// The `order`-th derivative of the hub angle on a grid, from the derivatives of its excess over the whole period
-    /// and of the tip on the grid.
+    /// Computes the `order`-th time derivative of the hub angle on a grid, from the same derivative of the excess over
+    /// the whole period and of the tip's displacement on the grid.
     pub(super) fn on(
         &self,
         grid: &TimeGrid,
@@ -242,8 +273,8 @@ impl HubMotion<'_> {
         motion
     }
 
-    /// Torque in N m against the hub's friction at the tip's velocity over the length, and its first two derivatives,
-    /// on a grid. `None` where the spectrum contains it.
+    /// Friction torque in N m of the rigid link, which turns at the rate v/L, and its first two time derivatives, on a
+    /// grid. `None` for a periodic velocity, because the torque's spectrum then contains this friction.
     fn friction(&self, friction_n_m_s_rad: f64, grid: &TimeGrid) -> Option<[Vec<f64>; 3]> {
         let (tip, spectrum) = (&self.period.histories, &self.period.spectrum);
         spectrum.mean_m_s2?;
@@ -253,7 +284,8 @@ impl HubMotion<'_> {
         Some(taken.map(|of_tip| cut(of_tip, grid).iter().map(|value| factor * value).collect()))
     }
 
-    /// Subtracts the other periods' part of the `order`-th derivative, times a factor, from samples of a grid.
+    /// Subtracts the images from samples on a grid: the slow tails that all other periods add to the `order`-th
+    /// derivative of the hub angle, times a factor.
     fn take_images_off(&self, grid: &TimeGrid, order: usize, factor: f64, samples: &mut [f64]) {
         let Some(tail) = self.tail.filter(|_| factor != 0.0) else { return };
         let tail = tail.map(|s| factor * s);
@@ -264,21 +296,23 @@ impl HubMotion<'_> {
     }
 }
 
-/// Low frequencies where transfers are power series in ω². The series yield the slow tail of hysteretic damping.
+/// Slow tails of hysteretic damping, from transfers at low frequencies.
 ///
-/// The factor κ = 1 + 2iξ sgn ω has a jump at ω = 0, so that deflections and the hub angle decay no faster than t⁻²
-/// away from the motion, where the torque decays as t⁻⁴. This tail has a closed form. For the transfer from tip
-/// acceleration
+/// The factor κ = 1 + 2iξ sgn ω of the stiffness jumps at ω = 0. Before and after the motion the torque decays as t⁻⁴,
+/// but deflections and hub angle only as t⁻². This slow tail has a closed form. κ times a transfer H from the tip's
+/// acceleration is a power series in ω², whose coefficients determine the response h to an impulse at long times s:
 ///
 /// ```text
 /// H(ω) = (g₀ + g₁ ω² + g₂ ω⁴ + …)/κ,   ω > 0,
 /// h(s) → Σ_m S_m/s^{2m+1},   S_m = −(−1)^m (2m)!/π · Im(g_m/κ),   |s| → ∞,
 /// ```
 ///
-/// [`Images`](crate::motion::Images) hold the tails of the motion in all other periods; the histories subtract them.
+/// A Fourier series repeats the motion in every period. [`Images`](crate::motion::Images) hold the tails of all other
+/// periods; the histories subtract them.
 pub(super) struct SlowTails {
-    /// Zero and the frequencies above it, in rad/s.
+    /// Evenly spaced low frequencies from zero on, in rad/s.
     omegas_rad_s: [f64; TAIL_TERMS + 1],
+    /// 1/κ for ω > 0.
     compliance: Complex64,
 }
 
@@ -292,7 +326,7 @@ impl SlowTails {
         Some(Self { omegas_rad_s, compliance: law.stiffness_factor(0.0).inv() })
     }
 
-    /// `S_m` of the hub angle less that of a rigid link.
+    /// `S_m` of the hub angle's excess over the rigid link's.
     pub(super) fn hub_tail(&self, model: &dyn Model) -> TailTerms {
         let tips = model.tip_transfers(&self.omegas_rad_s);
         let lags: Vec<Complex64> = tips.iter().map(|tip| tip.deflection_s2).collect();
@@ -311,7 +345,8 @@ impl SlowTails {
 
     /// `S_m` from the values of `κH`.
     fn tail(&self, values: &[Complex64]) -> TailTerms {
-        // Newton's divided differences in ω², and from them the coefficients of its powers.
+        // Newton's divided differences in ω² determine the polynomial through the values. The second loop turns them
+        // into the coefficients of its powers.
         let squares = self.omegas_rad_s.map(|omega| omega * omega);
         let mut differences = values.to_vec();
         for level in 1..differences.len() {

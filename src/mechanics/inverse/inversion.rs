@@ -6,15 +6,16 @@ use std::sync::Arc;
 use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
 use super::arm::{ArmProblem, Solver, invert_arm};
-use super::curves::Shape;
 use super::diagnostics::{Diagnostics, Edge, thick_share};
 use super::error::{InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
 use super::mesh_error::MeshAnswer;
 use super::period::Window;
 use super::periodic_answer::PeriodicAnswer;
-use super::problem::{AnsweringModel, Problem};
-use super::solution::{Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Solution};
+use super::problem::{AnsweringModel, LinkProblem};
+use super::solution::{
+    Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
+};
 use super::warning::SolutionWarning;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;
@@ -22,7 +23,7 @@ use crate::link::{Arm, Link};
 use crate::modal::torque_zeros;
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{Ends, Motion, TipMotion};
-use crate::numeric::{TimeGrid, fast_length};
+use crate::numeric::TimeGrid;
 
 /// Largest distance from whole turns, in turns, of a cycle under gravity that ends in its first direction.
 const WHOLE_TURNS: f64 = 1e-6;
@@ -91,7 +92,7 @@ fn invert_link(
         return invert_bent(coarsest, plan, motion, analysis, resources);
     }
     let mut first_zero_per_s = first_zero(coarsest.mesh());
-    let problem = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
+    let problem = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
     let period = problem.shortest_period()?;
     let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors, input_errors } =
         MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
@@ -162,7 +163,7 @@ fn invert_bent(
     resources: &Resources<'_>,
 ) -> Result<Solution, InversionError> {
     let first_zero_per_s = first_zero(coarsest.mesh());
-    let link = Problem::new(motion, analysis, first_zero_per_s, *resources)?;
+    let link = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
     let arm = coarsest.link().clone().into();
     let problem = ArmProblem::of_link(&link, &arm, first_zero_per_s)?;
     let solver = Solver { problem, plans: std::slice::from_ref(plan), falls_back: false };
@@ -201,13 +202,10 @@ impl Solution {
     ) -> Result<Option<WindowTorques>, InversionError> {
         let Some(LinkSpectra { hub_tail, shape, .. }) = &self.spectra else { return Ok(None) };
         let (first_zero, model) = (self.first_zero_per_s, &self.links[0].model);
-        let problem = Problem::new(motion, &self.analysis, first_zero, *resources)?;
+        let problem = LinkProblem::new(motion, &self.analysis, first_zero, *resources)?;
         let answer = if shape.is_some() {
             let bent = ArmProblem::of_link(&problem, &self.arm, first_zero)?;
-            let given = (self.band.period_s / motion.grid().step_s).ceil() as usize;
-            let shortest = bent.shortest_len()?;
-            let is_cycle = motion.cycles().is_some();
-            let len = if is_cycle { shortest } else { shortest.max(fast_length(given)) };
+            let len = problem.len_over(bent.shortest_len()?, self.band.period_s);
             bent.answer(&[Arc::clone(model)], &bent.period(len)?, None)?.periodic()
         } else {
             problem.answer_over(&**model, self.band.period_s)?
@@ -225,7 +223,7 @@ fn first_zero(mesh: &Mesh) -> Option<f64> {
     torque_zeros(mesh, 1).first().copied()
 }
 
-impl Problem<'_> {
+impl LinkProblem<'_> {
     /// The solution over a window of the answer; `errors` are the errors of mesh, modes and window.
     fn solution(
         &self,

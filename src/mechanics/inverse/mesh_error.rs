@@ -22,10 +22,9 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::accuracy::PerQuantity;
-use super::amplitudes::{Amplitudes, Probes};
 use super::analysis::{Analysis, Unwatched, Watch};
 use super::error::InversionError;
-use super::spectra::DrivenModel;
+use super::spectra::{Amplitudes, DrivenModel, Probes};
 use crate::beam::{Mesh, MeshPlan};
 use crate::model::{KeptModes, Model, ModelError};
 use crate::motion::{InputBand, TipPeriod, TipSpectrum};

@@ -9,30 +9,26 @@
 )]
 
 mod accuracy;
-mod amplitudes;
 mod analysis;
 mod arm;
-mod curves;
 mod diagnostics;
 mod error;
 mod histories;
 mod inversion;
 mod mesh_error;
 mod model_error;
-mod nodal_rows;
 mod nodal_table;
 mod period;
 mod periodic_answer;
 mod problem;
-mod rest;
 mod solution;
 mod spectra;
 mod warning;
 
+pub(crate) use accuracy::size;
 pub use accuracy::{PerQuantity, Quantity, QuantityErrors, ShareOf};
 pub use analysis::{Analysis, Resources, Stage, Unwatched, Watch};
 pub use arm::check_reach;
-pub(crate) use curves::size;
 pub use error::{InversionError, RefusedEnds};
 pub use histories::MotorHistories;
 #[cfg(test)]

@@ -4,9 +4,9 @@ use super::accuracy::PerQuantity;
 use super::arm::{ArmProblem, BYTES};
 use super::histories::{Histories, tip_deflection_m};
 use super::periodic_answer::PeriodicAnswer;
-use super::problem::{AnsweringModel, Problem};
+use super::problem::{AnsweringModel, LinkProblem};
 use crate::beam::{Mesh, MeshPlan};
-use crate::modal::{OF_DEFLECTION, OF_TORQUE, second_order_share};
+use crate::modal::{DEFLECTION_WEIGHTS, TORQUE_WEIGHTS, second_order_share};
 use crate::model::{KeptModes, model_of};
 use crate::numeric::{largest, largest_difference};
 use crate::response::{Play, Torque, simulate_on};
@@ -29,14 +29,14 @@ const INNER: f64 = 0.25;
 
 /// Errors of the linear model, as shares.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ModelError {
+pub(super) struct LinearModelError {
     /// Error of the tip of a link with all terms under the torque, over its travel.
     pub(super) tip: f64,
     /// Change of each quantity by all terms, over its size.
     pub(super) errors: PerQuantity<f64>,
 }
 
-impl ModelError {
+impl LinearModelError {
     /// Estimate from deflection and rate alone.
     fn estimated(
         AnsweringModel { model, peaks, .. }: &AnsweringModel,
@@ -50,7 +50,7 @@ impl ModelError {
         // The hub of a vibrating link swings faster than the link turns.
         let rate_rad_s = turned.min(largest(&histories.hub_rate_rad_s));
         let share_of = second_order_share(model.mesh(), model.link(), rate_rad_s);
-        let share = share_of(deflection_m, OF_TORQUE);
+        let share = share_of(deflection_m, TORQUE_WEIGHTS);
         let of =
             |flexible: f64, peak: f64| if flexible == 0.0 { 0.0 } else { share * flexible / peak };
         let excess = |order: usize, peak: f64| of(largest(answer.excess(order)), peak);
@@ -60,7 +60,7 @@ impl ModelError {
             of(beyond_rigid, peaks.torque) + SHORTENED * (deflection_m / flexible_m).powi(2);
         let hub_rate = excess(1, peaks.hub_rate);
         Self {
-            tip: share_of(deflection_m, OF_DEFLECTION) * deflection_m
+            tip: share_of(deflection_m, DEFLECTION_WEIGHTS) * deflection_m
                 / answer.period.histories.largest_travel_m(),
             errors: PerQuantity {
                 torque,
@@ -88,7 +88,7 @@ impl ModelError {
     }
 }
 
-impl Problem<'_> {
+impl LinkProblem<'_> {
     /// Change of a linear answer by all terms of second order.
     ///
     /// The terms change the difference to the rigid link by about a [share](second_order_share), and shorten the link.
@@ -98,14 +98,14 @@ impl Problem<'_> {
         answering: &AnsweringModel,
         answer: &PeriodicAnswer,
         histories: &Histories,
-    ) -> ModelError {
-        let estimate = ModelError::estimated(answering, answer, histories);
+    ) -> LinearModelError {
+        let estimate = LinearModelError::estimated(answering, answer, histories);
         let is_small = estimate.tip <= ESTIMATED_TIP && estimate.errors.torque <= ESTIMATED_TORQUE;
         if is_small || self.resources.is_trial {
             return estimate;
         }
         let counted = self.with_all_terms(answering, answer, histories);
-        counted.map_or(estimate, |(own, converges)| ModelError {
+        counted.map_or(estimate, |(own, converges)| LinearModelError {
             tip: own.tip.max(estimate.tip),
             errors: if converges { own.errors } else { own.errors.zip(&estimate.errors, f64::max) },
         })
@@ -118,7 +118,7 @@ impl Problem<'_> {
         AnsweringModel { model, first_zero_per_s, peaks, .. }: &AnsweringModel,
         answer: &PeriodicAnswer,
         histories: &Histories,
-    ) -> Option<(ModelError, bool)> {
+    ) -> Option<(LinearModelError, bool)> {
         let link = model.link();
         let mesh = Mesh::new(link, &MeshPlan::automatic(link)).ok()?;
         let (len, nodes) = (answer.period.spectrum.pair.len(), mesh.nodes_m().len());
@@ -139,7 +139,7 @@ impl Problem<'_> {
         let missing: Vec<f64> = missing.map(|(own, other)| share * (own - other)).collect();
         // A cycle does not start from rest.
         if self.motion.cycles().is_some() {
-            return Some((ModelError { tip: 0.0, errors }, converges));
+            return Some((LinearModelError { tip: 0.0, errors }, converges));
         }
         // Curves begin at the seam, in the middle of the rest.
         let (step_s, seam) = (self.motion.grid().step_s, answer.period.spectrum.seam);
@@ -150,6 +150,6 @@ impl Problem<'_> {
         let end = (len - seam) as i64 + window.first + window.len as i64;
         let strays_m = largest(&played.tip[0].displacement_m[..len.min(end as usize)]);
         let travel_m = answer.period.histories.largest_travel_m();
-        Some((ModelError { tip: strays_m / travel_m, errors }, converges))
+        Some((LinearModelError { tip: strays_m / travel_m, errors }, converges))
     }
 }

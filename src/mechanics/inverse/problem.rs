@@ -6,17 +6,17 @@ use std::sync::Arc;
 use super::accuracy::PerQuantity;
 use super::analysis::{Analysis, Resources, Unwatched};
 use super::error::InversionError;
-use super::histories::{Histories, HubMotion, MotorHistories};
+use super::histories::{Histories, HubMotion};
 use super::period::{Padding, Window, check_memory};
 use super::periodic_answer::PeriodicAnswer;
 use super::spectra::DrivenModel;
 use crate::link::Link;
 use crate::model::Model;
 use crate::motion::{Cutoff, TailTerms, TipMotion, TipPeriod};
-use crate::numeric::{TimeGrid, fast_length, largest};
+use crate::numeric::{TimeGrid, fast_length};
 
 /// A motion and the required accuracy; the first zero of the link determines the padding.
-pub(super) struct Problem<'a> {
+pub(super) struct LinkProblem<'a> {
     pub(super) motion: &'a TipMotion,
     pub(super) analysis: &'a Analysis,
     pub(super) cutoff: Cutoff,
@@ -34,7 +34,7 @@ pub(super) struct AnsweringModel {
     pub(super) peaks: PerQuantity<f64>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> LinkProblem<'a> {
     pub(super) fn new(
         motion: &'a TipMotion,
         analysis: &'a Analysis,
@@ -110,16 +110,16 @@ impl<'a> Problem<'a> {
 
     /// The samples to write: until both the torque and that of the motor stay below the tolerance.
     pub(super) fn window(&self, answer: &PeriodicAnswer) -> Window {
-        let given = self.motion.grid();
+        let grid = self.motion.grid();
         if self.padding.cycles.is_some() {
-            return Window { start: 0, stop: given.len as i64 - 1 };
+            return Window { start: 0, stop: grid.len as i64 - 1 };
         }
-        let of = |samples: &[f64]| {
+        let window_of = |samples: &[f64]| {
             let torque = answer.periodic(samples);
-            torque.window(given.len, given.step_s, self.analysis, torque.peak())
+            torque.window(grid.len, grid.step_s, self.analysis, torque.peak())
         };
-        let hub = of(&answer.torque_n_m);
-        answer.motor_n_m.as_deref().map(of).map_or(hub, |motor| Window {
+        let hub = window_of(&answer.torque_n_m);
+        answer.motor_n_m.as_deref().map(window_of).map_or(hub, |motor| Window {
             start: hub.start.min(motor.start),
             stop: hub.stop.max(motor.stop),
         })
@@ -131,22 +131,29 @@ impl<'a> Problem<'a> {
         model: &dyn Model,
         period_s: f64,
     ) -> Result<PeriodicAnswer, InversionError> {
-        let own = self.padding.period_len(self.motion.grid().len)?;
-        if self.padding.cycles.is_some() {
-            return self.answer(model, own);
+        let shortest = self.padding.period_len(self.motion.grid().len)?;
+        self.answer(model, self.len_over(shortest, period_s))
+    }
+
+    /// Samples of a period at least as long as another one and as the shortest; a cycle keeps its period.
+    pub(super) fn len_over(&self, shortest: usize, period_s: f64) -> usize {
+        match self.padding.cycles {
+            Some(_) => shortest,
+            None => {
+                let samples = (period_s / self.motion.grid().step_s).ceil() as usize;
+                shortest.max(fast_length(samples))
+            }
         }
-        let given = (period_s / self.motion.grid().step_s).ceil() as usize;
-        self.answer(model, own.max(fast_length(given)))
     }
 
     /// Direction of the chord in rad at zero displacement of the tip; 0 for a link without gravity.
     pub(super) fn start_angle_rad(&self, link: &Link) -> Result<f64, InversionError> {
         let Some(gravity) = link.gravity() else { return Ok(0.0) };
-        let given = self.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
+        let start_rad = self.motion.recording().start_angle_rad.or(gravity.start_angle_rad);
         if gravity.acts() {
-            given.ok_or(InversionError::NoStartAngle)
+            start_rad.ok_or(InversionError::NoStartAngle)
         } else {
-            Ok(given.unwrap_or(0.0))
+            Ok(start_rad.unwrap_or(0.0))
         }
     }
 
@@ -169,15 +176,11 @@ impl<'a> Problem<'a> {
     ) -> Result<Option<PerQuantity<f64>>, InversionError> {
         let Ok(finer) = self.motion.twice_as_often() else { return Ok(None) };
         let resources = Resources { watch: &Unwatched, ..self.resources };
-        let problem = Problem::new(&finer, self.analysis, answering.first_zero_per_s, resources)?;
+        let problem =
+            LinkProblem::new(&finer, self.analysis, answering.first_zero_per_s, resources)?;
         let model = &*answering.model;
         let fine = problem.answer_over(model, coarse.period.spectrum.period_s())?;
         let (window, grid) = (&histories.grid, problem.grid_over(&histories.grid));
-        let apart = |coarse: &[f64], fine: &[f64]| {
-            let pairs = coarse.iter().zip(fine.iter().step_by(2));
-            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
-        };
-        let share = |coarse: &[f64], fine: &[f64]| apart(coarse, fine) / largest(fine);
         let (tail, length_m) = (answering.hub_tail, model.mesh().length_m());
         let finer = Histories::of(&fine, model, tail, (self.start_angle_rad(model.link())?, grid))?;
         let hub = HubMotion { period: &fine.period, tail, per_length: 1.0 / length_m };
@@ -185,24 +188,13 @@ impl<'a> Problem<'a> {
         let coarse_hub = HubMotion { period: &coarse.period, ..hub };
         let coarse_tip_m_s2 = &histories.tip.acceleration_m_s2;
         let coarse_acceleration = coarse_hub.on(window, coarse.excess(2), coarse_tip_m_s2, 2);
-        let angle_rad = &finer.hub_angle_rad;
-        let turn_rad = apart(&histories.hub_angle_rad, angle_rad);
-        let turned_rad: Vec<f64> = angle_rad.iter().map(|angle| angle - angle_rad[0]).collect();
-        let tip_change_m = apart(&histories.tip.displacement_m, &finer.tip.displacement_m);
-        let travel_m = fine.period.histories.largest_travel_m();
-        let motor = histories.motor.as_ref().zip(finer.motor.as_ref());
-        let of_motor = |of: fn(&MotorHistories) -> &[f64]| {
-            motor.map(|(coarse, fine)| share(of(coarse), of(fine)))
-        };
-        Ok(Some(PerQuantity {
-            torque: share(&histories.torque_n_m, &finer.torque_n_m),
-            hub_angle: turn_rad / largest(&turned_rad),
-            hub_rate: share(&histories.hub_rate_rad_s, &finer.hub_rate_rad_s),
-            hub_acceleration: Some(share(&coarse_acceleration, &acceleration)),
-            displacement: Some(tip_change_m.max(turn_rad * length_m) / travel_m),
-            bending_moment: Some(share(&histories.root_moment_n_m, &finer.root_moment_n_m)),
-            motor_torque: of_motor(|motor| &motor.torque_n_m),
-            motor_rate: of_motor(|motor| &motor.rate_rad_s),
-        }))
+        let finer = finer.curves(acceleration);
+        let apart = histories.curves(coarse_acceleration).apart_from_finer(&finer);
+        // A turn of the hub moves a node by at most the turn times the length.
+        let turn_m = apart.hub_angle * length_m;
+        let displacement = apart.displacement.map(|tip_m| tip_m.max(turn_m));
+        let sizes = finer.sizes(false, fine.period.histories.largest_travel_m());
+        let apart = PerQuantity { displacement, ..apart };
+        Ok(Some(apart.zip(&sizes, |off, size| off / size)))
     }
 }

@@ -2,14 +2,13 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::accuracy::{PerQuantity, QuantityErrors};
+use super::accuracy::{PerQuantity, QuantityErrors, size};
 use super::analysis::{Analysis, Unwatched};
-use super::curves::{Shape, size};
 use super::histories::{HubMotion, MotorHistories, cut, tip_deflection_m};
 use super::spectra::{DrivenModel, HubSpectra};
 use super::warning::{SolutionWarning, Straying};
 use crate::beam::Mesh;
-use crate::elastica::{AngleHistories, Iteration, SecondOrder};
+use crate::elastica::{AngleHistories, ElasticaMotion, Iteration, SecondOrder};
 use crate::link::{Arm, Link};
 use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
 use crate::model::Model;
@@ -168,6 +167,58 @@ pub(super) struct LinkSpectra {
     pub(super) hub_tail: Option<TailTerms>,
     /// Places of the nodes over the period, for a link under gravity or with second-order terms.
     pub(super) shape: Option<Arc<Shape>>,
+}
+
+/// Places of a link's nodes over time: one history for each node.
+#[expect(clippy::struct_field_names, reason = "their units end alike")]
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Shape {
+    /// Displacement along the arc less that of the chord, `x atan(w/(x + u))`, in m.
+    pub(super) arcs_m: Vec<Vec<f64>>,
+    /// Deflection from the hub's tangent line in m.
+    pub(super) deflections_m: Vec<Vec<f64>>,
+    /// Bending moment in N m.
+    pub(super) moments_n_m: Vec<Vec<f64>>,
+}
+
+impl Shape {
+    pub(super) fn of(motion: &ElasticaMotion, second_order: SecondOrder, nodes_m: &[f64]) -> Self {
+        let is_large = second_order == SecondOrder::Full;
+        let deflection = |[x, u, w, slope]: [f64; 4]| {
+            if is_large { w * libm::cos(slope) - (x + u) * libm::sin(slope) } else { w - x * slope }
+        };
+        let nodes = 0..nodes_m.len();
+        Self {
+            arcs_m: nodes.clone().map(|k| Self::arc_m(motion, second_order, nodes_m, k)).collect(),
+            deflections_m: nodes.map(|k| history_of(motion, nodes_m, k, deflection)).collect(),
+            moments_n_m: motion.moments_n_m.clone(),
+        }
+    }
+
+    /// [`Self::arcs_m`] of one node.
+    pub(super) fn arc_m(
+        motion: &ElasticaMotion,
+        second_order: SecondOrder,
+        nodes_m: &[f64],
+        node: usize,
+    ) -> Vec<f64> {
+        let is_large = second_order == SecondOrder::Full;
+        history_of(motion, nodes_m, node, |[x, u, w, _]| {
+            if is_large && x > 0.0 { x * libm::atan2(w, x + u) } else { w }
+        })
+    }
+}
+
+/// Maps a node's distance from the axis, its shortening, its deflection and the hub's slope by `of`.
+fn history_of(
+    motion: &ElasticaMotion,
+    nodes_m: &[f64],
+    node: usize,
+    of: impl Fn([f64; 4]) -> f64,
+) -> Vec<f64> {
+    let (w, u) = (&motion.deflections[2 * node], &motion.shortenings_m[node]);
+    let places = w.iter().zip(u).zip(&motion.hub_slope_rad);
+    places.map(|((w, u), slope)| of([nodes_m[node], *u, *w, *slope])).collect()
 }
 
 impl LinkSpectra {

@@ -4,22 +4,16 @@
 //! parameter by its dotted path, and the reader of the file adds the line.
 
 mod arm;
-mod builder;
-mod damping;
 #[expect(clippy::module_inception, reason = "the whole link")]
 mod link;
 mod parts;
-mod section;
 mod segment;
 
 pub(crate) use arm::MOST_LINKS;
 pub use arm::{Arm, ArmLink, ArmParts, Elbow};
-pub use damping::Damping;
-pub(crate) use damping::in_unit_interval;
 pub use link::{Link, LinkParts};
 #[cfg(test)]
 pub(crate) use link::{uniform, uniform_segment};
-pub use parts::{Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload};
-pub(crate) use parts::{POSITION_TOLERANCE, not_negative, positive};
-pub use section::Section;
-pub use segment::{CrossSection, Segment, Taper, Timoshenko};
+pub use parts::{Damping, Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload};
+pub(crate) use parts::{POSITION_TOLERANCE, in_unit_interval, not_negative, positive};
+pub use segment::{CrossSection, Section, Segment, Taper, Timoshenko};

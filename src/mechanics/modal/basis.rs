@@ -36,15 +36,15 @@ impl ModalBasis {
         let rigid = Self::rigid(mesh);
         let mut modes: Vec<Mode> = Vec::new();
         for omega_rad_s in natural_frequencies(mesh, count) {
-            let found = mode(mesh, omega_rad_s).shape;
+            let excited = mode(mesh, omega_rad_s).shape;
             // The recursion separates close neighbours less precisely, and leaves a little of slow heavy motions in
             // fast ones.
             let known = modes.iter().map(|mode| &mode.shape).chain([&rigid]);
-            let own = known.fold(found, |shape, known| {
+            let separate = known.fold(excited, |shape, known| {
                 let share = known.mass_product(mesh, &shape);
                 shape.less(share, known)
             });
-            modes.push(Mode { omega_rad_s, shape: own.mass_normalised(mesh) });
+            modes.push(Mode { omega_rad_s, shape: separate.mass_normalised(mesh) });
         }
         Self { rigid, modes }
     }
@@ -178,11 +178,11 @@ impl Deformations {
         let elements = mesh.relative_elements();
         let count = elements.len();
         let mut outer = mesh.tip_inertia().matrix();
-        let mut own = vec![Matrix2::zeros(); count];
+        let mut moved = vec![Matrix2::zeros(); count];
         let mut carried = vec![Matrix2::zeros(); count];
         for (k, element) in elements.iter().enumerate().rev() {
             let r = rigid_transfer(element.length_m);
-            own[k] = element.m_dd + outer;
+            moved[k] = element.m_dd + outer;
             carried[k] = element.m_ud + r.transpose() * outer;
             outer = element.m_uu + r.transpose() * outer * r;
             if let Some(lumped) = mesh.lumped_inertia(k) {
@@ -201,7 +201,7 @@ impl Deformations {
             for f in 0..=e {
                 let rigid = coupling[e] * coupling[f].transpose() / inertia_kg_m2;
                 let mass = if e == f {
-                    own[e]
+                    moved[e]
                 } else {
                     carried[e].transpose() * rigid_transfer(nodes_m[e] - nodes_m[f + 1])
                 };

@@ -217,8 +217,8 @@ impl DampingLaw {
                 0.5 * (alpha_per_s / omega_rad_s + beta_s * omega_rad_s)
             }
             Self::Modal { ratios } => {
-                let own = ratios.get(number.saturating_sub(1)).or(ratios.last());
-                own.copied().unwrap_or(0.0)
+                let ratio = ratios.get(number.saturating_sub(1)).or(ratios.last());
+                ratio.copied().unwrap_or(0.0)
             }
             Self::Caughey(series) => 0.5 * series.rate_per_s(omega_rad_s) / omega_rad_s,
         }

@@ -7,15 +7,16 @@ mod law;
 mod pose;
 mod shape;
 mod thickness;
-mod zeros;
 
 pub use basis::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES, ModalBasis};
 pub(crate) use frequencies::{
-    OF_DEFLECTION, OF_TORQUE, flexible_modes, hub_moves_mass, second_order_share,
+    DEFLECTION_WEIGHTS, TORQUE_WEIGHTS, flexible_modes, hub_moves_mass, second_order_share,
 };
-pub use frequencies::{REPORTED_MODES, held_frequencies, modes_below, natural_frequencies};
+pub use frequencies::{
+    REPORTED_MODES, REPORTED_ZEROS, held_frequencies, modes_below, natural_frequencies,
+    real_frequency_zeros, torque_zeros,
+};
 pub use law::{CaugheySeries, DampingError, DampingLaw};
 pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, pose_modes};
 pub use shape::{Mode, Shape, mode};
 pub use thickness::{LoweredMode, NOTICEABLE, ThickLink, Thickness};
-pub use zeros::{REPORTED_ZEROS, real_frequency_zeros, torque_zeros};

@@ -75,12 +75,8 @@ pub fn pose_modes(
         }
         PoseHub::Free => {}
     }
-    // M = L Lᵀ; the eigenvalues are those of L⁻¹ K L⁻ᵀ.
     let lower = mass.cholesky()?.unpack();
-    let half = lower.solve_lower_triangular(&stiffness)?;
-    let whole = lower.solve_lower_triangular(&half.transpose())?;
-    let size = whole.nrows();
-    let eigen = SymmetricEigen::new(size, whole.as_slice().to_vec())?;
+    let eigen = SymmetricEigen::over(&lower, &stiffness)?;
     let upper = lower.transpose();
     let mode = |k: usize| {
         let x = upper.solve_upper_triangular(&DVector::from_column_slice(eigen.vector(k)))?;
@@ -91,7 +87,7 @@ pub fn pose_modes(
         let sign = 1.0_f64.copysign(leading);
         Some((eigen.values[k], across.into_iter().map(|own| sign * own).collect()))
     };
-    (0..size.min(count)).map(mode).collect()
+    (0..eigen.values.len().min(count)).map(mode).collect()
 }
 
 /// Replaces the root's (v, φ) = (root, 1) θ by the hub angle θ in a symmetric matrix. It avoids products of matrices,

@@ -3,9 +3,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::basis::ModalBasis;
+use super::frequencies::real_frequency_zeros;
 use super::law::DampingLaw;
 use super::shape::{Mode, mode};
-use super::zeros::real_frequency_zeros;
 use crate::beam::{Element, Mesh};
 use crate::link::{CrossSection, Link, Segment, Taper};
 use crate::numeric::Scalar as _;

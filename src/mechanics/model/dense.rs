@@ -66,10 +66,10 @@ impl Dense {
 
     /// `H⁻¹` times loads on the unknowns: the accelerations of the unknowns.
     fn accelerations(&self, omega_rad_s: f64, loads: &Mat<Complex64>) -> Mat<Complex64> {
-        let found = self.solved(omega_rad_s, loads);
+        let solution = self.solved(omega_rad_s, loads);
         // On a pole of an undamped link no number is finite, but slightly beside it all are.
-        if found.col_iter().all(|column| column.iter().all(|a| a.is_finite())) {
-            found
+        if solution.col_iter().all(|column| column.iter().all(|a| a.is_finite())) {
+            solution
         } else {
             self.solved(omega_rad_s * (1.0 + 4.0 * f64::EPSILON), loads)
         }
@@ -197,11 +197,11 @@ impl Model for Dense {
             [0, 1].map(|part| load[part] * per_mass - loads.axis_m_s2 * inertia[part])
         };
         let nodal: Vec<_> = loads.nodal.iter().zip(shifted_masses(mesh)).map(with_axis).collect();
-        let found = self.accelerations(omega_rad_s, &self.torque_and_loads(&nodal));
-        let (tip, chord_rad_s2) = (found.nrows() - 2, loads.chord_rad_s2);
-        let torque = (chord_rad_s2 * mesh.length_m() - found[(tip, 1)]) / found[(tip, 0)];
+        let moved = self.accelerations(omega_rad_s, &self.torque_and_loads(&nodal));
+        let (tip, chord_rad_s2) = (moved.nrows() - 2, loads.chord_rad_s2);
+        let torque = (chord_rad_s2 * mesh.length_m() - moved[(tip, 1)]) / moved[(tip, 0)];
         let relative: Vec<_> =
-            (0..found.nrows()).map(|row| found[(row, 0)] * torque + found[(row, 1)]).collect();
+            (0..moved.nrows()).map(|row| moved[(row, 0)] * torque + moved[(row, 1)]).collect();
         let per_square = -(omega_rad_s * omega_rad_s).recip();
         let from_chord = |(x_m, [v, phi]): (&f64, [Complex64; 2])| {
             [v - chord_rad_s2 * *x_m, phi - chord_rad_s2].map(|part| part * per_square)

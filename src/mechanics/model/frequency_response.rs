@@ -55,9 +55,7 @@ impl FrequencyResponse {
 
     fn of(transfer: TipTransfer, model: &dyn Model, frequency_hz: f64) -> Self {
         let omega = frequency_hz * TAU;
-        let rate = Complex64::new(0.0, omega);
-        let torque = transfer.inertia_kg_m * (1.0 + model.law().mass_rate_per_s() / rate)
-            + transfer.angle_rad_m * model.link().joint().friction_n_m_s_rad / rate;
+        let torque = torque_kg_m(&transfer, model, Complex64::new(0.0, omega));
         Self {
             frequency_hz,
             torque_per_tip_acceleration_kg_m: torque,
@@ -65,6 +63,12 @@ impl FrequencyResponse {
             tip_displacement_per_torque_1_n: -(torque * omega * omega).inv(),
         }
     }
+}
+
+/// `T/a_tip` in kg m with friction and mass damping, `rate` being iω in 1/s.
+fn torque_kg_m(transfer: &TipTransfer, model: &dyn Model, rate: Complex64) -> Complex64 {
+    transfer.inertia_kg_m * (1.0 + model.law().mass_rate_per_s() / rate)
+        + transfer.angle_rad_m * model.link().joint().friction_n_m_s_rad / rate
 }
 
 /// Changes of the transfers of `rows` on halved elements: for each row the larger change of `T/a_tip` and `θ/v_tip`,
@@ -113,48 +117,35 @@ pub enum Sensor {
 }
 
 impl Sensor {
+    /// Name in files, measured quantity in words, its SI unit, and its unit per N m.
+    fn texts(self) -> [&'static str; 4] {
+        match self {
+            Self::HubAngle => ["hub_angle", "hub angle", "rad", "rad/(N m)"],
+            Self::HubRate => ["hub_rate", "hub rate", "rad/s", "1/(N m s)"],
+            Self::TipDeflection => ["tip_deflection", "tip deflection", "m", "1/N"],
+            Self::TipAcceleration => ["tip_acceleration", "tip acceleration", "m/s^2", "1/(kg m)"],
+            Self::RootStrain => ["root_strain", "root curvature", "1/m", "1/(N m^2)"],
+        }
+    }
+
     /// Name in files.
     pub fn word(self) -> &'static str {
-        match self {
-            Self::HubAngle => "hub_angle",
-            Self::HubRate => "hub_rate",
-            Self::TipDeflection => "tip_deflection",
-            Self::TipAcceleration => "tip_acceleration",
-            Self::RootStrain => "root_strain",
-        }
+        self.texts()[0]
     }
 
     /// Measured quantity in words.
     pub fn quantity(self) -> &'static str {
-        match self {
-            Self::HubAngle => "hub angle",
-            Self::HubRate => "hub rate",
-            Self::TipDeflection => "tip deflection",
-            Self::TipAcceleration => "tip acceleration",
-            Self::RootStrain => "root curvature",
-        }
+        self.texts()[1]
     }
 
     /// SI unit of the quantity.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::HubAngle => "rad",
-            Self::HubRate => "rad/s",
-            Self::TipDeflection => "m",
-            Self::TipAcceleration => "m/s^2",
-            Self::RootStrain => "1/m",
-        }
+        self.texts()[2]
     }
 
     /// Unit of the quantity per N m.
     pub fn unit_per_torque(self) -> &'static str {
-        match self {
-            Self::HubAngle => "rad/(N m)",
-            Self::HubRate => "1/(N m s)",
-            Self::TipDeflection => "1/N",
-            Self::TipAcceleration => "1/(kg m)",
-            Self::RootStrain => "1/(N m^2)",
-        }
+        self.texts()[3]
     }
 
     /// Response per torque at the hub, including joint friction, at angular frequencies above 0.
@@ -170,11 +161,7 @@ impl Sensor {
 
     fn of(self, transfer: &TipTransfer, model: &dyn Model, omega: f64) -> Complex64 {
         let (law, rate) = (model.law(), Complex64::new(0.0, omega));
-        let with_mass_damping = 1.0 + law.mass_rate_per_s() / rate;
-        let friction = model.link().joint().friction_n_m_s_rad;
-        let torque =
-            transfer.inertia_kg_m * with_mass_damping + transfer.angle_rad_m * friction / rate;
-        let acceleration = torque.inv();
+        let acceleration = torque_kg_m(transfer, model, rate).inv();
         let angle = -transfer.angle_rad_m * acceleration / (omega * omega);
         match self {
             Self::HubAngle => angle,
@@ -186,6 +173,7 @@ impl Sensor {
             Self::RootStrain => {
                 let root = &model.link().segments()[0].bending_stiffness_n_m2;
                 let stiffness = law.stiffness_factor(omega) * root.inner;
+                let with_mass_damping = 1.0 + law.mass_rate_per_s() / rate;
                 -transfer.root_inertia_kg_m * with_mass_damping * acceleration / stiffness
             }
         }

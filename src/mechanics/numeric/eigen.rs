@@ -8,6 +8,7 @@
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 
+use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Rows of Qᵀ that each reflection is applied to before the next one is fetched.
@@ -38,6 +39,15 @@ impl SymmetricEigen {
             return None;
         }
         Arch::new().dispatch(Solve { size, matrix })
+    }
+
+    /// Eigenvalues μ of `A x = μ L Lᵀ x`, and eigenvectors `Lᵀ x`: those of `L⁻¹ A L⁻ᵀ`, for a symmetric A and a lower
+    /// triangle L. Returns `None` if a number is not finite.
+    pub(crate) fn over(lower: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Option<Self> {
+        let half = lower.solve_lower_triangular(matrix)?;
+        let whole = lower.solve_lower_triangular(&half.transpose())?;
+        // Symmetric, so that the order of its entries does not matter.
+        Self::new(whole.nrows(), whole.as_slice().to_vec())
     }
 
     /// The eigenvector of the k-th value.

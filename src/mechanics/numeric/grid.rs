@@ -3,7 +3,7 @@ use std::num::NonZeroUsize;
 
 use thiserror::Error;
 
-use super::reductions::rounded;
+use super::scalar::rounded;
 
 /// Uniform time grid: sample k is at `origin + (first + k)·step`.
 ///

@@ -122,11 +122,11 @@ impl Course {
     /// Numbers of the four samples nearest to sample `k`, skipping `left_out`.
     pub(super) fn around(&self, k: usize, left_out: Option<usize>) -> [usize; 4] {
         let len = self.values.len();
-        let own = usize::from(left_out.is_some());
-        let first = k.saturating_sub(2).min(len - 4 - own);
+        let skipped = usize::from(left_out.is_some());
+        let first = k.saturating_sub(2).min(len - 4 - skipped);
         [0, 1, 2, 3].map(|j| {
             let at = first + j;
-            if left_out.is_some_and(|own| at >= own) { at + 1 } else { at }
+            if left_out.is_some_and(|sample| at >= sample) { at + 1 } else { at }
         })
     }
 

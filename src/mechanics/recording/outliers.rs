@@ -77,13 +77,13 @@ pub fn outliers(time_s: &[f64], values: &[f64], change: Change) -> Vec<Outlier> 
         };
         Outlier { sample, expected: lead.value }
     };
-    let found: Vec<_> = bad.into_iter().map(led).collect();
+    let judged: Vec<_> = bad.into_iter().map(led).collect();
     // If a record is constant except for its pulses, the pulses are its signal.
     let rest = good.values.first().map_or(0.0, |first| {
         good.values.iter().map(|value| (value - first).abs()).fold(0.0, f64::max)
     });
-    let most = found.iter().map(|own| (values[own.sample] - own.expected).abs());
-    if rest <= UNNOTICED * most.fold(0.0, f64::max) { Vec::new() } else { found }
+    let most = judged.iter().map(|own| (values[own.sample] - own.expected).abs());
+    if rest <= UNNOTICED * most.fold(0.0, f64::max) { Vec::new() } else { judged }
 }
 
 /// Numbers of the bad samples, the worst of each neighbourhood; without single bad samples, those of bursts.
@@ -97,10 +97,10 @@ fn worst(column: &Column) -> Vec<usize> {
             && column.deviations[range].iter().all(|other| *other <= own)
             && is_alone(column, *k)
     };
-    let mut found: Vec<usize> = (ENDS..len - ENDS).filter(is_bad).collect();
+    let mut bad: Vec<usize> = (ENDS..len - ENDS).filter(is_bad).collect();
     // Neighbours that are equally far off affect each other.
-    found.dedup_by(|next, before| *next - *before <= NEAR);
-    if found.is_empty() { bursts(column) } else { found }
+    bad.dedup_by(|next, before| *next - *before <= NEAR);
+    if bad.is_empty() { bursts(column) } else { bad }
 }
 
 /// True for a sample farther off than the noise around it, if its neighbours are in order without it and it continues

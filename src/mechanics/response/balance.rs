@@ -151,7 +151,7 @@ impl Balance {
     pub(super) fn accelerations(&self) -> Option<Vec<f64>> {
         let count = self.force.len();
         let mass = DMatrix::from_row_slice(count, count, &self.mass);
-        let found = mass.lu().solve(&DVector::from_column_slice(&self.force))?;
-        found.iter().all(|own| own.is_finite()).then(|| found.as_slice().to_vec())
+        let accelerations = mass.lu().solve(&DVector::from_column_slice(&self.force))?;
+        accelerations.iter().all(|own| own.is_finite()).then(|| accelerations.as_slice().to_vec())
     }
 }

@@ -52,7 +52,7 @@ pub struct BentPlay {
     pub change: [f64; 2],
     /// Whether refinement still changes tip or joints by more than 1e-4 of their movement.
     pub is_unsettled: bool,
-    linkage: Linkage,
+    pub(super) linkage: Linkage,
     record: Record,
     /// Direction in rad of zero displacement for one link.
     from_rad: f64,
@@ -205,16 +205,6 @@ impl BentPlay {
         self.linkage.state(grid.time_s(sample), q, rates)
     }
 
-    /// Length of the stretched links in m.
-    pub(super) fn length_m(&self) -> f64 {
-        self.linkage.length_m()
-    }
-
-    /// Largest moment in N m of a straight link's weight.
-    pub(super) fn weight_moment_n_m(&self) -> f64 {
-        self.linkage.links[0].weight_moment_n_m()
-    }
-
     /// Largest imbalance of energy over the largest work, kinetic energy or change of all energy; 0 for an arm at rest.
     pub fn imbalance(&self) -> f64 {
         let energies_j: Vec<f64> =
@@ -240,14 +230,14 @@ impl BentPlay {
     ) -> Vec<Vec<Vec<Vec<f64>>>> {
         let stations = self.linkage.stations(along_m);
         let columns = |own: &Vec<f64>| own.iter().map(|_| vec![Vec::new(); 2]).collect();
-        let mut found: Vec<Vec<Vec<Vec<f64>>>> = along_m.iter().map(columns).collect();
+        let mut positions: Vec<Vec<Vec<Vec<f64>>>> = along_m.iter().map(columns).collect();
         for sample in (0..self.kinetic_j.len()).step_by(every.get()) {
             let places = self.linkage.places_m(&stations, self.record.at(sample).0);
-            for (columns, place) in found.iter_mut().flatten().zip(places.iter().flatten()) {
+            for (columns, place) in positions.iter_mut().flatten().zip(places.iter().flatten()) {
                 columns.iter_mut().zip(place).for_each(|(column, part)| column.push(*part));
             }
         }
-        found
+        positions
     }
 
     /// Displacement in m along the arc of places at distances along one link, at every `every`-th sample.

@@ -50,12 +50,10 @@ pub(super) struct Chain {
     pub(super) root_m: f64,
     hub_inertia_kg_m2: f64,
     at_root: Vec<Body>,
-    gravity_m_s2: [f64; 2],
     /// Number of coordinates.
     pub(super) count: usize,
     /// Stiffness row by row; 0 for the hub's angle.
     pub(super) stiffness: Vec<f64>,
-    pub(super) damping: Vec<f64>,
 }
 
 /// A piece without polynomials.
@@ -114,10 +112,8 @@ impl Chain {
             root_m: hub.radius_m,
             hub_inertia_kg_m2: hub.inertia_kg_m2,
             at_root: bodies_at(link, hub.radius_m),
-            gravity_m_s2: link.gravity().map_or([0.0; 2], |own| own.acceleration_m_s2),
             count: 1,
             stiffness: Vec::new(),
-            damping: Vec::new(),
         };
         let mut bends = Vec::new();
         for PlannedPiece { ends_m: [from_m, end_m], order, stiffness, mass } in planned(link, order)
@@ -134,8 +130,7 @@ impl Chain {
             last.bodies.push(Body { mass_kg, inertia_kg_m2, arm_m });
         }
         let count = chain.count;
-        chain.damping = vec![0.0; count * count];
-        chain.stiffness = chain.damping.clone();
+        chain.stiffness = vec![0.0; count * count];
         for (piece, (rule, order, stiffness)) in chain.pieces.iter().zip(bends) {
             for (weight, t) in rule.weights.iter().zip(&rule.places) {
                 // ds = l/2 dt, and each derivative has 2/l; the weights belong to (0, 1).
@@ -151,27 +146,9 @@ impl Chain {
         chain
     }
 
-    /// Largest moment in N m of the straight link's weight.
-    pub(super) fn weight_moment_n_m(&self) -> f64 {
-        let rest = vec![0.0; self.count];
-        let mut moment = 0.0;
-        self.walk(&rest, &rest, |place, met| {
-            if let Met::Mass(mass_kg) = met {
-                moment += mass_kg * place.at_m[0];
-            }
-        });
-        let [x, y] = self.gravity_m_s2;
-        moment * (x * x + y * y).sqrt()
-    }
-
     /// Length L from the axis to the tip in m.
     pub(super) fn length_m(&self) -> f64 {
         self.root_m + self.pieces.iter().map(|piece| piece.length_m).sum::<f64>()
-    }
-
-    /// A copy of the link with a share of its weight.
-    pub(super) fn weighing(&self, share: f64) -> Self {
-        Self { gravity_m_s2: self.gravity_m_s2.map(|part| share * part), ..self.clone() }
     }
 
     /// Walks the link from the axis outward and shows each mass, or rotary inertia, at its place.
@@ -257,11 +234,13 @@ impl Chain {
         }
     }
 
-    /// The equations at coordinates and rates.
-    pub(super) fn balance(&self, q: &[f64], rates: &[f64], into: &mut Balance) {
-        into.begin(&self.stiffness, &self.damping, (q, rates));
-        self.walk(q, rates, |place, met| into.meet(place, &met, self.gravity_m_s2));
-        into.end();
+    /// Mass matrix of the straight link, row by row.
+    pub(super) fn straight_mass(&self) -> Vec<f64> {
+        let (rest, mut balance) = (vec![0.0; self.count], Balance::default());
+        balance.begin(&self.stiffness, &self.stiffness, (&rest, &rest));
+        self.walk(&rest, &rest, |place, met| balance.meet(place, &met, [0.0; 2]));
+        balance.end();
+        balance.mass
     }
 
     /// The tip and its motion.

@@ -1,16 +1,19 @@
-//! Verification of a simulation: its balance of energy, and its errors.
+//! Verification of a simulation: its balance of energy, its errors, and the warnings of bent links.
+
+use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::bent::JointMotion;
-use super::error::{SimulationError, SimulationWarning};
+use super::bent::{BentMotion, JointMotion};
+use super::error::{STEP_SHARE, SimulationError, SimulationWarning};
+use super::history::{APART_RAD, Torque};
 use super::modes::{MOST_MODES, kept_modes};
-use super::play::Play;
-use super::played::{Played, PlayedBy};
+use super::play::{Input, Play};
+use super::played::{Played, PlayedBy, PlayedLink};
 use super::stepper::Stepper;
 use crate::link::Arm;
 use crate::modal::{DampingLaw, Shape};
-use crate::numeric::{CubicSpline, SplineEnds, largest, largest_difference};
+use crate::numeric::{CubicSpline, SplineEnds, extremes, largest, largest_difference};
 
 /// Balance of energy at one time, in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,7 +187,7 @@ impl PlayError {
         let (basis, _) = kept_modes(&mesh, modes.band_rad_s, most_modes);
         let equations = play.equations(link, (&mesh, &law), basis)?;
         let driving = play.driving((0, link), play.zero_of_state_rad(link), link.has_weight())?;
-        let mut found = tip.displacement_m.iter().zip(&turned);
+        let mut played_samples = tip.displacement_m.iter().zip(&turned);
         let (mut tip_m, mut hub_rad) = (0.0_f64, 0.0_f64);
         let ([q, rates], _) = play.start(link, (&equations, &mesh), &driving)?;
         let stepper = Stepper::new(&equations, grid.step_s).starting_at(&q, &rates);
@@ -192,7 +195,7 @@ impl PlayError {
             (equations.tip(&stepper.coordinates()), equations.hub(&stepper.coordinates()));
         stepper.run(driving.steps(grid.len), |stepper| {
             let q = stepper.coordinates();
-            let Some((displacement_m, turned_rad)) = found.next() else { return };
+            let Some((displacement_m, turned_rad)) = played_samples.next() else { return };
             let (own_m, own_rad) = (equations.tip(&q) - first_m, equations.hub(&q) - first_rad);
             tip_m = tip_m.max((own_m - (displacement_m - start_m)).abs());
             hub_rad = hub_rad.max((own_rad - turned_rad).abs());
@@ -216,4 +219,83 @@ impl PlayError {
             }
         }
     }
+}
+
+/// Warning threshold of the imbalance of energy.
+const IMBALANCE: f64 = 1e-3;
+
+/// Warnings of a link with weight or at large angles, or of an arm.
+pub(super) fn of_bent(
+    arm: &Arm,
+    play: &Play<'_>,
+    motion: &BentMotion,
+    first: &PlayedLink,
+) -> Vec<SimulationWarning> {
+    let is_link = arm.links().len() == 1;
+    let mut warnings = match play.input {
+        _ if play.cycle_turn_rad.is_some() => Vec::new(),
+        Input::Torques(torques) if arm.has_weight() || !is_link => {
+            of_torques(arm, torques, play, motion)
+        }
+        Input::Angles(_) if !is_link => Vec::new(),
+        input => {
+            let [begins, ends] = input.warnings(&motion.joints[0].torque_n_m);
+            begins.filter(|_| play.state.is_none()).into_iter().chain(ends).collect()
+        }
+    };
+    if is_link {
+        let first_rad_s = first.natural_frequencies_rad_s.first().filter(|omega| **omega > 0.0);
+        let period_s = first_rad_s.map(|omega| TAU / omega);
+        // Bent links move until the end, so that the step always matters.
+        warnings.extend(SimulationWarning::coarse_step(play.input.grid().step_s, period_s));
+    }
+    let share = motion.play.imbalance();
+    warnings.extend((share > IMBALANCE).then_some(SimulationWarning::Imbalance { share }));
+    warnings
+}
+
+/// Warnings of torques that do not begin with the holding torques or end with a jump, and of references apart from the
+/// joints.
+fn of_torques(
+    arm: &Arm,
+    torques: &[Torque],
+    play: &Play<'_>,
+    motion: &BentMotion,
+) -> Vec<SimulationWarning> {
+    let ranges = torques.iter().map(|torque| {
+        let [low, high] = extremes(torque.torque_n_m());
+        high - low
+    });
+    let range = ranges.fold(0.0, f64::max);
+    let holding = motion.joints.iter().map(|joint| joint.holding_n_m.unwrap_or_default());
+    let most = holding.clone().fold(0.0, |most: f64, own| most.max(own.abs()));
+    // Round-off holds links that hang straight.
+    let least = STEP_SHARE * STEP_SHARE * arm.weight_moment_n_m();
+    let size = if range > 0.0 { range } else { most }.max(least);
+    let starts_at_rest = play.state.is_none();
+    let mut warnings = Vec::new();
+    for (number, (torque, holding_n_m)) in torques.iter().zip(holding).enumerate() {
+        let samples_n_m = torque.torque_n_m();
+        let joint = (torques.len() > 1).then_some(number + 1);
+        let torque_n_m = samples_n_m[0];
+        let share = (torque_n_m - holding_n_m).abs() / size;
+        if starts_at_rest && share > STEP_SHARE {
+            let begins = SimulationWarning::BeginsUnheld { joint, torque_n_m, holding_n_m, share };
+            warnings.push(begins);
+        }
+        let torque_n_m = samples_n_m[samples_n_m.len() - 1];
+        let share = torque_n_m.abs() / size;
+        if !arm.has_weight() && share > STEP_SHARE {
+            warnings.push(SimulationWarning::EndsWithJump { joint, torque_n_m, share });
+        }
+        let hub_rad = motion.joints[number].angle_rad[0];
+        let reference = play.feedback.get(number).map(|of| of.reference().angle_rad()[0]);
+        let apart = reference.filter(|at| starts_at_rest && (at - hub_rad).abs() > APART_RAD);
+        warnings.extend(apart.map(|reference_rad| SimulationWarning::ReferenceApart {
+            joint,
+            reference_rad,
+            hub_rad,
+        }));
+    }
+    warnings
 }

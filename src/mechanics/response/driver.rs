@@ -44,7 +44,7 @@ pub(super) struct InitialMotion {
 }
 
 /// Links, the input of each joint, and their start.
-pub(super) struct Problem<'a> {
+pub(super) struct DrivenLinks<'a> {
     pub(super) linkage: Linkage,
     pub(super) drives: &'a [Drive],
     /// Angle of each joint in rad from which the stiffness of its feedback acts; the input contains the torque for the
@@ -56,19 +56,19 @@ pub(super) struct Problem<'a> {
 }
 
 /// Refines the motion until tip and joints change by less than `tolerance` of their motion, or to the finest level.
-/// Each refinement halves the step and adds orders to the polynomials. `problem` receives the number of added orders
+/// Each refinement halves the step and adds orders to the polynomials. `links` receives the number of added orders
 /// and the coarser motion, `watch` the progress at each sample.
 ///
 /// # Errors
 /// [`SimulationError`].
 pub(super) fn refine<'a>(
-    problem: impl Fn(usize, Option<&BentMotion>) -> Result<Problem<'a>, SimulationError>,
+    links: impl Fn(usize, Option<&BentMotion>) -> Result<DrivenLinks<'a>, SimulationError>,
     (samples, tolerance, most_refinements): (usize, f64, usize),
     watch: &dyn Fn(PlayProgress),
 ) -> Result<BentMotion, SimulationError> {
     let play = |refinement: usize, coarser: Option<&BentMotion>| {
         let report = |done| watch(PlayProgress { refinement, done, samples });
-        problem(refinement * MORE_ORDERS, coarser)?.play(1 << refinement, report)
+        links(refinement * MORE_ORDERS, coarser)?.play(1 << refinement, report)
     };
     let mut finest = play(0, None);
     for refinement in 1..=most_refinements {
@@ -85,7 +85,7 @@ pub(super) fn refine<'a>(
         let mut motion = play(refinement, Some(&coarser))?;
         // Both are arrays: tip in m, joints in rad.
         let (change, travel) = (motion.change_from(&coarser), motion.moved());
-        let least = [ROUND_OFF_RAD * motion.play.length_m(), ROUND_OFF_RAD];
+        let least = [ROUND_OFF_RAD * motion.play.linkage.length_m(), ROUND_OFF_RAD];
         let is_within = |share: f64| (0..2).all(|k| change[k] <= (share * travel[k]).max(least[k]));
         (motion.play.change, motion.play.is_unsettled) = (change, !is_within(UNSETTLED));
         let is_settled = is_within(tolerance);
@@ -127,7 +127,7 @@ impl Drive {
     }
 }
 
-impl Problem<'_> {
+impl DrivenLinks<'_> {
     /// Integrates with `steps` steps from one sample to the next; `report` receives the number of finished samples.
     fn play(self, steps: usize, report: impl Fn(usize)) -> Result<BentMotion, SimulationError> {
         let (grid, count) = (*self.grid, self.linkage.count);

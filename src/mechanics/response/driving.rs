@@ -36,13 +36,18 @@ impl From<Cubic> for Step {
 }
 
 impl Driving {
+    /// An input of these samples, 0 after the last one, about a reference at rest.
+    pub(super) fn new(samples: Vec<f64>, pieces: Vec<Cubic>) -> Self {
+        Self { samples, pieces, hold: 0.0, repeats: false, turning: None }
+    }
+
     /// A cycle of samples: the last sample precedes the first one of the next cycle.
     pub(super) fn repeated(samples: Vec<f64>, interpolation: Interpolation) -> Self {
         let around = samples.len();
         let mut pieces = pieces(&wrapped(&samples, 0.0, around), interpolation);
         pieces.drain(..around);
         pieces.truncate(around);
-        Self { samples, pieces, hold: 0.0, repeats: true, turning: None }
+        Self { repeats: true, ..Self::new(samples, pieces) }
     }
 
     /// The input at a sample, also after the last one.

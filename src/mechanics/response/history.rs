@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::driving::CycleError;
-use super::error::{SimulationError, SimulationWarning};
+use super::error::SimulationError;
 use crate::link::{ParameterError, not_negative};
 use crate::motion::wrapped;
 use crate::numeric::{CubicSpline, NotUniform, QuinticSpline, SplineEnds, TimeGrid};
@@ -168,14 +168,6 @@ impl HubReference {
 }
 
 impl HubReference {
-    /// Warns of a first angle apart from the hub's angle, for a link with weight.
-    pub(super) fn apart(&self, hub_rad: f64) -> Option<SimulationWarning> {
-        let reference_rad = self.angle_rad[0];
-        let is_apart = (reference_rad - hub_rad).abs() > APART_RAD;
-        let warning = SimulationWarning::ReferenceApart { joint: None, reference_rad, hub_rad };
-        is_apart.then_some(warning)
-    }
-
     /// Turn in rad from the first sample, or from another angle, to the last sample.
     pub(super) fn turn_rad(&self, zero_rad: Option<f64>) -> f64 {
         let angle = self.angle_rad();
@@ -184,19 +176,19 @@ impl HubReference {
 
     /// Rates in rad/s of a cubic spline through the angles, which may repeat.
     pub(super) fn slopes_rad_s(&self, repeats: bool) -> Vec<f64> {
-        let own = self.angle_rad();
-        let around = if repeats { own.len() } else { 0 };
-        let spline = CubicSpline::uniform(&wrapped(own, 0.0, around), SplineEnds::NotAKnot);
-        let slopes = &spline.slopes()[around..][..own.len()];
+        let angles_rad = self.angle_rad();
+        let around = if repeats { angles_rad.len() } else { 0 };
+        let spline = CubicSpline::uniform(&wrapped(angles_rad, 0.0, around), SplineEnds::NotAKnot);
+        let slopes = &spline.slopes()[around..][..angles_rad.len()];
         slopes.iter().map(|slope| slope / self.grid().step_s).collect()
     }
 
     /// Angle in rad from the last sample to the first one a cycle's turn later. `None` for a plausible step of a
     /// repeating motion.
     pub(super) fn jump_rad(&self, turn_rad: f64) -> Option<f64> {
-        let own = self.angle_rad();
-        let steps = own.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let jump_rad = own[0] + turn_rad - own[own.len() - 1];
+        let angles_rad = self.angle_rad();
+        let steps = angles_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let jump_rad = angles_rad[0] + turn_rad - angles_rad[angles_rad.len() - 1];
         (jump_rad.abs() > JUMP * steps.fold(0.0, f64::max)).then_some(jump_rad)
     }
 
@@ -306,8 +298,8 @@ impl Feedback {
 
     /// Rate of the reference, or of a spline through its angles.
     pub(super) fn rate_rad_s(&self, repeats: bool) -> Vec<f64> {
-        let given = self.reference.rate_rad_s().map(<[f64]>::to_vec);
-        given.unwrap_or_else(|| self.reference.slopes_rad_s(repeats))
+        let known = self.reference.rate_rad_s().map(<[f64]>::to_vec);
+        known.unwrap_or_else(|| self.reference.slopes_rad_s(repeats))
     }
 }
 

@@ -5,15 +5,14 @@ use std::f64::consts::TAU;
 use super::bent::JointMotion;
 use super::driving::Driving;
 use super::error::{SimulationError, SimulationWarning};
-use super::modal_play::{ModalPlay, deflection_m};
 use super::modes::Equations;
 use super::play::{LEFT_OUT, Play, Started, refuse_memory};
-use super::played::{Played, PlayedBy, PlayedLink};
+use super::played::{ModalPlay, Played, PlayedBy, PlayedLink, deflection_m};
 use super::residual::{PlayedModelError, Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::Mesh;
 use crate::link::Link;
-use crate::modal::{DampingLaw, OF_DEFLECTION, hub_moves_mass, second_order_share};
+use crate::modal::{DEFLECTION_WEIGHTS, DampingLaw, hub_moves_mass, second_order_share};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
 
@@ -70,7 +69,7 @@ pub(super) fn play_modes(
     let share_of = second_order_share(&mesh, link, turned.min(largest(&rate_rad_s)));
     let bends_m = largest(&deflection_m);
     let vibrates_m = residual.map_or(0.0, |residual| residual.amplitude_m);
-    let shares = [bends_m, vibrates_m].map(|bent_m| share_of(bent_m, OF_DEFLECTION));
+    let shares = [bends_m, vibrates_m].map(|bent_m| share_of(bent_m, DEFLECTION_WEIGHTS));
     let omega_rad_s = equations.first_period_s().map_or(0.0, |period_s| TAU / period_s);
     let moves_m = (bends_m, tip.largest_travel_m());
     let vibration = (omega_rad_s, grid.duration_s());

@@ -38,9 +38,9 @@ fn orders(
     move |number, ends_m, [stiffness_n_m2, mass_kg_m]| {
         let square = mass_kg_m / stiffness_n_m2 * highest_rad_s * highest_rad_s;
         let wave_rad = (ends_m[1] - ends_m[0]) * square.sqrt().sqrt();
-        let given = state.map_or(0, |state| state.links[number].piece(ends_m).len());
+        let places = state.map_or(0, |state| state.links[number].piece(ends_m).len());
         let order = (FIRST_ORDER + wave_rad.ceil() as usize).min(HIGHEST_ORDER);
-        order.max(given.saturating_sub(1)) + more
+        order.max(places.saturating_sub(1)) + more
     }
 }
 
@@ -59,7 +59,7 @@ impl Linkage {
             count += link.count;
         }
         let frictions = arm.links().iter().map(|own| own.link.joint().friction_n_m_s_rad);
-        let mut found = Self {
+        let mut linkage = Self {
             joints,
             friction_n_m_s_rad: frictions.collect(),
             gravity_m_s2: arm.gravity_m_s2(),
@@ -68,8 +68,8 @@ impl Linkage {
             damping: vec![0.0; count * count],
             links,
         };
-        found.stiffness = found.gathered(found.links.iter().map(|link| &link.stiffness[..]));
-        found
+        linkage.stiffness = linkage.gathered(linkage.links.iter().map(|link| &link.stiffness[..]));
+        linkage
     }
 
     /// Number of coordinates of [`of`](Self::of), computed without its matrices.
@@ -197,10 +197,10 @@ impl Linkage {
     pub(super) fn of_links(&self, q: &[f64]) -> Vec<Vec<f64>> {
         let mut turned = 0.0;
         let of_link = |(link, first): (&Chain, &usize)| {
-            let mut own = q[*first..][..link.count].to_vec();
-            own[0] += turned;
-            turned = own[0] + link.end(&own);
-            own
+            let mut coordinates = q[*first..][..link.count].to_vec();
+            coordinates[0] += turned;
+            turned = coordinates[0] + link.end(&coordinates);
+            coordinates
         };
         self.links.iter().zip(&self.joints).map(of_link).collect()
     }

@@ -6,11 +6,11 @@ use std::slice::from_ref;
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
-use super::hub_loop::{held, in_loop};
 use super::modes::{
-    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, kept_modes, torque_band_rad_s,
+    Equations, HubReaction, MOST_MODES, ModeSelection, REACH, held, in_loop, kept_modes,
+    torque_band_rad_s,
 };
-use super::rest::Start;
+use super::pose::Start;
 use super::state::{State, of_cycle};
 use crate::beam::Mesh;
 use crate::link::{Arm, Damping, Link};
@@ -328,39 +328,33 @@ impl<'a> Play<'a> {
                 }
                 let (samples, pieces, _) = hub.accelerations(turn_rad);
                 return Ok(Driving {
-                    samples,
-                    pieces,
-                    hold: 0.0,
                     repeats: turn_rad.is_some(),
-                    turning: None,
+                    ..Driving::new(samples, pieces)
                 });
             }
         };
-        let own = torque.torque_n_m();
-        if self.cycle_turn_rad.is_some() && is_repeated(own, 0.0) {
+        let torque_n_m = torque.torque_n_m();
+        if self.cycle_turn_rad.is_some() && is_repeated(torque_n_m, 0.0) {
             return Err(CycleError::Repeats.into());
         }
-        let kept_n_m = if has_weight { own[own.len() - 1] } else { 0.0 };
+        let kept_n_m = if has_weight { torque_n_m[torque_n_m.len() - 1] } else { 0.0 };
         let repeats = self.cycle_turn_rad.is_some();
         let feedback = self.feedback.get(joint);
         let (samples, hold) = match feedback {
-            None => (own.to_vec(), kept_n_m),
+            None => (torque_n_m.to_vec(), kept_n_m),
             Some(feedback) => {
                 let wanted = feedback.wanted_torque_n_m(torque, zero_rad, repeats)?;
-                let samples = own.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
+                let samples = torque_n_m.iter().zip(wanted).map(|(t, wanted)| t + wanted).collect();
                 let turn_rad = feedback.reference().turn_rad(zero_rad);
                 (samples, kept_n_m + feedback.stiffness_n_m_rad() * turn_rad)
             }
         };
         let between = |samples: Vec<f64>, interpolation, hold, turning| match self.cycle_turn_rad {
             Some(_) => Driving { turning, ..Driving::repeated(samples, interpolation) },
-            None => Driving {
-                pieces: pieces(&samples, interpolation),
-                samples,
-                hold,
-                repeats: false,
-                turning,
-            },
+            None => {
+                let pieces = pieces(&samples, interpolation);
+                Driving { hold, turning, ..Driving::new(samples, pieces) }
+            }
         };
         let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { .. });
         let reference = feedback.filter(|of| is_hysteretic && of.stiffness_n_m_rad() > 0.0);

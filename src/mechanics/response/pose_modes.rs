@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::damped_modes::{SmallMotions, damping_ratio};
+use super::link_ratios::{SmallMotions, damping_ratio};
 use super::pose::{ArmPose, ArmResponse, PoseError, TorqueResponse, quadratic};
 use crate::link::Arm;
 use crate::numeric::{Size, SymmetricEigen, dot, magnitude, relative_change};
@@ -127,23 +127,23 @@ impl ArmPose {
             }
         }
         let moves: Vec<usize> = (0..self.count).filter(|k| moves[*k]).collect();
-        let mut found: Vec<PoseMode> = lowest(&self.mass, &stiffness, &moves, count)?
+        let mut modes: Vec<PoseMode> = lowest(&self.mass, &stiffness, &moves, count)?
             .into_iter()
             .map(|x| self.mode(&stiffness, &x))
             .collect();
-        found.sort_by(|a, b| a.square_per_s2.total_cmp(&b.square_per_s2));
+        modes.sort_by(|a, b| a.square_per_s2.total_cmp(&b.square_per_s2));
         if springs_n_m_rad.is_none() && !self.has_weight {
             // A free arm without restoring forces has zero eigenvalues; dense algebra leaves round-off.
-            for swing in found.iter_mut().take(self.joints.len()) {
+            for swing in modes.iter_mut().take(self.joints.len()) {
                 swing.square_per_s2 = 0.0;
             }
         }
         let motions = Matrices::of(self, &stiffness, &moves);
-        found.par_iter_mut().filter(|mode| mode.square_per_s2 > 0.0).for_each(|mode| {
+        modes.par_iter_mut().filter(|mode| mode.square_per_s2 > 0.0).for_each(|mode| {
             let x: Vec<f64> = moves.iter().map(|k| mode.shape[*k]).collect();
             mode.damping_ratio = damping_ratio(&motions, mode.square_per_s2.sqrt(), &x);
         });
-        Ok(found)
+        Ok(modes)
     }
 
     /// The undamped mode of a shape, ω² by Rayleigh's quotient.
@@ -222,8 +222,8 @@ impl SmallMotions for Matrices {
             let damping = s_per_s * (share * self.viscous((i, j), rate_per_s));
             square * self.mass[(i, j)] + damping + self.stiffness[(i, j)]
         });
-        let found = matrix.lu().solve(&DVector::from_column_slice(y))?;
-        Some(found.as_slice().to_vec())
+        let solution = matrix.lu().solve(&DVector::from_column_slice(y))?;
+        Some(solution.as_slice().to_vec())
     }
 }
 
@@ -254,18 +254,15 @@ fn lowest(
         shift *= 10.0;
     }
     let lower = factor.ok_or(PoseError::Spread)?.unpack();
-    let half = lower.solve_lower_triangular(&mass).ok_or(PoseError::Spread)?;
-    let whole = lower.solve_lower_triangular(&half.transpose()).ok_or(PoseError::Spread)?;
-    // Symmetric, so that the order of its entries does not matter.
-    let eigen = SymmetricEigen::new(size, whole.as_slice().to_vec()).ok_or(PoseError::Spread)?;
+    let eigen = SymmetricEigen::over(&lower, &mass).ok_or(PoseError::Spread)?;
     let least = size as f64 * f64::EPSILON * eigen.values.last().copied().unwrap_or_default();
     let upper = lower.transpose();
     let kept = (0..size).rev().take_while(|k| eigen.values[*k] > least).take(count);
     kept.map(|k| {
         let z = DVector::from_column_slice(eigen.vector(k));
-        let own = upper.solve_upper_triangular(&z).ok_or(PoseError::Spread)?;
+        let coordinates = upper.solve_upper_triangular(&z).ok_or(PoseError::Spread)?;
         let mut x = vec![0.0; all];
-        moves.iter().zip(own.iter()).for_each(|(at, own)| x[*at] = *own);
+        moves.iter().zip(coordinates.iter()).for_each(|(at, coordinates)| x[*at] = *coordinates);
         Ok(x)
     })
     .collect()
@@ -305,13 +302,13 @@ pub fn arm_modes(
     let springs = arm.joint_stiffnesses_n_m_rad();
     let on = |more_orders: usize, before: Option<&ArmModes>| {
         let pose = ArmPose::of(arm, directions_rad, (0.0, more_orders))?;
-        let of = |springs: Option<&[f64]>, count, before: Option<&SettledModes>| {
+        let modes_on = |springs: Option<&[f64]>, count, before: Option<&SettledModes>| {
             let modes = pose.modes(springs, count)?;
             Ok::<_, PoseError>(SettledModes { errors: changes(&modes, before), modes })
         };
         Ok(ArmModes {
-            free: of(None, count + springs.len(), before.map(|own| &own.free))?,
-            held: of(Some(&springs), count, before.map(|own| &own.held))?,
+            free: modes_on(None, count + springs.len(), before.map(|own| &own.free))?,
+            held: modes_on(Some(&springs), count, before.map(|own| &own.held))?,
             directions_rad: directions_rad.to_vec(),
             tip_m: pose.tip_m(),
             holding_torques_n_m: pose.holding_torques_n_m().to_vec(),
@@ -376,7 +373,7 @@ fn change(before: &ArmResponse, found: &ArmResponse) -> f64 {
         values.map(|x| magnitude(x) * magnitude(x)).sum::<f64>().sqrt()
     };
     let pairs = before.torques.iter().zip(&found.torques);
-    let of = |(a, b): (&TorqueResponse, &TorqueResponse)| {
+    let change_of = |(a, b): (&TorqueResponse, &TorqueResponse)| {
         let each = parts.map(|part| {
             let (a, b) = (part(a), part(b));
             let off = size(&mut a.iter().zip(b).map(|(a, b)| a - b));
@@ -384,5 +381,5 @@ fn change(before: &ArmResponse, found: &ArmResponse) -> f64 {
         });
         each[0].max(each[1])
     };
-    pairs.map(of).fold(0.0, f64::max)
+    pairs.map(change_of).fold(0.0, f64::max)
 }

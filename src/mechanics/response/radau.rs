@@ -200,8 +200,8 @@ impl<'a> Radau<'a> {
         let matrix = DMatrix::from_fn(STAGES * count, STAGES * count, |row, column| {
             let (stage, i, other, j) = (row / count, row % count, column / count, column % count);
             let at = i * count + j;
-            let own = if stage == other { self.balance.mass[at] } else { 0.0 };
-            own + h * self.once[stage][other] * self.damping[at]
+            let mass = if stage == other { self.balance.mass[at] } else { 0.0 };
+            mass + h * self.once[stage][other] * self.damping[at]
                 + h * h * self.twice[stage][other] * self.stiffness[at]
         });
         matrix.lu()

@@ -2,8 +2,7 @@ use std::f64::consts::PI;
 
 use super::driving::{Cubic, Interpolation, pieces};
 use super::error::SimulationError;
-use super::hub_loop::held;
-use super::modes::{Coordinate, Equations, HubReaction};
+use super::modes::{Coordinate, Equations, HubReaction, held};
 use super::stepper::Stepper;
 use crate::beam::Mesh;
 use crate::link::Link;

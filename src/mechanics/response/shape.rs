@@ -4,13 +4,10 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::balance::Balance;
 use super::chain::Chain;
 use super::error::SimulationError;
-use super::hub_loop::HubLoop;
-use super::modes::HubReaction;
+use super::modes::{HubLoop, HubReaction};
 use super::state::LinkState;
-use crate::link::Link;
 use crate::modal::DampingLaw;
 use crate::numeric::{GaussRule, SymmetricEigen, piece_shapes};
 
@@ -33,20 +30,6 @@ const MOST_PLACES: usize = 41;
 /// Largest distance from the end of a piece, with ends −1 and 1, that counts as the end.
 const SAME_PLACE: f64 = 1e-6;
 
-/// Constraint that holds a link at rest.
-#[derive(Clone, Copy)]
-pub(super) enum Held {
-    /// The hub's angle.
-    Hub,
-    /// The direction of the chord in rad.
-    Chord(f64),
-}
-
-/// The shape at rest, iterated from a straight one with the whole weight or, if that fails, with parts of it.
-pub(super) fn resting(chain: &Chain, straight: &[f64], held: Held) -> Option<Vec<f64>> {
-    in_parts(straight, |share, q| held_at(&chain.weighing(share), q, held))
-}
-
 /// Applies the weight at once or, if that fails, in parts; `settled` receives its share and the shape so far.
 pub(super) fn in_parts(
     straight: &[f64],
@@ -55,25 +38,6 @@ pub(super) fn in_parts(
     WEIGHT_PARTS.into_iter().find_map(|parts| {
         let mut shares = (1..=parts).map(|part| f64::from(part) / f64::from(parts));
         shares.try_fold(straight.to_vec(), |q, share| settled(share, q))
-    })
-}
-
-/// The shape at rest of a link held by its hub or its chord.
-fn held_at(chain: &Chain, q: Vec<f64>, held: Held) -> Option<Vec<f64>> {
-    let rest = vec![0.0; chain.count];
-    let mut balance = Balance::default();
-    let hub_rad = q[0];
-    settled(q, |q: &[f64]| {
-        chain.balance(q, &rest, &mut balance);
-        let mut left = DVector::from_column_slice(&balance.force);
-        left[0] = match held {
-            Held::Hub => hub_rad - q[0],
-            Held::Chord(angle_rad) => {
-                let [x, y] = chain.tip(q, &rest).at_m;
-                (x * libm::sin(angle_rad) - y * libm::cos(angle_rad)) / (x * x + y * y).sqrt()
-            }
-        };
-        left
     })
 }
 
@@ -107,10 +71,10 @@ fn newton_change(
 ) -> Option<DVector<f64>> {
     let mut slopes = DMatrix::zeros(q.len(), q.len());
     for k in 0..q.len() {
-        let own = q[k];
-        q[k] = own + PART_RAD;
+        let unmoved = q[k];
+        q[k] = unmoved + PART_RAD;
         slopes.set_column(k, &((left(q) - now) / PART_RAD));
-        q[k] = own;
+        q[k] = unmoved;
     }
     slopes.lu().solve(now)
 }
@@ -139,9 +103,7 @@ pub(super) fn viscous(
     if ratio == 0.0 {
         return Some(damping);
     }
-    let mut balance = Balance::default();
-    chain.balance(&vec![0.0; count], &vec![0.0; count], &mut balance);
-    let mass = &balance.mass;
+    let mass = chain.straight_mass();
     let held = HubLoop { held_share: 1.0, spring_n_m_rad: None };
     let HubLoop { held_share, spring_n_m_rad } =
         loop_at.map_or(held, |(reaction, first)| HubLoop::of(reaction, mass[0], first));
@@ -154,19 +116,16 @@ pub(super) fn viscous(
         let first = usize::from(spring_n_m_rad.is_none());
         let size = count - first;
         let bent = DMatrix::from_fn(size, size, |i, j| {
-            let own = mass[(i + first) * count + j + first];
+            let entry = mass[(i + first) * count + j + first];
             // A free hub follows, so that the momentum stays 0.
             let follows = is_free && spring_n_m_rad.is_none();
-            own - if follows { mass[(i + 1) * count] * mass[j + 1] / mass[0] } else { 0.0 }
+            entry - if follows { mass[(i + 1) * count] * mass[j + 1] / mass[0] } else { 0.0 }
         });
         let mut stiffness =
             DMatrix::from_fn(size, size, |i, j| chain.stiffness[(i + first) * count + j + first]);
         stiffness[(0, 0)] += spring_n_m_rad.unwrap_or(0.0);
         let factor = stiffness.cholesky()?.l();
-        let half = factor.solve_lower_triangular(&bent)?;
-        let whole = factor.solve_lower_triangular(&half.transpose())?;
-        // Symmetric, so that the order of its entries does not matter.
-        let modes = SymmetricEigen::new(size, whole.iter().copied().collect())?;
+        let modes = SymmetricEigen::over(&factor, &bent)?;
         for (k, square) in modes.values.iter().enumerate() {
             let z = modes.vector(k);
             let stiff = &factor * DVector::from_column_slice(z);
@@ -239,13 +198,13 @@ impl Chain {
                 piece_shapes(order, rows[row][0]).0[column]
             });
             let values = DMatrix::from_fn(rows.len(), 2, |row, column| rows[row][1 + column]);
-            let found = shapes.lu().solve(&values).ok_or_else(refused)?;
+            let factors = shapes.lu().solve(&values).ok_or_else(refused)?;
             // Polynomials of higher order are 0; the last shape is the outer end.
             for k in 1..order {
                 (q[piece.first + k - 1], rates[piece.first + k - 1]) =
-                    (found[(k, 0)], found[(k, 1)]);
+                    (factors[(k, 0)], factors[(k, 1)]);
             }
-            (q[piece.outer()], rates[piece.outer()]) = (found[(order, 0)], found[(order, 1)]);
+            (q[piece.outer()], rates[piece.outer()]) = (factors[(order, 0)], factors[(order, 1)]);
             from_m = to_m;
         }
         Ok((q, rates))
@@ -281,15 +240,15 @@ impl Chain {
         let mut inner = vec![hub.map(|part| self.root_m * part)];
         let mut slopes = Vec::with_capacity(self.pieces.len());
         for piece in &self.pieces {
-            let own = piece.shapes.iter().map(|shape| {
+            let directions = piece.shapes.iter().map(|shape| {
                 let bent: f64 = piece.coordinates().map(|(i, k)| q[i] * shape[k]).sum();
                 [libm::cos(q[0] + bent), libm::sin(q[0] + bent)]
             });
-            let own: Vec<[f64; 2]> = own.collect();
+            let directions: Vec<[f64; 2]> = directions.collect();
             let whole = piece.within.last().map_or(&[][..], Vec::as_slice);
             let last = inner[inner.len() - 1];
-            inner.push(reached(last, piece.length_m, whole, &own));
-            slopes.push(own);
+            inner.push(reached(last, piece.length_m, whole, &directions));
+            slopes.push(directions);
         }
         let place = |station: &Station| {
             let piece = station.piece;
@@ -319,21 +278,6 @@ pub(super) struct Station {
     within: Vec<f64>,
     /// Distance from the axis within the hub's radius.
     inside_m: f64,
-}
-
-/// Refuses links without equations for large motion.
-pub(super) fn refuse_unknown(link: &Link, law: &DampingLaw) -> Result<(), SimulationError> {
-    let refused = |what, known| Err(SimulationError::NotDerived { what, known });
-    if link.segments().iter().any(|segment| segment.timoshenko.is_some()) {
-        return refused("the link has shear and rotary inertia", "without them");
-    }
-    if law.mass_rate_per_s() != 0.0 {
-        return refused("the damping drags every mass (alpha)", "with alpha = 0");
-    }
-    if law.is_modal() {
-        return refused("the damping is set mode by mode", "with hysteretic or rayleigh damping");
-    }
-    Ok(())
 }
 
 /// Direction of a place from the axis in rad, within half a turn of another one.

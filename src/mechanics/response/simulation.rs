@@ -2,19 +2,19 @@
 
 use super::bent::BentMotion;
 use super::chain::play_bytes;
-use super::driver::{Drive, InitialMotion, Problem, refine};
+use super::checks::of_bent;
+use super::driver::{Drive, DrivenLinks, InitialMotion, refine};
 use super::driving::{CycleError, Driving, Interpolation, pieces};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
 use super::linkage::Linkage;
 use super::play::{Input, Play, PlayProgress, refuse_memory};
 use super::played::{Played, PlayedBy, PlayedLink};
-use super::pose::without_noise;
-use super::rest::{Start, at_rest};
-use super::shape::{Held, direction, refuse_unknown, resting, viscous};
+use super::pose::{Start, at_rest, without_noise};
+use super::shape::{direction, viscous};
 use super::state::{Cycle, State};
-use super::warnings;
 use crate::beam::{Mesh, MeshPlan};
+use crate::elastica::underived;
 use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, natural_frequencies};
 use crate::numeric::TimeGrid;
@@ -132,18 +132,20 @@ fn play_bent(
     let played = meshes.into_iter().zip(laws).map(|(mesh, law)| PlayedLink::of(mesh, law));
     let played: Vec<PlayedLink> = played.collect();
     for (own, link) in links.iter().zip(&played) {
-        refuse_unknown(&own.link, &link.law)?;
+        if let Some([what, known]) = underived(&own.link, &link.law, true) {
+            return Err(SimulationError::NotDerived { what, known });
+        }
     }
     let bending = Bending { arm, links: &played, play, drives: drives(arm, play)?, grid: &grid };
     let refined = (grid.len, tolerance, MOST_REFINEMENTS);
-    let mut motion = refine(|more, before| bending.problem(more, before), refined, watch)?;
+    let mut motion = refine(|more, before| bending.driven_links(more, before), refined, watch)?;
     if links.len() > 1 {
         let weight_n_m = arm.weight_moment_n_m();
         for joint in &mut motion.joints {
             joint.holding_n_m = joint.holding_n_m.map(|own| without_noise(own, weight_n_m));
         }
     }
-    let warnings = warnings::of_bent(arm, play, &motion, &played[0]);
+    let warnings = of_bent(arm, play, &motion, &played[0]);
     Ok(of_motion(motion, (grid, play.input.grid().len), played, warnings))
 }
 
@@ -190,12 +192,12 @@ impl Bending<'_> {
         self.links[0].natural_frequencies_rad_s.first().copied().unwrap_or(0.0)
     }
 
-    /// The problem with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.
-    fn problem(
+    /// The links with `more` orders of polynomials. A repeating motion begins approximately like the motion `before`.
+    fn driven_links(
         &self,
         more: usize,
         before: Option<&BentMotion>,
-    ) -> Result<Problem<'_>, SimulationError> {
+    ) -> Result<DrivenLinks<'_>, SimulationError> {
         let Self { arm, play, grid, drives, .. } = self;
         let one = match arm.links() {
             [one] => Some(&one.link),
@@ -234,7 +236,7 @@ impl Bending<'_> {
         });
         let aims_rad = vec![aim_rad; linkage.joints.len()];
         let cycle = play.cycle_turn_rad.map(|_| self.cycle(&linkage.joints)).transpose()?;
-        Ok(Problem { linkage, drives, aims_rad, grid, start, cycle })
+        Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle })
     }
 
     /// One cycle of the input: every prescribed joint is free, and the first joint under a torque without weight and
@@ -270,17 +272,17 @@ impl Bending<'_> {
             return Ok(InitialMotion { q, rates: own, from_rad: given_rad.unwrap_or(level_rad) });
         }
         let start_rad = self.play.start_m(link) / link.length_m() + given_rad.unwrap_or(0.0);
-        let mut straight = vec![0.0; linkage.count];
-        straight[0] = start_rad;
         if !link.has_weight() {
+            let mut straight = vec![0.0; linkage.count];
+            straight[0] = start_rad;
             return Ok(InitialMotion { q: straight, rates, from_rad: given_rad.unwrap_or(0.0) });
         }
-        let held = match self.play.input {
+        let start = match self.play.input {
             Input::Torques(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
-            Input::Torques(_) => Held::Chord(start_rad),
-            Input::Angles(_) => Held::Hub,
+            Input::Torques(_) => Start::Chords(&[start_rad]),
+            Input::Angles(_) => Start::Joints(&[start_rad]),
         };
-        let q = resting(chain, &straight, held).ok_or(SimulationError::NoRest)?;
+        let q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
         // With a prescribed hub the weight determines the chord.
         let first_rad = direction(chain.tip(&q, &rates).at_m, start_rad);
         Ok(InitialMotion { q, rates, from_rad: given_rad.unwrap_or(first_rad) })
@@ -341,11 +343,11 @@ pub fn move_arm(
             return Drive::Acceleration(Driving::repeated(samples, Interpolation::Cubic));
         }
         let pieces = pieces(&samples, Interpolation::Cubic);
-        Drive::Acceleration(Driving { samples, pieces, hold: 0.0, repeats, turning: None })
+        Drive::Acceleration(Driving::new(samples, pieces))
     };
     let drives: Vec<Drive> = joints.iter().map(drive).collect();
     let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
-    let problem = |more: usize, before: Option<&BentMotion>| {
+    let links = |more: usize, before: Option<&BentMotion>| {
         let linkage = rayleigh(arm, Linkage::of(arm, highest_rad_s, more, None))?;
         let (mut q, mut rates) = match before.filter(|_| repeats) {
             Some(before) => linkage.of_state(&before.play.state(grid, 0))?,
@@ -360,9 +362,9 @@ pub fn move_arm(
         let cycle = repeats.then(|| Cycle { grid: *grid, free: linkage.joints.clone() });
         let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
-        Ok(Problem { linkage, drives: &drives, aims_rad, grid, start, cycle })
+        Ok(DrivenLinks { linkage, drives: &drives, aims_rad, grid, start, cycle })
     };
-    let motion = refine(problem, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
+    let motion = refine(links, (grid.len, tolerance, MOST_OF_MOVED), &|_| {})?;
     Ok(of_motion(motion, (*grid, grid.len), Vec::new(), Vec::new()))
 }
 

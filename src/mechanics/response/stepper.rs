@@ -178,9 +178,9 @@ impl Stepper {
     pub(super) fn weighted(&self, factors: &[f64]) -> f64 {
         let (coordinates, rates) = self.state.split_at(self.count);
         let (on_coordinates, on_rates) = factors.split_at(self.count);
-        let own = on_coordinates.iter().zip(coordinates);
+        let terms = on_coordinates.iter().zip(coordinates);
         let mut sums = [0.0; 2];
-        for ((a, q), (b, r)) in own.zip(on_rates.iter().zip(rates)) {
+        for ((a, q), (b, r)) in terms.zip(on_rates.iter().zip(rates)) {
             sums[0] += a * q;
             sums[1] += b * r;
         }

@@ -6,10 +6,10 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::elastica::{AngleHistories, ArmLinkMotion, ArmMotion, ArmPeriod};
-use crate::inverse::curves::{Curves, Shape};
+use crate::inverse::accuracy::Curves;
+use crate::inverse::period::Rest;
 use crate::inverse::periodic_answer::PeriodicAnswer;
-use crate::inverse::rest::Rest;
-use crate::inverse::solution::farthest_m;
+use crate::inverse::solution::{Shape, farthest_m};
 use crate::inverse::spectra::{DrivenModel, HubSpectra};
 use crate::inverse::{MotorHistories, Unwatched};
 use crate::link::Drive;
@@ -47,22 +47,26 @@ pub(super) struct JointHistories {
     pub(super) motor: Option<MotorHistories>,
 }
 
-/// Angle in rad that the slopes of a link's root and of the tip before it add to the joint's chord angle.
-fn bent_rad(motion: &ArmMotion, joint: usize) -> Vec<f64> {
-    let own = motion.links[joint].bent.hub_slope_rad.iter();
-    match joint.checked_sub(1).map(|before| &motion.links[before].tip_slope_rad) {
-        None => own.copied().collect(),
-        Some(before) => own.zip(before).map(|(own, before)| own - before).collect(),
+/// History of a joint's link less that of the link before; the first joint has no link before.
+pub(super) fn relative(link: &[f64], before: Option<&Vec<f64>>) -> Vec<f64> {
+    match before {
+        None => link.to_vec(),
+        Some(before) => link.iter().zip(before).map(|(link, before)| link - before).collect(),
     }
 }
 
+/// Angle in rad that the slopes of a link's root and of the tip before it add to the joint's chord angle.
+fn bent_rad(ArmMotion { links, .. }: &ArmMotion, joint: usize) -> Vec<f64> {
+    let before = joint.checked_sub(1).map(|before| &links[before].tip_slope_rad);
+    relative(&links[joint].bent.hub_slope_rad, before)
+}
+
 /// Turn of a joint's chords against each other: angle, rate or acceleration.
-fn turned(motion: &ArmMotion, joint: usize, part: usize) -> Vec<f64> {
-    let own = motion.links[joint].chord[part].iter();
-    match joint.checked_sub(1).map(|before| &motion.links[before].chord[part]) {
-        None => own.copied().collect(),
-        Some(before) => own.zip(before).map(|(own, before)| own - before).collect(),
-    }
+fn turned(ArmMotion { links, .. }: &ArmMotion, joint: usize, part: usize) -> Vec<f64> {
+    relative(
+        &links[joint].chord[part],
+        joint.checked_sub(1).map(|before| &links[before].chord[part]),
+    )
 }
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -100,13 +104,13 @@ impl ArmAnswer {
     pub(super) fn joint(&self, joint: usize) -> JointHistories {
         let bent = bent_rad(&self.motion, joint);
         let chords = [0, 1, 2].map(|part| turned(&self.motion, joint, part));
-        let of = |elastic: &[f64]| -> AngleHistories {
+        let with_chords = |elastic: &[f64]| -> AngleHistories {
             [0, 1, 2].map(|part| sum(&self.derivative(elastic, part), &chords[part]))
         };
-        let angle = of(&bent);
+        let angle = with_chords(&bent);
         let motor = self.models[joint].link().drive().map(|drive| {
             let torque_n_m = &self.motion.links[joint].bent.torque_n_m;
-            motor(drive, torque_n_m, |twist| of(&sum(&bent, twist)))
+            motor(drive, torque_n_m, |twist| with_chords(&sum(&bent, twist)))
         });
         JointHistories { angle, motor }
     }
@@ -126,7 +130,7 @@ impl ArmAnswer {
         probes: &[Vec<usize>],
         chronological: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Vec<Curves> {
-        let of = |joint: usize| {
+        let curves_of = |joint: usize| {
             let JointHistories { angle: [angle, rate, acceleration], motor } = self.joint(joint);
             let bent = &self.motion.links[joint].bent;
             let nodes = probes[joint].iter();
@@ -145,7 +149,7 @@ impl ArmAnswer {
                 }),
             }
         };
-        (0..self.models.len()).into_par_iter().map(of).collect()
+        (0..self.models.len()).into_par_iter().map(curves_of).collect()
     }
 
     /// The answer of one link as amplitudes at hub and motor.
@@ -203,11 +207,7 @@ fn motor(
     let twist: Vec<f64> = torque_n_m.iter().map(|t| t / drive.joint_stiffness_n_m_rad).collect();
     let [angle_rad, rate_rad_s, acceleration] = turned(&twist)
         .map(|values| values.iter().map(|x| drive.gear_ratio * x).collect::<Vec<_>>());
-    let pairs = torque_n_m.iter().zip(&acceleration);
-    let torque_n_m: Vec<f64> =
-        pairs.map(|(t, a)| t / drive.gear_ratio + drive.rotor_inertia_kg_m2 * a).collect();
-    let power_w = torque_n_m.iter().zip(&rate_rad_s).map(|(t, rate)| t * rate).collect();
-    MotorHistories { torque_n_m, angle_rad, rate_rad_s, power_w }
+    MotorHistories::of(drive, torque_n_m, [angle_rad, rate_rad_s, acceleration])
 }
 
 /// Displacement in m of a node: for one link along its arc, for several from the chord.
@@ -228,7 +228,7 @@ pub(super) fn curves_at_rest(
     probes: &[Vec<usize>],
 ) -> Vec<Curves> {
     let first = |history: &[f64]| vec![history[0]];
-    let of = |joint: usize| {
+    let curves_of = |joint: usize| {
         let bent = &motion.links[joint].bent;
         let angle = sum(&bent_rad(motion, joint), &turned(motion, joint, 0));
         let nodes = probes[joint].iter();
@@ -244,5 +244,5 @@ pub(super) fn curves_at_rest(
             motor: drive.map(|drive| [vec![bent.torque_n_m[0] / drive.gear_ratio], vec![0.0]]),
         }
     };
-    (0..models.len()).map(of).collect()
+    (0..models.len()).map(curves_of).collect()
 }

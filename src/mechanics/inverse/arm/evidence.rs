@@ -10,10 +10,10 @@ use crate::inverse::diagnostics::{
     COARSE, LEFT_OUT, SLOW, UNCERTAIN, UNSETTLED, blocked_tip, thick_link, thick_share,
 };
 use crate::inverse::mesh_error::uncertain;
-use crate::inverse::problem::Problem;
+use crate::inverse::problem::LinkProblem;
 use crate::inverse::{
-    InversionError, JointMotion, Quantity, QuantityErrors, Resources, SecondOrderFindings, ShareOf,
-    Solution, SolutionWarning, Unwatched, Warning,
+    InversionError, JointMotion, Quantity, Resources, SecondOrderFindings, ShareOf, Solution,
+    SolutionWarning, Unwatched, Warning,
 };
 use crate::motion::{Cutoff, Motion};
 use crate::numeric::{Size, extremes, largest, largest_difference};
@@ -53,10 +53,10 @@ impl Solver<'_> {
             let error = answer.motion.iteration.error;
             return Ok(sizes.iter().map(|size| size.zip(size, |_, _| error)).collect());
         }
-        let own = answer.curves(nodes);
+        let solved = answer.curves(nodes);
         let mut errors = sizes[0].zip(&sizes[0], |_, _| 0.0);
         for (motion, factor) in answer.motion.others(&answer.models, &answer.path.arm)? {
-            let changed = own[0].apart(&answer.with(motion).curves(nodes)[0]);
+            let changed = solved[0].apart(&answer.with(motion).curves(nodes)[0]);
             let changed = changed.zip(&sizes[0], |off, size| factor * off / size);
             errors = errors.zip(&changed, |sum, error| sum + error);
         }
@@ -81,20 +81,20 @@ impl Solver<'_> {
         let answered = |finer: &ArmProblem<'_>| {
             finer.answer(&answer.models, &finer.period(2 * answer.path.len())?, Some(nodes))
         };
-        let found = match &finer {
+        let finer_answer = match &finer {
             Motion::Tip(motion) => {
-                let link = Problem::new(motion, analysis, first_zero_per_s, resources)?;
+                let link = LinkProblem::new(motion, analysis, first_zero_per_s, resources)?;
                 answered(&ArmProblem::of_link(&link, arm, first_zero_per_s)?)?
             }
             Motion::Path(path) => {
                 answered(&ArmProblem::of(arm, path, (analysis, resources), first_zero_per_s)?)?
             }
         };
-        let own = answer.curves_of_motion(nodes, given);
-        let finer = found.curves_of_motion(nodes, 2 * given - 1);
-        let pairs = own.iter().zip(&finer).zip(sizes);
-        let errors = pairs.map(|((own, finer), size)| {
-            own.apart_from_finer(finer).zip(size, |off, size| off / size)
+        let coarse = answer.curves_of_motion(nodes, given);
+        let finer = finer_answer.curves_of_motion(nodes, 2 * given - 1);
+        let pairs = coarse.iter().zip(&finer).zip(sizes);
+        let errors = pairs.map(|((coarse, finer), size)| {
+            coarse.apart_from_finer(finer).zip(size, |off, size| off / size)
         });
         Ok(Some(errors.collect()))
     }
@@ -120,20 +120,20 @@ impl Solver<'_> {
         let curves = |path: &Arc<PathPeriod>| -> Result<_, InversionError> {
             Ok(linear.answer(&answer.models, path, Some(nodes))?.curves(nodes))
         };
-        let own = curves(&answer.path)?;
+        let exact = curves(&answer.path)?;
         let mut errors: Option<Sizes> = None;
         for stray in 0..STRAYS {
             let path = linear.straying((path, answer.path.len()), Some(stray));
             let Ok(other) = path.and_then(|path| curves(&path)) else {
                 return Ok(Some(sizes.iter().map(|size| size.zip(size, |_, _| 1.0)).collect()));
             };
-            let all = own.iter().zip(&other).zip(sizes).enumerate();
-            let found = all.map(|(joint, ((own, other), size))| {
-                let found = own.apart(other).zip(size, |off, size| BEYOND_STRAYS * off / size);
+            let all = exact.iter().zip(&other).zip(sizes).enumerate();
+            let changes = all.map(|(joint, ((exact, other), size))| {
+                let change = exact.apart(other).zip(size, |off, size| BEYOND_STRAYS * off / size);
                 let known = errors.as_ref().map(|errors| errors[joint]);
-                known.map_or(found, |known| known.zip(&found, f64::max))
+                known.map_or(change, |known| known.zip(&change, f64::max))
             });
-            errors = Some(found.collect());
+            errors = Some(changes.collect());
         }
         Ok(errors)
     }
@@ -167,39 +167,40 @@ impl Solver<'_> {
         let spectrum = &solved.answer.path.tip.spectrum;
         let moving = &spectrum.omegas_rad_s[..spectrum.band_len()];
         for (joint, JointMotion { errors, .. }) in solution.joints.iter().enumerate() {
-            let worst = |kind: &dyn Fn(QuantityErrors) -> f64| errors.of_kind(kind).worst();
-            let (quantity, share) = worst(&|own| own.window);
-            let mut found = Vec::new();
-            found.extend((share > tolerance).then_some(Warning::InexactWindow {
-                of,
-                quantity,
-                share,
-                tolerance,
-            }));
-            let (quantity, error) = worst(&|own| own.mesh);
-            let coarse = Warning::CoarseMesh { of, quantity, error };
-            found.extend((error > COARSE).then_some(coarse));
-            let (quantity, share) = worst(&|own| own.step.unwrap_or(0.0));
-            let coarse = Warning::CoarseStep { of, quantity, share };
-            found.extend((share > COARSE).then_some(coarse));
-            let (quantity, share) = worst(&|own| own.iteration.unwrap_or(0.0));
-            // The iteration measures changes of torques over their ranges.
-            let of_iteration = ShareOf::Range;
-            let inexact =
-                Warning::InexactIteration { of: of_iteration, quantity, share, tolerance };
-            found.extend((share > tolerance).then_some(inexact));
+            let window = errors.above(tolerance, |errors| errors.window);
+            let mesh = errors.above(COARSE, |errors| errors.mesh);
+            let step = errors.above(COARSE, |errors| errors.step.unwrap_or(0.0));
+            let iteration = errors.above(tolerance, |errors| errors.iteration.unwrap_or(0.0));
             let uncertain = errors.torque.input.filter(|share| *share > UNCERTAIN);
-            found.extend(uncertain.map(|share| Warning::UncertainInput { of, share }));
+            let of_errors = [
+                window.map(|(quantity, share)| Warning::InexactWindow {
+                    of,
+                    quantity,
+                    share,
+                    tolerance,
+                }),
+                mesh.map(|(quantity, error)| Warning::CoarseMesh { of, quantity, error }),
+                step.map(|(quantity, share)| Warning::CoarseStep { of, quantity, share }),
+                // The iteration measures changes of torques over their ranges.
+                iteration.map(|(quantity, share)| Warning::InexactIteration {
+                    of: ShareOf::Range,
+                    quantity,
+                    share,
+                    tolerance,
+                }),
+                uncertain.map(|share| Warning::UncertainInput { of, share }),
+            ];
+            let mut of_joint: Vec<Warning> = of_errors.into_iter().flatten().collect();
             let model = &*solved.answer.models[joint];
             let mesh = model.mesh();
-            found.extend(blocked_tip(mesh, spectrum, tolerance));
-            found.extend(unsettled.get(joint).copied().flatten());
+            of_joint.extend(blocked_tip(mesh, spectrum, tolerance));
+            of_joint.extend(unsettled.get(joint).copied().flatten());
             let mut torque = solved.answer.torque_amplitudes_n_m(joint);
             // The mean torque holds a weight at rest, apart from the motion.
             torque[0] = 0.0.into();
-            found.extend(thick_share(model, moving, &torque).and_then(thick_link));
+            of_joint.extend(thick_share(model, moving, &torque).and_then(thick_link));
             let joint = Some(joint);
-            warnings.extend(found.into_iter().map(|warning| SolutionWarning { joint, warning }));
+            warnings.extend(of_joint.into_iter().map(|warning| SolutionWarning { joint, warning }));
         }
         warnings
     }
@@ -214,7 +215,7 @@ impl Solver<'_> {
         let peaks = |motion: &ArmMotion| -> Vec<f64> {
             motion.links.iter().map(|link| largest(&link.bent.torque_n_m)).collect()
         };
-        let found = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| {
+        let peaks_of = |problem: &ArmProblem<'_>, path: &Arc<PathPeriod>| {
             Ok::<_, InversionError>(peaks(
                 &problem.answer(&answer.models, path, Some(&none))?.motion,
             ))
@@ -224,9 +225,9 @@ impl Solver<'_> {
         let (own, looser) = rayon::join(
             || match problem.second_order {
                 SecondOrder::None => Ok(peaks(&answer.motion)),
-                _ => found(&linear, &answer.path),
+                _ => peaks_of(&linear, &answer.path),
             },
-            || found(&looser, &looser.period(answer.path.len())?),
+            || peaks_of(&looser, &looser.period(answer.path.len())?),
         );
         let (own, looser) = (own?, looser?);
         let peaks = sizes.iter().enumerate().map(|(joint, size)| {

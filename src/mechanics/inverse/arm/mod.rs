@@ -6,9 +6,7 @@
 
 mod answer;
 mod evidence;
-mod moved;
 mod problem;
-mod rigid;
 mod solve;
 mod window;
 

@@ -8,11 +8,10 @@ use crate::elastica::{
     AngleHistories, ArmMotion, ArmPeriod, Kept, STRETCHED, SecondOrder, estimate, follow_arm,
     follow_arm_at, reaching, returning,
 };
-use crate::inverse::curves::Curves;
+use crate::inverse::accuracy::Curves;
 use crate::inverse::inversion::refuse_ends;
-use crate::inverse::period::{Padding, check_memory};
-use crate::inverse::problem::Problem;
-use crate::inverse::rest::{Rest, Return, left_to_return};
+use crate::inverse::period::{Padding, Rest, Return, check_memory, left_to_return};
+use crate::inverse::problem::LinkProblem;
 use crate::inverse::{Analysis, InversionError, Resources, Stage, Unwatched, Warning};
 use crate::link::{Arm, Elbow};
 use crate::model::Model;
@@ -44,7 +43,7 @@ const AT_REST: usize = 8;
 #[derive(Clone, Copy)]
 pub(super) enum Wanted<'a> {
     /// Tip of one link along its arc.
-    Tip(&'a Problem<'a>),
+    Tip(&'a LinkProblem<'a>),
     /// Path of several links.
     Path(&'a ArmPath),
 }
@@ -131,7 +130,7 @@ impl<'a> ArmProblem<'a> {
     /// # Errors
     /// [`InversionError::NoStartAngle`].
     pub(in super::super) fn of_link(
-        problem: &'a Problem<'a>,
+        problem: &'a LinkProblem<'a>,
         arm: &'a Arm,
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, InversionError> {
@@ -276,11 +275,11 @@ impl<'a> ArmProblem<'a> {
     ) -> Result<Arc<PathPeriod>, InversionError> {
         check_memory(len, 0, self.resources.memory_bytes)?;
         let seam = self.padding.seam(path.grid().len, len);
-        let found = path.over_period((len, seam), &self.cutoffs, stray);
-        let rigid = self.chords(&found.courses, seam)?;
+        let sampled = path.over_period((len, seam), &self.cutoffs, stray);
+        let rigid = self.chords(&sampled.courses, seam)?;
         // A path that has passed its checks moves at least one coordinate.
-        let tip = found.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
-        self.returned((tip, rigid), None, found.seam_reach, found.errors_m).map(Arc::new)
+        let tip = sampled.period.ok_or(InversionError::OutOfRange { peak_n_m: 0.0 })?;
+        self.returned((tip, rigid), None, sampled.seam_reach, sampled.errors_m).map(Arc::new)
     }
 
     /// Refuses answers on all these meshes at once if they exceed the memory limit.
@@ -463,10 +462,10 @@ pub fn check_reach(arm: &Arm, path: &ArmPath) -> Result<Option<Warning>, Inversi
 
 /// Distance in m of the second link's end from the first joint, and cosine of the elbow's angle, at each sample.
 fn elbows(path: &ArmPath, lengths_m: &[f64]) -> impl Iterator<Item = (f64, f64)> {
-    let given = path.given();
+    let places = path.given();
     (0..path.grid().len).map(move |k| {
-        let outer = given[2..].iter().zip(&lengths_m[2..]);
-        let [x, y] = outer.fold([given[0][k], given[1][k]], |[x, y], (angle, length_m)| {
+        let outer = places[2..].iter().zip(&lengths_m[2..]);
+        let [x, y] = outer.fold([places[0][k], places[1][k]], |[x, y], (angle, length_m)| {
             [x - length_m * libm::cos(angle[k]), y - length_m * libm::sin(angle[k])]
         });
         let [l1, l2] = [lengths_m[0], lengths_m[1]];

@@ -4,16 +4,15 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::answer::{ArmAnswer, curves_at_rest};
-use super::moved::straying;
 use super::problem::ArmProblem;
+use super::window::straying;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::{ArmMotion, ElasticaError, SecondOrder};
-use crate::inverse::amplitudes::Probes;
-use crate::inverse::curves::Curves;
+use crate::inverse::accuracy::Curves;
 use crate::inverse::diagnostics::Edge;
 use crate::inverse::mesh_error::TORQUES_N_M;
-use crate::inverse::period::{PeriodicTorque, Window};
-use crate::inverse::rest::lengthened;
+use crate::inverse::period::{PeriodicTorque, Window, lengthened};
+use crate::inverse::spectra::Probes;
 use crate::inverse::{
     Analysis, Band, InversionError, PerQuantity, QuantityErrors, Resources, SecondOrderFindings,
     Solution,
@@ -145,17 +144,17 @@ impl Solver<'_> {
         let is_iterated = problem.second_order != SecondOrder::None;
         let iteration = is_iterated.then(|| self.iteration_errors(&solved)).transpose()?;
         let errors = solved.mesh.iter().enumerate().map(|(joint, mesh)| {
-            let of = |all: &Option<Sizes>| all.as_ref().map(|all| all[joint]);
+            let at = |all: &Option<Sizes>| all.as_ref().map(|all| all[joint]);
             let errors = mesh.zip(&left[joint].at_least(&cut[joint]), |mesh, window| {
                 QuantityErrors { mesh, window, ..QuantityErrors::default() }
             });
             errors
-                .with(of(&step), |errors, step| QuantityErrors { step: Some(step), ..errors })
-                .with(of(&iteration), |errors, iteration| QuantityErrors {
+                .with(at(&step), |errors, step| QuantityErrors { step: Some(step), ..errors })
+                .with(at(&iteration), |errors, iteration| QuantityErrors {
                     iteration: Some(iteration),
                     ..errors
                 })
-                .with(of(&input), |errors, input| QuantityErrors { input: Some(input), ..errors })
+                .with(at(&input), |errors, input| QuantityErrors { input: Some(input), ..errors })
         });
         let errors = errors.collect();
         let edge = Edge { cut: cut[0].torque, seam: left[0].torque };
@@ -180,8 +179,8 @@ impl Solver<'_> {
         let arm = problem.arm;
         let Measured { solved, window, errors, .. } = self.measured(models, first_zero_per_s)?;
         let answer = &solved.answer;
-        let given = path.grid();
-        let grid = TimeGrid { first: window.start, len: window.len(), ..given };
+        let motion_grid = path.grid();
+        let grid = TimeGrid { first: window.start, len: window.len(), ..motion_grid };
         let findings = || self.findings(answer);
         // The error of the input already measures the digits' uncertainty.
         let is_settled = problem.cutoffs.iter().any(Cutoff::is_set_by_input);
@@ -294,14 +293,7 @@ impl Solver<'_> {
         }
         let way_m = answer.way_of_chords_m(self.problem.wanted.grid().len);
         let sizes: Sizes = curves.iter().map(|own| own.sizes(has_weight, way_m)).collect();
-        let largest = sizes.iter().fold(sizes[0], |most, own| PerQuantity {
-            torque: most.torque.max(own.torque),
-            hub_angle: most.hub_angle.max(own.hub_angle),
-            hub_rate: most.hub_rate.max(own.hub_rate),
-            hub_acceleration: most.hub_acceleration.zip(own.hub_acceleration).map(max),
-            bending_moment: most.bending_moment.zip(own.bending_moment).map(max),
-            ..most
-        });
+        let largest = sizes.iter().fold(sizes[0], |most, own| most.zip(own, f64::max));
         let floored = |own: &PerQuantity<f64>| PerQuantity {
             motor_torque: own.motor_torque,
             motor_rate: own.motor_rate,
@@ -372,8 +364,8 @@ impl Solver<'_> {
         rests: Option<&[ArmMotion; 2]>,
     ) -> (Window, Sizes) {
         let (problem, spectrum) = (&self.problem, &answer.path.tip.spectrum);
-        let given = problem.wanted.grid();
-        let whole = Window { start: 0, stop: given.len as i64 - 1 };
+        let motion_grid = problem.wanted.grid();
+        let whole = Window { start: 0, stop: motion_grid.len as i64 - 1 };
         let Some(rests) = rests else {
             return (whole, vec![PerQuantity::default(); sizes.len()]);
         };
@@ -393,8 +385,8 @@ impl Solver<'_> {
         let (before, reach) = (spectrum.seam, spectrum.seam_reach());
         let each = joints.iter().chain(&motor).map(|(samples, size)| {
             PeriodicTorque { samples, before, reach }.window(
-                given.len,
-                given.step_s,
+                motion_grid.len,
+                motion_grid.step_s,
                 problem.analysis,
                 *size,
             )
@@ -413,10 +405,6 @@ impl Solver<'_> {
         });
         (window, cut.collect())
     }
-}
-
-fn max((a, b): (f64, f64)) -> f64 {
-    a.max(b)
 }
 
 /// Models with elements half as long, and the same places on them.
