@@ -10,8 +10,8 @@ use crate::store::Findings;
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
 
+use crate::cli::options::inputs::{ReadArgs, tell};
 use crate::cli::options::inputs::{ResampleArgs, ScaleArgs, Wanted, remarks};
-use crate::cli::options::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Most memory in bytes of an inversion whose times are probably in another unit.

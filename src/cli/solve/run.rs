@@ -12,8 +12,8 @@ use crate::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, S
 use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};
+use crate::cli::options::inputs::ReadArgs;
 use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, specification};
-use crate::cli::options::reading::ReadArgs;
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
 use crate::cli::terminal::{Failure, StageBar, console, memory};

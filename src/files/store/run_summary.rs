@@ -7,8 +7,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::folder::{FolderError, OutputFolder};
+use super::names::RunOutputs;
 use super::names::{PLACES, played_files};
-use super::outputs::RunOutputs;
 use super::run_tables::RunTables;
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;

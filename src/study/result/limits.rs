@@ -7,8 +7,8 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
+use super::quantities::Errors;
 use super::quantities::{JointQuantity, QUANTITIES};
-use super::value_errors::Errors;
 use crate::inverse::Solution;
 use crate::link::{Drive, ParameterError};
 use crate::text::{given, significant};

@@ -1,5 +1,8 @@
 //! Summary from `simulate`.
 
+use super::lines::{
+    LABEL, damping_line, four, gravity_line, joint_line, labelled, link_line, size_line, turned,
+};
 use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::numeric::{TimeGrid, largest};
 use crate::response::{
@@ -10,10 +13,6 @@ use crate::result::{
 };
 use crate::store::PlayedRun;
 use crate::text::{instant, plain, significant};
-
-use super::arm::{gravity_line, size_line};
-use super::layout::LABEL;
-use super::runs::{damping_line, four, joint_line, labelled, link_line, turned};
 
 /// The summary of a simulation; `written` names its files.
 pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
