@@ -18,8 +18,8 @@ use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
 use crate::response::{Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink};
 use crate::result::{
-    Comparison, Exceeded, FollowedTarget, JointMetrics, Limits, Metrics, Notice, PlayedJoint,
-    PlayedMetrics, Remark, TipError, by_name,
+    Comparison, Exceeded, FollowedTarget, JointMetrics, JointQuantity, Limits, Metrics, Notice,
+    PlayedJoint, PlayedMetrics, Remark, TipError, by_name,
 };
 use crate::verify::Verification;
 
@@ -240,7 +240,7 @@ fn link_values((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -
         "modal_damping_ratios": solution.links[0].law().modal_ratios(&frequencies),
         "zeros_per_s": solution.links[0].zeros_per_s(REPORTED_ZEROS),
         "analysis": analysis_values(solution),
-        "results": metrics.hub().by_name(),
+        "results": joint_record(metrics.hub()),
         "errors": errors,
     })
 }
@@ -367,12 +367,15 @@ fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
     })
 }
 
-/// The numbers of a joint, its angles at the ends among them.
+/// The numbers of a hub, or of a joint with its angles at the ends; null for a motion without the number.
 fn joint_record(joint: &JointMetrics) -> Map<String, Value> {
-    let mut record = joint.by_name();
-    let [start_rad, end_rad] = joint.end_angles_rad;
-    record.insert("start_angle_rad".to_owned(), start_rad.into());
-    record.insert("end_angle_rad".to_owned(), end_rad.into());
+    let is_there = |quantity: &JointQuantity| joint.motor.is_some() || !quantity.is_of_motor;
+    let mut record = by_name(|quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));
+    if joint.joint.is_some() {
+        let [start_rad, end_rad] = joint.end_angles_rad;
+        record.insert("start_angle_rad".to_owned(), start_rad.into());
+        record.insert("end_angle_rad".to_owned(), end_rad.into());
+    }
     record
 }
 
@@ -453,8 +456,7 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
     let Some(final_tip_m) = metrics.final_tip_m else {
         // The hub's torque stands first.
         let mut hub = played_joint(metrics.hub()).into_iter();
-        let torque = hub.next();
-        return torque.into_iter().chain(whole).chain(hub).collect();
+        return hub.next().into_iter().chain(whole).chain(hub).collect();
     };
     let joints: Vec<_> = metrics.joints.iter().map(played_joint).collect();
     let arm = [("final_tip_m", json!(final_tip_m)), ("joints", json!(joints))];
@@ -463,16 +465,17 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
 
 /// The results of a simulation's joint.
 fn played_joint(joint: &PlayedJoint) -> Map<String, Value> {
-    let mut numbers: Vec<_> = by_name(|quantity| (quantity.of_played)(joint)).collect();
+    let mut numbers = by_name(|quantity| Some(quantity.played_by(joint)?.into()));
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
         let holding = joint.holding_torque_n_m.map(|torque| ("holding_torque_n_m", torque));
         let ends = [("start_angle_rad", start_rad), ("end_angle_rad", end_rad)];
-        let of_arm = holding.into_iter().chain(ends);
         // The torques stand first.
-        numbers.splice(1..1, of_arm.map(|(key, number)| (key.to_owned(), number.into())));
+        for (place, (key, number)) in (1..).zip(holding.into_iter().chain(ends)) {
+            numbers.shift_insert(place, key.to_owned(), number.into());
+        }
     }
-    numbers.into_iter().collect()
+    numbers
 }
 
 pub(super) fn tip_numbers(error: &TipError) -> Value {

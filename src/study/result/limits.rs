@@ -7,8 +7,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
-use super::quantities::Errors;
-use super::quantities::{JointQuantity, QUANTITIES};
+use super::quantities::{Errors, JointQuantity, QUANTITIES};
 use crate::inverse::Solution;
 use crate::link::{Drive, ParameterError};
 use crate::text::{given, significant};
@@ -233,9 +232,8 @@ impl PlayedMetrics {
     /// The limits that a simulation exceeds, of torque, rate and power, and of the deflection of one link.
     pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
         let joints = self.joints.iter().zip(limits);
-        let values = joints.flat_map(|(own, limits)| {
-            limits.values(own.joint, |quantity| (quantity.of_played)(own))
-        });
+        let values = joints
+            .flat_map(|(own, limits)| limits.values(own.joint, |quantity| quantity.played_by(own)));
         exceeded(values.collect())
     }
 }
@@ -267,7 +265,7 @@ impl JointMetrics {
 impl Errors {
     /// The error of a value, relative to it. A value without a measured error may exceed any limit.
     fn of_value(&self, value: &LimitedValue) -> f64 {
-        let limit = QUANTITIES.iter().filter_map(|own| own.limit).find(|own| own.key == value.key);
+        let limit = JointQuantity::of_limit(value.key).and_then(|own| own.limit);
         match limit.map_or(f64::INFINITY, |limit| (limit.error)(self)) {
             0.0 => 0.0,
             error => (error / value.found).min(f64::MAX),

@@ -1,6 +1,6 @@
 //! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read.
-//! Two lists choose from it: figures of limited histories in `page/joint.rs`, and columns of played sweeps in
-//! `study/sweep/columns.rs`.
+
+use serde_json::{Map, Value};
 
 use super::metrics::{JointMetrics, PlayedJoint};
 use super::peak::Peak;
@@ -27,8 +27,8 @@ pub struct JointQuantity {
     pub shown: Option<Shown>,
     /// Reads the number of a solution; `None` for a motion without it.
     pub of: fn(&JointMetrics) -> Option<f64>,
-    /// Reads the number of a simulation.
-    pub of_played: fn(&PlayedJoint) -> Option<f64>,
+    /// Reads the number of a simulation, if simulations have it.
+    pub of_played: Option<fn(&PlayedJoint) -> Option<f64>>,
 }
 
 /// A limited quantity: its key in the link file, and the error of its value in its unit.
@@ -150,8 +150,8 @@ const fn of_joint(
     unit: Unit,
     of: fn(&JointMetrics) -> Option<f64>,
 ) -> JointQuantity {
-    let of_played: fn(&PlayedJoint) -> Option<f64> = |_| None;
-    let (is_of_motor, is_swept, what, limit, shown) = (false, true, "", None, None);
+    let (is_of_motor, is_swept, what, limit, shown, of_played) =
+        (false, true, "", None, None, None);
     JointQuantity { name, unit, what, is_of_motor, is_swept, limit, shown, of, of_played }
 }
 
@@ -181,7 +181,7 @@ impl JointQuantity {
     }
 
     const fn played(self, of_played: fn(&PlayedJoint) -> Option<f64>) -> Self {
-        Self { of_played, ..self }
+        Self { of_played: Some(of_played), ..self }
     }
 
     const fn not_swept(self) -> Self {
@@ -198,6 +198,16 @@ impl JointQuantity {
         QUANTITIES.iter().filter_map(|own| Some((own.limit_key()?, own)))
     }
 
+    /// The quantity with this limit.
+    pub fn of_limit(key: &str) -> Option<&'static Self> {
+        QUANTITIES.iter().find(|own| own.limit_key() == Some(key))
+    }
+
+    /// The number of a joint in a simulation; `None` for a simulation without it.
+    pub fn played_by(&self, joint: &PlayedJoint) -> Option<f64> {
+        self.of_played.and_then(|of| of(joint))
+    }
+
     /// Its column in a sweep, for a joint with its number from 1: `peak_torque2_n_m`.
     pub fn column(&self, joint: Option<usize>) -> String {
         let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
@@ -205,19 +215,9 @@ impl JointQuantity {
     }
 }
 
-/// The numbers that `of` reads, by the keys of summary.json; a motion lacks some.
-pub(crate) fn by_name(
-    of: impl Fn(&JointQuantity) -> Option<f64>,
-) -> impl Iterator<Item = (String, serde_json::Value)> {
-    QUANTITIES.iter().filter_map(move |own| Some((own.column(None), of(own)?.into())))
-}
-
-impl JointMetrics {
-    /// The numbers by the keys of summary.json; null for a motion without the number.
-    pub fn by_name(&self) -> serde_json::Map<String, serde_json::Value> {
-        let quantities = QUANTITIES.iter().filter(|own| self.motor.is_some() || !own.is_of_motor);
-        quantities.map(|own| (own.column(None), (own.of)(self).into())).collect()
-    }
+/// The numbers of a joint by the keys of summary.json; `of` reads each number that there is, which may be null.
+pub(crate) fn by_name(of: impl Fn(&JointQuantity) -> Option<Value>) -> Map<String, Value> {
+    QUANTITIES.iter().filter_map(|own| Some((own.column(None), of(own)?))).collect()
 }
 
 /// Measured errors of the values of a joint that have limits, in the units of the values.

@@ -53,7 +53,7 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
 /// The lines of a hub, or the numbered ones of an arm's joint.
 fn joint_lines(joint: &PlayedJoint, has_weight: bool) -> Vec<(String, String)> {
     let line =
-        |label, start: &str| joint_line(label, start, joint.joint, |own| (own.of_played)(joint));
+        |label, start: &str| joint_line(label, start, joint.joint, |own| own.played_by(joint));
     let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
     let Some(number) = joint.joint else {
         let lines = [("hub", line("hub", &turns)), ("bending", line("bending", ""))];
