@@ -1,6 +1,5 @@
 //! Common inputs of several commands: a link file with its changes, a tip motion, and the reading of a measured table.
 
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,12 +10,9 @@ use crate::csv::{
     ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, MotionTable, Reading, SampleRows,
     TableFormat, UnitName, read_motion_table_as,
 };
-use crate::inverse::Solution;
 use crate::link::{Arm, Link};
-use crate::modal::REPORTED_MODES;
 use crate::motion::{Ends, Motion, MotionError, MotionScale};
 use crate::numeric::{Dimension, parse_quantity};
-use crate::result::Remark;
 use crate::spec::{Override, SpecError, Specification, read_specification};
 use crate::text::plain;
 
@@ -289,32 +285,6 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     let factors = [("--scale-distance", distance), ("--scale-duration", duration)];
     let others = factors.into_iter().filter(|(_, factor)| factor.total_cmp(&1.0).is_ne());
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
-}
-
-/// Remarks on a link or an arm as its file has them, on its motion, and on its solution; on the first `modes` of a
-/// link.
-pub fn remarks(
-    of_file: &[Remark],
-    solution: &Solution,
-    modes_rad_s: Option<&[f64]>,
-) -> Vec<Remark> {
-    let of_modes = solution.motion.tip().map(|_| {
-        let reported = || {
-            let highest = TAU * solution.band.highest_hz;
-            let mut modes = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
-            let within = modes.iter().filter(|omega| **omega <= highest).count();
-            modes.truncate(within.max(1));
-            modes
-        };
-        let (link, modes_rad_s) =
-            (&solution.links[0], modes_rad_s.map_or_else(reported, <[f64]>::to_vec));
-        Remark::on_modes(link.link(), link.mesh(), &modes_rad_s)
-    });
-    let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
-    let of_motion = Remark::on_motion(&solution.arm, &solution.motion, travel_m, tolerance);
-    let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
-    let of_motion = of_modes.into_iter().flatten().chain(of_motion);
-    of_file.iter().cloned().chain(of_motion).chain(of_solution).collect()
 }
 
 const READING: &str = "Reading a measured MOTION or TORQUE";

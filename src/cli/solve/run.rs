@@ -171,9 +171,7 @@ impl<'a> Run<'a> {
     pub(super) fn summary(&self, SolvedRun { solved, verification, .. }: &SolvedRun) -> Summary {
         let Self { link_file, motion_file, .. } = self;
         let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
-        let (metrics, findings) = (&solved.metrics, solved.findings(verification.as_ref()));
-        let outputs = self.options.outputs();
-        Summary::of_solution(inputs, &solved.solution, metrics, &findings, &outputs)
+        solved.summary(inputs, verification.as_ref(), &self.options.outputs())
     }
 
     /// Writes the results into a folder.

@@ -247,7 +247,7 @@ pub(super) struct RawMotor {
 pub(super) struct RawRecord {
     file: String,
     input: RecordedInput,
-    hold: Option<RawHold>,
+    hold: Option<Interpolation>,
     delay: Option<RawFreedom>,
     skip: Option<Count>,
     #[serde(default)]
@@ -268,14 +268,6 @@ struct RawChannel {
     offset: Option<RawFreedom>,
     distance: Option<Length>,
     uncertainty: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum RawHold {
-    Zero,
-    Linear,
-    Cubic,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -330,11 +322,6 @@ impl RawRecord {
             let hint = "set hold = \"zero\" for the output of a converter, \"linear\" for a measured voltage";
             return Err(Fault::new(path, message).hinting(hint.to_owned()));
         }
-        let hold = match self.hold {
-            Some(RawHold::Zero) => Interpolation::Zero,
-            Some(RawHold::Linear) => Interpolation::Linear,
-            Some(RawHold::Cubic) | None => Interpolation::Cubic,
-        };
         if self.channel.is_empty() {
             let message = format!("{path}.channel is missing: at least one sensor must be named");
             let hint = "add [[record.channel]] with sensor = \"hub_angle\"";
@@ -355,7 +342,7 @@ impl RawRecord {
         Ok(RecordFile {
             file: self.file,
             input,
-            hold,
+            hold: self.hold.unwrap_or_default(),
             is_delay_free: self.delay == Some(RawFreedom::Free),
             skip: self.skip.map_or(0, |Count(lines)| lines),
             columns: self.columns,

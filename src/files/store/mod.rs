@@ -32,8 +32,8 @@ pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
 pub use names::{REPORT, RunOutputs, SUMMARY, is_result_file};
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use run_summary::{Findings, PlayedRun, write_solution};
-pub use run_tables::RunTables;
+pub use run_summary::{Findings, PlayedRun, Simulated};
+pub use run_tables::{RunTables, write_solution};
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};
 pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,

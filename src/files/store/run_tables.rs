@@ -2,8 +2,8 @@
 //! writing of its folder: all files or none.
 
 use std::borrow::Cow;
-use std::io;
-use std::io::Write;
+use std::io::{self, Write};
+use std::path::Path;
 
 use rayon::prelude::*;
 
@@ -12,15 +12,16 @@ use super::names::{
     ANGLE, CHORD, DEFLECTIONS, FORCE, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, REPORT,
     RIGID_TORQUE, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, node_columns, result_files,
 };
-use super::summary::Summary;
+use super::run_summary::{Findings, PlayedRun};
+use super::summary::{RunInputs, Summary};
 use crate::beam::Mesh;
 use crate::csv::{Column, ColumnGroup, Digits, write_csv, write_nodal};
-use crate::inverse::{LinkShape, MotorHistories, NodalTable, Solution, Watch};
+use crate::inverse::{LinkShape, MotorHistories, NodalTable, Solution, Unwatched, Watch};
 use crate::link::{Arm, Link, ParameterError};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::Played;
-use crate::result::FollowedTarget;
+use crate::result::{FollowedTarget, Metrics};
 
 /// All tables of a run.
 pub struct RunTables<'a> {
@@ -218,10 +219,10 @@ impl<'a> RunTables<'a> {
     /// # Errors
     /// [`ParameterError`] if a node is not one of the mesh.
     pub fn of_played(
-        (arm, played): (&'a Arm, &'a Played),
-        target: Option<&'a FollowedTarget>,
+        PlayedRun { arm, result, .. }: &PlayedRun<'a>,
         outputs: &RunOutputs,
     ) -> Result<Self, ParameterError> {
+        let (played, target) = (&result.played, result.target.as_ref());
         let Played { grid, joints, tip, links, .. } = played;
         let torques = joints.iter().map(|joint| columns([&joint.torque_n_m])).collect();
         let angles = joints.iter().map(|joint| {
@@ -281,6 +282,37 @@ fn order_of(
     of: impl Fn(&TipMotionHistories) -> &Vec<f64>,
 ) -> Columns<'_> {
     tip.iter().map(|axis| Cow::from(&of(axis)[..])).collect()
+}
+
+/// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
+/// `flexlink solve` writes; [`read_result`](super::read_result) reads it back.
+///
+/// ```
+/// # use flexlink::{beam::MeshPlan, inverse::*, link::*, motion::Profile, result::StoredResult};
+/// use flexlink::store::{read_result, write_solution};
+/// # let strip = Segment::uniform(1.5, 5.0, 0.8);
+/// # let link = Link::builder().segment(strip).hub_inertia_kg_m2(0.1).damping_ratio(0.02).build()?;
+/// # let motion = Profile::Sine.motion(0.5, 0.88, 100)?;
+/// let solution = invert(&link, &MeshPlan::automatic(&link), &motion, &Analysis::default())?;
+/// # let folder = tempfile::tempdir()?;
+/// # let folder = folder.path().join("out");
+/// write_solution(&folder, &solution)?;
+/// let StoredResult::Runs(runs) = read_result(&folder)? else { unreachable!() };
+/// assert_eq!(runs[0].joints[0].torque_n_m.len(), solution.grid.len);
+/// assert!(runs[0].origin.inputs.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FolderError`] names the file that cannot be written.
+pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderError> {
+    let (outputs, metrics) = (RunOutputs::default(), Metrics::of(solution));
+    let (inputs, findings) = (RunInputs::default(), Findings::default());
+    let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
+    let folder = OutputFolder::stage(folder, &|_| {})?;
+    let tables = RunTables::of_solution(solution, &outputs);
+    let tables = tables.map_err(|error| folder.refused(PLACES.name(1), error))?;
+    outputs.write(folder, tables, (&summary, None), &Unwatched)
 }
 
 impl RunOutputs {

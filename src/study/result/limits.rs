@@ -59,10 +59,9 @@ fn stored_key(quantity: &JointQuantity, key: &str) -> String {
 }
 
 /// The value of a solution that has a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitedValue {
     /// Number of the joint of an arm, from 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<usize>,
     /// Key of the limit in the link file.
     pub key: &'static str,
@@ -91,7 +90,7 @@ impl LimitedValue {
 }
 
 /// A limit that a solution exceeds.
-#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("{}", .0.exceeded_text())]
 pub struct Exceeded(pub LimitedValue);
 
@@ -178,7 +177,7 @@ impl Limits {
 }
 
 /// How near a solution comes to a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
     /// The value and its limit.
     pub value: LimitedValue,

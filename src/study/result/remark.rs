@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::metrics::{Acting, JointMetrics, Metrics, timing_errors_s};
@@ -29,8 +28,7 @@ pub(super) const DURATIONS_S: RangeInclusive<f64> = 1e-3..=500.0;
 
 /// A value that is possible but rare, often a slip of units. It neither stops a run nor counts as a
 /// warning.
-#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum Remark {
     /// A density outside the range of solids.
     #[error(
@@ -110,7 +108,6 @@ pub enum Remark {
         significant(travel_m / (TAU * length_m), 3),
         significant(*length_m, 4)
     )]
-    #[serde(rename = "way")]
     Travel {
         /// Largest distance of the tip from its start, in m.
         travel_m: f64,
@@ -242,7 +239,6 @@ pub enum Remark {
     )]
     Timing {
         /// Number of the joint of an arm, from 1.
-        #[serde(skip_serializing_if = "Option::is_none")]
         joint: Option<usize>,
         /// Error of the torque by the samples, over its peak, or with gravity its range.
         share: f64,
