@@ -1,6 +1,6 @@
 //! `fit`: the measured link or arm.
 
-use flexlink::cli::fit::{Problem, Unfitted, check_output};
+use flexlink::cli::fit::{Problem, check_output};
 use flexlink::cli::options::common::option;
 use flexlink::cli::terminal::console;
 use flexlink::fit::{FitOutcome, Replaced};
@@ -39,11 +39,11 @@ pub(crate) fn fit(
 }
 
 fn fitted(link: &Link, measured: &Path, free: &[String]) -> Fails<Fit> {
-    let (source, own) = (&link.source, link.source.described()?);
-    let unfitted = Unfitted { link: source.file.clone(), own, changes: source.overrides(&[])? };
+    let source = &link.source;
+    let (unfitted, changes) = ((source.file.clone(), source.described()?), source.overrides(&[])?);
     let sets = source.changes.iter().flat_map(|change| option("--set", change));
     let arguments = sets.chain(free.iter().flat_map(|path| option("--free", path))).collect();
-    let (problem, ..) = Problem::read(unfitted, free, measured, arguments)?;
+    let (problem, ..) = Problem::read(unfitted, changes, free, measured, arguments)?;
     let outcome = problem.fit(&|_| {})?;
     let (text, replaced): (String, Vec<Replaced>) = problem.fitted(&outcome)?;
     let record = fit_json(&problem.inputs, &replaced, &outcome);

@@ -13,7 +13,7 @@
 //! | `motion` | the motion of a call; motions that are read once |
 //! | `solution` | `solve`, and its result |
 //! | `simulation`, `simulate` | results of simulations; their input in the keywords of a call |
-//! | `sweep`, `sweep_work` | many cases in parallel; the work of one |
+//! | `sweep` | many cases in parallel |
 //! | `frequency`, `trajectory`, `fit` | the commands of these names, and modes |
 //! | `stored` | results read back |
 //!
@@ -38,7 +38,6 @@ mod simulation;
 mod solution;
 mod stored;
 mod sweep;
-mod sweep_work;
 mod threads;
 mod toml;
 mod trajectory;

@@ -240,9 +240,9 @@ fn tip_places(target: &Any<'_>, grid: TimeGrid) -> Raises<TipPlaces> {
 /// `save_state`.
 fn state(state: &Any<'_>, links: usize) -> Raises<State> {
     if let Ok(simulation) = state.cast::<Simulation>()
-        && simulation.get().played.joints.len() == links
+        && simulation.get().played().joints.len() == links
     {
-        return Ok(simulation.get().played.state());
+        return Ok(simulation.get().played().state());
     }
     let Some(path) = path_of(state)? else {
         let must = "must be an earlier simulation of the same kind, or the path of its state";

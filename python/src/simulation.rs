@@ -5,11 +5,10 @@ use pyo3::sync::PyOnceLock;
 use flexlink::cli::options::moves::Moves;
 use flexlink::cli::simulate::refusal;
 use flexlink::cli::terminal::{console, memory};
-use flexlink::inverse::Unwatched;
-use flexlink::response::{BentPlay, JointMotion, PlayError, Played, simulate};
-use flexlink::result::{FollowedTarget, PlayedMetrics};
+use flexlink::response::{BentPlay, JointMotion, Played, simulate};
+use flexlink::result::FollowedTarget;
 use flexlink::spec::Specification;
-use flexlink::store::{OutputFolder, PlayedRun, RunInputs, RunTables, Summary, state_json};
+use flexlink::store::{OutputFolder, PlayedRun, RunInputs, Simulated, Summary, state_json};
 
 use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
 use crate::keywords::{of_writing, solve_options};
@@ -29,10 +28,7 @@ const WRITING: [&str; 4] = ["nodes", "stations", "every", "digits"];
 pub(crate) struct Simulation {
     specification: Specification,
     moves: Moves,
-    pub(crate) played: Played,
-    metrics: PlayedMetrics,
-    error: Option<PlayError>,
-    target: Option<FollowedTarget>,
+    result: Simulated,
     pub(crate) warnings: Vec<Notice>,
     summary: PyOnceLock<String>,
 }
@@ -47,57 +43,46 @@ impl Simulation {
             let hint = hint.map(str::to_owned);
             Failure { message, hint, ..Failure::from(error) }
         })?;
-        let error = PlayError::of(&played, arm, &play)?;
         let compared = moves.target.as_ref().map(|target| FollowedTarget::of(&played, target));
-        let target = compared.transpose()?;
-        let metrics = PlayedMetrics::of(&played);
+        let result = Simulated::of(played, arm, &play, compared.transpose()?)?;
         let (warnings, summary) = (Vec::new(), PyOnceLock::new());
-        let run = Self { specification, moves, played, metrics, error, target, warnings, summary };
+        let run = Self { specification, moves, result, warnings, summary };
         let warnings = run.with(|run| run.notices(|limit| Notice::from(limit)));
         Ok(Self { warnings, ..run })
     }
 
     /// Does something with the run in the form of the command.
     fn with<T>(&self, with: impl FnOnce(&PlayedRun<'_>) -> T) -> T {
-        with(&PlayedRun {
-            arm: &self.specification.arm,
-            play: &self.moves.play(),
-            played: &self.played,
-            metrics: &self.metrics,
-            error: self.error.as_ref(),
-            limits: &self.specification.limits,
-            target: self.target.as_ref(),
-            comparison: None,
-        })
+        let Specification { arm, limits, .. } = &self.specification;
+        with(&PlayedRun { arm, play: &self.moves.play(), limits, result: &self.result })
     }
 
-    fn record(&self, arguments: Vec<String>) -> Summary {
-        self.with(|run| Summary::of_played(RunInputs::of_arguments(arguments), run))
+    pub(crate) fn played(&self) -> &Played {
+        &self.result.played
     }
 
     fn write_into(&self, folder: &Path, keywords: &[String]) -> Fails<()> {
         let options = solve_options(keywords)?;
-        let (arm, outputs) = (&self.specification.arm, options.outputs());
-        options.nodes.check(&self.played.nodes_m())?;
-        memory::check_nodes(outputs.simulation_bytes(&self.played), memory::available())?;
-        let summary = self.record(options.arguments());
-        let folder = OutputFolder::stage(folder, &|_| {})?;
-        let tables = RunTables::of_played((arm, &self.played), self.target.as_ref(), &outputs)?;
-        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
+        let (played, outputs) = (self.played(), options.outputs());
+        options.nodes.check(&played.nodes_m())?;
+        memory::check_nodes(outputs.simulation_bytes(played), memory::available())?;
+        let inputs = RunInputs::of_arguments(options.arguments());
+        let stage = || Ok(OutputFolder::stage(folder, &|_| {})?);
+        self.with(|run| run.write(inputs, &outputs, stage)).map(drop)
     }
 
     /// A history of each joint.
     fn joints(&self, of: fn(&JointMotion) -> &Vec<f64>) -> Vec<&[f64]> {
-        slices(self.played.joints.iter().map(of))
+        slices(self.played().joints.iter().map(of))
     }
 
     /// The play of links that are elasticas.
     fn bent(&self) -> impl Iterator<Item = &BentPlay> {
-        self.played.bent().into_iter()
+        self.played().bent().into_iter()
     }
 
     fn holding_n_m(&self) -> Vec<f64> {
-        self.played.joints.iter().filter_map(|joint| joint.holding_n_m).collect()
+        self.played().joints.iter().filter_map(|joint| joint.holding_n_m).collect()
     }
 
     fn energy_j(&self) -> Vec<f64> {
@@ -108,7 +93,7 @@ impl Simulation {
 
 impl Properties for Simulation {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
-        ("time", Computed(|own| times(&own.played.grid))),
+        ("time", Computed(|own| times(&own.played().grid))),
         ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
         ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
         ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
@@ -117,15 +102,15 @@ impl Properties for Simulation {
             Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2)),
         ),
         ("chord_angle", Stored(|own| slices(own.bent().flat_map(|bent| &bent.chords_rad)))),
-        ("tip_displacement", Stored(|own| vec![&own.played.tip[0].displacement_m])),
-        ("tip_velocity", Stored(|own| vec![&own.played.tip[0].velocity_m_s])),
-        ("tip_acceleration", Stored(|own| vec![&own.played.tip[0].acceleration_m_s2])),
-        ("tip", Stored(|own| slices(own.played.tip.iter().map(|axis| &axis.displacement_m)))),
+        ("tip_displacement", Stored(|own| vec![&own.played().tip[0].displacement_m])),
+        ("tip_velocity", Stored(|own| vec![&own.played().tip[0].velocity_m_s])),
+        ("tip_acceleration", Stored(|own| vec![&own.played().tip[0].acceleration_m_s2])),
+        ("tip", Stored(|own| slices(own.played().tip.iter().map(|axis| &axis.displacement_m)))),
         ("energy", Computed(Self::energy_j)),
         ("work", Stored(|own| slices(own.bent().map(|bent| &bent.work_j)))),
         ("dissipated", Stored(|own| slices(own.bent().map(|bent| &bent.lost_j)))),
         ("holding_torque", Computed(Self::holding_n_m)),
-        ("nodes", Stored(|own| vec![own.played.mesh().nodes_m()])),
+        ("nodes", Stored(|own| vec![own.played().mesh().nodes_m()])),
         ("results", Entry),
         ("tip_error", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),
@@ -143,9 +128,10 @@ impl Simulation {
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
         check("displacements", self.links())?;
-        let samples = self.played.grid.thinned(every.0).len();
-        let nodes = checked(nodes, self.played.mesh().nodes_m().len(), samples)?;
-        let histories = until_pressed(py, || Ok(self.played.displacements_m(&nodes, every.0)?))?;
+        let samples = self.played().grid.thinned(every.0).len();
+        let nodes = checked(nodes, self.played().mesh().nodes_m().len(), samples)?;
+        let histories =
+            until_pressed(py, || Ok(self.played().displacements_m(&nodes, every.0)?))?;
         Ok(rows(py, &histories.samples, samples)?)
     }
 
@@ -154,11 +140,11 @@ impl Simulation {
     #[pyo3(signature = (link, every=Every::ALL))]
     fn positions<'py>(&self, py: Python<'py>, link: usize, every: Every) -> Places<'py> {
         check("positions", self.links())?;
-        let nodes = self.played.nodes_m().into_iter().map(|nodes_m| (0..nodes_m.len()).collect());
+        let nodes = self.played().nodes_m().into_iter().map(|nodes_m| (0..nodes_m.len()).collect());
         let nodes: Vec<Vec<usize>> = nodes.collect();
-        let places_m = py.detach(|| Ok::<_, Failure>(self.played.places_m(&nodes, every.0)?))?;
+        let places_m = py.detach(|| Ok::<_, Failure>(self.played().places_m(&nodes, every.0)?))?;
         let places_m = places_m.get(link).ok_or_else(|| no_link(link, self.links()))?;
-        Ok(places_of_nodes(py, places_m, self.played.grid.thinned(every.0).len())?)
+        Ok(places_of_nodes(py, places_m, self.played().grid.thinned(every.0).len())?)
     }
 
     /// Errors of the motion. For one link those of mesh and modes: of the tip over its travel, and of the hub angle over its
@@ -169,7 +155,7 @@ impl Simulation {
         if self.links() > 1 {
             return self.summary(py)?.get_item("errors").map(Some);
         }
-        let Some(error) = &self.error else { return Ok(None) };
+        let Some(error) = &self.result.error else { return Ok(None) };
         let errors = [("tip", error.tip), ("hub_angle", error.hub_angle)];
         Ok(Some(errors.into_py_dict(py)?.into_any()))
     }
@@ -177,7 +163,7 @@ impl Simulation {
     /// Content of a run's summary.json.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
-        let write = || Ok(self.record(Vec::new()).to_json());
+        let write = || Ok(self.with(|run| Summary::of_played(RunInputs::default(), run)).to_json());
         let text = self.summary.get_or_try_init(py, || without_python(py, write))?;
         Ok(loaded(py, text)?)
     }
@@ -192,7 +178,7 @@ impl Simulation {
 
     /// Writes the state at the end, as ``--save-state`` of the command: ``state`` of a later call goes on from it.
     fn save_state(&self, py: Python<'_>, path: PathBuf) -> Raises<()> {
-        let text = state_json(&self.played.state());
+        let text = state_json(&self.played().state());
         Ok(py.detach(|| console::deliver(Some(&path), text.as_bytes()))?)
     }
 
@@ -203,7 +189,7 @@ impl Simulation {
     }
 
     fn __repr__(&self) -> String {
-        let (samples, joints) = (self.played.grid.len, self.links());
+        let (samples, joints) = (self.played().grid.len, self.links());
         let joints = if joints > 1 { format!(", joints={joints}") } else { String::new() };
         format!("Simulation(samples={samples}{joints})")
     }

@@ -1,18 +1,14 @@
 //! `solve`: the solution of a link or an arm with its inputs, and the files of `flexlink solve`.
 
-use std::sync::OnceLock;
-
 use pyo3::sync::PyOnceLock;
 
 use flexlink::beam::NodalHistories;
-use flexlink::cli::options::inputs::remarks;
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::memory;
-use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse, Unwatched};
+use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse};
 use flexlink::link::ParameterError;
-use flexlink::result::Remark;
-use flexlink::store::{Findings, OutputFolder, RunInputs, RunOutputs, RunTables, Summary};
+use flexlink::store::{OutputFolder, RunInputs};
 
 use crate::arrays::{Every, Nodes, checked, places_of_nodes, rows, times};
 use crate::keywords::{self, solve_options};
@@ -37,12 +33,9 @@ pub(crate) struct Solution {
     /// The keywords of the call as options.
     arguments: Vec<String>,
     pub(crate) solved: Solved,
-    /// Remarks on the link file.
-    of_file: Vec<Remark>,
     /// How the file of the motion was read.
     reading: Vec<Notice>,
     warnings: Vec<Notice>,
-    remarks: OnceLock<Vec<Remark>>,
     summary: PyOnceLock<String>,
 }
 
@@ -74,10 +67,8 @@ impl Solution {
             samples,
             arguments,
             solved,
-            of_file: problem.specification.remarks,
             reading: Vec::new(),
             warnings,
-            remarks: OnceLock::new(),
             summary: PyOnceLock::new(),
         })
     }
@@ -96,18 +87,9 @@ impl Solution {
         self.inverse().joints.iter().filter_map(|joint| joint.motor.as_ref())
     }
 
-    /// Remarks on unusual input, computed once.
-    fn remarks(&self) -> &[Remark] {
-        // Threads that wait for a lock could take up another call for it.
-        if self.remarks.get().is_none() {
-            let _ = self.remarks.set(remarks(&self.of_file, self.inverse(), None));
-        }
-        self.remarks.get().map_or(&[], Vec::as_slice)
-    }
-
     /// Remarks on the motion's file and on unusual input.
     fn notices(&self) -> Vec<Notice> {
-        self.reading.iter().cloned().chain(self.remarks().iter().map(Notice::from)).collect()
+        self.reading.iter().cloned().chain(self.solved.remarks().iter().map(Notice::from)).collect()
     }
 
     /// The options of the call and of writing.
@@ -117,29 +99,23 @@ impl Solution {
         solve_options(&changes.chain(self.arguments.clone()).chain(more).collect::<Vec<_>>())
     }
 
-    /// The summary that the command would record. For inputs without files it has only the arguments.
-    fn record(&self, options: &SolveOptions, outputs: &RunOutputs) -> Summary {
-        let inputs = match self.samples.file() {
+    /// The inputs that the command would record. Those without files have only the arguments.
+    fn record(&self, options: &SolveOptions) -> RunInputs {
+        match self.samples.file() {
             Some(motion) if self.source.is_file => {
                 RunInputs::of_solve(&self.source.file, motion, options.arguments())
             }
             _ => RunInputs::of_arguments(options.arguments()),
-        };
-        let Solved { solution, metrics, .. } = &self.solved;
-        let findings = Findings { remarks: self.remarks(), ..self.solved.findings(None) };
-        Summary::of_solution(inputs, solution, metrics, &findings, outputs)
+        }
     }
 
     /// Writes the files of the command, with more options.
     pub(crate) fn write_into(&self, folder: &Path, more: Vec<String>) -> Fails<()> {
         let options = self.options(more)?;
-        let (solution, outputs) = (self.inverse(), options.outputs());
-        options.nodes.check(&solution.nodes_m())?;
-        let tables = RunTables::of_solution(solution, &outputs)?;
-        memory::check_nodes(tables.nodal_bytes(), memory::available())?;
-        let summary = self.record(&options, &outputs);
-        let folder = OutputFolder::stage(folder, &|_| {})?;
-        Ok(outputs.write(folder, tables, (&summary, None), &Unwatched)?)
+        options.nodes.check(&self.inverse().nodes_m())?;
+        let (inputs, outputs) = (self.record(&options), options.outputs());
+        let stage = || Ok(OutputFolder::stage(folder, &|_| {})?);
+        self.solved.write(inputs, &outputs, memory::available(), stage)
     }
 
     /// A quantity of this name at nodes, all by default, of every `every`-th sample.
@@ -196,7 +172,8 @@ impl Solution {
     fn summary<'py>(&self, py: Python<'py>) -> Raises<Any<'py>> {
         let write = || {
             let options = self.options(Vec::new())?;
-            Ok(self.record(&options, &options.outputs()).to_json())
+            let inputs = self.record(&options);
+            Ok(self.solved.summary(inputs, None, &options.outputs()).to_json())
         };
         let text = self.summary.get_or_try_init(py, || without_python(py, write))?;
         Ok(loaded(py, text)?)

@@ -1,20 +1,30 @@
-//! `sweep`: many cases in parallel, as the columns of the command's table.
+//! `sweep`: many cases in parallel, as the columns of the command's table, and the work of one: its link or arm, its
+//! solution, and the folder of its results.
 
 use std::sync::atomic::AtomicBool;
 
+use flexlink::cli::options::inputs::{Wanted, are_read_alike, scale_arguments};
+use flexlink::cli::problem::{Problem, Solved};
+use flexlink::cli::solve::run::SolveOptions;
+use flexlink::cli::sweep::tally::{Tally, of_limit};
+use flexlink::cli::terminal::memory;
+use flexlink::inverse::Resources;
+use flexlink::link::Arm;
+use flexlink::motion::{MotionScale, Periods};
+use flexlink::spec::{LinkDocument, Specification};
+use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind, in_order};
 use rayon::ThreadPoolBuilder;
 
-use flexlink::cli::sweep::tally::Tally;
-use flexlink::cli::terminal::memory;
-use flexlink::sweep::{SweepKind, in_order};
-
 use crate::arrays::unlike;
-use crate::link::Link;
+use crate::keywords::{solve_options, take};
+use crate::link::{Link, Source};
 use crate::messages::in_python;
 use crate::motion::Call;
 use crate::prelude::*;
-use crate::sweep_work::{Case, Outputs, Row, Shared};
+use crate::samples::{Samples, meshed};
+use crate::solution::Solution;
 use crate::threads::{interruptible, started};
+use crate::toml;
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary. It
 /// has the values of each key that cases change, then arrays of numbers, with not a number where a case has none. The list
@@ -60,9 +70,8 @@ pub(crate) fn sweep<'py>(
     let threads: Option<usize> = threads.map(number).transpose()?;
     let varied = varied(py, &cases)?;
     let cases = cases.iter().map(Case::read).collect::<PyResult<Vec<Case>>>()?;
-    let mut call = Call::take(time, &keywords, link.links())?;
-    let outputs = Outputs::of(std::mem::take(&mut call.arguments), outputs, cases.len())?;
-    let mut shared = Shared::of(link, call, outputs)?;
+    let call = Call::take(time, &keywords, link.links())?;
+    let mut shared = Shared::of(link, call, (outputs, cases.len()))?;
     let rows = interruptible(py, |stop| all_rows(&mut shared, &cases, threads, stop))?;
     table(varied, shared.kind, rows)
 }
@@ -137,4 +146,159 @@ fn table(table: Bound<'_, PyDict>, kind: SweepKind, rows: Vec<Row>) -> Dictionar
     table.set_item("error", errors)?;
     warn(py, &tally.warnings(|case| format!("cases[{}]", case - 1)))?;
     Ok(table)
+}
+
+/// Factors on the motion among the changes of a case.
+const DISTANCE: &str = "distance*";
+const DURATION: &str = "duration*";
+
+/// The changes of one case.
+struct Case {
+    link: Vec<String>,
+    scale: MotionScale,
+}
+
+impl Case {
+    fn read(case: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let changes = case.copy()?;
+        let factor = |name: &str| take(&changes, name)?.map_or(Ok(1.0), |factor| factor.extract());
+        let scale = MotionScale { distance: factor(DISTANCE)?, duration: factor(DURATION)? };
+        Ok(Self { link: toml::changes(Some(&changes))?, scale })
+    }
+}
+
+/// Result of a case: its numbers and its warnings, or its error.
+type Row = Fails<(CaseNumbers, Vec<Notice>)>;
+
+/// Options of the results' files.
+const WRITTEN: [&str; 7] =
+    ["--nodes", "--stations", "--every", "--deflections", "--moments", "--digits", "--golden"];
+
+/// Common data of all cases.
+struct Shared {
+    source: Source,
+    document: LinkDocument,
+    /// The keywords of the call as options.
+    arguments: Vec<String>,
+    options: SolveOptions,
+    /// The folder of the cases' folders, and the number of cases.
+    outputs: (Option<PathBuf>, usize),
+    samples: Arc<Samples>,
+    /// The wanted motion of the unchanged link or arm.
+    wanted: Wanted,
+    /// The unchanged link or arm.
+    arm: Arm,
+    /// The periods of one link's motion, which most cases share.
+    periods: Option<Arc<Periods>>,
+    kind: SweepKind,
+    /// Memory in bytes for each of the cases that run at the same time, set at their start.
+    memory_bytes: Option<usize>,
+}
+
+impl Shared {
+    /// Reads the motion of a call. Refuses options for results without a folder for them.
+    fn of(link: &Link, call: Call<'_>, outputs: (Option<PathBuf>, usize)) -> Fails<Self> {
+        let options = solve_options(&call.arguments)?;
+        let mut names = call.arguments.iter().filter_map(|own| own.split('=').next());
+        if outputs.0.is_none()
+            && let Some(option) = names.find(|name| WRITTEN.contains(name))
+        {
+            let must = "must come with outputs: the table of a sweep holds no histories";
+            let hint = "outputs=FOLDER writes the results of each case into a separate folder";
+            return Err(usage(&format!("{option} without outputs, but {must}"), Some(hint)));
+        }
+        let (wanted, _) = call.wanted(link, &options)?;
+        let periods = match (call.motion, wanted.motion.tip()) {
+            (Some(motion), _) => Some(Arc::clone(&motion.periods)),
+            (None, tip) => tip.map(|tip| Arc::new(Periods::of(tip))),
+        };
+        let links = link.specification.arm.links().iter().map(|own| &own.link);
+        Ok(Self {
+            source: link.source.clone(),
+            document: link.source.document()?,
+            arguments: call.arguments,
+            options,
+            outputs,
+            samples: call.samples,
+            wanted,
+            arm: link.specification.arm.clone(),
+            periods,
+            kind: SweepKind::of_links(&links.collect::<Vec<_>>()),
+            memory_bytes: None,
+        })
+    }
+
+    /// Folder of a case, from 0.
+    fn folder_of(&self, number: usize) -> Option<PathBuf> {
+        let (folder, cases) = &self.outputs;
+        let width = cases.to_string().len();
+        folder.as_ref().map(|folder| folder.join(format!("{:0width$}", number + 1)))
+    }
+
+    /// The options of a case whose motion is scaled, for the record: both factors in one.
+    fn arguments_of(&self, case: &Case) -> Vec<String> {
+        let own = self.options.scale.scale();
+        let scale = MotionScale {
+            distance: own.distance * case.scale.distance,
+            duration: own.duration * case.scale.duration,
+        };
+        let mut kept = Vec::new();
+        let mut all = self.arguments.iter();
+        while let Some(argument) = all.next() {
+            if !argument.starts_with("--scale-d") {
+                kept.push(argument.clone());
+            } else if !argument.contains('=') {
+                all.next();
+            }
+        }
+        kept.into_iter().chain(scale_arguments(scale)).collect()
+    }
+
+    /// The row of a case, from 0. Failed writing of results ends the sweep.
+    fn row(&self, number: usize, case: &Case) -> Fails<Row> {
+        match self.outcome(number, case) {
+            Err(failure) if matches!(failure.exit, Exit::CannotWrite) => Err(failure),
+            row => Ok(row),
+        }
+    }
+
+    fn outcome(&self, number: usize, case: &Case) -> Row {
+        let overrides = self.source.overrides(&case.link)?;
+        let specification = self.document.specification(&self.source.file.shown, &overrides)?;
+        let wanted = self.wanted_of(&specification, case)?;
+        let folder = self.folder_of(number);
+        let mut specification = meshed(specification, &self.options)?;
+        if folder.is_none() && self.arm.links().len() == 1 {
+            specification.analysis = specification.analysis.without_tables();
+        }
+        let problem = Problem::of(&self.source.file, specification, wanted);
+        let (memory_bytes, periods) = (self.memory_bytes, self.periods.as_deref());
+        let resources = Resources { memory_bytes, periods, ..Resources::default() };
+        let source = self.source.changed(case.link.clone());
+        let inputs = (source, Arc::clone(&self.samples), self.arguments_of(case));
+        let run = Solution::of(problem, &resources, inputs)?;
+        let Solved { solution, metrics, exceeded, .. } = &run.solved;
+        let numbers = self.kind.solved(&SolvedCase::of(solution, metrics));
+        let own = solution.warnings.iter().map(Notice::from);
+        let notices = own.chain(exceeded.iter().map(of_limit)).collect();
+        if let Some(folder) = folder {
+            run.write_into(&folder, Vec::new())?;
+        }
+        Ok((numbers, notices))
+    }
+
+    /// The motion of a case.
+    fn wanted_of(&self, specification: &Specification, case: &Case) -> Fails<Wanted> {
+        let arm = &specification.arm;
+        let (count, links) = (arm.links().len(), self.arm.links().len());
+        if count != links {
+            let must = format!("must be {links}, as many as without the changes");
+            return Err(usage(&format!("links = {count}, but {must}"), None));
+        }
+        // Angles are arcs of a link's length. A case may vary this length and the start angle.
+        let is_alike = are_read_alike(arm, &self.arm);
+        let read = (!is_alike).then(|| self.samples.wanted(arm, &self.options)).transpose()?;
+        let wanted = read.as_ref().map_or(&self.wanted, |(wanted, _)| wanted);
+        wanted.of_case(case.scale)
+    }
 }

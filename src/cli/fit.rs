@@ -17,11 +17,10 @@ use crate::store::{
 use crate::text::shown_path;
 
 use crate::cli::options::common::option;
-use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
-use crate::cli::options::reading::tell as tell_reading;
+use crate::cli::options::inputs::{LinkArgs, tell as tell_reading, warn_of_gravity};
 use crate::cli::terminal::files::{keep_inputs, keep_page_apart, read_once};
 use crate::cli::terminal::text::fit_text;
-use crate::cli::terminal::{Exit, Failure, StageBar, console};
+use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console};
 
 const EXAMPLE: &str = "\
 Example:
@@ -124,6 +123,9 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "FILE")]
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     report: Option<Option<PathBuf>>,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
 }
 
 /// A link or an arm, its free values, and the measurements to fit.
@@ -140,13 +142,6 @@ pub struct Problem {
 
 /// Manner of reading each file, after its name.
 type Readings = Vec<(String, Reading)>;
-
-/// A link or an arm before the fit, and its file.
-pub struct Unfitted {
-    pub link: InputFile,
-    pub own: Specification,
-    pub changes: Vec<Override>,
-}
 
 impl Fit {
     pub(crate) fn run(self) -> Result<(), Failure> {
@@ -167,11 +162,10 @@ impl Fit {
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
             );
         }
-        if !problem.is_arm() {
-            warn_of_gravity(problem.own.link());
-        }
+        let of_gravity = if problem.is_arm() { 0 } else { warn_of_gravity(problem.own.link()) };
         let (replaced, written) = self.write(&problem, &outcome)?;
-        tell(&outcome, &replaced, &written)
+        let warnings = of_gravity + tell(&outcome, &replaced, &written)?;
+        self.warnings.refuse(warnings)
     }
 
     /// The link file and its record.
@@ -209,11 +203,10 @@ impl Fit {
     }
 
     fn load(&self) -> Result<Problem, Failure> {
-        let (link, own) = self.link.load()?;
+        let link = self.link.load()?;
         let changes = self.link.changes.overrides()?;
-        let unfitted = Unfitted { link, own, changes };
         let (problem, named, readings) =
-            Problem::read(unfitted, &self.free, &self.measured, self.arguments())?;
+            Problem::read(link, changes, &self.free, &self.measured, self.arguments())?;
         let named: Vec<&Path> = named.iter().map(|file| Path::new(&file.shown)).collect();
         self.keep(&named)?;
         for (shown, reading) in &readings {
@@ -274,10 +267,11 @@ pub fn check_output(output: &Path) -> Result<(), Failure> {
 }
 
 impl Problem {
-    /// Reads the measured values and the names of the free values. Also returns the further files that the
+    /// Reads the measured values and the names of the free values of a link or an arm with `changes`. Also returns the further files that the
     /// measurements name, and the manner of reading them.
     pub fn read(
-        Unfitted { link, own, changes }: Unfitted,
+        (link, own): (InputFile, Specification),
+        changes: Vec<Override>,
         free_texts: &[String],
         measured: &Path,
         arguments: Vec<String>,
@@ -372,18 +366,20 @@ impl Problem {
     }
 }
 
-/// Prints values, residuals, and the facts that make them credible.
-fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<(), Failure> {
+/// Prints values, residuals, and the facts that make them credible. Returns the number of warnings.
+fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<usize, Failure> {
     for undetermined in &outcome.undetermined {
         console::plain(&undetermined.to_string());
     }
-    console::warnings(outcome.warnings());
+    let warnings = outcome.warnings();
+    let number = warnings.len();
+    console::warnings(warnings);
     if outcome.is_from_other_start {
         console::note("a better fit was found from another start than the file's own values");
     }
     console::print(&(fit_text(outcome, replaced) + written))?;
     match &outcome.misfit {
-        None => Ok(()),
+        None => Ok(number),
         Some(misfit) => Err(Failure::new(Exit::NotSolvable, misfit, Some(&misfit.hint()))),
     }
 }

@@ -1,17 +1,20 @@
 //! A link or an arm and its wanted motion, as `solve`, `verify` and `sweep` read and solve them.
 
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
+
 use crate::beam::MeshPlan;
 use crate::csv::{Digits, InputFile};
-use crate::inverse::{Analysis, InversionError, Resources, Solution, invert_motion};
+use crate::inverse::{Analysis, InversionError, Resources, Solution, Unwatched, invert_motion};
+use crate::modal::REPORTED_MODES;
 use crate::motion::Ends;
 use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
 use crate::spec::Specification;
-use crate::store::Findings;
+use crate::store::{Findings, OutputFolder, PlayedRun, RunInputs, RunOutputs, RunTables, Summary};
 use crate::text::gigabytes;
 use crate::verify::{Answer, Verification, VerificationError, verify};
 
-use crate::cli::options::inputs::{ResampleArgs, ScaleArgs, Wanted, remarks};
-use crate::cli::options::reading::{ReadArgs, tell};
+use crate::cli::options::inputs::{ReadArgs, ResampleArgs, ScaleArgs, Wanted, tell};
 use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 
 /// Most memory in bytes of an inversion whose times are probably in another unit.
@@ -86,9 +89,7 @@ impl Problem {
             let refused = format!("{}: time = such that {refused}", self.wanted.rows.name());
             Failure::new(Exit::InputRefused, &refused, hint.as_deref())
         })?;
-        let mut solved = self.solved(solution, memory_bytes)?;
-        solved.remarks = remarks(&self.specification.remarks, &solved.solution, None);
-        Ok(solved)
+        self.solved(solution, memory_bytes)
     }
 
     fn inverted(
@@ -100,7 +101,7 @@ impl Problem {
         invert_motion(arm, meshes, &self.wanted.motion, analysis, resources)
     }
 
-    /// Computes the solution with its numbers, without remarks.
+    /// Computes the solution with its numbers.
     pub fn solved_within(&self, resources: &Resources) -> Result<Solved, Failure> {
         let solution = self.inverted(&self.specification.analysis, resources);
         self.solved(solution.map_err(|error| self.failure(error))?, resources.memory_bytes)
@@ -109,7 +110,11 @@ impl Problem {
     fn solved(&self, solution: Solution, memory_bytes: Option<usize>) -> Result<Solved, Failure> {
         let nodes: usize = solution.shapes().map(|shape| shape.positions_m.len()).sum();
         memory::check_nodes(6 * nodes * solution.grid.len * size_of::<f64>(), memory_bytes)?;
-        Ok(Solved::of(solution, self.specification.limits.clone()))
+        let Specification { limits, remarks, .. } = &self.specification;
+        let metrics = Metrics::of(&solution);
+        let exceeded = metrics.exceeded(limits);
+        let (limits, of_file) = (limits.clone(), remarks.clone());
+        Ok(Solved { solution, metrics, limits, exceeded, of_file, remarks: OnceLock::new() })
     }
 
     /// Failure of a missing solution, with the faulty row of the path or link of the arm.
@@ -143,22 +148,67 @@ pub struct Solved {
     pub limits: Vec<Limits>,
     /// Those that are exceeded.
     pub exceeded: Vec<Exceeded>,
-    /// Remarks on link or arm and motion.
-    pub remarks: Vec<Remark>,
+    /// Remarks on the file of the link or the arm.
+    of_file: Vec<Remark>,
+    remarks: OnceLock<Vec<Remark>>,
 }
 
 impl Solved {
-    /// A solution under the limits of its joints, without remarks.
-    pub(crate) fn of(solution: Solution, limits: Vec<Limits>) -> Self {
-        let metrics = Metrics::of(&solution);
-        let exceeded = metrics.exceeded(&limits);
-        Self { solution, metrics, limits, exceeded, remarks: Vec::new() }
+    /// Remarks on link or arm, motion and solution, computed once.
+    pub fn remarks(&self) -> &[Remark] {
+        // Threads that wait for a lock could take up another call for it.
+        if self.remarks.get().is_none() {
+            let _ = self.remarks.set(self.remarks_on(None));
+        }
+        self.remarks.get().map_or(&[], Vec::as_slice)
     }
 
-    /// Limits, checks and remarks of the solution beside its numbers.
-    pub fn findings<'a>(&'a self, verification: Option<&'a Verification>) -> Findings<'a> {
-        let Self { limits, exceeded, remarks, .. } = self;
-        Findings { limits, exceeded, verification, remarks }
+    /// The same, but on the first `modes` of a link instead of all reported ones.
+    pub(crate) fn remarks_on(&self, modes_rad_s: Option<&[f64]>) -> Vec<Remark> {
+        let solution = &self.solution;
+        let of_modes = solution.motion.tip().map(|_| {
+            let reported = || {
+                let highest = TAU * solution.band.highest_hz;
+                let mut modes = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
+                let within = modes.iter().filter(|omega| **omega <= highest).count();
+                modes.truncate(within.max(1));
+                modes
+            };
+            let (link, modes_rad_s) =
+                (&solution.links[0], modes_rad_s.map_or_else(reported, <[f64]>::to_vec));
+            Remark::on_modes(link.link(), link.mesh(), &modes_rad_s)
+        });
+        let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
+        let of_motion = Remark::on_motion(&solution.arm, &solution.motion, travel_m, tolerance);
+        let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
+        let of_motion = of_modes.into_iter().flatten().chain(of_motion);
+        self.of_file.iter().cloned().chain(of_motion).chain(of_solution).collect()
+    }
+
+    /// The record of a run with these inputs and files.
+    pub fn summary(
+        &self,
+        inputs: RunInputs,
+        verification: Option<&Verification>,
+        outputs: &RunOutputs,
+    ) -> Summary {
+        let Self { solution, metrics, limits, exceeded, .. } = self;
+        let findings = Findings { limits, exceeded, verification, remarks: self.remarks() };
+        Summary::of_solution(inputs, solution, metrics, &findings, outputs)
+    }
+
+    /// Writes the files of a run without checks, within this memory, into the folder that `stage` opens.
+    pub fn write(
+        &self,
+        inputs: RunInputs,
+        outputs: &RunOutputs,
+        memory_bytes: Option<usize>,
+        stage: impl FnOnce() -> Result<OutputFolder, Failure>,
+    ) -> Result<(), Failure> {
+        let tables = RunTables::of_solution(&self.solution, outputs)?;
+        memory::check_nodes(tables.nodal_bytes(), memory_bytes)?;
+        let summary = self.summary(inputs, None, outputs);
+        Ok(outputs.write(stage()?, tables, (&summary, None), &Unwatched)?)
     }
 
     /// Checks the solution; the torques have this many digits in their file.
@@ -181,8 +231,25 @@ impl Solved {
     /// Prints the remarks and the warnings; the remark on the duration was printed before the work. Returns the
     /// number of warnings.
     pub(crate) fn tell(&self) -> usize {
-        console::remarks(self.remarks.iter().filter(|own| !matches!(own, Remark::Duration { .. })));
+        console::remarks(
+            self.remarks().iter().filter(|own| !matches!(own, Remark::Duration { .. })),
+        );
         console::warnings(&self.solution.warnings);
         self.solution.warnings.len()
+    }
+}
+
+impl PlayedRun<'_> {
+    /// Writes the files of a simulation into the folder that `stage` opens; returns their summary.
+    pub fn write(
+        &self,
+        inputs: RunInputs,
+        outputs: &RunOutputs,
+        stage: impl FnOnce() -> Result<OutputFolder, Failure>,
+    ) -> Result<Summary, Failure> {
+        let summary = Summary::of_played(inputs, self);
+        let tables = RunTables::of_played(self, outputs)?;
+        outputs.write(stage()?, tables, (&summary, None), &Unwatched)?;
+        Ok(summary)
     }
 }

@@ -10,8 +10,8 @@ use crate::store::verification_json;
 use crate::verify::Verification;
 
 use super::problem::Problem;
+use crate::cli::options::inputs::ReadArgs;
 use crate::cli::options::inputs::{LinkArgs, MOTION, ResampleArgs, ScaleArgs};
-use crate::cli::options::reading::ReadArgs;
 use crate::cli::terminal::files::read_once;
 use crate::cli::terminal::text::verify_text;
 use crate::cli::terminal::{Exit, Failure, PrintArgs, ThreadArgs, WarningArgs, memory};

@@ -11,7 +11,7 @@ use super::view::{COLOURS, View, peak_words};
 use super::words::{cited, formula};
 use crate::elastica::SecondOrder;
 use crate::numeric::largest;
-use crate::result::{StoredJoint, StoredNodes};
+use crate::result::{JointQuantity, StoredJoint, StoredNodes};
 use crate::text::significant;
 
 /// A quantity of a joint of the flexible and of the rigid arm.
@@ -127,16 +127,14 @@ pub(super) fn bent_angles(view: &View) -> Result<Figure, String> {
     Ok(figure.by(formula::BENDING_ANGLES))
 }
 
-/// A quantity of a hub or of a joint that may have a limit.
+/// A figure of a quantity of a hub or of a joint that may have a limit.
 pub(super) struct Limited {
     /// Id of the figure; for a motor `motor-torque`.
     id: &'static str,
-    /// Name of the peak in the summary.
-    reading: &'static str,
     /// Title without the name of hub, joint or motor.
     title: &'static str,
+    /// Name of the vertical axis, and key of the limit.
     quantity: (&'static str, &'static str),
-    limit: &'static str,
     of: fn(&StoredJoint) -> Option<Cow<[f64]>>,
     formula: &'static str,
 }
@@ -147,10 +145,8 @@ const OF_MOTOR: &str = "At most {}, on the motor's side of the drive.";
 /// Torque of the motor, which has a figure even without a limit.
 pub(super) const MOTOR_TORQUE: Limited = Limited {
     id: "motor-torque",
-    reading: "peak_motor_torque_n_m",
     title: "Torque of the motor of",
-    quantity: ("torque", "N m"),
-    limit: "motor_torque",
+    quantity: ("torque", "motor_torque"),
     of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.torque_n_m)),
     formula: formula::MOTOR,
 };
@@ -159,37 +155,29 @@ pub(super) const MOTOR_TORQUE: Limited = Limited {
 pub(super) const LIMITED: [Limited; 4] = [
     Limited {
         id: "hub-rate",
-        reading: "peak_hub_rate_rad_s",
         title: "Rate of",
-        quantity: ("rate", "rad/s"),
-        limit: "hub_rate",
+        quantity: ("rate", "hub_rate"),
         of: |joint| Some(Cow::Borrowed(&joint.rate_rad_s)),
         formula: formula::RATE,
     },
     Limited {
         id: "hub-power",
-        reading: "peak_power_w",
         title: "Power at",
-        quantity: ("power", "W"),
-        limit: "power",
+        quantity: ("power", "power"),
         of: |joint| Some(power_w(&joint.torque_n_m, &joint.rate_rad_s)),
         formula: formula::POWER,
     },
     Limited {
         id: "motor-rate",
-        reading: "peak_motor_rate_rad_s",
         title: "Rate of the motor of",
-        quantity: ("rate", "rad/s"),
-        limit: "motor_rate",
+        quantity: ("rate", "motor_rate"),
         of: |joint| Some(Cow::Borrowed(&joint.motor.as_ref()?.rate_rad_s)),
         formula: formula::MOTOR_RATE,
     },
     Limited {
         id: "motor-power",
-        reading: "peak_motor_power_w",
         title: "Power of the motor of",
-        quantity: ("power", "W"),
-        limit: "motor_power",
+        quantity: ("power", "motor_power"),
         of: |joint| joint.motor.as_ref().map(|motor| power_w(&motor.torque_n_m, &motor.rate_rad_s)),
         formula: formula::MOTOR_POWER,
     },
@@ -207,54 +195,56 @@ fn flexible<'a>(view: &View, played: &'a str) -> &'a str {
 impl Limited {
     /// Figure of a joint, with the limit if there is one; `None` if the joint lacks the quantity.
     pub(super) fn figure(&self, view: &View, joint: usize) -> Option<Figure> {
-        let first = &view.first().joints[joint];
-        (self.of)(first)?;
+        (self.of)(&view.first().joints[joint])?;
         let is_of_motor = self.id.starts_with("motor");
         let of_link = if is_of_motor { "motor" } else { flexible(view, "hub") };
         let name = view.pick(of_link, "flexible arm");
         let caption = if is_of_motor { OF_MOTOR } else { AT_MOST };
         let curves = view.of_runs(name, |arm| Some((&arm.times_s, (self.of)(&arm.joints[joint])?)));
-        let lines = (curves, first.limits.of(self.limit));
         let title = format!("{} {}", self.title, view.joint_words(joint));
-        let known = first.reading(self.reading);
-        let figure =
-            figure(view, view.id(self.id, joint), (&title, caption), self.quantity, lines, known);
+        let id = view.id(self.id, joint);
+        let figure = figure(view, joint, id, (&title, caption), self.quantity, curves);
         Some(figure.by(self.formula))
     }
 }
 
-/// A figure of lines with a limit. The caption contains the peak of the first line, from the summary if `known`.
+/// A figure of lines of a joint's quantity, with its limit if there is one. The caption contains the peak of the first
+/// line, from the summary if that has it.
 fn figure(
     view: &View,
+    joint: usize,
     id: String,
     (title, caption): (&str, &str),
-    (name, unit): (&str, &str),
-    (mut curves, limit): (Vec<Curve>, Option<f64>),
-    known: Option<f64>,
+    (axis, key): (&str, &str),
+    mut curves: Vec<Curve>,
 ) -> Figure {
+    let joint = &view.first().joints[joint];
+    let quantity = JointQuantity::of_limit(key);
+    let known = quantity.and_then(|quantity| joint.reading(&quantity.column(None)));
+    let unit = quantity.map_or("", |quantity| quantity.unit.text);
     let values = curves.first().into_iter().flat_map(|curve| &curve.points);
     let values: Vec<f64> = values.map(|(_, value)| *value).collect();
     let peak = format!("{} {unit}", peak_words(known, &values));
     let mut caption = caption.replace("{}", &peak);
-    caption.push_str(&Curve::add_limit(&mut curves, limit, ("", unit), 1));
-    view.figure(id, title, caption, (name, unit), curves)
+    caption.push_str(&Curve::add_limit(&mut curves, joint.limits.of(key), ("", unit), 1));
+    view.figure(id, title, caption, (axis, unit), curves)
 }
 
 /// Figures of all quantities with a limit, except torques, of a joint, its motor and its link.
 pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> {
     let limits = &view.first().joints[joint].limits;
-    let has_limit = |topic: &&Limited| limits.of(topic.limit).is_some();
+    let has_limit = |topic: &&Limited| limits.of(topic.quantity.1).is_some();
     let turning = LIMITED.iter().filter(has_limit);
     let turning = turning.filter_map(|topic| topic.figure(view, joint)).map(Ok);
-    let deflected = limits.of("deflection").map(|limit| deflection(view, joint, limit));
+    let deflected = limits.of("deflection").map(|_| deflection(view, joint));
     // The moments of all links of an arm are in one figure.
     let limit = limits.of("bending_moment").filter(|_| !view.is_arm());
-    let moment = limit.map(|limit| root_moment(view, limit));
+    let moment = limit.map(|_| root_moment(view));
     turning.chain(deflected).chain(moment).collect()
 }
 
 /// Deflection of a link's tip from the tangent line at its root; for a single link as written, or `v − Lθ`.
-fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
+fn deflection(view: &View, link: usize) -> Result<Figure, String> {
     let known = view.first().joints[link].reading("peak_deflection_m");
     let of_arm =
         format!("Deflection at the tip of link {}, estimated from its nodes", view.number_of(link));
@@ -278,13 +268,13 @@ fn deflection(view: &View, link: usize, limit: f64) -> Result<Figure, String> {
             Some((&arm.nodal_times_s, tip_deflection_m(arm, link).into()))
         })
     };
-    let (id, lines) = (view.id("tip-deflection", link), (curves, Some(limit)));
-    let figure = figure(view, id, (title, caption), ("deflection", "m"), lines, known);
+    let id = view.id("tip-deflection", link);
+    let figure = figure(view, link, id, (title, caption), ("deflection", "deflection"), curves);
     Ok(figure.by(view.pick(formula::TIP_DEFLECTION, formula::LINK_DEFLECTION)))
 }
 
 /// Bending moment at the root of a single link, if known.
-fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
+fn root_moment(view: &View) -> Result<Figure, String> {
     let moments = view.moments(0).filter(|moments| moments.nodes.nodes.first() == Some(&0));
     let why = if view.is_solved() {
         "it was not written: solve --moments writes it"
@@ -299,9 +289,8 @@ fn root_moment(view: &View, limit: f64) -> Result<Figure, String> {
     } else {
         ("Bending moment at the root, estimated", formula::MOMENT_ESTIMATED)
     };
-    let (id, words, quantity) = ("hub-moment".to_owned(), (title, AT_MOST), ("moment", "N m"));
-    let known = view.first().joints[0].reading("peak_root_moment_n_m");
-    Ok(figure(view, id, words, quantity, (curves, Some(limit)), known).by(formula))
+    let (id, quantity) = ("hub-moment".to_owned(), ("moment", "bending_moment"));
+    Ok(figure(view, 0, id, (title, AT_MOST), quantity, curves).by(formula))
 }
 
 /// Bending moments at the roots of all links of an arm.

@@ -125,9 +125,14 @@ fn an_arm_has_the_answer_near_the_truth_beside_the_better_one() {
 }
 
 #[test]
-fn strict_takes_several_answers_for_none() {
+fn strict_takes_several_answers_for_none_and_denied_warnings_fail_after_all_output() {
     let bench = Bench::new();
     let free = write_arm(&bench);
+    // A denied warning ends the fit after its link file.
+    let denied = ended(4, fit(&bench, free, &["--deny-warnings", "-o", "g.toml"]));
+    let error = "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
+    assert!(stderr(&denied).ends_with(error), "{}", stderr(&denied));
+    assert!(bench.path("g.toml").exists());
     let out = ended(4, fit(&bench, free, &["--strict", "-o", "f.toml"]));
     let told =
         "error: no link file is written: one other answer fits the measurements about as well";

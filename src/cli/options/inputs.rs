@@ -1,23 +1,20 @@
 //! Common inputs of several commands: a link file with its changes, a tip motion, and the reading of a measured table.
 
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::csv::{InputFile, MotionTable, Reading, SampleRows, TableFormat, read_motion_table_as};
-use crate::inverse::Solution;
+use super::common::{finite, option};
+use crate::cli::terminal::{Exit, Failure, console};
+use crate::csv::{
+    ColumnChoice, ColumnScale, Decimal, Delimiter, InputFile, MotionTable, Reading, SampleRows,
+    TableFormat, UnitName, read_motion_table_as,
+};
 use crate::link::{Arm, Link};
-use crate::modal::REPORTED_MODES;
 use crate::motion::{Ends, Motion, MotionError, MotionScale};
 use crate::numeric::{Dimension, parse_quantity};
-use crate::result::Remark;
 use crate::spec::{Override, SpecError, Specification, read_specification};
 use crate::text::plain;
-
-use super::common::{finite, option};
-use super::reading::ReadArgs;
-use crate::cli::terminal::{Exit, Failure, console};
 
 pub(crate) const LINK: &str = "Link file (TOML)";
 
@@ -290,28 +287,79 @@ pub fn scale_arguments(scale: MotionScale) -> Vec<String> {
     others.flat_map(|(name, factor)| option(name, plain(factor))).collect()
 }
 
-/// Remarks on a link or an arm as its file has them, on its motion, and on its solution; on the first `modes` of a
-/// link.
-pub fn remarks(
-    of_file: &[Remark],
-    solution: &Solution,
-    modes_rad_s: Option<&[f64]>,
-) -> Vec<Remark> {
-    let of_modes = solution.motion.tip().map(|_| {
-        let reported = || {
-            let highest = TAU * solution.band.highest_hz;
-            let mut modes = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
-            let within = modes.iter().filter(|omega| **omega <= highest).count();
-            modes.truncate(within.max(1));
-            modes
-        };
-        let (link, modes_rad_s) =
-            (&solution.links[0], modes_rad_s.map_or_else(reported, <[f64]>::to_vec));
-        Remark::on_modes(link.link(), link.mesh(), &modes_rad_s)
-    });
-    let (travel_m, tolerance) = (solution.tip_travel_m(), solution.analysis.tip_tolerance());
-    let of_motion = Remark::on_motion(&solution.arm, &solution.motion, travel_m, tolerance);
-    let of_solution = Remark::on_jumps(solution).into_iter().chain(Remark::on_timing(solution));
-    let of_motion = of_modes.into_iter().flatten().chain(of_motion);
-    of_file.iter().cloned().chain(of_motion).chain(of_solution).collect()
+const READING: &str = "Reading a measured MOTION or TORQUE";
+
+/// How MOTION, or the TORQUE of `simulate`, is to be read. The file decides where an option is absent.
+#[derive(Debug, Args)]
+pub struct ReadArgs {
+    /// Column of each quantity, by its number from 1 or by its heading: time=1,displacement=3 or displacement=pos;
+    /// for an arm's path x, y, angle1, angle2, … A table without headings needs the
+    /// time, too.
+    #[arg(long, help_heading = READING, value_name = "QUANTITY=COLUMN", value_delimiter = ',')]
+    columns: Vec<ColumnChoice>,
+
+    /// Unit of the times, such as ms.
+    #[arg(long, help_heading = READING, value_name = "UNIT")]
+    time_unit: Option<UnitName>,
+
+    /// Unit of the motion or the torque, such as mm, deg or 'N cm'. For an arm's path, a length is the unit of x and
+    /// y, an angle that of all directions.
+    #[arg(long, help_heading = READING, value_name = "UNIT")]
+    unit: Option<UnitName>,
+
+    /// Multiply the numbers of a quantity's column, before their unit: counts to metres,
+    /// displacement=1.5e-6.
+    #[arg(long, help_heading = READING, value_name = "QUANTITY=FACTOR", value_delimiter = ',')]
+    scale: Vec<ColumnScale>,
+
+    /// Leave out the first N lines.
+    #[arg(long, help_heading = READING, value_name = "N", default_value_t, hide_default_value = true)]
+    skip: usize,
+
+    /// Sign between the fields: `,`, `;`, tab or blanks.
+    #[arg(long, help_heading = READING, value_name = "SIGN")]
+    delimiter: Option<Delimiter>,
+
+    /// Sign before decimals: point or comma.
+    #[arg(long, help_heading = READING, value_name = "SIGN")]
+    decimal: Option<Decimal>,
+}
+
+impl ReadArgs {
+    /// The options for a table.
+    pub(crate) fn format(&self) -> TableFormat {
+        TableFormat {
+            skip: self.skip,
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+            columns: self.columns.clone(),
+            scales: self.scale.clone(),
+            time_unit: self.time_unit.clone(),
+            unit: self.unit.clone(),
+            drop_outliers: false,
+        }
+    }
+
+    /// Arguments for the record.
+    pub fn arguments(&self) -> Vec<String> {
+        let columns = self.columns.iter().flat_map(|choice| option("--columns", choice));
+        let time_unit = self.time_unit.iter().flat_map(|unit| option("--time-unit", unit));
+        let unit = self.unit.iter().flat_map(|unit| option("--unit", unit));
+        let scale = self.scale.iter().flat_map(|scale| option("--scale", scale));
+        let skip = (self.skip != 0).then(|| option("--skip", self.skip));
+        let delimiter = self.delimiter.iter().flat_map(|sign| option("--delimiter", sign));
+        let decimal = self.decimal.iter().flat_map(|sign| option("--decimal", sign));
+        let columns = columns.chain(time_unit).chain(unit).chain(scale);
+        columns.chain(skip.into_iter().flatten()).chain(delimiter).chain(decimal).collect()
+    }
+}
+
+/// Prints deviations of a table from the standard form, and its unread columns.
+pub(crate) fn tell(shown: &str, reading: &Reading) {
+    if let Some(note) = reading.note() {
+        console::note(&format!("{shown}: {note}"));
+    }
+    for (remark, hint) in reading.remarks() {
+        console::remark(&format!("{shown}: {remark}"), hint);
+    }
 }

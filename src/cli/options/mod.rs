@@ -5,4 +5,3 @@ pub mod common;
 pub mod inputs;
 pub mod moves;
 pub mod play;
-pub(crate) mod reading;

@@ -14,8 +14,8 @@ use crate::result::{ChannelRecording, TipPlaces};
 use crate::store::read_state;
 
 use super::common::{angle_rad, finite, option};
+use super::inputs::{ReadArgs, tell};
 use super::moves::{AtRest, Begins, Moves, Moving};
-use super::reading::{ReadArgs, tell};
 use crate::cli::terminal::{Exit, Failure};
 
 /// Quantity that moves the link.

@@ -6,11 +6,10 @@ use std::path::Path;
 
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
-use crate::inverse::Unwatched;
-use crate::response::{CycleError, Play, PlayError, Played, SimulationError, simulate};
-use crate::result::{Comparison, FollowedTarget, PlayedMetrics, TargetError};
+use crate::response::{CycleError, Play, SimulationError, simulate};
+use crate::result::{Comparison, FollowedTarget, TargetError};
 use crate::spec::Specification;
-use crate::store::{PlayedRun, RunInputs, RunTables, SimulateFiles, Summary, state_json};
+use crate::store::{PlayedRun, RunInputs, SimulateFiles, Simulated, Summary, state_json};
 use crate::text::{plain, shown_path};
 
 pub(crate) use self::options::Simulate;
@@ -27,32 +26,24 @@ struct Inputs {
     playing: Playing,
 }
 
-/// The simulation, and its errors.
-struct Computed<'a> {
-    play: Play<'a>,
-    played: Played,
-    metrics: PlayedMetrics,
-    error: Option<PlayError>,
-    target: Option<FollowedTarget>,
-    comparison: Option<Comparison>,
-}
-
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
         let inputs = self.load()?;
         let stages = self.print.stages();
         stages.at("playing");
-        let computed = self.compute(&inputs, &stages)?;
-        let run = computed.run(&inputs);
+        let play = inputs.playing.moves.play();
+        let result = self.compute(&inputs, &play, &stages)?;
+        let Specification { arm, limits, remarks, .. } = &inputs.specification;
+        let run = PlayedRun { arm, play: &play, limits, result: &result };
         stages.at("writing");
         let summary = self.write(&inputs, &run)?;
         drop(stages);
-        if run.played.joints.len() > 1 {
-            console::remarks(&inputs.specification.remarks);
+        if arm.links().len() > 1 {
+            console::remarks(remarks);
         }
         self.tell(&summary, |written| {
-            simulate_text(&run, written) + &self.nodes.text(&run.played.nodes_m())
+            simulate_text(&run, written) + &self.nodes.text(&result.played.nodes_m())
         })
     }
 
@@ -74,11 +65,15 @@ impl Simulate {
 
     /// Plays the input until the time of the command line, or else to the later end of input and target. Computes the
     /// errors of the tip and of the simulation itself, and the difference from a recording.
-    fn compute<'a>(&self, inputs: &'a Inputs, stages: &StageBar) -> Result<Computed<'a>, Failure> {
+    fn compute(
+        &self,
+        inputs: &Inputs,
+        play: &Play<'_>,
+        stages: &StageBar,
+    ) -> Result<Simulated, Failure> {
         let Inputs { specification: Specification { arm, meshes, .. }, playing, .. } = inputs;
-        let play = playing.moves.play();
         let refused = |error| self.refused(&error, inputs);
-        let played = simulate(arm, meshes, &play, &|progress| stages.played(progress));
+        let played = simulate(arm, meshes, play, &|progress| stages.played(progress));
         let played = played.map_err(refused)?;
         self.nodes.check(&played.nodes_m())?;
         let target = playing.moves.target.as_ref().map(|target| {
@@ -95,9 +90,8 @@ impl Simulate {
         let comparison = compared.transpose()?;
         let bytes = self.nodes.outputs(self.digits).simulation_bytes(&played);
         memory::check_nodes(bytes, play.memory_bytes)?;
-        let error = PlayError::of(&played, arm, &play).map_err(refused)?;
-        let metrics = PlayedMetrics::of(&played);
-        Ok(Computed { play, played, metrics, error, target, comparison })
+        let result = Simulated::of(played, arm, play, target).map_err(refused)?;
+        Ok(Simulated { comparison, ..result })
     }
 
     /// The failure of a simulation, with the file or option that causes it.
@@ -169,13 +163,10 @@ impl Simulate {
         };
         let is_torque = run.play.input.is_torque();
         let record = RunInputs::of_simulate(&inputs.file, &files, is_torque, self.arguments());
-        let summary = Summary::of_played(record, run);
-        let folder = self.sync.stage(&self.output)?;
         let outputs = self.nodes.outputs(self.digits);
-        let tables = RunTables::of_played((run.arm, run.played), run.target, &outputs)?;
-        outputs.write(folder, tables, (&summary, None), &Unwatched)?;
+        let summary = run.write(record, &outputs, || self.sync.stage(&self.output))?;
         if let Some(path) = &self.play.save_state {
-            console::deliver(Some(path), state_json(&run.played.state()).as_bytes())?;
+            console::deliver(Some(path), state_json(&run.result.played.state()).as_bytes())?;
         }
         Ok(summary)
     }
@@ -194,24 +185,6 @@ impl Inputs {
     /// The name of the target's file, at the start of messages.
     fn target_shown(&self) -> String {
         self.playing.target_file.as_ref().map(shown).unwrap_or_default()
-    }
-}
-
-impl<'a> Computed<'a> {
-    fn run<'b>(&'b self, inputs: &'b Inputs) -> PlayedRun<'b>
-    where
-        'a: 'b,
-    {
-        PlayedRun {
-            arm: &inputs.specification.arm,
-            play: &self.play,
-            played: &self.played,
-            metrics: &self.metrics,
-            error: self.error.as_ref(),
-            limits: &inputs.specification.limits,
-            target: self.target.as_ref(),
-            comparison: self.comparison.as_ref(),
-        }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::csv::{Digits, InputFile};
 
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments};
 use crate::cli::options::inputs::LinkArgs;
+use crate::cli::options::inputs::ReadArgs;
 use crate::cli::options::play::PlayArgs;
-use crate::cli::options::reading::ReadArgs;
 use crate::cli::terminal::{PrintArgs, ThreadArgs, WarningArgs};
 
 const EXAMPLE: &str = "\

@@ -7,7 +7,7 @@ use crate::result::{Repeated, RepeatedFile};
 use crate::store::{Durability, RunRecord, TemporaryFolder, wait_if_ending};
 use crate::text::{excerpt, path_in_shell};
 
-use super::command::Solve;
+use super::Solve;
 use super::run::{Page, Run, SolveOptions};
 use super::table::WriteArgs;
 use crate::cli::terminal::files::{keep, read_once};

@@ -12,8 +12,8 @@ use crate::store::{Durability, OutputFolder, RunInputs, RunOutputs, RunTables, S
 use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};
+use crate::cli::options::inputs::ReadArgs;
 use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, specification};
-use crate::cli::options::reading::ReadArgs;
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
 use crate::cli::terminal::{Failure, StageBar, console, memory};
@@ -171,9 +171,7 @@ impl<'a> Run<'a> {
     pub(super) fn summary(&self, SolvedRun { solved, verification, .. }: &SolvedRun) -> Summary {
         let Self { link_file, motion_file, .. } = self;
         let inputs = RunInputs::of_solve(link_file, motion_file, self.options.arguments());
-        let (metrics, findings) = (&solved.metrics, solved.findings(verification.as_ref()));
-        let outputs = self.options.outputs();
-        Summary::of_solution(inputs, &solved.solution, metrics, &findings, &outputs)
+        solved.summary(inputs, verification.as_ref(), &self.options.outputs())
     }
 
     /// Writes the results into a folder.

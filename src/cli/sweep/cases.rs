@@ -6,23 +6,22 @@ use std::sync::{PoisonError, RwLock};
 use clap::Args;
 
 use crate::beam::Mesh;
-use crate::csv::{Digits, InputFile, TableFormat};
-use crate::link::Arm;
+use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
+use crate::cli::options::inputs::{
+    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
+};
+use crate::cli::options::play::{HoldArgs, read_torques};
+use crate::cli::terminal::{Exit, Failure, memory};
+use crate::csv::{Digits, InputFile, Reading, TableFormat};
+use crate::link::{Arm, Link};
 use crate::modal::natural_frequencies;
-use crate::motion::MotionScale;
+use crate::motion::{MotionScale, Periods};
 use crate::response::Torque;
 use crate::result::Remark;
 use crate::spec::{LinkDocument, Override, SpecError, Specification};
 use crate::store::{Fingerprint, RunOutputs, SweepIdentity, SweepInputs};
 use crate::sweep::{CaseValues, Shard, SweepKind, SweepPlan};
 use crate::text::{excerpt, visible};
-
-use super::first::First;
-use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
-use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, Wanted, scale_arguments};
-use crate::cli::options::play::{HoldArgs, read_torques};
-use crate::cli::options::reading::{ReadArgs, tell};
-use crate::cli::terminal::{Exit, Failure, memory};
 
 /// Options that all cases of a sweep share beside LINK and MOTION.
 #[derive(Debug, Args)]
@@ -333,4 +332,45 @@ fn with_case(overrides: &[Override], values: &CaseValues) -> Result<Vec<Override
     };
     let own = values.link_changes.iter().map(placed);
     overrides.iter().cloned().map(Ok).chain(own).collect()
+}
+
+/// The first readable case, and the inputs that others share with it.
+pub(super) struct First {
+    pub(super) arm: Arm,
+    pub(super) wanted: Wanted,
+    /// The periods of the motion of a link's tip, which most cases share.
+    pub(super) periods: Option<Periods>,
+}
+
+impl First {
+    /// Reads the motion of a link or an arm.
+    pub(super) fn read(
+        Specification { arm, .. }: Specification,
+        file: &InputFile,
+        (resample, read): (&ResampleArgs, &ReadArgs),
+    ) -> Result<(Self, Reading), Failure> {
+        let (wanted, reading) = resample.motion_of(file, &arm, read)?;
+        let periods = wanted.motion.tip().map(Periods::of);
+        Ok((Self { arm, wanted, periods }, reading))
+    }
+
+    /// The first case with `name` as the name of its motion's file in errors.
+    pub(super) fn named(self, name: &str) -> Self {
+        let Wanted { motion, rows } = self.wanted;
+        Self { wanted: Wanted { motion, rows: rows.named(name) }, ..self }
+    }
+
+    /// Its motion over another distance and duration, if a file would be the same motion of this arm.
+    pub(super) fn motion_of(
+        &self,
+        arm: &Arm,
+        scale: MotionScale,
+    ) -> Option<Result<Wanted, Failure>> {
+        are_read_alike(arm, &self.arm).then(|| self.wanted.of_case(scale))
+    }
+
+    /// The links.
+    pub(super) fn links(&self) -> Vec<&Link> {
+        self.arm.links().iter().map(|own| &own.link).collect()
+    }
 }

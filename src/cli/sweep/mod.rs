@@ -1,7 +1,6 @@
 //! `sweep`: many cases, with a row of one table for each.
 
 mod cases;
-mod first;
 mod table;
 pub mod tally;
 mod work;
@@ -10,10 +9,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::store::{NamedBy, SweepRows, sweep_header, sweep_row};
-use crate::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
-use crate::text::{excerpt, shown_path, visible};
-
 use crate::cli::options::inputs::{LINK, MOTION};
 use crate::cli::terminal::console::is_standard_output;
 use crate::cli::terminal::files::{
@@ -21,6 +16,9 @@ use crate::cli::terminal::files::{
 };
 use crate::cli::terminal::text::counted;
 use crate::cli::terminal::{CaseBar, Exit, Failure, ThreadArgs, WarningArgs, console, interrupt};
+use crate::store::{NamedBy, SweepRows, sweep_header, sweep_row};
+use crate::sweep::{PlanError, Shard, SweepPlan, Variation, in_order};
+use crate::text::{excerpt, shown_path, visible};
 use cases::{CaseArgs, Cases};
 use table::{EarlyEnd, OpenedTable, TableOutput, merge};
 use tally::Tally;

@@ -4,19 +4,17 @@ use std::path::Path;
 
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
-use crate::inverse::{Resources, Unwatched};
+use crate::inverse::Resources;
 use crate::motion::{Motion, Prescribed};
-use crate::response::{Input, Play, PlayError, Start, Torque, simulate};
-use crate::result::{FollowedTarget, Notice, PlayedMetrics, Remark, TipPlaces};
+use crate::response::{Input, Play, Start, Torque, simulate};
+use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
 use crate::spec::Specification;
-use crate::store::{
-    Findings, OutputFolder, PlayedRun, RunInputs, RunTables, SimulateFiles, Summary,
-};
+use crate::store::{OutputFolder, PlayedRun, RunInputs, SimulateFiles, Simulated};
 use crate::sweep::{CaseNumbers, CaseValues, PlayedCase, SolvedCase};
 
 use super::cases::Cases;
 use super::tally::of_limit;
-use crate::cli::options::inputs::{Wanted, remarks};
+use crate::cli::options::inputs::Wanted;
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::{Exit, Failure, memory};
 
@@ -72,25 +70,19 @@ impl Cases<'_> {
         let periods = self.first.periods.as_ref();
         let resources = Resources { memory_bytes, periods, ..Resources::default() };
         let solved = problem.solved_within(&resources)?;
-        let of_file = &problem.specification.remarks;
         let Solved { solution, metrics, exceeded, .. } = &solved;
         let found = SolvedCase::of(solution, metrics);
         let numbers = self.kind.solved(&found);
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let inputs = RunInputs::of_solve(&self.link_file, &self.motion_file, arguments);
-            let remarks = remarks(of_file, solution, None);
-            let findings = Findings { remarks: &remarks, ..solved.findings(None) };
             let outputs = self.shared.outputs.of_case(&solution.nodes_m())?;
-            let summary = Summary::of_solution(inputs, solution, metrics, &findings, &outputs);
-            let tables = RunTables::of_solution(solution, &outputs)?;
-            memory::check_nodes(tables.nodal_bytes(), memory_bytes)?;
-            outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
+            solved.write(inputs, &outputs, memory_bytes, || self.stage(&folder))?;
         }
         let notices = solution.warnings.iter().map(Notice::from);
         let notices = notices.chain(exceeded.iter().map(of_limit)).collect();
         // The tally alone does not need a link's modes above the first.
-        let remarks = remarks(of_file, solution, Some(found.first_rad_s.as_slice()));
+        let remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
         Ok((numbers, notices, remarks))
     }
 
@@ -135,21 +127,12 @@ impl Cases<'_> {
         play.until_s = Some(until_s.max(places.grid.end_s()));
         let played = simulate(arm, meshes, &play, &|_| {})?;
         let target = FollowedTarget::of(&played, &places)?;
-        let error = PlayError::of(&played, arm, &play)?;
-        let metrics = PlayedMetrics::of(&played);
-        let tip_error = &target.tip_error;
-        let run = PlayedRun {
-            arm,
-            play: &play,
-            played: &played,
-            metrics: &metrics,
-            error: error.as_ref(),
-            limits,
-            target: Some(&target),
-            comparison: None,
-        };
-        let played_case = PlayedCase { simulation: &played, metrics: &metrics, tip_error };
-        let numbers = self.kind.played(&played_case);
+        let tip_error = target.tip_error;
+        let result = Simulated::of(played, arm, &play, Some(target))?;
+        let run = PlayedRun { arm, play: &play, limits, result: &result };
+        let Simulated { played, metrics, .. } = &result;
+        let numbers =
+            self.kind.played(&PlayedCase { simulation: played, metrics, tip_error: &tip_error });
         if let Some(folder) = self.shared.outputs.folder_of(case, self.plan.cases()) {
             let arguments = self.arguments(&values);
             let files = SimulateFiles {
@@ -161,10 +144,8 @@ impl Cases<'_> {
             };
             let inputs = RunInputs::of_simulate(&self.link_file, &files, true, arguments);
             let outputs = self.shared.outputs.of_case(&played.nodes_m())?;
-            memory::check_nodes(outputs.simulation_bytes(&played), memory_bytes)?;
-            let summary = Summary::of_played(inputs, &run);
-            let tables = RunTables::of_played((arm, &played), run.target, &outputs)?;
-            outputs.write(self.stage(&folder)?, tables, (&summary, None), &Unwatched)?;
+            memory::check_nodes(outputs.simulation_bytes(played), memory_bytes)?;
+            run.write(inputs, &outputs, || self.stage(&folder))?;
         }
         let notices = run.notices(of_limit);
         Ok((numbers, notices, remarks.clone()))

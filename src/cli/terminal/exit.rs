@@ -79,28 +79,25 @@ impl WarningArgs {
     }
 }
 
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Self::new(Exit::InputRefused, &error, error.hint())
-    }
+/// Failures with the text and the hint of an error.
+macro_rules! failures {
+    ($($error:ty => $exit:ident,)*) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::new(Exit::$exit, &error, error.hint())
+            }
+        }
+    )*};
 }
 
-impl From<SpecError> for Failure {
-    fn from(error: SpecError) -> Self {
-        Self::new(Exit::InputRefused, &error, error.hint())
-    }
-}
-
-impl From<MeasuredError> for Failure {
-    fn from(error: MeasuredError) -> Self {
-        Self::new(Exit::InputRefused, &error, error.hint())
-    }
-}
-
-impl From<TableError> for Failure {
-    fn from(error: TableError) -> Self {
-        Self::new(Exit::InputRefused, &error, error.hint())
-    }
+failures! {
+    InputError => InputRefused,
+    SpecError => InputRefused,
+    MeasuredError => InputRefused,
+    TableError => InputRefused,
+    PoseError => NotSolvable,
+    TargetError => NotSolvable,
+    FolderError => CannotWrite,
 }
 
 impl From<InversionError> for Failure {
@@ -117,18 +114,6 @@ impl From<SimulationError> for Failure {
         let is_of_input = matches!(error, SimulationError::NoStartAngle);
         let exit = if is_of_input { Exit::InputRefused } else { Exit::NotSolvable };
         Self { is_of_memory, ..Self::new(exit, &error, error.hint()) }
-    }
-}
-
-impl From<PoseError> for Failure {
-    fn from(error: PoseError) -> Self {
-        Self::new(Exit::NotSolvable, &error, error.hint())
-    }
-}
-
-impl From<TargetError> for Failure {
-    fn from(error: TargetError) -> Self {
-        Self::new(Exit::NotSolvable, &error, error.hint())
     }
 }
 
@@ -174,11 +159,5 @@ impl From<DampingError> for Failure {
 impl From<ParameterError> for Failure {
     fn from(error: ParameterError) -> Self {
         Self::new(Exit::Usage, &error, None)
-    }
-}
-
-impl From<FolderError> for Failure {
-    fn from(error: FolderError) -> Self {
-        Self::new(Exit::CannotWrite, &error, error.hint())
     }
 }

@@ -5,7 +5,7 @@ use super::heading::{
     HUB_ANGLE, HUB_RATE, Heading, Quantity, Spelling, TIME, Vocabulary, find, names, nearest,
     refuse_missing, unread_unit,
 };
-use super::place::{Place, TableError, quoted};
+use super::input::{Place, TableError, quoted};
 use super::unit_name::{split_any_unit, split_unit};
 
 /// The columns that a reader uses, found from the first row.

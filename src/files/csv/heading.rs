@@ -1,6 +1,6 @@
 //! Headings of columns: the quantity and its unit.
 
-use super::place::{Place, TableError, quoted};
+use super::input::{Place, TableError, quoted};
 use super::unit_name::{UnitName, parse_unit, split_any_unit, split_unit};
 use crate::numeric::{Dimension, Unit, reads_as_unit};
 

@@ -6,8 +6,8 @@ use super::heading::{
     HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, PATH_X, PATH_Y, Quantity, Spelling, TIME, TORQUE,
     Vocabulary, joined, names, nearest, nine, quantity, unread_unit,
 };
-use super::outliers::doubt;
-use super::rows::{Place, TableError, quoted};
+use super::input::{Place, TableError, quoted};
+use super::quality::doubt;
 use super::samples::Samples;
 use super::unit_name::{parse_unit, split_any_unit, split_unit};
 use crate::numeric::Dimension;

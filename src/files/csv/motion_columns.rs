@@ -7,7 +7,7 @@ use super::heading::{
     ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, PATH_X, PATH_Y, Quantity, Spelling, TIME, VELOCITY,
     Vocabulary, joined, names, nearest, refuse_missing,
 };
-use super::place::{Place, TableError, quoted};
+use super::input::{Place, TableError, quoted};
 use super::samples::{Samples, refuse_samples};
 use super::unit_name::split_unit;
 use crate::recording::Rounding;

@@ -7,13 +7,12 @@ use super::heading::{
     PATH_X, PATH_Y, Quantity, ROOT_STRAIN, Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE,
     Vocabulary, joined, names, quantity, refuse_missing,
 };
+use super::input::{BY_HEADINGS, Place, TableError};
 use super::joints::{JOINT_RATES, JOINTS};
 use super::motion_columns::unread;
-use super::outliers::{Judged, doubt};
-use super::place::BY_HEADINGS;
-use super::rows::{Place, TableError};
+use super::quality::{Judged, doubt};
+use super::samples::MIN_SAMPLES;
 use super::samples::Samples;
-use super::uniform::MIN_SAMPLES;
 use crate::fit::{DecaySamples, RecordedInput};
 use crate::model::Sensor;
 use crate::numeric::Dimension;

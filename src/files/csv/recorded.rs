@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use super::input::{Place, TableError};
 use super::motion::{MotionTable, Sampled};
 use super::quality;
-use super::rows::{Place, TableError};
-use super::uniform::Uniform;
+use super::samples::Uniform;
 use crate::link::Gravity;
 use crate::motion::{
     ArmPath, Ends, Motion, MotionColumns, PathColumn, Recording, TipMotion, Uncertainty, wrapped,

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use super::format::Reading;
-use super::rows::{Place, TableError, quoted};
-use super::samples::read_table;
+use super::input::{Place, TableError, quoted};
+use super::rows::read_table;
 use super::unit_name::split_any_unit;
 use crate::compare::{Cell, Table, TableColumn};
 use crate::numeric::magnitude;

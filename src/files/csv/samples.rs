@@ -1,19 +1,17 @@
-//! Named columns of a table: numbers over time in SI, or any numbers and words.
+//! Named columns of a table: numbers over time in SI, and uniform times in place of the times of the table.
 
 use super::columns::{Columns, FirstRow, Header};
-use super::dialect::Dialect;
-use super::format::{Delimiter, Reading, TableFormat};
+use super::format::{Delimiter, Dialect, Reading, TableFormat};
 use super::heading::{
     ACCELERATION, ANGLE, ANGLES, DISPLACEMENT, Heading, PATH_X, PATH_Y, Quantity, TIME, VELOCITY,
-    check_separator,
 };
-use super::rows::{Place, TableError, quoted, read_rows, read_rows_as};
-use super::uniform::{MIN_SAMPLES, Uniform};
-use crate::compare::{Cell, Table, TableColumn};
-use crate::numeric::{SplineEnds, TimeGrid};
-use crate::recording::{Digits, Rounding, jitter};
+use super::input::{Place, TableError, quoted};
+use super::rows::read_rows_as;
+use crate::numeric::{CubicSpline, SplineEnds, TimeGrid};
+use crate::recording::{Digits, LARGEST_JITTER, Rounding, jitter};
 use crate::response::HistoryError;
 use crate::result::Remark;
+use crate::text::given;
 
 /// Longest number that a message shows in full.
 const LONGEST_SHOWN: usize = 60;
@@ -274,107 +272,95 @@ fn is_digits(field: &str) -> bool {
         && digits.bytes().all(|byte| byte.is_ascii_digit() || b".eE-".contains(&byte))
 }
 
-/// Reads any CSV table: a row of names, then rows of numbers or words, `#` before comments.
-///
-/// If the first row has only numbers, it is data, and the columns are called `column 1`, `column 2` and so on; so is a
-/// column without a name. Errors call the file `name`.
+/// Fewest samples of a table.
+pub(super) const MIN_SAMPLES: usize = 4;
+
+/// Largest number of samples of a resampled motion.
+const MAX_SAMPLES: f64 = 1e7;
+
+/// Difference of times, in steps, below which they are equal.
+const SAME_TIME: f64 = 1e-6;
+
+/// Uniform times that start at the first of known times.
+#[expect(clippy::struct_field_names, reason = "their units end alike")]
+pub(super) struct Uniform<'a> {
+    known_s: &'a [f64],
+    pub(super) step_s: f64,
+    pub(super) times_s: Vec<f64>,
+}
+
+impl<'a> Uniform<'a> {
+    /// As many uniform times as there are known ones, from the first of these to the last.
+    pub(super) fn over(known_s: &'a [f64]) -> Self {
+        let last = known_s.len() - 1;
+        let mut uniform = Self::of(known_s, last, (known_s[last] - known_s[0]) / last as f64);
+        uniform.times_s[last] = known_s[last];
+        uniform
+    }
+
+    /// Times of this number of steps.
+    pub(super) fn of(known_s: &'a [f64], steps: usize, step_s: f64) -> Self {
+        let times_s = (0..=steps).map(|k| known_s[0] + k as f64 * step_s).collect();
+        Self { known_s, step_s, times_s }
+    }
+
+    /// Interpolates values at the known times by a cubic spline.
+    pub(super) fn interpolated(&self, values: &[f64], ends: SplineEnds) -> Vec<f64> {
+        let spline = CubicSpline::new(self.known_s, values, ends);
+        let (steps, last_s) = (self.times_s.len() - 1, self.known_s[self.known_s.len() - 1]);
+        // The motion rests at its end, so that a twentieth of a step does not matter.
+        let at = |(k, t): (usize, &f64)| if k == steps { last_s } else { t.min(last_s) };
+        self.times_s.iter().enumerate().map(|time| spline.value(at(time))).collect()
+    }
+
+    /// For each time, the line of the last known time that is not later; empty for samples without lines.
+    pub(super) fn lines(&self, lines: &[u64]) -> Vec<u64> {
+        let line = |time_s: &f64| {
+            let is_not_later = |known_s: &f64| *known_s <= time_s + SAME_TIME * self.step_s;
+            lines.get(self.known_s.partition_point(is_not_later).saturating_sub(1)).copied()
+        };
+        self.times_s.iter().filter_map(line).collect()
+    }
+}
+
+/// Number of steps from the first known time to the last.
 ///
 /// # Errors
-/// [`TableError`] names the line of a row with another number of fields than columns, of a repeated name, and of text
-/// that is not CSV in UTF-8; an empty table is an error, too.
-pub fn read_table(name: &str, bytes: &[u8]) -> Result<Table, TableError> {
-    let whole = Place { file: name, line: None };
-    let at = |line| Place { line: Some(line), ..whole };
-    let table = read_rows(
-        name,
-        bytes,
-        |line, fields| begun(fields, line, at(line)),
-        |table, line, fields| push(table, fields, line, at(line)),
-    )?;
-    table.ok_or_else(|| {
-        whole.refuse_whole("has no rows, but must hold a row of names or of numbers")
-    })
-}
-
-/// Starts a table with its first row, of names or of numbers.
-fn begun(fields: &[&str], line: u64, place: Place) -> Result<Table, TableError> {
-    check_separator(fields, place)?;
-    if fields.iter().any(|field| field.parse::<f64>().is_err()) {
-        return columns(fields, place);
+/// [`TableError`] unless it is whole.
+pub(super) fn whole_steps(known_s: &[f64], step_s: f64, file: &str) -> Result<usize, TableError> {
+    let place = Place { file, line: None };
+    let duration_s = known_s[known_s.len() - 1] - known_s[0];
+    let refuse = |must: String| place.refuse("resampling step", format!("{step_s} s"), must);
+    if !(step_s.is_finite() && step_s > 0.0) {
+        return Err(refuse("must be finite and above 0".to_owned()));
     }
-    let mut table = columns(&vec![""; fields.len()], place)?;
-    push(&mut table, fields, line, place)?;
-    Ok(table)
-}
-
-/// A table of these columns without rows.
-fn columns(names: &[&str], place: Place) -> Result<Table, TableError> {
-    let mut table = Table::default();
-    for (index, name) in names.iter().enumerate() {
-        let number = format!("column {}", index + 1);
-        let own = if name.is_empty() { &number } else { *name };
-        if let Some(earlier) = table.names().position(|earlier| earlier == own) {
-            let must = format!("must not repeat column {}", earlier + 1);
-            return Err(place.refuse(number.as_str(), quoted(own), must));
-        }
-        table.columns.push(TableColumn::new(own.to_owned()));
+    let ratio = duration_s / step_s;
+    let steps = ratio.round();
+    let fewest = (MIN_SAMPLES - 1) as f64;
+    if steps < fewest {
+        let longest = duration_s / fewest;
+        let must =
+            format!("must be at most {} s, which gives {MIN_SAMPLES} samples", given(longest));
+        return Err(refuse(must));
     }
-    Ok(table)
-}
-
-fn push(table: &mut Table, fields: &[&str], line: u64, place: Place) -> Result<(), TableError> {
-    place.check_width(fields.len(), table.columns.len())?;
-    for (column, field) in table.columns.iter_mut().zip(fields) {
-        column.push(field.parse().map_or(Cell::Word(field), Cell::Number));
+    if steps >= MAX_SAMPLES {
+        let shortest = duration_s / (MAX_SAMPLES - 1.0);
+        let must =
+            format!("must be at least {} s, which gives {MAX_SAMPLES:e} samples", given(shortest));
+        return Err(refuse(must));
     }
-    table.lines.push(line);
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn refused(text: &str) -> String {
-        read_table("t.csv", text.as_bytes()).unwrap_err().to_string()
+    if (ratio - steps).abs() > LARGEST_JITTER {
+        let below = ratio.floor().max(fewest);
+        let (long, short) = (duration_s / below, duration_s / (below + 1.0));
+        let must = format!("must divide the motion's {} s into whole steps", given(duration_s));
+        // With all digits, so that the user can copy one of them.
+        let hint = format!("the nearest steps that do are {short} s and {long} s");
+        return Err(refuse(must).with_hint(hint));
     }
-
-    #[test]
-    fn names_words_and_numbers_are_read_as_they_stand() {
-        let text = "\u{feff}# made by hand\r\n time_s ,\"a, b\",\r\n0,x,1e3\r\n\r\n.5,,-inf\r\n";
-        let table = read_table("t.csv", text.as_bytes()).unwrap();
-        assert_eq!(table.names().collect::<Vec<_>>(), ["time_s", "a, b", "column 3"]);
-        assert_eq!(table.lines, [3, 5]);
-        let row = |row| table.columns.iter().map(|column| column.cell(row)).collect::<Vec<_>>();
-        assert_eq!(row(0), [Cell::Number(0.0), Cell::Word("x"), Cell::Number(1000.0)]);
-        assert_eq!(row(1), [Cell::Number(0.5), Cell::Word(""), Cell::Number(f64::NEG_INFINITY)]);
-    }
-
-    #[test]
-    fn a_first_row_of_numbers_is_data() {
-        let table = read_table("t.csv", b"# time, torque\n1,2\n3,4\n").unwrap();
-        assert_eq!(table.names().collect::<Vec<_>>(), ["column 1", "column 2"]);
-        assert_eq!(table.lines, [2, 3]);
-    }
-
-    #[test]
-    fn a_table_of_names_alone_has_no_rows() {
-        assert!(read_table("t.csv", b"a,b\n").unwrap().lines.is_empty());
-    }
-
-    #[test]
-    fn what_is_no_table_is_refused() {
-        let nothing = "t.csv: has no rows, but must hold a row of names or of numbers";
-        assert_eq!(refused(""), nothing);
-        assert_eq!(refused("# only a remark\n\n"), nothing);
-        let ragged = "fields = 1, but must be 2, as many as there are columns";
-        assert_eq!(refused("a,b\n1,2\n\n3\n"), format!("t.csv:4: {ragged}"));
-        assert_eq!(refused("1,2\n3\n"), format!("t.csv:2: {ragged}"));
-        let twice = "t.csv:1: column 3 = \"a\", but must not repeat column 1";
-        assert_eq!(refused("a,b, a\n"), twice);
-        let utf8 = "t.csv:2: text = byte 0xff, but must be UTF-8";
-        assert_eq!(read_table("t.csv", b"a\n\xff\n").unwrap_err().to_string(), utf8);
-        let commas = "must name columns that are separated by commas";
-        assert_eq!(refused("a;b\n1;2\n"), format!("t.csv:1: first row = \"a;b\", but {commas}"));
-    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number from 3 to 1e7"
+    )]
+    Ok(steps as usize)
 }

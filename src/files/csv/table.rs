@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::cells::CellFormat;
+use super::number::CellFormat;
 use super::number::{Digits, NumberFormat, time_format};
 use crate::inverse::{NodalTable, Stage, Watch};
 use crate::numeric::ThinnedGrid;

@@ -78,18 +78,6 @@ impl MeasuredOf {
 
     /// The natural frequency of a mode.
     pub(super) fn frequency(&self, path: &str, keys: ModeKeys) -> Result<Observable, Fault> {
-        let of_link = |mode, hub| Observable::Frequency { mode, hub };
-        self.mode(path, keys, of_link, Observable::ArmFrequency)
-    }
-
-    /// The mode of a value, made by `of_link` for a link and by `of_arm` for an arm.
-    fn mode(
-        &self,
-        path: &str,
-        keys: ModeKeys,
-        of_link: impl Fn(usize, HubEnd) -> Observable,
-        of_arm: impl Fn(ArmMode) -> Observable,
-    ) -> Result<Observable, Fault> {
         let ModeKeys { mode, hub, joints, at } = keys;
         let below = |key: &str| format!("{path}.{key}");
         if hub.is_some() {
@@ -100,14 +88,15 @@ impl MeasuredOf {
         }
         let own_rad = self.directions(&below("at"), at)?;
         if !self.is_arm() {
-            return Ok(of_link(mode, hub.unwrap_or_default()));
+            return Ok(Observable::Frequency { mode, hub: hub.unwrap_or_default() });
         }
         let Some(at_rad) = own_rad.or_else(|| self.at_rad.clone()) else {
             let at = below("at");
             let must = format!("the directions of all {} links of the arm", self.links);
             return Err(Fault::new(path, format!("{at} is missing: {must}")).hinting(AT.to_owned()));
         };
-        Ok(of_arm(ArmMode { mode, joints: joints.unwrap_or_default(), at_rad }))
+        let joints = joints.unwrap_or_default();
+        Ok(Observable::ArmFrequency(ArmMode { mode, joints, at_rad }))
     }
 }
 
@@ -211,12 +200,7 @@ impl RawFrequency {
 impl RawDamping {
     pub(super) fn convert(self, path: &str, of: &MeasuredOf) -> Result<Measured, Fault> {
         let Self { mode: Count(mode), hub, joints, at, ratio, peaks, uncertainty } = self;
-        let observable = of.mode(
-            path,
-            ModeKeys { mode, hub, joints, at },
-            |mode, hub| Observable::Damping { mode, hub },
-            Observable::ArmDamping,
-        )?;
+        let observable = of.frequency(path, ModeKeys { mode, hub, joints, at })?.ratio();
         let value = match (ratio, peaks) {
             (Some(ratio), None) => ratio,
             (None, Some(peaks)) => of_decay(&format!("{path}.peaks"), &peaks)?,

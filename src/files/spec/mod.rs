@@ -17,7 +17,6 @@ mod document;
 mod error;
 mod free;
 mod measured;
-mod measured_files;
 mod measured_values;
 mod overrides;
 mod raw;
@@ -30,8 +29,9 @@ mod value;
 pub use document::{LinkDocument, Specification, read_specification};
 pub use error::SpecError;
 pub use free::{FreeValue, rewrite};
-pub use measured::{MeasuredFile, read_measurements};
-pub use measured_files::{ChannelFile, DecayFile, RecordFile, ResponseFile};
+pub use measured::{
+    ChannelFile, DecayFile, MeasuredFile, RecordFile, ResponseFile, read_measurements,
+};
 pub use overrides::Override;
 pub use schema::{link_file_schema, unit_of_key};
 pub use tolerances::read_tolerances;

@@ -1,14 +1,12 @@
 //! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
 
 mod files;
-mod fit_record;
 mod folder;
 mod frequency_tables;
 mod golden;
 mod json;
 mod lock;
 mod names;
-mod outputs;
 mod read_result;
 mod read_run;
 mod read_tables;
@@ -18,24 +16,24 @@ mod run_tables;
 mod summary;
 mod sweep;
 mod torque_file;
-mod write_run;
 
 pub use files::{NamedBy, NewFile, write_file, write_files};
-pub use fit_record::{FitInputs, fit_json, fit_record, foreign_fit_record};
 pub use folder::{Durability, FolderError, OutputFolder};
 pub use frequency_tables::{
     ResponseColumns, arm_response, frequency_response_json, link_response, modes_json,
     write_frequency_response,
 };
 pub use golden::{CsvFolder, GoldenChanges, change_golden_files, comparison_json};
-pub use json::{Fingerprint, different_inputs, read_state, results_table, state_json};
+pub use json::{
+    Fingerprint, FitInputs, different_inputs, fit_json, fit_record, foreign_fit_record, read_state,
+    results_table, state_json,
+};
 pub use lock::{abandon_unfinished, try_abandon_unfinished, wait_if_ending};
-pub use names::{REPORT, SUMMARY, is_result_file};
-pub use outputs::RunOutputs;
+pub use names::{REPORT, RunOutputs, SUMMARY, is_result_file};
 pub use read_result::{is_run, read_result, read_results};
 pub use repetition::{RunRecord, TemporaryFolder};
-pub use run_summary::{Findings, PlayedRun, write_solution};
-pub use run_tables::RunTables;
+pub use run_summary::{Findings, PlayedRun, Simulated};
+pub use run_tables::{RunTables, write_solution};
 pub use summary::{RunInputs, STATIONS, SimulateFiles, Summary, verification_json};
 pub use sweep::{
     ForeignRecord, LeftRows, Resumed, SweepFile, SweepIdentity, SweepInputs, SweepRows, SweptCase,

@@ -7,11 +7,11 @@ use std::num::NonZeroUsize;
 use serde_json::Value;
 
 use super::json::newer;
+use super::names::RunOutputs;
 use super::names::{
     ANGLE, DEFLECTIONS, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID, RIGID_TORQUE,
     SUMMARY, TIP, TORQUE,
 };
-use super::outputs::RunOutputs;
 use super::read_tables::{
     RunFolder, TIME, Table, check_window, deflections, read_nodal, read_nodes, times_s,
 };

@@ -1,25 +1,23 @@
 //! The summaries of `solve` and `simulate`, from their results.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::folder::{FolderError, OutputFolder};
-use super::names::{PLACES, played_files};
-use super::outputs::RunOutputs;
-use super::run_tables::RunTables;
+use super::names::{RunOutputs, played_files};
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
-use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution, Unwatched};
+use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
 use crate::link::Arm;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
-use crate::response::{Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink};
+use crate::response::{
+    Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink, SimulationError,
+};
 use crate::result::{
-    Comparison, Exceeded, FollowedTarget, JointMetrics, Limits, Metrics, Notice, PlayedJoint,
-    PlayedMetrics, Remark, TipError, by_name,
+    Comparison, Exceeded, FollowedTarget, JointMetrics, JointQuantity, Limits, Metrics, Notice,
+    PlayedJoint, PlayedMetrics, Remark, TipError, by_name,
 };
 use crate::verify::Verification;
 
@@ -36,67 +34,61 @@ pub struct Findings<'a> {
     pub remarks: &'a [Remark],
 }
 
-/// A simulation, with its errors, limits and comparisons.
+/// A simulation with its numbers, its errors and its comparisons.
+#[derive(Debug, Clone)]
+pub struct Simulated {
+    /// The motion.
+    pub played: Played,
+    /// Its numbers.
+    pub metrics: PlayedMetrics,
+    /// Its errors; absent if elements of half the length do not allow the damping.
+    pub error: Option<PlayError>,
+    /// The tip beside its target.
+    pub target: Option<FollowedTarget>,
+    /// The simulation beside a recording.
+    pub comparison: Option<Comparison>,
+}
+
+impl Simulated {
+    /// Measures the errors and the numbers of a simulation; without a recording.
+    ///
+    /// # Errors
+    /// As [`PlayError::of`].
+    pub fn of(
+        played: Played,
+        arm: &Arm,
+        play: &Play<'_>,
+        target: Option<FollowedTarget>,
+    ) -> Result<Self, SimulationError> {
+        let error = PlayError::of(&played, arm, play)?;
+        let metrics = PlayedMetrics::of(&played);
+        Ok(Self { played, metrics, error, target, comparison: None })
+    }
+}
+
+/// A simulation with its input and its limits.
 #[derive(Debug, Clone, Copy)]
 pub struct PlayedRun<'a> {
     /// The link or the arm.
     pub arm: &'a Arm,
     /// What was played.
     pub play: &'a Play<'a>,
-    /// The motion.
-    pub played: &'a Played,
-    /// Its numbers.
-    pub metrics: &'a PlayedMetrics,
-    /// Its errors; absent if elements of half the length do not allow the damping.
-    pub error: Option<&'a PlayError>,
     /// Limits of each joint.
     pub limits: &'a [Limits],
-    /// The tip beside its target.
-    pub target: Option<&'a FollowedTarget>,
-    /// The simulation beside a recording.
-    pub comparison: Option<&'a Comparison>,
+    /// The simulation.
+    pub result: &'a Simulated,
 }
 
 impl PlayedRun<'_> {
     /// All warnings for the user; `of_limit` makes the notice of an exceeded limit.
     pub fn notices(&self, of_limit: impl Fn(&Exceeded) -> Notice) -> Vec<Notice> {
-        let inexact = self.error.and_then(|error| error.warning(self.played));
-        let played = self.played.warnings.iter().copied().chain(inexact).map(Notice::from);
-        let late = self.target.and_then(|target| target.tip_error.late).map(Notice::from);
-        let exceeded = self.metrics.exceeded(self.limits);
+        let Simulated { played, metrics, error, target, .. } = self.result;
+        let inexact = error.as_ref().and_then(|error| error.warning(played));
+        let played = played.warnings.iter().copied().chain(inexact).map(Notice::from);
+        let late = target.as_ref().and_then(|target| target.tip_error.late).map(Notice::from);
+        let exceeded = metrics.exceeded(self.limits);
         played.chain(late).chain(exceeded.iter().map(of_limit)).collect()
     }
-}
-
-/// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
-/// `flexlink solve` writes; [`read_result`](super::read_result) reads it back.
-///
-/// ```
-/// # use flexlink::{beam::MeshPlan, inverse::*, link::*, motion::Profile, result::StoredResult};
-/// use flexlink::store::{read_result, write_solution};
-/// # let strip = Segment::uniform(1.5, 5.0, 0.8);
-/// # let link = Link::builder().segment(strip).hub_inertia_kg_m2(0.1).damping_ratio(0.02).build()?;
-/// # let motion = Profile::Sine.motion(0.5, 0.88, 100)?;
-/// let solution = invert(&link, &MeshPlan::automatic(&link), &motion, &Analysis::default())?;
-/// # let folder = tempfile::tempdir()?;
-/// # let folder = folder.path().join("out");
-/// write_solution(&folder, &solution)?;
-/// let StoredResult::Runs(runs) = read_result(&folder)? else { unreachable!() };
-/// assert_eq!(runs[0].joints[0].torque_n_m.len(), solution.grid.len);
-/// assert!(runs[0].origin.inputs.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`FolderError`] names the file that cannot be written.
-pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderError> {
-    let (outputs, metrics) = (RunOutputs::default(), Metrics::of(solution));
-    let (inputs, findings) = (RunInputs::default(), Findings::default());
-    let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
-    let folder = OutputFolder::stage(folder, &|_| {})?;
-    let tables = RunTables::of_solution(solution, &outputs);
-    let tables = tables.map_err(|error| folder.refused(PLACES.name(1), error))?;
-    outputs.write(folder, tables, (&summary, None), &Unwatched)
 }
 
 impl Summary {
@@ -145,8 +137,9 @@ impl Summary {
 
     /// The summary of a simulation.
     pub fn of_played(inputs: RunInputs, run: &PlayedRun<'_>) -> Self {
-        let PlayedRun { arm, play, played, metrics, limits, target, .. } = *run;
-        let tip_error = target.map(|target| tip_numbers(&target.tip_error));
+        let PlayedRun { arm, play, limits, result } = *run;
+        let Simulated { played, metrics, target, comparison, .. } = result;
+        let tip_error = target.as_ref().map(|target| tip_numbers(&target.tip_error));
         let is_link = arm.links().len() == 1;
         let input = match play.input {
             Input::Torques(_) => "torque",
@@ -166,7 +159,7 @@ impl Summary {
                 "periods_s": periods_s,
                 "viscous_damping_ratios": law.modal_ratios(natural_frequencies_rad_s),
                 "results": played_results(metrics),
-                "errors": link_errors(run),
+                "errors": link_errors(result),
                 "tip_error": tip_error,
             });
             (values, Self::of("simulate", inputs, link, law))
@@ -213,7 +206,7 @@ impl Summary {
         let files = played_files(metrics.joints.len(), target.is_some());
         Self {
             values,
-            measured: run.comparison.cloned(),
+            measured: comparison.clone(),
             warnings: run.notices(|limit| Notice::from(limit)),
             files: files.into_iter().map(str::to_owned).collect(),
             ..summary
@@ -240,7 +233,7 @@ fn link_values((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -
         "modal_damping_ratios": solution.links[0].law().modal_ratios(&frequencies),
         "zeros_per_s": solution.links[0].zeros_per_s(REPORTED_ZEROS),
         "analysis": analysis_values(solution),
-        "results": metrics.hub().by_name(),
+        "results": joint_record(metrics.hub()),
         "errors": errors,
     })
 }
@@ -319,9 +312,9 @@ fn second_order_record(solution: &Solution, found: &SecondOrderFindings) -> Valu
 }
 
 /// Errors of one link's simulation: shares of the peak of each quantity, or of the tip's travel.
-fn link_errors(run: &PlayedRun<'_>) -> Value {
+fn link_errors(run: &Simulated) -> Value {
     let modes = run.played.modes();
-    let mut errors = run.error.map_or(json!({}), |error| {
+    let mut errors = run.error.as_ref().map_or(json!({}), |error| {
         let kind = if modes.is_some() { "mesh" } else { "refinement" };
         json!({ "tip": { kind: error.tip }, "hub_angle": { kind: error.hub_angle } })
     });
@@ -367,12 +360,15 @@ fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
     })
 }
 
-/// The numbers of a joint, its angles at the ends among them.
+/// The numbers of a hub, or of a joint with its angles at the ends; null for a motion without the number.
 fn joint_record(joint: &JointMetrics) -> Map<String, Value> {
-    let mut record = joint.by_name();
-    let [start_rad, end_rad] = joint.end_angles_rad;
-    record.insert("start_angle_rad".to_owned(), start_rad.into());
-    record.insert("end_angle_rad".to_owned(), end_rad.into());
+    let is_there = |quantity: &JointQuantity| joint.motor.is_some() || !quantity.is_of_motor;
+    let mut record = by_name(|quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));
+    if joint.joint.is_some() {
+        let [start_rad, end_rad] = joint.end_angles_rad;
+        record.insert("start_angle_rad".to_owned(), start_rad.into());
+        record.insert("end_angle_rad".to_owned(), end_rad.into());
+    }
     record
 }
 
@@ -453,8 +449,7 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
     let Some(final_tip_m) = metrics.final_tip_m else {
         // The hub's torque stands first.
         let mut hub = played_joint(metrics.hub()).into_iter();
-        let torque = hub.next();
-        return torque.into_iter().chain(whole).chain(hub).collect();
+        return hub.next().into_iter().chain(whole).chain(hub).collect();
     };
     let joints: Vec<_> = metrics.joints.iter().map(played_joint).collect();
     let arm = [("final_tip_m", json!(final_tip_m)), ("joints", json!(joints))];
@@ -463,16 +458,17 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
 
 /// The results of a simulation's joint.
 fn played_joint(joint: &PlayedJoint) -> Map<String, Value> {
-    let mut numbers: Vec<_> = by_name(|quantity| (quantity.of_played)(joint)).collect();
+    let mut numbers = by_name(|quantity| Some(quantity.played_by(joint)?.into()));
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
         let holding = joint.holding_torque_n_m.map(|torque| ("holding_torque_n_m", torque));
         let ends = [("start_angle_rad", start_rad), ("end_angle_rad", end_rad)];
-        let of_arm = holding.into_iter().chain(ends);
         // The torques stand first.
-        numbers.splice(1..1, of_arm.map(|(key, number)| (key.to_owned(), number.into())));
+        for (place, (key, number)) in (1..).zip(holding.into_iter().chain(ends)) {
+            numbers.shift_insert(place, key.to_owned(), number.into());
+        }
     }
-    numbers.into_iter().collect()
+    numbers
 }
 
 pub(super) fn tip_numbers(error: &TipError) -> Value {

@@ -1,19 +1,27 @@
-//! The tables of a run before they are written: histories of the joints and of the tip, and quantities at nodes.
+//! The tables of a run before they are written: histories of the joints and of the tip, and quantities at nodes; and the
+//! writing of its folder: all files or none.
 
 use std::borrow::Cow;
+use std::io::{self, Write};
+use std::path::Path;
 
+use rayon::prelude::*;
+
+use super::folder::{FolderError, OutputFolder};
 use super::names::{
-    ANGLE, CHORD, DEFLECTIONS, FORCE, JointFile, MOMENTS, MOTOR, NodalFile, PLACES, RIGID_TORQUE,
-    TIP, TIP_ERROR, TORQUE,
+    ANGLE, CHORD, DEFLECTIONS, FORCE, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, REPORT,
+    RIGID_TORQUE, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, node_columns, result_files,
 };
-use super::outputs::RunOutputs;
+use super::run_summary::{Findings, PlayedRun};
+use super::summary::{RunInputs, Summary};
 use crate::beam::Mesh;
-use crate::inverse::{LinkShape, MotorHistories, NodalTable, Solution};
+use crate::csv::{Column, ColumnGroup, Digits, write_csv, write_nodal};
+use crate::inverse::{LinkShape, MotorHistories, NodalTable, Solution, Unwatched, Watch};
 use crate::link::{Arm, Link, ParameterError};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{ThinnedGrid, TimeGrid};
 use crate::response::Played;
-use crate::result::FollowedTarget;
+use crate::result::{FollowedTarget, Metrics};
 
 /// All tables of a run.
 pub struct RunTables<'a> {
@@ -211,10 +219,10 @@ impl<'a> RunTables<'a> {
     /// # Errors
     /// [`ParameterError`] if a node is not one of the mesh.
     pub fn of_played(
-        (arm, played): (&'a Arm, &'a Played),
-        target: Option<&'a FollowedTarget>,
+        PlayedRun { arm, result, .. }: &PlayedRun<'a>,
         outputs: &RunOutputs,
     ) -> Result<Self, ParameterError> {
+        let (played, target) = (&result.played, result.target.as_ref());
         let Played { grid, joints, tip, links, .. } = played;
         let torques = joints.iter().map(|joint| columns([&joint.torque_n_m])).collect();
         let angles = joints.iter().map(|joint| {
@@ -274,4 +282,142 @@ fn order_of(
     of: impl Fn(&TipMotionHistories) -> &Vec<f64>,
 ) -> Columns<'_> {
     tip.iter().map(|axis| Cow::from(&of(axis)[..])).collect()
+}
+
+/// Writes the folder of a solution whose link and motion a program has from numbers, with all files that
+/// `flexlink solve` writes; [`read_result`](super::read_result) reads it back.
+///
+/// ```
+/// # use flexlink::{beam::MeshPlan, inverse::*, link::*, motion::Profile, result::StoredResult};
+/// use flexlink::store::{read_result, write_solution};
+/// # let strip = Segment::uniform(1.5, 5.0, 0.8);
+/// # let link = Link::builder().segment(strip).hub_inertia_kg_m2(0.1).damping_ratio(0.02).build()?;
+/// # let motion = Profile::Sine.motion(0.5, 0.88, 100)?;
+/// let solution = invert(&link, &MeshPlan::automatic(&link), &motion, &Analysis::default())?;
+/// # let folder = tempfile::tempdir()?;
+/// # let folder = folder.path().join("out");
+/// write_solution(&folder, &solution)?;
+/// let StoredResult::Runs(runs) = read_result(&folder)? else { unreachable!() };
+/// assert_eq!(runs[0].joints[0].torque_n_m.len(), solution.grid.len);
+/// assert!(runs[0].origin.inputs.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FolderError`] names the file that cannot be written.
+pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderError> {
+    let (outputs, metrics) = (RunOutputs::default(), Metrics::of(solution));
+    let (inputs, findings) = (RunInputs::default(), Findings::default());
+    let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
+    let folder = OutputFolder::stage(folder, &|_| {})?;
+    let tables = RunTables::of_solution(solution, &outputs);
+    let tables = tables.map_err(|error| folder.refused(PLACES.name(1), error))?;
+    outputs.write(folder, tables, (&summary, None), &Unwatched)
+}
+
+impl RunOutputs {
+    /// Writes the files of a run, and its `page` if there is one, into `folder`: all or none. `watch` receives the
+    /// progress of nodal tables on request.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the file that cannot be written.
+    pub fn write(
+        &self,
+        folder: OutputFolder,
+        tables: RunTables,
+        (summary, page): (&Summary, Option<&str>),
+        watch: &dyn Watch,
+    ) -> Result<(), FolderError> {
+        let RunTables { histories, nodal, on_request, links: nodes, .. } = tables;
+        let links = nodes.len();
+        let history = |own: &Histories| self.write_history(&folder, own, links);
+        let column = |own: &NodalColumns| {
+            folder.file(own.file.name(links), |out| {
+                let columns = own.columns.iter().map(|column| Column {
+                    name: own.file.column(links, column.link, column.letter, column.node),
+                    values: &column.values,
+                });
+                let group = ColumnGroup { columns: columns.collect() };
+                write_csv(out, &own.times, &[group], self.digits)
+            })
+        };
+        // The nodal tables take longest; idle threads write the others.
+        let (requested, others) = rayon::join(
+            || on_request.map_or(Ok(()), |table| self.write_on_request(&folder, table, watch)),
+            || {
+                let written =
+                    histories.par_iter().filter(|own| self.has(own.file.name(links), links));
+                // Collects all results first, so that of two errors the first file's is always returned.
+                let written: Vec<_> =
+                    written.map(history).chain(nodal.par_iter().map(column)).collect();
+                written.into_iter().collect::<Result<(), FolderError>>()
+            },
+        );
+        others.and(requested)?;
+        if let Some(page) = page {
+            folder.file(REPORT, |out| out.write_all(page.as_bytes()))?;
+        }
+        folder.file(NODES, |out| write_nodes(out, &nodes))?;
+        folder.file(SUMMARY, |out| out.write_all(summary.to_json().as_bytes()))?;
+        folder.commit(SUMMARY, &result_files())
+    }
+
+    fn write_history(
+        &self,
+        folder: &OutputFolder,
+        Histories { file, grid, joints }: &Histories,
+        links: usize,
+    ) -> Result<(), FolderError> {
+        let times = self.rows(grid);
+        let columns = (0..).zip(joints).flat_map(|(joint, columns)| {
+            let named = (0..).zip(columns);
+            named.map(move |(column, values)| (file.column(links, joint, column), values))
+        });
+        let taken: Vec<(String, Cow<[f64]>)> =
+            columns.map(|(name, values)| (name, times.taken(values))).collect();
+        let columns = taken.iter().map(|(name, values)| Column { name: name.clone(), values });
+        let groups = if file.shares_decimals {
+            vec![ColumnGroup { columns: columns.collect() }]
+        } else {
+            columns.map(|column| ColumnGroup { columns: vec![column] }).collect()
+        };
+        folder.file(file.name(links), |out| write_csv(out, &times, &groups, self.digits))
+    }
+
+    /// Tables of a link's nodes, one after the other, because each may take much memory.
+    fn write_on_request(
+        &self,
+        folder: &OutputFolder,
+        deflections: NodalTable,
+        watch: &dyn Watch,
+    ) -> Result<(), FolderError> {
+        let write = |file: &NodalFile, table: &NodalTable| {
+            let heading = (file.letters(1)[0], file.unit);
+            folder.file(file.name(1), |out| write_nodal(out, table, heading, self.digits, watch))
+        };
+        if self.deflections {
+            write(&DEFLECTIONS, &deflections)?;
+        }
+        let moments = self.moments.then(|| deflections.moments());
+        write(&PLACES, &deflections.with_rotation())?;
+        moments.map_or(Ok(()), |moments| write(&MOMENTS, &moments))
+    }
+}
+
+/// `nodes.csv`: every node of every link. Positions have all digits, because a run from a folder has its mesh from
+/// them.
+fn write_nodes(out: &mut (dyn Write + Send), links: &[LinkNodes]) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(node_columns(links.len()))?;
+    let format = Digits::Full.for_peak(links.iter().filter_map(|link| link.nodes_m.last()).sum());
+    for (number, link) in (1..=links.len()).zip(links) {
+        for (node, (x_m, name)) in link.nodes_m.iter().zip(&link.names).enumerate() {
+            let mut position = Vec::new();
+            format.write(&mut position, *x_m);
+            let (node, number) = (node.to_string(), number.to_string());
+            let fields = [number.as_bytes(), node.as_bytes(), &position, name.as_bytes()];
+            table.write_record(&fields[usize::from(links.len() == 1)..])?;
+        }
+    }
+    table.flush()
 }

@@ -1,6 +1,6 @@
 //! Input of the equations of motion, at its samples and between them.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::motion::wrapped;
@@ -160,16 +160,16 @@ impl CycleError {
 }
 
 /// A torque, or the voltage of a motor, between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
+    /// Each sample until the next one, like a converter with a table.
+    Zero,
+    /// Straight lines.
+    Linear,
     /// A cubic spline through all samples.
     #[default]
     Cubic,
-    /// Straight lines.
-    Linear,
-    /// Each sample until the next one, like a converter with a table.
-    Zero,
 }
 
 /// Coefficients of a cubic over one step: `u(s) = Σ c_j (s/Δt)ʲ`.

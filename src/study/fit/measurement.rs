@@ -114,7 +114,7 @@ impl Observable {
     }
 
     /// Damping ratio of the mode with this frequency.
-    pub(super) fn ratio(&self) -> Self {
+    pub(crate) fn ratio(&self) -> Self {
         match self.clone() {
             Self::Frequency { mode, hub } => Self::Damping { mode, hub },
             Self::ArmFrequency(own) => Self::ArmDamping(own),

@@ -1,6 +1,6 @@
-use super::alignment::Alignment;
 use super::decay::Decay;
 use super::measurement::{Measured, MeasurementsError};
+use super::record::Alignment;
 use super::record::Record;
 use super::response::{Overlay, Response, ResponseFit};
 use crate::model::Sensor;

@@ -4,10 +4,10 @@ use faer::Mat;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::alignment::Alignment;
 use super::instruments::{Channel, Gain, rms as root_mean_square};
 use super::measurement::Measured;
 use super::measurements::{Measurements, Prediction};
+use super::record::Alignment;
 use super::record::Record;
 use super::response::{Coordinate, Overlay, ResponseMisfit};
 use crate::model::Sensor;

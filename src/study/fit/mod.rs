@@ -13,7 +13,6 @@
 //! offset and delay of the sensors where these are free.
 
 mod advice;
-mod alignment;
 mod answers;
 mod damped;
 mod decay;

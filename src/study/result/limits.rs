@@ -7,8 +7,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use super::metrics::{JointMetrics, Metrics, PlayedMetrics};
-use super::quantities::{JointQuantity, QUANTITIES};
-use super::value_errors::Errors;
+use super::quantities::{Errors, JointQuantity, QUANTITIES};
 use crate::inverse::Solution;
 use crate::link::{Drive, ParameterError};
 use crate::text::{given, significant};
@@ -60,10 +59,9 @@ fn stored_key(quantity: &JointQuantity, key: &str) -> String {
 }
 
 /// The value of a solution that has a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitedValue {
     /// Number of the joint of an arm, from 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<usize>,
     /// Key of the limit in the link file.
     pub key: &'static str,
@@ -92,7 +90,7 @@ impl LimitedValue {
 }
 
 /// A limit that a solution exceeds.
-#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("{}", .0.exceeded_text())]
 pub struct Exceeded(pub LimitedValue);
 
@@ -179,7 +177,7 @@ impl Limits {
 }
 
 /// How near a solution comes to a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
     /// The value and its limit.
     pub value: LimitedValue,
@@ -233,9 +231,8 @@ impl PlayedMetrics {
     /// The limits that a simulation exceeds, of torque, rate and power, and of the deflection of one link.
     pub fn exceeded(&self, limits: &[Limits]) -> Vec<Exceeded> {
         let joints = self.joints.iter().zip(limits);
-        let values = joints.flat_map(|(own, limits)| {
-            limits.values(own.joint, |quantity| (quantity.of_played)(own))
-        });
+        let values = joints
+            .flat_map(|(own, limits)| limits.values(own.joint, |quantity| quantity.played_by(own)));
         exceeded(values.collect())
     }
 }
@@ -267,7 +264,7 @@ impl JointMetrics {
 impl Errors {
     /// The error of a value, relative to it. A value without a measured error may exceed any limit.
     fn of_value(&self, value: &LimitedValue) -> f64 {
-        let limit = QUANTITIES.iter().filter_map(|own| own.limit).find(|own| own.key == value.key);
+        let limit = JointQuantity::of_limit(value.key).and_then(|own| own.limit);
         match limit.map_or(f64::INFINITY, |limit| (limit.error)(self)) {
             0.0 => 0.0,
             error => (error / value.found).min(f64::MAX),

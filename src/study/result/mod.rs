@@ -7,17 +7,17 @@ mod fit;
 mod limits;
 mod metrics;
 mod modes;
-mod noticed;
 mod peak;
 mod quantities;
-mod recording;
 mod remark;
 mod stored;
 mod tip_error;
 mod torque_table;
-mod value_errors;
 
-pub use channels::{ChannelComparison, ChannelFit, Comparison, ComparisonError, NoFit};
+pub use channels::{
+    ChannelComparison, ChannelFit, ChannelRecording, Comparison, ComparisonError, NoFit,
+    SimulatedChannel,
+};
 pub use errors::{BandMeshError, CoarseMesh, Refined, mesh_errors};
 pub use fit::{Along, Fit, FitError, FitProblem, OpenMotion, shortest_fit};
 pub use limits::{Check, Exceeded, LimitedValue, Limits, Reached, reached};
@@ -26,7 +26,6 @@ pub use modes::{LinkZeros, ModesResult, Setting};
 pub use peak::Peak;
 pub(crate) use quantities::by_name;
 pub use quantities::{JointQuantity, QUANTITIES, Shown, Unit};
-pub use recording::{ChannelRecording, SimulatedChannel};
 pub use remark::Remark;
 pub use stored::{
     LineDifference, Notice, Origin, Repeated, RepeatedFile, StoredArc, StoredInput, StoredJoint,

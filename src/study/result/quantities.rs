@@ -1,10 +1,11 @@
 //! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read.
-//! Two lists choose from it: figures of limited histories in `page/joint.rs`, and columns of played sweeps in
-//! `study/sweep/columns.rs`.
+
+use serde_json::{Map, Value};
 
 use super::metrics::{JointMetrics, PlayedJoint};
-use super::value_errors::Errors;
-use crate::numeric::Dimension;
+use super::peak::Peak;
+use crate::inverse::{MotorHistories, QuantityErrors, Solution};
+use crate::numeric::{Dimension, largest};
 use crate::text::{instant, significant};
 
 /// A number of each joint, its link or its motor.
@@ -26,8 +27,8 @@ pub struct JointQuantity {
     pub shown: Option<Shown>,
     /// Reads the number of a solution; `None` for a motion without it.
     pub of: fn(&JointMetrics) -> Option<f64>,
-    /// Reads the number of a simulation.
-    pub of_played: fn(&PlayedJoint) -> Option<f64>,
+    /// Reads the number of a simulation, if simulations have it.
+    pub of_played: Option<fn(&PlayedJoint) -> Option<f64>>,
 }
 
 /// A limited quantity: its key in the link file, and the error of its value in its unit.
@@ -149,8 +150,8 @@ const fn of_joint(
     unit: Unit,
     of: fn(&JointMetrics) -> Option<f64>,
 ) -> JointQuantity {
-    let of_played: fn(&PlayedJoint) -> Option<f64> = |_| None;
-    let (is_of_motor, is_swept, what, limit, shown) = (false, true, "", None, None);
+    let (is_of_motor, is_swept, what, limit, shown, of_played) =
+        (false, true, "", None, None, None);
     JointQuantity { name, unit, what, is_of_motor, is_swept, limit, shown, of, of_played }
 }
 
@@ -180,7 +181,7 @@ impl JointQuantity {
     }
 
     const fn played(self, of_played: fn(&PlayedJoint) -> Option<f64>) -> Self {
-        Self { of_played, ..self }
+        Self { of_played: Some(of_played), ..self }
     }
 
     const fn not_swept(self) -> Self {
@@ -197,6 +198,16 @@ impl JointQuantity {
         QUANTITIES.iter().filter_map(|own| Some((own.limit_key()?, own)))
     }
 
+    /// The quantity with this limit.
+    pub fn of_limit(key: &str) -> Option<&'static Self> {
+        QUANTITIES.iter().find(|own| own.limit_key() == Some(key))
+    }
+
+    /// The number of a joint in a simulation; `None` for a simulation without it.
+    pub fn played_by(&self, joint: &PlayedJoint) -> Option<f64> {
+        self.of_played.and_then(|of| of(joint))
+    }
+
     /// Its column in a sweep, for a joint with its number from 1: `peak_torque2_n_m`.
     pub fn column(&self, joint: Option<usize>) -> String {
         let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
@@ -204,17 +215,74 @@ impl JointQuantity {
     }
 }
 
-/// The numbers that `of` reads, by the keys of summary.json; a motion lacks some.
-pub(crate) fn by_name(
-    of: impl Fn(&JointQuantity) -> Option<f64>,
-) -> impl Iterator<Item = (String, serde_json::Value)> {
-    QUANTITIES.iter().filter_map(move |own| Some((own.column(None), of(own)?.into())))
+/// The numbers of a joint by the keys of summary.json; `of` reads each number that there is, which may be null.
+pub(crate) fn by_name(of: impl Fn(&JointQuantity) -> Option<Value>) -> Map<String, Value> {
+    QUANTITIES.iter().filter_map(|own| Some((own.column(None), of(own)?))).collect()
 }
 
-impl JointMetrics {
-    /// The numbers by the keys of summary.json; null for a motion without the number.
-    pub fn by_name(&self) -> serde_json::Map<String, serde_json::Value> {
-        let quantities = QUANTITIES.iter().filter(|own| self.motor.is_some() || !own.is_of_motor);
-        quantities.map(|own| (own.column(None), (own.of)(self).into())).collect()
+/// Measured errors of the values of a joint that have limits, in the units of the values.
+///
+/// A root mean square has the error of the peak. Power has the errors of torque and rate, deflection that of the hub angle,
+/// the root's moment that of the torque.
+pub(super) struct Errors {
+    pub(super) torque_n_m: f64,
+    pub(super) rate_rad_s: f64,
+    pub(super) power_w: f64,
+    /// Error of the hub angle times the length.
+    pub(super) deflection_m: f64,
+    pub(super) moment_n_m: f64,
+    pub(super) motor_torque_n_m: f64,
+    pub(super) motor_rate_rad_s: f64,
+    pub(super) motor_power_w: f64,
+}
+
+impl Errors {
+    pub(super) fn of(solution: &Solution, number: usize, metrics: &JointMetrics) -> Self {
+        let (joint, has_weight) = (&solution.joints[number], solution.arm.has_weight());
+        let errors = joint.errors.of_kind(all_kinds);
+        // With gravity errors are shares of ranges.
+        let per_peak = |error: f64, history: &[f64]| {
+            if has_weight { error * solution.size_of(history) / largest(history) } else { error }
+        };
+        let of_motor = |error: Option<f64>, history: fn(&MotorHistories) -> &Vec<f64>| {
+            let history = joint.motor.as_ref().map(history);
+            error.zip(history).map_or(0.0, |(error, history)| per_peak(error, history))
+        };
+        let turned_rad = if has_weight {
+            solution.size_of(solution.followed_rad(number))
+        } else {
+            metrics.peak_hub_angle_rad.value
+        };
+        let (torque, rate) = (
+            per_peak(errors.torque, &joint.torque_n_m),
+            per_peak(errors.hub_rate, &joint.rate_rad_s),
+        );
+        let motor_torque = of_motor(errors.motor_torque, |motor| &motor.torque_n_m);
+        let motor_rate = of_motor(errors.motor_rate, |motor| &motor.rate_rad_s);
+        let peaks = |peak: [Peak; 2]| peak.map(|peak| peak.value);
+        let [peak_n_m, peak_rad_s] = peaks([metrics.peak_torque_n_m, metrics.peak_hub_rate_rad_s]);
+        let motor =
+            metrics.motor.map(|motor| peaks([motor.peak_torque_n_m, motor.peak_rate_rad_s]));
+        let [motor_n_m, motor_rad_s] = motor.unwrap_or_default();
+        Self {
+            torque_n_m: torque * peak_n_m,
+            rate_rad_s: rate * peak_rad_s,
+            power_w: (torque + rate) * (peak_n_m * peak_rad_s),
+            deflection_m: errors.hub_angle
+                * (solution.links[number].link().length_m() * turned_rad),
+            moment_n_m: torque * peak_n_m.max(metrics.peak_root_moment_n_m.value),
+            motor_torque_n_m: motor_torque * motor_n_m,
+            motor_rate_rad_s: motor_rate * motor_rad_s,
+            motor_power_w: (motor_torque + motor_rate) * (motor_n_m * motor_rad_s),
+        }
     }
+}
+
+/// Sum of all errors of a quantity except that of the model, which is shown beside it.
+fn all_kinds(errors: QuantityErrors) -> f64 {
+    let QuantityErrors { mesh, window, step, iteration, modes, input, model: _ } = errors;
+    [step, iteration, modes, input]
+        .into_iter()
+        .flatten()
+        .fold(mesh + window, |sum, error| sum + error)
 }

@@ -12,7 +12,7 @@ use super::tip_error::{LateTarget, StoredTarget};
 use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::elastica::SecondOrder;
-use crate::inverse::{MotorHistories, SolutionWarning};
+use crate::inverse::SolutionWarning;
 use crate::link::Link;
 use crate::modal::ThickLink;
 use crate::motion::{Prescribed, TipMotionHistories};
@@ -163,12 +163,6 @@ pub struct StoredMotor {
     pub torque_n_m: Vec<f64>,
     /// Rate of the rotor in rad/s.
     pub rate_rad_s: Vec<f64>,
-}
-
-impl From<&MotorHistories> for StoredMotor {
-    fn from(motor: &MotorHistories) -> Self {
-        Self { torque_n_m: motor.torque_n_m.clone(), rate_rad_s: motor.rate_rad_s.clone() }
-    }
 }
 
 /// A quantity at some nodes over time.

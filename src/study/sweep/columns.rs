@@ -6,7 +6,7 @@ use crate::inverse::Solution;
 use crate::link::Link;
 use crate::modal::torque_zeros;
 use crate::response::{Played, PlayedLink, ResidualVibration};
-use crate::result::{JointQuantity, Metrics, PlayedJoint, PlayedMetrics, QUANTITIES, TipError};
+use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
 
 /// A case with a computed torque.
 #[derive(Clone, Copy)]
@@ -41,7 +41,6 @@ pub struct PlayedCase<'a> {
 
 /// A column and the number that it shows of a case, where it has one.
 type Solved = (&'static str, fn(&SolvedCase<'_>) -> Option<f64>);
-type OfJoint = (&'static str, &'static str, fn(&PlayedJoint) -> f64);
 type OfPlayed = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 
 /// The columns of a link before those of its hub; an arm has the last.
@@ -59,7 +58,8 @@ const AFTER: [Solved; 6] = [
     ("tip_model_error", |case| case.solution.tip_model_error),
 ];
 
-const PLAYED: [OfPlayed; 16] = [
+/// The columns of a link with a played torque before those of its hub.
+const PLAYED: [OfPlayed; 11] = [
     ("period_1_s", |case| {
         case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
     }),
@@ -76,20 +76,15 @@ const PLAYED: [OfPlayed; 16] = [
     ("residual_share", |case| residual(case).map(|left| left.share)),
     ("residual_frequency_hz", |case| residual(case)?.frequency_hz),
     ("residual_decay_s", |case| residual(case)?.decay_s),
-    ("peak_hub_rate_rad_s", |case| Some(case.metrics.hub().peak_hub_rate_rad_s.value)),
-    ("peak_power_w", |case| Some(case.metrics.hub().peak_power_w.value)),
-    ("peak_deflection_m", |case| case.metrics.hub().peak_deflection_m.map(|peak| peak.value)),
+];
+/// Those after its hub's.
+const AFTER_PLAYED: [OfPlayed; 2] = [
     ("tip_model_error", |case| Some(case.simulation.modes()?.model_error.tip)),
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),
 ];
 
-/// The columns of an arm with played torques: its zero and its tip, and the quantities of each joint.
+/// The columns of an arm with played torques before those of its joints: its zero and its tip.
 const OF_TIP: std::ops::Range<usize> = 1..7;
-const OF_PLAYED_JOINT: [OfJoint; 3] = [
-    ("peak_torque", "_n_m", |joint| joint.peak_torque_n_m.value),
-    ("peak_hub_rate", "_rad_s", |joint| joint.peak_hub_rate_rad_s.value),
-    ("peak_power", "_w", |joint| joint.peak_power_w.value),
-];
 
 /// The columns of an arm after those of its joints; errors are the worst of all joints.
 const AFTER_JOINTS: [Solved; 5] = [
@@ -135,7 +130,8 @@ pub type CaseNumbers = Vec<Option<f64>>;
 
 /// A column of a sweep: of a whole case, or of a joint by its index.
 enum Column {
-    Whole(Solved),
+    Solved(Solved),
+    Played(OfPlayed),
     Joint(usize, &'static JointQuantity),
 }
 
@@ -146,60 +142,63 @@ impl SweepKind {
         Self::Solved { joints: links.len(), is_driven }
     }
 
-    /// The columns of solved cases.
-    fn solved_columns(joints: usize, is_driven: bool) -> Vec<Column> {
+    fn columns(self) -> Vec<Column> {
+        let (joints, is_driven) = match self {
+            Self::Solved { joints, is_driven } => (joints, is_driven),
+            Self::Played { joints } => return Self::played_columns(joints),
+        };
         let of_joint =
             |joint, is_of_motor| swept(is_of_motor).map(move |own| Column::Joint(joint, own));
         let motor = |joint| of_joint(joint, true).filter(move |_| is_driven);
         if joints == 1 {
-            let before = BEFORE.into_iter().map(Column::Whole).chain(of_joint(0, false));
-            return before.chain(AFTER.into_iter().map(Column::Whole)).chain(motor(0)).collect();
+            let before = BEFORE.into_iter().map(Column::Solved).chain(of_joint(0, false));
+            return before.chain(AFTER.into_iter().map(Column::Solved)).chain(motor(0)).collect();
         }
         let of_joints = (0..joints).flat_map(|joint| of_joint(joint, false).chain(motor(joint)));
-        let before = BEFORE.into_iter().skip(1).map(Column::Whole).chain(of_joints);
-        before.chain(AFTER_JOINTS.into_iter().map(Column::Whole)).collect()
+        let before = BEFORE.into_iter().skip(1).map(Column::Solved).chain(of_joints);
+        before.chain(AFTER_JOINTS.into_iter().map(Column::Solved)).collect()
+    }
+
+    /// All cases of a link play the same torque; simulations of arms have no deflection.
+    fn played_columns(joints: usize) -> Vec<Column> {
+        let (before, after, absent) = match joints {
+            1 => (&PLAYED[..], &AFTER_PLAYED[..], "peak_torque"),
+            _ => (&PLAYED[OF_TIP], &[][..], "peak_deflection"),
+        };
+        let is_played = |own: &&JointQuantity| own.of_played.is_some() && own.name != absent;
+        let of_joint =
+            |joint| swept(false).filter(is_played).map(move |own| Column::Joint(joint, own));
+        let whole = |columns: &'static [OfPlayed]| columns.iter().copied().map(Column::Played);
+        whole(before).chain((0..joints).flat_map(of_joint)).chain(whole(after)).collect()
     }
 
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
-        let (joints, is_driven) = match self {
-            Self::Solved { joints, is_driven } => (joints, is_driven),
-            Self::Played { joints: 1 } => return PLAYED.map(|(name, _)| name.to_owned()).into(),
-            Self::Played { joints } => {
-                let of_tip = PLAYED[OF_TIP].iter().map(|(name, _)| (*name).to_owned());
-                let of_joint = |joint| {
-                    let each = OF_PLAYED_JOINT.into_iter();
-                    each.map(move |(name, unit, _)| format!("{name}{joint}{unit}"))
-                };
-                return of_tip.chain((1..=joints).flat_map(of_joint)).collect();
-            }
-        };
+        let (Self::Solved { joints, .. } | Self::Played { joints }) = self;
         let name = |column| match column {
-            Column::Whole((name, _)) => name.to_owned(),
+            Column::Solved((name, _)) | Column::Played((name, _)) => name.to_owned(),
             Column::Joint(joint, own) => own.column((joints > 1).then_some(joint + 1)),
         };
-        Self::solved_columns(joints, is_driven).into_iter().map(name).collect()
+        self.columns().into_iter().map(name).collect()
     }
 
     /// The numbers of a solved case. A sweep that plays has none here.
     pub fn solved(self, case: &SolvedCase) -> CaseNumbers {
-        let Self::Solved { joints, is_driven } = self else { return Vec::new() };
         let number = |column| match column {
-            Column::Whole((_, of)) => of(case),
+            Column::Solved((_, of)) => of(case),
+            Column::Played(_) => None,
             Column::Joint(joint, own) => case.metrics.joints.get(joint).and_then(own.of),
         };
-        Self::solved_columns(joints, is_driven).into_iter().map(number).collect()
+        self.columns().into_iter().map(number).collect()
     }
 
     /// Numbers of a case with played torques.
     pub fn played(self, case: &PlayedCase) -> CaseNumbers {
-        let joints = &case.metrics.joints;
-        if joints.len() == 1 {
-            return PLAYED.iter().map(|(_, of)| of(case)).collect();
-        }
-        let of_joint =
-            |joint: &PlayedJoint| OF_PLAYED_JOINT.map(|(_, _, of)| Some(of(joint))).into_iter();
-        let of_tip = PLAYED[OF_TIP].iter().map(|(_, of)| of(case));
-        of_tip.chain(joints.iter().flat_map(of_joint)).collect()
+        let number = |column| match column {
+            Column::Solved(_) => None,
+            Column::Played((_, of)) => of(case),
+            Column::Joint(joint, own) => own.played_by(case.metrics.joints.get(joint)?),
+        };
+        self.columns().into_iter().map(number).collect()
     }
 }

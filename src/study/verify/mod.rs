@@ -1,11 +1,10 @@
 //! Checks every approximation of a solution by other means, in the order of their display.
 
-mod answer;
 mod check;
 mod playback;
 mod table;
 
-pub use answer::{Answer, VerificationError};
+pub use check::{Answer, VerificationError};
 pub use table::{TableError, table_error};
 
 use std::error::Error;

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use super::answer::{Answer, Unplayed, VerificationError};
+use super::check::{Answer, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
 use crate::inverse::{Resources, Solution, invert_motion, size};
 use crate::link::{Damping, Link, LinkParts};

@@ -1,6 +1,6 @@
 //! The error of the tip under a table of torques.
 
-use super::answer::VerificationError;
+use super::check::VerificationError;
 use super::playback::{simulated, wanted_tip};
 use crate::beam::MeshPlan;
 use crate::inverse::Solution;

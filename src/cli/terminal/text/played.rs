@@ -1,5 +1,8 @@
 //! Summary from `simulate`.
 
+use super::lines::{
+    LABEL, damping_line, four, gravity_line, joint_line, labelled, link_line, size_line, turned,
+};
 use crate::link::{Arm, ArmLink, Damping, Link};
 use crate::numeric::{TimeGrid, largest};
 use crate::response::{
@@ -8,16 +11,13 @@ use crate::response::{
 use crate::result::{
     ChannelComparison, Comparison, FollowedTarget, NoFit, PlayedJoint, PlayedMetrics,
 };
-use crate::store::PlayedRun;
+use crate::store::{PlayedRun, Simulated};
 use crate::text::{instant, plain, significant};
-
-use super::arm::{gravity_line, size_line};
-use super::layout::LABEL;
-use super::runs::{damping_line, four, joint_line, labelled, link_line, turned};
 
 /// The summary of a simulation; `written` names its files.
 pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
-    let PlayedRun { arm, play, played, metrics, .. } = *run;
+    let PlayedRun { arm, play, result, .. } = *run;
+    let Simulated { played, metrics, comparison, .. } = result;
     let (size, damping, gravity) = match arm.links() {
         [ArmLink { link, .. }] => (
             ("link", link_line(link, played.mesh())),
@@ -41,21 +41,21 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
     let after = [
         ("after", residual_line(played)),
         ("decay", decay_line(played, play)),
-        ("error", tip_error_line(run)),
-        ("errors", simulation_errors(run)),
+        ("error", tip_error_line(result)),
+        ("errors", simulation_errors(result, play)),
         ("model", model_line(played)),
-        ("measured", run.comparison.map(measured_text).unwrap_or_default()),
+        ("measured", comparison.as_ref().map(measured_text).unwrap_or_default()),
         ("written", written),
     ];
     let own = |(label, line): (&str, String)| (label.to_owned(), line);
     let lines = before.map(own).into_iter().chain(joints).chain(after.map(own));
-    labelled(run.arm.title(), lines)
+    labelled(arm.title(), lines)
 }
 
 /// The lines of a hub, or the numbered ones of an arm's joint, which a torque holds at the start if it `is_held`.
 fn joint_lines(joint: &PlayedJoint, is_held: bool) -> Vec<(String, String)> {
     let line =
-        |label, start: &str| joint_line(label, start, joint.joint, |own| (own.of_played)(joint));
+        |label, start: &str| joint_line(label, start, joint.joint, |own| own.played_by(joint));
     let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
     let Some(number) = joint.joint else {
         let lines = [("hub", line("hub", &turns)), ("bending", line("bending", ""))];
@@ -279,8 +279,10 @@ fn decay_line(played: &Played, play: &Play<'_>) -> String {
 }
 
 /// The errors of the simulation itself.
-fn simulation_errors(run: &PlayedRun<'_>) -> String {
-    let PlayedRun { error, played, play, metrics, .. } = *run;
+fn simulation_errors(
+    Simulated { error, played, metrics, .. }: &Simulated,
+    play: &Play<'_>,
+) -> String {
     if metrics.joints.len() > 1 {
         let [tip_m, joint_rad] = played.change();
         let [tip, joint, energy] =
@@ -289,7 +291,7 @@ fn simulation_errors(run: &PlayedRun<'_>) -> String {
             "tip {tip} m, joints {joint} rad (half the step, finer polynomials);\n         energy {energy} of the largest"
         );
     }
-    let measured = error.map(|PlayError { tip, hub_angle }| match (&played.by, play.input) {
+    let measured = error.as_ref().map(|PlayError { tip, hub_angle }| match (&played.by, play.input) {
         (PlayedBy::Elastica(_), _) => {
             format!(
                 "refinement {tip:.1e} of the tip's travel, {hub_angle:.1e} of the hub's peak angle"
@@ -313,8 +315,8 @@ fn model_line(played: &Played) -> String {
     format!("off by {tip:.1e} of the tip's travel, {deflection:.1e} of the peak deflection")
 }
 
-fn tip_error_line(run: &PlayedRun<'_>) -> String {
-    let Some(FollowedTarget { tip_error: error, .. }) = run.target else { return String::new() };
+fn tip_error_line(run: &Simulated) -> String {
+    let Some(FollowedTarget { tip_error: error, .. }) = &run.target else { return String::new() };
     let worst = significant(error.worst_m, 4);
     let (time, share) = (instant(error.time_s, 3), significant(error.share, 3));
     format!("tip strays by up to {worst} m at {time} s, {share} of its travel")

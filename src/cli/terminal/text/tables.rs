@@ -2,14 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use super::lines::{four, gravity_line, link_line, size_line, title};
 use crate::link::Arm;
 use crate::response::SettledModes;
 use crate::result::{Check, Fit, LimitedValue, LinkZeros, ModesResult, Reached, Setting};
 use crate::text::{digits_beyond, given, significant};
 use crate::verify::Verification;
-
-use super::arm::{gravity_line, size_line};
-use super::runs::{four, link_line, title};
 
 /// Modes of a link or an arm with free and with held joints, and zeros of its links.
 pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {

@@ -1,29 +1,95 @@
-//! The summary of a link by `solve`, and its lines for arms and `simulate`.
+//! The summary that `solve` prints.
 
 use std::f64::consts::TAU;
-use std::fmt::{Display, Write as _};
 
-use crate::beam::Mesh;
 use crate::elastica::{Iteration, SecondOrder};
 use crate::inverse::{Quantity, QuantityErrors, Solution};
-use crate::link::{Damping, Link};
-use crate::modal::{DampingLaw, REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::{Ends, TipMotion};
-use crate::numeric::ThinnedGrid;
-use crate::result::{JointMetrics, JointQuantity, Metrics, Peak, QUANTITIES};
-use crate::text::{gigabytes, instant, plain, significant, visible};
+use crate::link::Link;
+use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
+use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
+use crate::result::{JointMetrics, Metrics};
+use crate::text::{instant, plain, significant, visible};
 
-use super::layout::{COLUMNS, LABEL, in_columns, wrapped};
+use super::lines::{
+    COLUMNS, LABEL, damping_line, four, gravity_line, in_columns, joint_line, labelled, link_line,
+    list, size_line, turned, wrapped,
+};
 
-/// Note about memory before its allocation.
-pub(crate) fn memory_text(bytes: usize, blocks: usize) -> String {
-    let gigabytes = gigabytes(bytes);
-    let more = if blocks > 1 {
-        format!("; the rows are made in {blocks} blocks, each transformed anew")
-    } else {
-        String::new()
+/// The summary of a solution; `written` names its files.
+pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String) -> String {
+    let before = match &solution.motion {
+        Motion::Tip(motion) => link_lines((solution, motion), metrics),
+        Motion::Path(path) => arm_lines(solution, path),
     };
-    format!("the motion of the nodes takes about {gigabytes} of memory{more}")
+    let joints = metrics.joints.iter().flat_map(|joint| match joint.joint {
+        None => joint_lines(joint).map(|(label, line)| (label.to_owned(), line)).to_vec(),
+        Some(number) => vec![(numbered("joint", number), below_each_other(joint))],
+    });
+    let end = [("errors", solution_errors(solution)), ("written", written)];
+    let end = end.map(|(label, line)| (label.to_owned(), line));
+    labelled(solution.arm.title(), before.into_iter().chain(joints).chain(end))
+}
+
+fn numbered(what: &str, number: usize) -> String {
+    format!("{what} {}", number + 1)
+}
+
+/// The lines of an arm's joint. All but the motor's contain their subject.
+fn below_each_other(joint: &JointMetrics) -> String {
+    let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
+    let lines = lines.map(|(label, line)| match label {
+        "motor" => format!("motor {line}"),
+        _ => line,
+    });
+    lines.collect::<Vec<_>>().join(&format!("\n{:LABEL$}", ""))
+}
+
+fn arm_lines(solution: &Solution, path: &ArmPath) -> Vec<(String, String)> {
+    let arm = &solution.arm;
+    let links = (0..solution.links.len())
+        .map(|number| (numbered("link", number), arm_link_line(solution, number)));
+    let fallback = solution.second_order.and_then(|terms| terms.fallback);
+    let fallback = fallback.map_or("", |_| "; all terms do not converge");
+    let motion = [
+        ("gravity", gravity_line(arm)),
+        ("path", path_line(solution, path)),
+        ("order", order_line(solution) + fallback),
+    ];
+    let motion = motion.map(|(label, line)| (label.to_owned(), line));
+    [("arm".to_owned(), size_line(arm))].into_iter().chain(links).chain(motion).collect()
+}
+
+fn arm_link_line(solution: &Solution, number: usize) -> String {
+    let own = &solution.arm.links()[number];
+    let elements = solution.links[number].mesh().elements().len();
+    let name = own.name.as_deref().map(|name| format!("{}, ", visible(name))).unwrap_or_default();
+    let [length, mass] = four([own.link.length_m(), own.link.mass_kg()]);
+    let damping = match own.link.damping().name() {
+        "none" => "no",
+        name => name,
+    };
+    format!("{name}{length} m, {mass} kg, {elements} elements, {damping} damping")
+}
+
+fn path_line(solution: &Solution, path: &ArmPath) -> String {
+    let grid = path.grid();
+    let what = match path.prescribed() {
+        Prescribed::Tip => "of the tip",
+        Prescribed::Angles => "as angles of the links",
+    };
+    let [step, travel, period] =
+        four([grid.step_s, solution.tip_travel_m(), grid.len as f64 * grid.step_s]);
+    let times = match path.ends() {
+        Ends::Periodic => format!("one cycle of {period} s"),
+        _ => {
+            let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
+            format!("{from} … {to} s")
+        }
+    };
+    let cutoff = solution.band.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
+        format!("up to {} Hz", significant(hertz, 4))
+    });
+    format!("{what}, {times} at {step} s; the tip moves by {travel} m;\n         {cutoff}")
 }
 
 /// The lines of a link's solution before those of its hub.
@@ -36,7 +102,7 @@ pub(super) fn link_lines(
     let lines = [
         ("link", link_line(link, solution.links[0].mesh())),
         ("damping", damping_line(link, law, &frequencies)),
-        ("gravity", gravity_line(solution)),
+        ("gravity", gravity_of_link(solution)),
         ("order", order_line(solution)),
         ("modes", modes_line(link, &frequencies, &solution.links[0].zeros_per_s(REPORTED_ZEROS))),
         ("motion", motion_line((solution, motion), metrics)),
@@ -57,80 +123,8 @@ pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
     ]
 }
 
-/// The line of a label after its `start`, with all quantities that are shown there; empty without numbers.
-pub(super) fn joint_line(
-    label: &str,
-    start: &str,
-    joint: Option<usize>,
-    of: impl Fn(&JointQuantity) -> Option<f64>,
-) -> String {
-    let whole = if joint.is_some() { "arm" } else { "link" };
-    let part = |own: &JointQuantity| {
-        let shown = own.shown.filter(|shown| shown.line == label)?;
-        let number = (shown.number)(of(own)?);
-        Some(shown.text.replace("{link}", whole).replace("{}", &number))
-    };
-    let mut parts: Vec<String> = QUANTITIES.iter().filter_map(part).collect();
-    // The part that opens the line has no separator.
-    parts.sort_by_key(|part| part.starts_with([',', ';', ' ']));
-    let text = start.to_owned() + &parts.concat();
-    wrapped(text.split(", ").map(str::to_owned), "")
-}
-
-/// A title, then a line for each label with content.
-pub(super) fn labelled<L: Display>(
-    titled: &str,
-    lines: impl IntoIterator<Item = (L, String)>,
-) -> String {
-    let mut text = title(titled);
-    for (label, content) in lines.into_iter().filter(|(_, content)| !content.is_empty()) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{label:<8} {content}");
-    }
-    text
-}
-
-/// The title of a link or an arm on a separate line, if it has one.
-pub(super) fn title(title: &str) -> String {
-    if title.is_empty() { String::new() } else { format!("{}\n", visible(title)) }
-}
-
-/// Each number with four significant digits.
-pub(super) fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
-    numbers.map(|number| significant(number, 4))
-}
-
-/// Length, mesh and rigid inertia.
-pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
-    let [length, inertia] = four([link.length_m(), link.rigid_inertia_kg_m2()]);
-    let elements = mesh.elements().len();
-    format!("{length} m, {elements} elements, rigid inertia {inertia} kg m²")
-}
-
-/// The damping law in words, and the damping ratios of the modes if they differ.
-pub(super) fn damping_line(link: &Link, law: &DampingLaw, frequencies_rad_s: &[f64]) -> String {
-    let own = match (link.damping(), law) {
-        (Damping::None | Damping::Hysteretic { ratio: 0.0 }, _) => "none".into(),
-        (_, DampingLaw::Rayleigh { alpha_per_s, beta_s }) => {
-            let [alpha, beta] = [*alpha_per_s, *beta_s].map(|number| significant(number, 3));
-            let alpha =
-                if *alpha_per_s == 0.0 { String::new() } else { format!(", alpha {alpha} 1/s") };
-            format!("rayleigh{alpha}, beta {beta} s")
-        }
-        (Damping::Hysteretic { ratio }, _) => format!("hysteretic, ratio {ratio}"),
-        (Damping::Modal { ratios }, _) if ratios.len() == 1 => {
-            format!("modal, ratio {}", ratios[0])
-        }
-        (damping, _) => format!("{}, all modes of the mesh", damping.name()),
-    };
-    let ratios = law.modal_ratios(frequencies_rad_s);
-    let are_one = ratios.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
-    let ratios = (!are_one).then(|| format!("ratios {}", list(&ratios, 2)));
-    wrapped(std::iter::once(own).chain(ratios), "")
-}
-
 /// Gravity, and the direction of the link at tip displacement 0.
-fn gravity_line(solution: &Solution) -> String {
+fn gravity_of_link(solution: &Solution) -> String {
     let Some(gravity) = solution.links[0].link().gravity() else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
     let start_rad = solution.hub().rigid_angle_rad[0];
@@ -178,11 +172,6 @@ fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> St
     };
     let fits = |line: &String| LABEL + line.chars().count() <= COLUMNS;
     (2..=REPORTED_MODES).rev().map(first).find(fits).unwrap_or_else(|| first(1))
-}
-
-/// Several numbers with `digits` significant digits each.
-fn list(values: &[f64], digits: usize) -> String {
-    values.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(" ")
 }
 
 /// Velocity over its peak below which it is shown as rest.
@@ -258,14 +247,6 @@ fn timing_line((lead_s, lag_s): (f64, f64)) -> String {
     format!("starts {start} s {begins} the motion begins, ends {end} s {ends} it ends")
 }
 
-/// Angle that a hub turns, or start and end angle of an arm's joint.
-pub(super) fn turned(end_angles_rad: Option<[f64; 2]>, peak_rad: Peak) -> String {
-    match end_angles_rad.map(four) {
-        Some([from, to]) => format!("turns from {from} to {to} rad"),
-        None => format!("turns by up to {} rad", significant(peak_rad.value, 4)),
-    }
-}
-
 /// One kind of error of a quantity, if measured.
 type Kind = fn(QuantityErrors) -> Option<f64>;
 
@@ -317,12 +298,6 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
     in_columns(tip.into_iter().chain(worst).chain(model).chain(tip_model), of)
 }
 
-/// Number of written rows, and the times of the first and the last.
-pub(crate) fn rows_text(rows: &ThinnedGrid) -> String {
-    let [start, end] = [0, rows.len().saturating_sub(1)].map(|row| instant(rows.time_s(row), 4));
-    format!("{} rows, {start} … {end} s", rows.len())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -345,13 +320,5 @@ mod tests {
             assert_eq!(timing_line(times_s), text);
             assert!(LABEL + text.chars().count() <= COLUMNS, "{text}");
         }
-    }
-
-    #[test]
-    fn much_memory_is_told_with_what_becomes_slower() {
-        let one = "the motion of the nodes takes about 0.54 GB of memory";
-        assert_eq!(memory_text(540_000_000, 1), one);
-        let many = "about 1.1 GB of memory; the rows are made in 3 blocks, each transformed anew";
-        assert!(memory_text(1_100_000_000, 3).ends_with(many));
     }
 }
