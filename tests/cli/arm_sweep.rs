@@ -1,24 +1,16 @@
 //! `sweep` of arms: rows as `solve` has them, scaled times, cases that fail, shards, refusals.
 
-use std::process::Output;
-
 use super::arms::bench;
-use super::sweep::rows;
-use super::{Bench, stderr, succeeded};
+use super::{Bench, number};
 
-/// `sweep` of the line of the arm in these tests.
-fn sweep(bench: &Bench, options: &[&str]) -> Output {
-    bench.run(&[&["sweep", "arm.toml", "path.csv"], options].concat())
+#[track_caller]
+fn swept(bench: &Bench, options: &str) {
+    bench.done(&format!("sweep arm.toml path.csv {options}"));
 }
 
 #[track_caller]
-fn swept(bench: &Bench, options: &[&str]) -> Output {
-    succeeded(sweep(bench, options))
-}
-
-#[track_caller]
-fn solve(bench: &Bench, options: &[&str]) {
-    bench.done(&[&["solve", "arm.toml"], options].concat());
+fn solve(bench: &Bench, options: &str) {
+    bench.done(&format!("solve arm.toml {options}"));
 }
 
 /// Where summary.json has the number of a column of joints, `peak_torque2_n_m`: the number of the joint from 0,
@@ -72,9 +64,8 @@ fn assert_row(bench: &Bench, names: &[String], row: &[String], tolerance: f64) {
 #[test]
 fn every_row_of_an_arm_holds_what_solve_finds_for_its_values() {
     let bench = bench();
-    let vary = ["--vary", "links.*.segments.*.EI*=0.5,1,2", "--outputs", "all", "--every", "5"];
-    swept(&bench, &vary);
-    let rows = rows(&bench, "sweep.csv");
+    swept(&bench, "--vary links.*.segments.*.EI*=0.5,1,2 --outputs all --every 5");
+    let rows = bench.rows("sweep.csv");
     let header = rows[0].join(",");
     let first = "links.*.segments.*.EI*,zero_1_per_s,peak_torque1_n_m,rms_torque1_n_m,\
                  peak_rigid_torque1_n_m,torque_ratio1,lead1_s,lag1_s,peak_hub_rate1_rad_s,\
@@ -85,8 +76,7 @@ fn every_row_of_an_arm_holds_what_solve_finds_for_its_values() {
     assert!(header.starts_with(first) && header.ends_with(last), "{header}");
     assert_eq!(rows.len(), 4);
     for (number, row) in rows.iter().enumerate().skip(1) {
-        let set = format!("{}={}", rows[0][0], row[0]);
-        solve(&bench, &["path.csv", "--set", &set, "--every", "5"]);
+        solve(&bench, &format!("path.csv --set {}={} --every 5", rows[0][0], row[0]));
         // Twelve digits are written.
         assert_row(&bench, &rows[0], row, 1e-11);
         assert!(row[row.len() - 2].starts_with("limit_exceeded:joint1.torque"), "{row:?}");
@@ -98,23 +88,20 @@ fn every_row_of_an_arm_holds_what_solve_finds_for_its_values() {
 #[test]
 fn a_factor_on_the_duration_is_a_path_with_scaled_times() {
     let bench = bench();
-    swept(&bench, &["--vary", "duration*=1,1.25", "--outputs", "all"]);
-    let rows = rows(&bench, "sweep.csv");
-    let scaled =
-        bench.read("path.csv").lines().skip(1).fold("time,x,y\n".to_owned(), |text, row| {
-            let (time, place) = row.split_once(',').unwrap();
-            format!("{text}{:.5},{place}\n", 1.25 * time.parse::<f64>().unwrap())
-        });
-    bench.write("slow.csv", &scaled);
-    solve(&bench, &["slow.csv"]);
+    swept(&bench, "--vary duration*=1,1.25 --outputs all");
+    let rows = bench.rows("sweep.csv");
+    bench.sampled("slow.csv", "time,x,y", 0..=500, |k| {
+        let [time, x, y] = super::arms::path(k);
+        [1.25 * time, x, y]
+    });
+    solve(&bench, "slow.csv");
     assert_row(&bench, &rows[0], &rows[2], 1e-6);
     let [fast, slow] = [1, 2].map(|row: usize| rows[row][8].parse::<f64>().unwrap());
     assert!(slow < 0.9 * fast, "{slow} {fast}");
-    let shared = ["--vary", "duration*=1", "--scale-duration", "1.25", "-o", "shared.csv"];
-    swept(&bench, &shared);
-    assert_eq!(self::rows(&bench, "shared.csv")[1][1..], rows[2][1..]);
+    swept(&bench, "--vary duration*=1 --scale-duration 1.25 -o shared.csv");
+    assert_eq!(bench.rows("shared.csv")[1][1..], rows[2][1..]);
     // The record of the case has what `solve` takes for it.
-    bench.done(&["solve", "--repeat", "all/2"]);
+    bench.done("solve --repeat all/2");
 }
 
 #[test]
@@ -122,17 +109,13 @@ fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
     let bench = bench();
     std::fs::create_dir(bench.path("in")).unwrap();
     std::fs::rename(bench.path("path.csv"), bench.path("in/path.csv")).unwrap();
-    let run = |options: &[&str]| {
-        let vary = "links.fore.segments.0.length=0.6,0.1,-1";
-        let arguments =
-            ["sweep", "arm.toml", "in/path.csv", "--vary", vary, "--vary", "duration*=1,-1"];
-        bench.done(&[&arguments, options].concat())
-    };
-    let output = run(&[]);
-    let told = "warning: 5 of 6 cases failed, the first is case 2: ";
-    assert!(stderr(&output).starts_with(told), "{}", stderr(&output));
-    let rows = rows(&bench, "sweep.csv");
-    let errors: Vec<&str> = rows[1..].iter().map(|row| row.last().unwrap().as_str()).collect();
+    let vary = "--vary links.fore.segments.0.length=0.6,0.1,-1 --vary duration*=1,-1";
+    let run = |more: &str| bench.told(&format!("sweep arm.toml in/path.csv {vary} {more}"));
+    let told = run("");
+    let begins = "warning: 5 of 6 cases failed, the first is case 2: ";
+    assert!(told.starts_with(begins), "{told}");
+    let rows = bench.rows("sweep.csv");
+    let errors = bench.cells("sweep.csv", "error");
     assert_eq!(errors[0], "");
     assert!(rows[1][2..].iter().filter(|field| field.is_empty()).count() == 5, "{:?}", rows[1]);
     assert!(errors[1].contains("above 0"), "{}", errors[1]);
@@ -141,79 +124,62 @@ fn a_case_of_an_arm_that_fails_says_why_and_shards_make_the_whole() {
     let short = "--vary 'links.fore.segments.0.length=-1': links.fore.segments.0.length = -1 m";
     assert!(errors[4].starts_with(short), "{}", errors[4]);
     assert!(rows[3][2..rows[3].len() - 1].iter().all(String::is_empty), "{:?}", rows[3]);
-    for shard in ["1/2", "2/2"] {
-        run(&["--shard", shard]);
-    }
-    let merge = ["sweep", "-o", "merged.csv", "--merge", "sweep-1-of-2.csv", "sweep-2-of-2.csv"];
-    bench.done(&merge);
+    run("--shard 1/2");
+    run("--shard 2/2");
+    bench.done("sweep -o merged.csv --merge sweep-1-of-2.csv sweep-2-of-2.csv");
     assert!(bench.read("merged.csv") == bench.read("sweep.csv"));
-    run(&["--shard", "1/2", "--resume"]);
+    run("--shard 1/2 --resume");
 }
 
 #[test]
 fn the_page_of_an_arms_sweep_has_a_figure_for_each_joint() {
     let bench = bench();
-    let stiffness = ["--vary", "links.*.segments.*.EI*=1,4"];
-    swept(&bench, &[&stiffness[..], &["--vary", "duration*=1,1.5"]].concat());
-    let done = |arguments: &[&str]| {
-        bench.done(arguments);
-    };
-    done(&["report", "sweep.csv", "-q", "--svg", "maps"]);
+    let stiffness = "--vary links.*.segments.*.EI*=1,4";
+    swept(&bench, &format!("{stiffness} --vary duration*=1,1.5"));
+    bench.done("report sweep.csv -q --svg maps");
     let topics = ["deflection", "lag", "lead", "peak-torque", "torque-ratio"];
     let of_joints = |topic: &&str| [1, 2].map(|joint| format!("{topic}-joint-{joint}.svg"));
     let expected: Vec<String> = topics.iter().flat_map(of_joints).collect();
     assert_eq!(bench.names("maps"), expected);
     assert!(bench.read("maps/lead-joint-2.svg").contains("Lead, joint 2, over two values"));
-    swept(&bench, &stiffness);
-    done(&["report", "sweep.csv", "-q", "--svg", "lines"]);
+    swept(&bench, stiffness);
+    bench.done("report sweep.csv -q --svg lines");
     // The last point of the second joint is the last row's.
-    let (svg, rows) = (bench.read("lines/peak-torque-joint-2.svg"), rows(&bench, "sweep.csv"));
-    let column = rows[0].iter().position(|name| name == "peak_torque2_n_m").unwrap();
-    let shown = super::report::points(&svg, "flexible");
-    let (peak, last) = (rows[2][column].parse::<f64>().unwrap(), shown.last().unwrap().1);
+    let svg = bench.read("lines/peak-torque-joint-2.svg");
+    let peak = bench.numbers("sweep.csv", "peak_torque2_n_m")[1];
+    let last = super::report::points(&svg, "flexible").last().unwrap().1;
     assert!((last - peak).abs() < 1e-3 * peak, "{last} {peak}");
     assert_eq!(super::report::points(&svg, "rigid").len(), 2);
-    bench.write(
-        "other.csv",
-        &bench.read("sweep.csv").replace("peak_torque2_n_m", "peak_torque3_n_m"),
-    );
-    bench.ends(3, &["report", "other.csv"]);
+    let other = bench.read("sweep.csv").replace("peak_torque2_n_m", "peak_torque3_n_m");
+    bench.write("other.csv", &other);
+    bench.ends(3, "report other.csv");
 }
 
 /// A factor on the distance is a path to a nearer end, and a path beyond the reach fails its case.
 #[test]
 fn a_factor_on_the_distance_is_a_path_about_its_start() {
     let bench = bench();
-    swept(&bench, &["--vary", "distance*=1,0.5,9"]);
-    let rows = rows(&bench, "sweep.csv");
-    solve(&bench, &["path.csv", "--scale-distance", "0.5"]);
+    swept(&bench, "--vary distance*=1,0.5,9");
+    let rows = bench.rows("sweep.csv");
+    solve(&bench, "path.csv --scale-distance 0.5");
     assert_row(&bench, &rows[0], &rows[2], 1e-9);
     assert!(rows[3].last().unwrap().contains("the arm does not reach"), "{:?}", rows[3]);
-    let text = bench.read("path.csv");
-    let numbers =
-        |line: &str| -> Vec<f64> { line.split(',').map(|x| x.parse().unwrap()).collect() };
-    let first = numbers(text.lines().nth(1).unwrap());
-    let halved = text.lines().skip(1).map(|line| {
-        let own = numbers(line);
-        let at = |axis: usize| 0.5 * (own[axis] + first[axis]);
-        format!("{},{},{}\n", own[0], at(1), at(2))
+    let [_, x_m, y_m] = super::arms::path(0.0);
+    bench.sampled("nearer.csv", "time,x,y", 0..=500, |k| {
+        let [time, x, y] = super::arms::path(k);
+        [time, 0.5 * (x + x_m), 0.5 * (y + y_m)]
     });
-    let nearer = "time,x,y\n".to_owned() + &halved.collect::<String>();
-    bench.write("nearer.csv", &nearer);
-    solve(&bench, &["nearer.csv"]);
+    solve(&bench, "nearer.csv");
     // Round-off moves the last digits of the errors.
-    let expected = bench.json("out/summary.json");
     for joint in [1, 2] {
-        let name = format!("peak_torque{joint}_n_m");
-        let at = rows[0].iter().position(|own| *own == name).unwrap();
-        let own: f64 = rows[2][at].parse().unwrap();
-        let peak = expected["results"]["joints"][joint - 1]["peak_torque_n_m"].as_f64().unwrap();
+        let own = bench.numbers("sweep.csv", &format!("peak_torque{joint}_n_m"))[1];
+        let peak = bench.number("out", &format!("results/joints/{}/peak_torque_n_m", joint - 1));
         assert!((own / peak - 1.0).abs() < 1e-6, "{own} {peak}");
     }
     // A factor of 1 is no option at all.
-    solve(&bench, &["path.csv"]);
+    solve(&bench, "path.csv");
     let torques = bench.read("out/torques.csv");
-    solve(&bench, &["path.csv", "--scale-distance", "1"]);
+    solve(&bench, "path.csv --scale-distance 1");
     assert_eq!(bench.read("out/torques.csv"), torques);
 }
 
@@ -221,30 +187,26 @@ fn a_factor_on_the_distance_is_a_path_about_its_start() {
 #[test]
 fn torques_played_on_cases_of_an_arm_miss_the_path_of_another_arm() {
     let bench = bench();
-    let flat = ["--set", "gravity=[0, 0]"];
-    solve(&bench, &[&["path.csv"], &flat[..]].concat());
-    let played = ["--torque", "out/torques.csv", "--vary", "links.fore.payload.mass*=1,1.2"];
-    swept(&bench, &[&played[..], &flat, &["--outputs", "cases"]].concat());
-    let rows = rows(&bench, "sweep.csv");
-    let at = |name: &str| rows[0].iter().position(|own| own == name).unwrap();
-    let number = |row: usize, name: &str| -> f64 { rows[row][at(name)].parse().unwrap() };
-    assert!(number(1, "tip_error_share") < 1e-5, "{:?}", rows[1]);
-    assert!(number(2, "tip_error_share") > 1e-2, "{:?}", rows[2]);
-    for (case, folder) in [(1, "cases/1"), (2, "cases/2")] {
-        let summary = bench.json(&format!("{folder}/summary.json"));
-        let is_in_row = |value: &serde_json::Value, name: &str| {
-            let (own, other) = (value.as_f64().unwrap(), number(case, name));
+    let flat = "--set gravity=[0,0]";
+    solve(&bench, &format!("path.csv {flat}"));
+    let played = "--torque out/torques.csv --vary links.fore.payload.mass*=1,1.2";
+    swept(&bench, &format!("{played} {flat} --outputs cases"));
+    let of = |name: &str| bench.numbers("sweep.csv", name);
+    let shares = of("tip_error_share");
+    assert!(shares[0] < 1e-5 && shares[1] > 1e-2, "{shares:?}");
+    for case in [0, 1] {
+        let summary = bench.json(&format!("cases/{}/summary.json", case + 1));
+        for (path, name) in [
+            ("tip_error/worst_m", "tip_error_m"),
+            ("results/joints/0/peak_hub_rate_rad_s", "peak_hub_rate1_rad_s"),
+            ("results/joints/1/peak_hub_rate_rad_s", "peak_hub_rate2_rad_s"),
+        ] {
+            let (own, other) = (number(&summary, path), of(name)[case]);
             assert!((own - other).abs() <= 1e-9 * other.abs(), "{name}: {own} {other}");
-        };
-        is_in_row(&summary["tip_error"]["worst_m"], "tip_error_m");
-        for joint in [1, 2] {
-            let own = &summary["results"]["joints"][joint - 1]["peak_hub_rate_rad_s"];
-            is_in_row(own, &format!("peak_hub_rate{joint}_rad_s"));
         }
     }
-    bench.done(&["report", "sweep.csv", "-q"]);
-    let torques =
-        ["--torque", "out/torques.csv", "--column", "torque1", "--vary", "gravity=[0, 0]"];
-    let refused = [&["sweep", "arm.toml", "path.csv"], &torques[..]].concat();
+    bench.done("report sweep.csv -q");
+    let torques = "--torque out/torques.csv --column torque1 --vary gravity=[0,0]";
+    let refused = format!("sweep arm.toml path.csv {torques}");
     bench.refuses(2, &refused, "--column names one column");
 }

@@ -1,6 +1,6 @@
 //! Several answers that fit about as well: printed, warned of, covered by the intervals, refused by --strict.
 
-use super::{Bench, ended, stderr, stdout, succeeded};
+use super::{Bench, number, refusal, stderr, stdout, succeeded};
 
 const LINK: &str = "[[segments]]\nlength = 0.24\nEI = 6.2687\nmass_per_length = 0.30039\n\
                     [[segments]]\nlength = 0.36\nEI = 6.5037\nmass_per_length = 0.30039\n\
@@ -41,28 +41,19 @@ const OF_ARM: [[f64; 2]; 8] = [
 
 const TRUE_OF_ARM: [f64; 4] = [1.25, 1.0 / 0.75, 0.75, 1.0 / 1.5];
 
+/// Writes the link and its measured values; returns the values to fit.
 fn write_link(bench: &Bench) -> [&'static str; 4] {
-    bench.write("link.toml", LINK);
-    let entries = OF_LINK.iter().enumerate().map(|(k, [value, uncertainty])| {
-        let (mode, hub) = (k % 3 + 1, ["free", "held"][k / 3]);
-        format!(
-            "[[frequency]]\nmode = {mode}\nhub = '{hub}'\nvalue = {value}\nuncertainty = {uncertainty}\n"
-        )
+    write(bench, LINK, &OF_LINK, |k| {
+        format!("mode = {}\nhub = '{}'\n", k % 3 + 1, ["free", "held"][k / 3])
     });
-    bench.write("measured.toml", &entries.collect::<String>());
     ["segments.0.EI", "segments.1.EI", "hub.inertia", "payload.mass"]
 }
 
 fn write_arm(bench: &Bench) -> [&'static str; 4] {
-    bench.write("link.toml", ARM);
-    let entries = OF_ARM.iter().enumerate().map(|(k, [value, uncertainty])| {
+    write(bench, ARM, &OF_ARM, |k| {
         let (mode, elbow) = (k % 4 + 1, [0, 90][k / 4]);
-        format!(
-            "[[frequency]]\nmode = {mode}\nat = ['0 deg', '{elbow} deg']\njoints = 'held'\nvalue = {value}\n\
-             uncertainty = {uncertainty}\n"
-        )
+        format!("mode = {mode}\nat = ['0 deg', '{elbow} deg']\njoints = 'held'\n")
     });
-    bench.write("measured.toml", &entries.collect::<String>());
     [
         "links.l1.segments.*.EI",
         "links.l1.payload.mass",
@@ -71,38 +62,42 @@ fn write_arm(bench: &Bench) -> [&'static str; 4] {
     ]
 }
 
-fn fit(bench: &Bench, free: [&str; 4], more: &[&str]) -> std::process::Output {
-    let free = free.iter().flat_map(|path| ["--free", path]);
-    let arguments: Vec<&str> =
-        ["fit", "link.toml", "measured.toml"].into_iter().chain(free).collect();
-    bench.run(&[&arguments[..], more].concat())
+fn write(bench: &Bench, link: &str, values: &[[f64; 2]], of: impl Fn(usize) -> String) {
+    bench.write("link.toml", link);
+    let entries = values.iter().enumerate().map(|(k, [value, uncertainty])| {
+        format!("[[frequency]]\n{}value = {value}\nuncertainty = {uncertainty}\n", of(k))
+    });
+    bench.write("measured.toml", &entries.collect::<String>());
+}
+
+fn fit(bench: &Bench, free: [&str; 4], more: &str) -> std::process::Output {
+    bench.run(&format!("fit link.toml measured.toml --free {} {more}", free.join(" --free ")))
 }
 
 /// Fits, and checks that each true factor lies within its interval; returns the factors of all answers.
 fn covering(bench: &Bench, free: [&str; 4], exact: [f64; 4]) -> Vec<Vec<f64>> {
-    let out = succeeded(fit(bench, free, &["-o", "f.toml", "--report"]));
+    let out = succeeded(fit(bench, free, "-o f.toml --report"));
     assert!(stderr(&out).contains("the measurements about as well"), "{}", stderr(&out));
     let record = bench.json("f.json");
     let values = record["values"].as_array().unwrap();
     for (value, exact) in values.iter().zip(exact) {
-        let factor = value["factor"].as_f64().unwrap();
-        let end = |k: usize| factor * value["relative_interval_95"][k].as_f64().unwrap();
-        assert!(end(0) < exact && exact < end(1), "{} … {} {value}", end(0), end(1));
+        let factor = number(value, "factor");
+        let [low, high] =
+            [0, 1].map(|k| factor * number(value, &format!("relative_interval_95/{k}")));
+        assert!(low < exact && exact < high, "{low} … {high} {value}");
     }
-    let chi_squared = record["chi_squared"].as_f64().unwrap();
     let others = record["other_answers"].as_array().unwrap();
     for other in others {
-        let more = other["sum_of_squares"].as_f64().unwrap() - chi_squared;
+        let more = number(other, "sum_of_squares") - number(&record, "chi_squared");
         assert!((-1e-2..3.842).contains(&more), "{other}");
     }
     assert_eq!(stdout(&out).matches("another answer: factors ").count(), others.len());
     assert!(bench.read("f.html").contains("Other answers"));
     assert_eq!(record["warnings"][0]["kind"], "ambiguous");
     let factors = |other: &serde_json::Value| {
-        let factors = other["factors"].as_array().unwrap();
-        factors.iter().map(|factor| factor.as_f64().unwrap()).collect()
+        (0..4).map(|k| number(other, &format!("factors/{k}"))).collect()
     };
-    let best = values.iter().map(|value| value["factor"].as_f64().unwrap()).collect();
+    let best = values.iter().map(|value| number(value, "factor")).collect();
     others.iter().map(factors).chain([best]).collect()
 }
 
@@ -129,16 +124,14 @@ fn strict_takes_several_answers_for_none_and_denied_warnings_fail_after_all_outp
     let bench = Bench::new();
     let free = write_arm(&bench);
     // A denied warning ends the fit after its link file.
-    let denied = ended(4, fit(&bench, free, &["--deny-warnings", "-o", "g.toml"]));
-    let error = "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
-    assert!(stderr(&denied).ends_with(error), "{}", stderr(&denied));
+    let denied = "error: --deny-warnings: warnings = 1, but must be none; all output is written\n";
+    refusal(4, fit(&bench, free, "--deny-warnings -o g.toml"), denied);
     assert!(bench.path("g.toml").exists());
-    let out = ended(4, fit(&bench, free, &["--strict", "-o", "f.toml"]));
     let told =
         "error: no link file is written: one other answer fits the measurements about as well";
-    assert!(stderr(&out).contains(told), "{}", stderr(&out));
+    refusal(4, fit(&bench, free, "--strict -o f.toml"), told);
     assert!(!bench.path("f.toml").exists() && bench.path("f.json").exists());
     // One answer is one with --strict, too.
-    let one = bench.run(&["fit", "link.toml", "measured.toml", "--free", free[0], "--strict"]);
+    let one = bench.run(&format!("fit link.toml measured.toml --free {} --strict", free[0]));
     assert!(!stderr(&one).contains("about as well"), "{}", stderr(&one));
 }

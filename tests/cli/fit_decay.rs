@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Bench, ended, repository, stderr, stdout, succeeded};
+use super::{Bench, number, refusal, stdout, succeeded};
 
 const LINK: &str = "[[segments]]\nlength = 0.42\nEI = 0.15\nmass_per_length = 0.155\n\
                     [hub]\ninertia = 0.0018\n[damping]\nmodel = 'hysteretic'\nratio = 0.02\n";
@@ -15,9 +15,10 @@ fn frequencies_hz() -> [f64; 2] {
         .map(|root| root * root * (0.18_f64 / (0.155 * 0.42_f64.powi(4))).sqrt() / TAU)
 }
 
-/// A pluck of a clamped link with 0.18 N m² and a ratio of 0.012, released at 0.4 s, in mV about 2.5 V: with the hum of
-/// the mains, the angle of the clamped hub, and rounded to a hundredth.
-fn write_pluck(bench: &Bench) {
+/// The link, and a pluck of it clamped with 0.18 N m² and a ratio of 0.012, released at 0.4 s, in mV about 2.5 V: with the
+/// hum of the mains, the angle of the clamped hub, and rounded to a hundredth.
+fn bench() -> Bench {
+    let bench = Bench::new();
     bench.write("link.toml", LINK);
     let [first, second] = frequencies_hz();
     let vibration = |hertz: f64, t: f64| {
@@ -32,38 +33,35 @@ fn write_pluck(bench: &Bench) {
     };
     let rows: String = (0..2500).map(row).collect();
     bench.write("pluck.csv", &format!("Zeit (ms);hub_angle [deg];tip [mV]\n{rows}"));
+    bench
 }
 
-fn fit(bench: &Bench, measured: &str, more: &[&str]) -> std::process::Output {
+fn fit(bench: &Bench, measured: &str, more: &str) -> std::process::Output {
     bench.write("measured.toml", measured);
-    let arguments = ["fit", "link.toml", "measured.toml", "--free", "segments.0.EI"];
-    bench.run(&[&arguments[..], &["--free", "damping.ratio"], more].concat())
+    let free = "--free segments.0.EI --free damping.ratio";
+    bench.run(&format!("fit link.toml measured.toml {free} {more}"))
 }
 
 #[test]
 fn a_pluck_gives_stiffness_and_damping() {
-    let bench = Bench::new();
-    write_pluck(&bench);
+    let bench = bench();
     let measured = format!("{DECAY}from = '0.4 s'\n");
-    let out = succeeded(fit(&bench, &measured, &["-o", "fitted.toml", "--report"]));
+    let text = stdout(&succeeded(fit(&bench, &measured, "-o fitted.toml --report")));
     let record = bench.json("fitted.json");
-    for (k, exact) in [0.18, 0.012].into_iter().enumerate() {
-        let value = &record["values"][k];
-        let (found, error) = (&value["after"], &value["relative_standard_error"]);
-        let off = found.as_f64().unwrap() / exact - 1.0;
-        assert!(off.abs() < 3.0 * error.as_f64().unwrap() && off.abs() < 5e-3, "{value}");
+    for (value, exact) in record["values"].as_array().unwrap().iter().zip([0.18, 0.012]) {
+        let off = number(value, "after") / exact - 1.0;
+        let error = number(value, "relative_standard_error");
+        assert!(off.abs() < 3.0 * error && off.abs() < 5e-3, "{value}");
     }
     let decay = &record["decays"][0];
     assert_eq!((&decay["name"], &decay["column"]), (&"pluck.csv".into(), &"tip".into()));
     assert_eq!(decay["samples"], 2300);
     for (k, hertz) in frequencies_hz().into_iter().enumerate() {
         let frequency = &decay["modes"][k]["frequency"];
-        let off = frequency["value"].as_f64().unwrap() - hertz;
-        assert!(off.abs() < 4.0 * frequency["uncertainty"].as_f64().unwrap(), "{frequency}");
+        let off = number(frequency, "value") - hertz;
+        assert!(off.abs() < 4.0 * number(frequency, "uncertainty"), "{frequency}");
     }
-    let hum = decay["others_hz"][0].as_f64().unwrap();
-    assert!((hum - 50.0).abs() < 0.01, "{decay}");
-    let text = stdout(&out);
+    assert!((number(decay, "others_hz/0") - 50.0).abs() < 0.01, "{decay}");
     for line in ["decay pluck.csv: tip ", "  frequency 1, hub held ", "50.00 Hz"] {
         assert!(text.contains(line), "{text}");
     }
@@ -71,39 +69,22 @@ fn a_pluck_gives_stiffness_and_damping() {
     assert!(page.contains("id=\"fig-decay-1\"") && page.contains("pluck.csv: tip, decay"));
 }
 
-/// Before the release the link is held: the whole file is no decay.
 #[test]
-fn a_decay_that_begins_before_the_release_is_refused() {
-    let bench = Bench::new();
-    write_pluck(&bench);
-    let out = ended(3, fit(&bench, &DECAY.replace("[1, 2]", "1"), &[]));
-    for told in ["its uncertainty must be below half of it", "begin after the release with from"] {
-        assert!(stderr(&out).contains(told), "{}", stderr(&out));
+fn what_does_not_go_with_a_pluck_is_refused() {
+    let bench = bench();
+    // Before the release the link is held: the whole file is no decay.
+    let whole = DECAY.replace("[1, 2]", "1");
+    for words in ["its uncertainty must be below half of it", "begin after the release with from"] {
+        refusal(3, fit(&bench, &whole, ""), words);
     }
-}
-
-#[test]
-fn values_without_uncertainty_beside_a_decay_are_refused() {
-    let bench = Bench::new();
-    write_pluck(&bench);
-    let measured =
-        format!("{DECAY}from = 0.4\n[[frequency]]\nmode = 3\nhub = 'held'\nvalue = 60\n");
-    let out = ended(3, fit(&bench, &measured, &[]));
-    let told = "frequency 3, hub held: uncertainty is missing, but others have one\nhint: the values of a \
-                [[decay]] have uncertainties from its samples";
-    assert!(stderr(&out).contains(told), "{}", stderr(&out));
-}
-
-#[test]
-fn a_record_of_a_decay_is_led_to_the_right_entry() {
-    let bench = Bench::new();
-    write_pluck(&bench);
-    let record = "[[record]]\nfile = 'pluck.csv'\ninput = 'hub_angle'\n[[record.channel]]\n\
-                  sensor = 'tip_deflection'\ngain = 'free'\n";
-    let record = record.replace("input", "columns = ['deflection=tip']\ninput");
-    let out = ended(3, fit(&bench, &record, &[]));
-    let told = "pluck.csv: the input is the same in all samples, but must change\nhint: [[decay]] with file";
-    assert!(stderr(&out).contains(told), "{}", stderr(&out));
+    let beside = "[[frequency]]\nmode = 3\nhub = 'held'\nvalue = 60\n";
+    let words = "frequency 3, hub held: uncertainty is missing, but others have one\nhint: the values of a \
+                 [[decay]] have uncertainties from its samples";
+    refusal(3, fit(&bench, &format!("{DECAY}from = 0.4\n{beside}"), ""), words);
+    let record = "[[record]]\nfile = 'pluck.csv'\ncolumns = ['deflection=tip']\ninput = 'hub_angle'\n\
+                  [[record.channel]]\nsensor = 'tip_deflection'\ngain = 'free'\n";
+    let words = "pluck.csv: the input is the same in all samples, but must change\nhint: [[decay]] with file";
+    refusal(3, fit(&bench, record, ""), words);
 }
 
 /// Two frequencies of an arm as decays lead where the frequencies themselves do.
@@ -121,11 +102,9 @@ fn an_arm_is_fitted_to_decays_in_a_pose() {
     let values =
         "[[decay]]\nfile = 'pluck.csv'\nmode = [1, 2]\njoints = 'held'\nonly = 'frequency'\n";
     bench.write("m.toml", &format!("at = [0, 0]\n{values}"));
-    let arm = repository("specs/arms/quanser_serial.toml");
     let (inertia, spring) = ("links.shoulder.tip.inertia", "links.elbow.drive.joint_stiffness");
-    let set = [format!("{inertia}=0.02"), format!("{spring}=30")];
-    let set = ["--set", &set[0], "--set", &set[1], "--free", inertia, "--free", spring];
-    let text = stdout(&bench.done(&[&["fit", &arm, "m.toml"], &set[..]].concat()));
+    let free = format!("--set {inertia}=0.02 --set {spring}=30 --free {inertia} --free {spring}");
+    let text = bench.printed(&format!("fit specs/arms/quanser_serial.toml m.toml {free}"));
     // As docs/arms.md has them of the frequencies, whose damped ones are these over √(1 − ζ²).
     for (path, factor) in [(inertia, 2.4821), (spring, 2.2356)] {
         let line = text.lines().find(|line| line.starts_with(path)).unwrap();

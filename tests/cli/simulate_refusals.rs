@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Bench, LINK, no_such_file, repository, said, simulated, stderr, stdout, succeeded};
+use super::{Bench, LINK, apart, no_such_file, peak, said, simulated, stderr, stdout, succeeded};
 
 const TORQUE: &str = "time,torque\n0,0\n0.01,1\n0.02,1\n0.03,0\n";
 
@@ -17,8 +17,8 @@ fn bench() -> Bench {
 
 /// Plays, which must fail with `code`; nothing is printed or written. Error and hint.
 #[track_caller]
-fn failed(bench: &Bench, arguments: &[&str], code: i32) -> String {
-    let output = bench.ends(code, &[&["simulate", &repository(LINK)], arguments].concat());
+fn failed(bench: &Bench, arguments: &str, code: i32) -> String {
+    let output = bench.ends(code, &format!("simulate {LINK} {arguments}"));
     assert_eq!(stdout(&output), "");
     assert!(!bench.path("simulated").exists(), "nothing is left behind");
     stderr(&output)
@@ -28,14 +28,13 @@ fn failed(bench: &Bench, arguments: &[&str], code: i32) -> String {
 fn a_refusal_leaves_nothing_behind() {
     let bench = bench();
     bench.write("huge.csv", "time,torque\n0,0\n0.01,1e308\n0.02,1e308\n0.03,0\n");
-    failed(&bench, &["torque.csv", "--until", "0.02"], 2);
-    failed(&bench, &["huge.csv"], 4);
+    failed(&bench, "torque.csv --until 0.02", 2);
+    failed(&bench, "huge.csv", 4);
     let absent = format!("error: none.csv: cannot read: {}\n", no_such_file());
-    for options in [&["--target"][..], &["--feedback", "1,1", "--reference"]] {
-        let arguments = [&["torque.csv"], options, &["none.csv"]].concat();
-        assert_eq!(failed(&bench, &arguments, 3), absent);
+    for options in ["--target none.csv", "--feedback 1,1 --reference none.csv"] {
+        assert_eq!(failed(&bench, &format!("torque.csv {options}"), 3), absent);
     }
-    let error = failed(&bench, &["torque.csv", "-o", "tip.csv"], 5);
+    let error = failed(&bench, "torque.csv -o tip.csv", 5);
     let exists = said(std::fs::create_dir(bench.path("tip.csv")));
     assert_eq!(error, format!("error: tip.csv: cannot create the folder: {exists}\n"));
 }
@@ -46,7 +45,7 @@ fn the_folder_of_an_input_is_refused_however_it_is_written() {
     std::fs::create_dir(bench.path("run")).unwrap();
     bench.write("run/tip.csv", &bench.read("tip.csv"));
     for output in ["run", "./run/", "run/../run"] {
-        let error = failed(&bench, &["torque.csv", "--target", "run/tip.csv", "-o", output], 2);
+        let error = failed(&bench, &format!("torque.csv --target run/tip.csv -o {output}"), 2);
         let message = "but must be another folder than that of run/tip.csv\n";
         assert!(error.starts_with(&format!("error: --output = {output}, {message}")), "{error}");
     }
@@ -56,8 +55,8 @@ fn the_folder_of_an_input_is_refused_however_it_is_written() {
 #[test]
 fn a_dash_reads_the_torque_from_standard_input() {
     let bench = bench();
-    simulated(&bench, &["torque.csv", "-o", "file"]);
-    succeeded(bench.fed(TORQUE, &["simulate", &repository(LINK), "-", "-o", "piped"]));
+    simulated(&bench, "torque.csv -o file");
+    succeeded(bench.fed(TORQUE, &format!("simulate {LINK} - -o piped")));
     assert!(bench.read("piped/tip.csv") == bench.read("file/tip.csv"));
     assert_eq!(bench.json("piped/summary.json")["inputs"]["torque"]["name"], "-");
 }
@@ -67,24 +66,22 @@ fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
     let bench = bench();
     let jump = "hint: use a torque that begins and ends at zero, as that of solve for an uncut window and a tip at rest";
     bench.write("step.csv", "time,torque\n0,1\n0.01,-2\n0.02,1\n0.03,0.5\n");
-    let output = simulated(&bench, &["step.csv"]);
+    let told = stderr(&simulated(&bench, "step.csv"));
     let expected = format!(
         "warning: the torque begins with 1.0 N m, 50.0 % of its peak: it acts on the resting link \
          as a jump\n{jump}\nwarning: the torque ends with 0.5 N m, 25.0 % of its peak: it drops to \
          zero there\n{jump}\nwarning: mesh and modes make the tip wrong by "
     );
-    assert!(stderr(&output).starts_with(&expected), "{}", stderr(&output));
+    assert!(told.starts_with(&expected), "{told}");
     bench.write("coarse.csv", "time,torque\n0,0\n0.1,0.01\n0.2,0.01\n0.3,0\n");
-    let output = simulated(&bench, &["coarse.csv"]);
     let expected = "warning: the step of 0.1 s leaves 5.3 steps to a period of the first mode, 0.5264 s: the rows do \
                     not show its vibration\n\
                     hint: use a torque with a shorter step\n";
-    assert_eq!(stderr(&output), expected);
+    assert_eq!(stderr(&simulated(&bench, "coarse.csv")), expected);
     bench.write("late.csv", "time,displacement\n0.2,1e-3\n0.3,2e-3\n0.4,3e-3\n0.5,4e-3\n");
-    let output = simulated(&bench, &["torque.csv", "--target", "late.csv"]);
-    let error = stderr(&output);
-    assert!(error.starts_with("warning: the target begins at 0.2 s, when the tip has moved by"));
-    assert!(error.ends_with("hint: use a target that begins before the tip moves\n"), "{error}");
+    let told = stderr(&simulated(&bench, "torque.csv --target late.csv"));
+    assert!(told.starts_with("warning: the target begins at 0.2 s, when the tip has moved by"));
+    assert!(told.ends_with("hint: use a target that begins before the tip moves\n"), "{told}");
     let warnings = &bench.json("simulated/summary.json")["warnings"];
     assert_eq!(warnings[0]["kind"], "late_target");
 }
@@ -94,8 +91,7 @@ fn jumps_at_the_ends_a_coarse_step_and_a_late_target_are_told() {
 fn let_go(bench: &Bench, ei_n_m2: f64) {
     let link = format!("segments = [{{ length = 1.0, EI = {ei_n_m2}, mass_per_length = 0.3 }}]\n");
     bench.write("pinned.toml", &format!("gravity = [0, -9.81]\nstart_angle = 0.0\n{link}"));
-    let rows = (0..40).map(|k| format!("{},0\n", 0.001 * f64::from(k)));
-    bench.write("torque.csv", &format!("time,torque\n{}", rows.collect::<String>()));
+    bench.sampled("torque.csv", "time,torque", 0..40, |k| [0.001 * k, 0.0]);
 }
 
 /// The tip's displacement in m and the hub's angle in rad of the link of [`let_go`] at small deflections: its held shape
@@ -153,18 +149,16 @@ fn falling(ei_n_m2: f64, times_s: &[f64]) -> [Vec<f64>; 2] {
 fn an_undamped_link_that_is_let_go_falls_as_its_modes_do_within_what_is_stated() {
     let bench = Bench::new();
     let_go(&bench, 150.0);
-    bench.done(&["simulate", "pinned.toml", "torque.csv", "-o", "free"]);
-    let [tip, hub] = ["tip", "hub_angle"].map(|name| bench.table(&format!("free/{name}.csv")));
-    let errors = &bench.json("free/summary.json")["errors"];
-    let stated = ["tip", "hub_angle"].map(|name| errors[name]["refinement"].as_f64().unwrap());
-    let expected = falling(150.0, &tip[0].1);
-    for ((own, expected), stated) in [&tip[1].1, &hub[1].1].into_iter().zip(&expected).zip(stated) {
-        let peak = expected.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let apart = own.iter().zip(expected).map(|(own, other)| (own - other).abs());
-        let apart = apart.fold(0.0, f64::max);
+    bench.done("simulate pinned.toml torque.csv -o free");
+    let tables = ["tip", "hub_angle"].map(|name| bench.table(&format!("free/{name}.csv")));
+    let stated =
+        ["tip", "hub_angle"].map(|name| bench.number("free", &format!("errors/{name}/refinement")));
+    let expected = falling(150.0, &tables[0][0].1);
+    for ((own, expected), stated) in tables.iter().zip(&expected).zip(stated) {
+        let (off, peak) = (apart(&own[1].1, expected), peak(expected));
         // Refinements converge slowly after the jump: the last change is about half of what is left.
-        assert!(apart < 2.0 * stated * peak, "{apart} of {peak}, stated {stated}");
-        assert!(apart < 1e-2 * peak, "{apart} of {peak}");
+        assert!(off < 2.0 * stated * peak, "{off} of {peak}, stated {stated}");
+        assert!(off < 1e-2 * peak, "{off} of {peak}");
     }
 }
 
@@ -175,18 +169,15 @@ fn undamped_links_that_bend_far_are_let_go_and_what_is_left_is_told() {
     let short = "segments = [{ length = 0.5, EI = 10.0, mass_per_length = 0.4 }]\n";
     let links = format!("[[links]]\nname = 'a'\n{short}[[links]]\nname = 'b'\n{short}");
     bench.write("double.toml", &format!("gravity = [0, -9.81]\n{links}"));
-    let rows = (0..40).map(|k| format!("{},0,0\n", 0.001 * f64::from(k)));
-    bench.write("torques.csv", &format!("time,torque1,torque2\n{}", rows.collect::<String>()));
-    let arm = ["double.toml", "torques.csv", "--at", "0,0"];
+    bench.sampled("torques.csv", "time,torque1,torque2", 0..40, |k| [0.001 * k, 0.0, 0.0]);
     let mut told = String::new();
-    for inputs in [&["pinned.toml", "torque.csv"][..], &arm] {
-        let free = bench.run(&[&["simulate"], inputs, &["-o", inputs[0].split_at(6).0]].concat());
-        told = stderr(&free);
-        assert!(free.status.success(), "{told}");
+    for inputs in ["pinned.toml torque.csv -o pinned", "double.toml torques.csv --at 0,0 -o double"]
+    {
+        told = bench.told(&format!("simulate {inputs}"));
         assert!(told.contains("the last refinement still changes"), "{told}");
     }
     // Radau's method damps the waves that its steps do not resolve: that is told, too.
-    let energy = bench.json("double/summary.json")["errors"]["energy"].as_f64().unwrap();
+    let energy = bench.number("double", "errors/energy");
     assert!(energy < 3e-2, "{energy}");
     assert!(energy < 1e-3 || told.contains("work and energy differ"), "{told}");
 }

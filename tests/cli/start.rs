@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Bench, stderr, stdout};
+use super::{Bench, stdout};
 
 #[test]
 fn the_files_to_start_from_are_solved_and_never_written_over() {
@@ -11,44 +11,35 @@ fn the_files_to_start_from_are_solved_and_never_written_over() {
     assert_eq!(bench.names("my arm"), ["link.schema.json", "link.toml", "motion.csv"]);
     bench.silent(&["solve", "my arm/link.toml", "my arm/motion.csv", "--quiet"]);
 
-    let silent = bench.run(&["init", "-q", "another"]);
-    assert_eq!((stdout(&silent), stderr(&silent)), Default::default());
+    assert_eq!(bench.silent("init -q another"), "");
     assert_eq!(bench.names("another"), bench.names("my arm")[..3]);
 
     bench.write("my arm/link.toml", "mine");
-    let again = bench.ends(5, &["init", "my arm"]);
+    let again = bench.error(5, &["init", "my arm"]);
     let file = Path::new("my arm").join("link.toml");
-    assert_eq!(
-        stderr(&again),
-        format!(
-            "error: {} = a file, but must not be there yet\n\
-             hint: name another folder: flexlink init DIR\n",
-            file.display()
-        )
-    );
+    let error = format!("error: {} = a file, but must not be there yet\n", file.display());
+    assert_eq!(again, error + "hint: name another folder: flexlink init DIR\n");
     assert_eq!(bench.read("my arm/link.toml"), "mine");
 }
 
 #[test]
 fn the_arm_to_start_from_follows_its_path() {
     let bench = Bench::new();
-    bench.done(&["init", "--arm", "robot"]);
+    bench.done("init --arm robot");
     assert_eq!(bench.names("robot"), ["arm.toml", "link.schema.json", "path.csv"]);
-    let solved = bench.run(&["solve", "robot/arm.toml", "robot/path.csv", "--quiet"]);
-    assert_eq!((solved.status.code(), stderr(&solved)), (Some(0), String::new()));
-    bench.ends(5, &["init", "robot"]);
+    bench.silent("solve robot/arm.toml robot/path.csv --quiet");
+    bench.ends(5, "init robot");
     assert!(!bench.path("robot/link.toml").exists());
 }
 
 #[test]
 fn the_link_file_to_start_from_names_the_schema_beside_it() {
     let bench = Bench::new();
-    bench.run(&["init"]);
+    bench.run("init");
     assert!(bench.read("link.toml").starts_with("#:schema ./link.schema.json\n"));
-    let schema = stdout(&bench.run(&["schema"]));
+    let schema = bench.printed("schema");
     assert!(bench.read("link.schema.json") == schema);
-    let output = bench.run(&["schema", "-o", "new/schema.json"]);
-    assert_eq!((output.status.code(), stdout(&output)), (Some(0), String::new()));
+    assert_eq!(bench.printed("schema -o new/schema.json"), "");
     assert!(bench.read("new/schema.json") == schema);
     assert_eq!(bench.json("link.schema.json")["else"]["required"][0], "segments");
 }
@@ -56,9 +47,9 @@ fn the_link_file_to_start_from_names_the_schema_beside_it() {
 #[test]
 fn every_shell_gets_completions_that_know_the_commands() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let script = stdout(&Bench::new().run(&["completions", shell]));
-        for word in ["solve", "simulate", "verify", "--feedback"] {
-            assert!(script.contains(word.trim_start_matches('-')), "{shell} lacks {word}");
+        let script = Bench::new().printed(&["completions", shell]);
+        for word in ["solve", "simulate", "verify", "feedback"] {
+            assert!(script.contains(word), "{shell} lacks {word}");
         }
     }
 }
@@ -67,26 +58,23 @@ fn every_shell_gets_completions_that_know_the_commands() {
 #[test]
 fn bash_reads_its_completions() {
     let bench = Bench::new();
-    bench.write("c", &stdout(&bench.run(&["completions", "bash"])));
+    bench.write("c", &bench.printed("completions bash"));
     let ask = "source ./c; COMP_WORDS=(flexlink sim); COMP_CWORD=1; _flexlink flexlink sim flexlink; \
                echo ${COMPREPLY[@]}";
     let bash = std::process::Command::new("bash");
     let answer = { bash }.args(["-c", ask]).current_dir(bench.path(".")).output().unwrap();
-    assert_eq!(stdout(&answer), "simulate\n", "{}", stderr(&answer));
+    assert_eq!(stdout(&answer), "simulate\n");
 }
 
 #[test]
 fn every_command_has_a_manual_page() {
     let bench = Bench::new();
-    assert!(stdout(&bench.run(&["man"])).contains(".TH flexlink 1"));
-    bench.done(&["man", "-o", "man1"]);
-    let pages = bench.names("man1");
-    let commands = "solve simulate verify modes frf fit sweep trajectory compare report init schema \
-                    completions man";
-    for command in commands.split(' ') {
-        let page = format!("flexlink-{command}.1");
-        assert!(pages.contains(&page), "{page} is not among {pages:?}");
-        assert!(bench.read(&format!("man1/{page}")).contains("Example:"), "{page}");
+    assert!(bench.printed("man").contains(".TH flexlink 1"));
+    bench.done("man -o man1");
+    let commands = super::help::commands(&bench);
+    for command in &commands {
+        let page = bench.read(&format!("man1/flexlink-{command}.1"));
+        assert!(page.contains("Example:"), "{command}");
     }
-    assert_eq!(pages.len(), 15);
+    assert_eq!(bench.names("man1").len(), 1 + commands.len());
 }

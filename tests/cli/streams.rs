@@ -8,40 +8,33 @@ use super::{Bench, LINK, MOTION, ended, link_files, repository, stderr, stdout, 
 #[test]
 fn a_dash_reads_the_motion_from_standard_input() {
     let bench = Bench::new();
-    bench.solve(&["-o", "file"]);
+    bench.solve("-o file");
     let motion = fs::read(repository(MOTION)).unwrap();
-    succeeded(bench.fed(motion, &["solve", &repository(LINK), "-", "-o", "piped"]));
+    succeeded(bench.fed(motion, &format!("solve {LINK} - -o piped")));
     assert!(bench.read("piped/torque.csv") == bench.read("file/torque.csv"));
-    let summary = bench.json("piped/summary.json");
-    let file = bench.json("file/summary.json");
-    assert_eq!(summary["inputs"]["motion"]["sha256"], file["inputs"]["motion"]["sha256"]);
-    assert_eq!(summary["inputs"]["motion"]["name"], "-");
+    let [summary, file] =
+        ["piped", "file"].map(|run| bench.json(&format!("{run}/summary.json"))["inputs"].clone());
+    assert_eq!(summary["motion"]["sha256"], file["motion"]["sha256"]);
+    assert_eq!(summary["motion"]["name"], "-");
 }
 
 #[test]
 fn a_refused_standard_input_is_called_by_that_name() {
-    let bench = Bench::new();
-    let refused = "time,acceleration
-0,zero
-";
-    let output = ended(3, bench.fed(refused, &["solve", &repository(LINK), "-"]));
-    assert!(stderr(&output).starts_with("error: standard input:2: "), "{}", stderr(&output));
+    let refused = "time,acceleration\n0,zero\n";
+    let told = stderr(&ended(3, Bench::new().fed(refused, &format!("solve {LINK} -"))));
+    assert!(told.starts_with("error: standard input:2: "), "{told}");
 }
 
+/// `done` of a bench holds every line to 80 columns.
 #[test]
 fn lines_of_the_summary_have_at_most_eighty_columns() {
     let bench = Bench::new();
-    let specs = link_files();
-    let rayleigh = "damping={ model = \"rayleigh\", modes = [1, 3], ratios = [0.03, 0.02] }";
-    for spec in &specs {
-        for motion in ["sine_0.88s.csv", "min_jerk_1s.csv"] {
-            let motion = repository(&format!("trajectories/{motion}"));
+    let rayleigh = "damping={model=\"rayleigh\",modes=[1,3],ratios=[0.03,0.02]}";
+    for spec in link_files() {
+        for motion in ["trajectories/sine_0.88s.csv", "trajectories/min_jerk_1s.csv"] {
             for setting in ["hub.inertia=0.1234", rayleigh, "analysis.lead=12.345"] {
-                let text = stdout(&bench.done(&["solve", spec, &motion, "--set", setting]));
+                let text = bench.printed(&["solve", &spec, motion, "--set", setting]);
                 assert!(text.lines().count() <= 17, "{spec}: {text}");
-                for line in text.lines() {
-                    assert!(line.chars().count() <= 80, "{spec}: {line}");
-                }
             }
         }
     }
@@ -62,41 +55,20 @@ start_angle = 0.2
 drive = { gear_ratio = 50.0, rotor_inertia = 1e-5, joint_stiffness = 900.0 }
 ",
     );
-    let motion = repository("trajectories/min_jerk_1s.csv");
-    let text = stdout(&bench.done(&["solve", "heavy.toml", &motion]));
+    let text = bench.printed("solve heavy.toml trajectories/min_jerk_1s.csv");
     for label in ["damping  rayleigh, beta 2.00e-4 s, ratios ", "gravity ", "order ", "motor "] {
         assert!(text.lines().any(|line| line.starts_with(label)), "{text}");
     }
     assert!(text.lines().count() <= 17, "{text}");
-    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
-}
-
-#[test]
-fn lines_about_a_tiny_link_have_at_most_eighty_columns() {
-    let bench = Bench::new();
-    let segment = "{ length = 123.4e-6, EI = 1.234e-9, mass_per_length = 1.234e-6 }";
-    bench.write("tiny.toml", &format!("segments = [{segment}]\ndamping.ratio = 0.02\n"));
-    let row = |k: i32| {
-        let u = f64::from(k) / 100.0;
-        let place = u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
-        format!("{:e},{:e}\n", 1.234e-4 * u, -1.234e-5 * place)
-    };
-    let rows: String = (0..=100).map(row).collect();
-    bench.write("tiny.csv", &format!("time,displacement\n{rows}"));
-    let output = bench.done(&["solve", "tiny.toml", "tiny.csv"]);
-    for line in stdout(&output).lines() {
-        assert!(line.chars().count() <= 80, "{line}");
-    }
 }
 
 #[test]
 fn an_error_and_its_hint_go_to_standard_error_alone() {
     let bench = Bench::new();
-    bench.write(
-        "link.toml",
-        "[[segments]]\nlength = 1\nEI = 5\nmass_per_length = 0.8\n\n[damping]\nratoi = 0.02\n",
-    );
-    let output = bench.ends(3, &["solve", "link.toml", &repository(MOTION)]);
+    let link =
+        "[[segments]]\nlength = 1\nEI = 5\nmass_per_length = 0.8\n\n[damping]\nratoi = 0.02\n";
+    bench.write("link.toml", link);
+    let output = bench.ends(3, &format!("solve link.toml {MOTION}"));
     assert_eq!(stdout(&output), "");
     assert_eq!(
         stderr(&output),
@@ -106,13 +78,11 @@ fn an_error_and_its_hint_go_to_standard_error_alone() {
 
 #[test]
 fn a_warning_and_its_hint_go_to_standard_error_and_the_run_succeeds() {
-    let bench = Bench::new();
-    let output = bench.solve(&["--set", "analysis.lag=0.1"]);
+    let output = Bench::new().solve("--set analysis.lag=0.1");
     let error = stderr(&output);
-    let mut lines = error.lines();
-    assert!(lines.next().unwrap().starts_with("warning: the torque outside the written window"));
-    assert_eq!(lines.next(), Some("hint: use longer analysis.lead and lag, or leave both out"));
-    assert_eq!(lines.next(), None);
+    let (warning, hint) = error.split_once('\n').unwrap();
+    assert!(warning.starts_with("warning: the torque outside the written window"), "{warning}");
+    assert_eq!(hint, "hint: use longer analysis.lead and lag, or leave both out\n");
     assert!(stdout(&output).starts_with("Bayo (1987), example 1"));
 }
 
@@ -123,30 +93,27 @@ fn a_reader_that_goes_away_is_no_error() {
     let program = env!("CARGO_BIN_EXE_flexlink");
     let (link, motion) = (repository(LINK), repository(MOTION));
     // The reader is gone before the program prints; its exit code is kept in a file.
-    bench.solve(&["-q"]);
+    bench.solve("-q");
     for command in [
-        format!("solve '{link}' '{motion}' -o new"),
-        format!("solve '{link}' '{motion}' -o new --json"),
-        format!("simulate '{link}' out/torque.csv -o new"),
-        format!("simulate '{link}' out/torque.csv -o new --json"),
-        format!("verify '{link}' '{motion}'"),
-        format!("modes '{link}' --count 3"),
-        format!("frf '{link}' --points 3 2> told"),
-        "trajectory sine --distance 1 --duration 1 --step 0.0001".to_owned(),
-        "init start".to_owned(),
-        "schema".to_owned(),
-        "completions bash".to_owned(),
-        "man".to_owned(),
-        "--help".to_owned(),
-        "solve --help".to_owned(),
-        "--version".to_owned(),
+        &format!("solve '{link}' '{motion}' -o new"),
+        &format!("solve '{link}' '{motion}' -o new --json"),
+        &format!("simulate '{link}' out/torque.csv -o new"),
+        &format!("simulate '{link}' out/torque.csv -o new --json"),
+        &format!("verify '{link}' '{motion}'"),
+        &format!("modes '{link}' --count 3"),
+        &format!("frf '{link}' --points 3 2> told"),
+        "trajectory sine --distance 1 --duration 1 --step 0.0001",
+        "init start",
+        "schema",
+        "completions bash",
+        "man",
+        "--help",
+        "solve --help",
+        "--version",
     ] {
         let script = format!("{{ '{program}' {command}; echo $? > code; }} | true");
-        let output = Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(bench.folder.path())
-            .output()
-            .unwrap();
+        let mut shell = Command::new("sh");
+        let output = shell.args(["-c", &script]).current_dir(bench.path(".")).output().unwrap();
         // The shell does not wait for the left side of a pipe in every case.
         for _ in 0..600 {
             if fs::read_to_string(bench.path("code")).is_ok_and(|code| code.ends_with('\n')) {
@@ -164,16 +131,10 @@ fn a_reader_that_goes_away_is_no_error() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_device_is_told_with_exit_code_five() {
-    let bench = Bench::new();
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
-    let output = ended(
-        5,
-        bench
-            .program(&["solve", &repository(LINK), &repository(MOTION)])
-            .stdout(full)
-            .output()
-            .unwrap(),
-    );
+    let bench = Bench::new();
+    let mut program = bench.program(&format!("solve {LINK} {MOTION}"));
+    let output = ended(5, program.stdout(full).output().unwrap());
     let expected = "error: standard output: cannot write: No space left on device\n";
     assert_eq!(stderr(&output), expected);
 }

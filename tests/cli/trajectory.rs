@@ -1,47 +1,37 @@
 //! `trajectory`: motions that `solve` takes as they are.
 
-use super::{Bench, LINK, column, json_of, repository, stderr, stdout, succeeded};
+use super::{Bench, LINK, column, number, peak, repository, stderr, with};
 
 const PROFILES: [&str; 8] =
     ["sine", "versine", "min-jerk", "septic", "trapezoid", "s-curve", "bang-bang", "gaussian"];
 
-fn made(bench: &Bench, profile: &str, more: &[&str]) -> String {
-    let arguments = ["trajectory", profile, "--distance", "-0.5", "--duration", "0.88"];
-    let output = bench.silent(&[&arguments[..], &["--step", "0.002"], more].concat());
-    stdout(&output)
-}
+const SEPTIC: &str = "trajectory septic --distance 0.5";
 
 #[test]
 fn every_profile_is_a_motion_of_the_distance_asked_for() {
     let bench = Bench::new();
     for profile in PROFILES {
-        made(&bench, profile, &["-o", "move.csv"]);
-        let link = repository(LINK);
-        let solved = bench.done(&["solve", &link, "move.csv", "--json"]);
-        let summary = json_of(&solved);
-        let travel = summary["motion"]["travel_m"].as_f64().unwrap();
+        let made = "--distance -0.5 --duration 0.88 --step 0.002 -o move.csv";
+        bench.silent(&format!("trajectory {profile} {made}"));
+        let told = bench.told(&format!("solve {LINK} move.csv --json"));
+        let travel = bench.number("out", "motion/travel_m");
         assert!((travel + 0.5).abs() < 1e-12, "{profile}: {travel}");
-        assert!(!stderr(&solved).contains("integrates to"), "{profile} ends at rest");
+        assert!(!told.contains("integrates to"), "{profile} ends at rest");
     }
 }
 
 #[test]
 fn the_sine_is_the_one_of_the_repository() {
     let bench = Bench::new();
-    let arguments = ["--distance", "0.5", "--duration", "0.88", "--step", "0.001"];
-    bench.write("s.csv", &stdout(&bench.run(&[&["trajectory", "sine"], &arguments[..]].concat())));
-    let made = bench.table("s.csv");
-    let given = std::fs::read_to_string(repository("trajectories/sine_0.88s.csv")).unwrap();
-    let given: Vec<f64> = given
-        .lines()
-        .filter(|line| !line.starts_with(['#', 't']))
-        .map(|line| line.split(',').nth(1).unwrap().parse().unwrap())
-        .collect();
-    let own: Vec<f64> = made[1].1.iter().copied().take_while(|a| !a.is_nan()).collect();
-    let moving = |samples: &[f64]| -> Vec<f64> {
-        samples.iter().copied().filter(|a| a.abs() > 1e-6).collect()
+    bench.done("trajectory sine --distance 0.5 --duration 0.88 --step 0.001 -o s.csv");
+    let text = std::fs::read_to_string(repository("trajectories/sine_0.88s.csv")).unwrap();
+    let given = text.lines().filter(|line| !line.starts_with(['#', 't']));
+    let given = given.map(|line| line.split(',').nth(1).unwrap().parse::<f64>().unwrap());
+    let moving = |samples: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+        samples.filter(|a| a.abs() > 1e-6).collect()
     };
-    let (own, given) = (moving(&own), moving(&given));
+    let own = moving(&mut column(&bench, "s.csv", "acceleration").into_iter());
+    let given = moving(&mut given.into_iter());
     assert_eq!(own.len(), given.len());
     for (a, b) in own.iter().zip(&given) {
         // The samples add up to 0.5 m here, there the curve between them does: 4e-6 apart.
@@ -52,8 +42,8 @@ fn the_sine_is_the_one_of_the_repository() {
 #[test]
 fn rest_stands_before_and_after() {
     let bench = Bench::new();
-    let rested = ["--rest-before", "0.1", "--rest-after", "0.2", "-o", "m.csv"];
-    made(&bench, "septic", &rested);
+    let rested = "--duration 0.88 --step 0.002 --rest-before 0.1 --rest-after 0.2 -o m.csv";
+    bench.silent(&format!("trajectory septic --distance -0.5 {rested}"));
     let columns = bench.table("m.csv");
     let (time, acceleration) = (&columns[0].1, &columns[1].1);
     assert_eq!(time.len(), 50 + 440 + 1 + 100);
@@ -65,44 +55,36 @@ fn rest_stands_before_and_after() {
 #[test]
 fn the_shortest_duration_within_a_limit_is_found_to_the_step() {
     let bench = Bench::new();
-    let link = repository(LINK);
-    let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.002"];
-    let fit = ["--link", &link, "--fit-limit", "torque=1", "-o", "fit.csv"];
-    let output = bench.done(&[&fixed[..], &fit].concat());
+    let (_, told) = fitted(&bench, LINK, "0.002", "--fit-limit torque=1");
     let text = bench.read("fit.csv");
-    let remark = text.lines().next().unwrap();
-    let duration: f64 = remark
-        .strip_prefix("# septic: ")
-        .and_then(|rest| rest.strip_suffix(" s, the shortest duration within torque=1 N m"))
-        .unwrap()
-        .parse()
-        .unwrap();
-    // The same is told beside the file, with the limit that binds and by how much.
-    let told = stderr(&output);
     let within = "the shortest duration within torque=1 N m";
+    let remark = text.lines().next().unwrap().strip_prefix("# septic: ").unwrap();
+    let duration = remark.strip_suffix(&format!(" s, {within}")).unwrap();
+    let duration: f64 = duration.parse().unwrap();
+    // The same is told beside the file, with the limit that binds and by how much.
     let note = format!("note: {duration} s, {within}; limits.torque binds: ");
     let rest = told.strip_prefix(&note).unwrap_or_else(|| panic!("{told}"));
     let (found, rest) = rest.split_once(" N m of 1 N m, ").unwrap();
     let (below, _) = rest.split_once(" % below it with its error of ").unwrap();
     let (found, below): (f64, f64) = (found.parse().unwrap(), below.parse().unwrap());
     assert!((100.0 * (1.0 - found) - below).abs() < 0.02, "{told}");
-    let peak = |duration_s: f64| -> f64 {
-        let duration = format!("{duration_s:.6}");
-        let exact = ["--duration", &duration, "-o", "exact.csv"];
-        bench.done(&[&fixed[..], &exact].concat());
-        let summary = stdout(&bench.run(&["solve", &link, "exact.csv", "--json"]));
-        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-        summary["results"]["peak_torque_n_m"].as_f64().unwrap()
-    };
-    assert!(peak(duration) <= 1.0 && peak(duration - 0.002) > 1.0, "{duration} s");
-    let (fitted, exact) = (bench.read("fit.csv"), peak(duration));
-    assert!(fitted.ends_with(&bench.read("exact.csv")), "{exact} N m");
+    assert!(peak_n_m(&bench, duration - 0.002, "0.002") > 1.0, "{duration} s");
+    assert!(peak_n_m(&bench, duration, "0.002") <= 1.0, "{duration} s");
+    assert!(text.ends_with(&bench.read("exact.csv")));
+}
+
+/// The peak torque of a septic motion of 0.5 m.
+fn peak_n_m(bench: &Bench, duration_s: f64, step: &str) -> f64 {
+    bench.done(&format!("{SEPTIC} --step {step} --duration {duration_s:.6} -o exact.csv"));
+    number(
+        &super::json_of(&bench.run(&format!("solve {LINK} exact.csv --json"))),
+        "results/peak_torque_n_m",
+    )
 }
 
 /// `--fit-limit` of a septic motion of 0.5 m.
-fn fitted(bench: &Bench, link: &str, step: &str, more: &[&str]) -> (Option<i32>, String) {
-    let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", step, "--link", link];
-    let output = bench.run(&[&fixed[..], more, &["-o", "fit.csv"]].concat());
+fn fitted(bench: &Bench, link: &str, step: &str, more: &str) -> (Option<i32>, String) {
+    let output = bench.run(&format!("{SEPTIC} --step {step} --link {link} {more} -o fit.csv"));
     (output.status.code(), stderr(&output))
 }
 
@@ -111,21 +93,26 @@ fn all_limits_that_hold_are_named_and_the_one_that_binds() {
     let bench = Bench::new();
     let text = std::fs::read_to_string(repository(LINK)).unwrap();
     bench.write("limited.toml", &format!("{text}\n[limits]\nhub_rate = 2.0\n"));
-    let (code, told) = fitted(&bench, "limited.toml", "0.01", &["--fit-limit", "torque=5"]);
+    let (code, told) = fitted(&bench, "limited.toml", "0.01", "--fit-limit torque=5");
     assert_eq!(code, Some(0), "{told}");
     let within = " s, the shortest duration within torque=5 N m, hub_rate=2 rad/s";
     assert!(told.contains(&format!("{within}; limits.hub_rate binds: ")), "{told}");
     assert!(bench.read("fit.csv").lines().next().unwrap().ends_with(within));
     // Those of the file are enough.
-    let (code, told) = fitted(&bench, "limited.toml", "0.01", &[]);
+    let (code, told) = fitted(&bench, "limited.toml", "0.01", "");
     assert_eq!(code, Some(0), "{told}");
     assert!(told.contains(" s, the shortest duration within hub_rate=2 rad/s; "), "{told}");
+    // One of the motor, with a drive.
+    let drive = "joint_stiffness = 1000\nrotor_inertia = '2 kg cm^2'\ngear_ratio = 100";
+    bench.write("driven.toml", &format!("{text}\n[drive]\n{drive}\n"));
+    let (code, told) = fitted(&bench, "driven.toml", "0.01", "--fit-limit motor_torque=0.4");
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("limits.motor_torque binds: "), "{told}");
 }
 
 #[test]
 fn no_limit_binds_where_the_profile_has_no_fewer_steps() {
-    let bench = Bench::new();
-    let (_, told) = fitted(&bench, &repository(LINK), "0.1", &["--fit-limit", "torque=1e300"]);
+    let (_, told) = fitted(&Bench::new(), LINK, "0.1", "--fit-limit torque=1e300");
     let note = "note: 0.4 s, the shortest duration within torque=1e300 N m; no limit binds: the \
                 profile has no fewer steps\n";
     assert!(told.starts_with(note), "{told}");
@@ -133,9 +120,7 @@ fn no_limit_binds_where_the_profile_has_no_fewer_steps() {
 
 #[test]
 fn a_search_among_very_many_durations_says_how_many_it_tried() {
-    let bench = Bench::new();
-    let link = repository(LINK);
-    let (code, told) = fitted(&bench, &link, "2e-4", &["--fit-limit", "torque=0.9"]);
+    let (code, told) = fitted(&Bench::new(), LINK, "2e-4", "--fit-limit torque=0.9");
     assert_eq!(code, Some(0), "{told}");
     let (_, rest) = told.split_once(" s, within torque=0.9 N m; ").unwrap();
     let (tried, rest) = rest.split_once(" of the ").unwrap();
@@ -145,11 +130,18 @@ fn a_search_among_very_many_durations_says_how_many_it_tried() {
 }
 
 #[test]
-fn a_warning_of_the_motion_that_fits_is_an_error_where_it_is_denied() {
+fn warnings_of_the_motion_that_fits_are_told_and_do_not_lengthen_it() {
     let bench = Bench::new();
-    let link = repository(LINK);
-    let more = ["--fit-limit", "torque=4", "--deny-warnings"];
-    let (code, told) = fitted(&bench, &link, "0.01", &more);
+    let (code, told) = fitted(&bench, LINK, "0.01", "--fit-limit torque=4");
+    assert_eq!(code, Some(0), "{told}");
+    let note = "note: 0.42 s, the shortest duration within torque=4 N m; ";
+    assert!(told.starts_with(note), "{told}");
+    assert!(told.contains("\nwarning: large deflections and centrifugal stiffening"), "{told}");
+    // Every step from the profile's own fewest was tried: a shorter one needs more.
+    assert!(peak_n_m(&bench, 0.41, "0.01") > 4.0);
+    // A warning is an error where it is denied.
+    std::fs::remove_file(bench.path("fit.csv")).unwrap();
+    let (code, told) = fitted(&bench, LINK, "0.01", "--fit-limit torque=4 --deny-warnings");
     assert_eq!(code, Some(4), "{told}");
     let warnings = told.matches("\nwarning: ").count();
     let error = format!("error: --deny-warnings: warnings = {warnings}, but must be none");
@@ -158,81 +150,35 @@ fn a_warning_of_the_motion_that_fits_is_an_error_where_it_is_denied() {
 }
 
 #[test]
-fn warnings_of_the_motion_that_fits_are_told_and_do_not_lengthen_it() {
-    let bench = Bench::new();
-    let link = repository(LINK);
-    let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01", "--link", &link];
-    let told =
-        stderr(&bench.done(&[&fixed[..], &["--fit-limit", "torque=4", "-o", "fit.csv"]].concat()));
-    assert!(
-        told.starts_with("note: 0.42 s, the shortest duration within torque=4 N m; "),
-        "{told}"
-    );
-    assert!(told.contains("\nwarning: large deflections and centrifugal stiffening"), "{told}");
-    // Every step from the profile's own fewest was tried: a shorter one needs more.
-    let shorter = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01"];
-    bench.run(&[&shorter[..], &["--duration", "0.41", "-o", "shorter.csv"]].concat());
-    let summary = stdout(&bench.run(&["solve", &link, "shorter.csv", "--json"]));
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-    assert!(summary["results"]["peak_torque_n_m"].as_f64().unwrap() > 4.0);
-}
-
-#[test]
-fn a_limit_of_the_motor_is_fitted_to_with_a_drive() {
-    let bench = Bench::new();
-    let link = repository(LINK);
-    let text = std::fs::read_to_string(&link).unwrap();
-    let drive = "joint_stiffness = 1000\nrotor_inertia = '2 kg cm^2'\ngear_ratio = 100";
-    bench.write("driven.toml", &format!("{text}\n[drive]\n{drive}\n"));
-    let fit = |link: &str| {
-        let fixed = ["trajectory", "septic", "--distance", "0.5", "--step", "0.01", "--link", link];
-        bench.run(&[&fixed[..], &["--fit-limit", "motor_torque=0.4"]].concat())
-    };
-    let fitted = succeeded(fit("driven.toml"));
-    assert!(stderr(&fitted).contains("limits.motor_torque binds: "), "{}", stderr(&fitted));
-}
-
-#[test]
 fn lengths_times_and_angles_have_units() {
     let bench = Bench::new();
-    let link = repository(LINK);
-    let made = |arguments: &[&str]| {
-        let output = bench.done(&[&["trajectory", "septic"], arguments].concat());
-        stdout(&output)
-    };
-    let plain =
-        ["--distance", "0.5", "--duration", "0.8", "--step", "0.001", "--rest-after", "0.1"];
+    let made = |arguments: &[&str]| bench.printed(&with("trajectory septic", arguments));
+    let plain = bench.printed(&format!("{SEPTIC} --duration 0.8 --step 0.001 --rest-after 0.1"));
     let units = ["--distance", "50 cm", "--duration", "800 ms", "--step", "1 ms"];
-    assert!(made(&[&units[..], &["--rest-after", "100 ms"]].concat()) == made(&plain));
+    assert!(made(&[&units[..], &["--rest-after", "100 ms"]].concat()) == plain);
     // The tip of the paper's link lies 1.5 m from its axis, that of the longer one 3 m.
     let times = ["--duration", "0.8", "--step", "0.01"];
-    let turn = [&["--distance", "-0.5 rad", "--link", &link], &times[..]].concat();
+    let turn = [&["--distance", "-0.5 rad", "--link", LINK], &times[..]].concat();
     assert!(made(&turn) == made(&[&["--distance", "-0.75"], &times[..]].concat()));
-    let longer = [&turn[..], &["--set", "segments.0.length*=2"]].concat();
-    let longer = made(&longer);
+    let longer = made(&[&turn[..], &["--set", "segments.0.length*=2"]].concat());
     assert!(longer != made(&turn));
     bench.write("longer.csv", &longer);
-    let output =
-        bench.run(&["solve", &link, "longer.csv", "--set", "segments.0.length*=2", "--json"]);
-    let summary = json_of(&output);
-    let length_m = summary["link"]["length_m"].as_f64().unwrap();
-    let travel_m = summary["motion"]["travel_m"].as_f64().unwrap();
+    bench.run(&format!("solve {LINK} longer.csv --set segments.0.length*=2"));
+    let [length_m, travel_m] =
+        ["link/length_m", "motion/travel_m"].map(|path| bench.number("out", path));
     assert!((travel_m + 0.5 * length_m).abs() < 1e-9, "{travel_m} {length_m}");
 }
 
 #[test]
 fn the_best_profile_is_the_shortest_and_each_is_told() {
     let bench = Bench::new();
-    let link = repository(LINK);
-    let fixed = ["--distance", "0.5", "--step", "0.02", "--link", &link, "--fit-limit", "torque=2"];
-    let told =
-        stderr(&bench.done(&[&["trajectory", "best"], &fixed[..], &["-o", "best.csv"]].concat()));
+    let fixed = format!("--distance 0.5 --step 0.02 --link {LINK} --fit-limit");
+    let told = bench.told(&format!("trajectory best {fixed} torque=2 -o best.csv"));
     let notes: Vec<&str> =
         told.lines().filter_map(|line| line.strip_prefix("note: ")).take(8).collect();
     let mut own_notes = Vec::new();
     for profile in PROFILES {
-        let own = bench.run(&[&["trajectory", profile], &fixed[..], &["-o", "own.csv"]].concat());
-        let own = stderr(&own);
+        let own = stderr(&bench.run(&format!("trajectory {profile} {fixed} torque=2 -o own.csv")));
         let (duration, rest) = own.strip_prefix("note: ").unwrap().split_once(" s, ").unwrap();
         let (_, binding) = rest.split_once("; ").unwrap();
         let kinds = [
@@ -252,17 +198,13 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
     let own_notes: Vec<&str> = own_notes.iter().map(|(_, note)| &note[..]).collect();
     assert_eq!(notes, own_notes);
     // The versine is shorter, at a step that is too long for its jumps, and the septic bends the link too far.
-    assert!(
-        told.contains(
-            "note: the best without a warning or jump is gaussian: 1.5 s, the shortest duration within"
-        ),
-        "{told}"
-    );
+    let best =
+        "note: the best without a warning or jump is gaussian: 1.5 s, the shortest duration within";
+    assert!(told.contains(best), "{told}");
     assert!(own_notes.iter().any(|note| note.starts_with("versine    0.58 s (")));
     assert!(bench.read("best.csv").starts_with("# gaussian: 1.5 s, "));
     // Limits that no profile keeps.
-    let none = [&fixed[..7], &["torque=1e-9"]].concat();
-    let none = stderr(&bench.ends(4, &[&["trajectory", "best"], &none[..]].concat()));
+    let none = bench.error(4, &format!("trajectory best {fixed} torque=1e-9"));
     let message = "no duration from 0.08 to 5242.88 s keeps the limits (17 tried)";
     assert!(none.starts_with(&format!("note: sine       none: {message}")), "{none}");
     assert!(none.contains(&format!("\nerror: {message}")), "{none}");
@@ -271,58 +213,50 @@ fn the_best_profile_is_the_shortest_and_each_is_told() {
 #[test]
 fn a_cycle_repeats_and_its_torque_in_the_mean_is_told() {
     let bench = Bench::new();
-    let link = repository(LINK);
-    let cycle = ["trajectory", "min-jerk", "--distance", "0.5", "--step", "10 ms", "--link", &link];
-    let cycle = [&cycle[..], &["--cycle", "--dwell", "300 ms", "-o", "cycle.csv"]].concat();
-    let made = bench.done(&[&cycle[..], &["--duration", "0.8"]].concat());
+    let cycle = format!(
+        "trajectory min-jerk --distance 0.5 --step 0.01 --link {LINK} --cycle --dwell 0.3 -o cycle.csv"
+    );
+    let told = bench.told(&format!("{cycle} --duration 0.8"));
     assert_eq!(column(&bench, "cycle.csv", "time").len(), 220);
-    let told = stderr(&made);
     let torque = told.strip_prefix("note: a cycle of 2.2 s takes a torque of ").unwrap();
     let (rms, rest) = torque.split_once(" N m rms, ").unwrap();
-    let (peak, rest) = rest.split_once(" N m at its peak\n").unwrap();
+    let (highest, rest) = rest.split_once(" N m at its peak\n").unwrap();
     assert_eq!(rest, "");
-    bench.run(&["solve", &link, "cycle.csv", "--periodic", "-o", "out"]);
+    bench.run(&format!("solve {LINK} cycle.csv --periodic -o out"));
     let torque = column(&bench, "out/torque.csv", "torque_n_m");
     let mean = torque.iter().map(|own| own * own).sum::<f64>() / torque.len() as f64;
-    let [rms, peak] = [rms, peak].map(|number| number.parse::<f64>().unwrap());
+    let [rms, highest] = [rms, highest].map(|number| number.parse::<f64>().unwrap());
     assert!((mean.sqrt() - rms).abs() < 1e-3 * rms, "{} {rms}", mean.sqrt());
-    let largest = torque.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-    assert!((largest - peak).abs() < 1e-2 * peak, "{largest} {peak}");
+    assert!((peak(&torque) - highest).abs() < 1e-2 * highest, "{} {highest}", peak(&torque));
     // Within a limit of the torque in the mean: the cycle's, not that of the outward motion.
-    let fit = bench.run(&[&cycle[..], &["--fit-limit", "rms_torque=0.5"]].concat());
-    let told = stderr(&fit);
+    let told = stderr(&bench.run(&format!("{cycle} --fit-limit rms_torque=0.5")));
     assert!(told.contains("within rms_torque=0.5 N m; limits.rms_torque binds: 0.49"), "{told}");
     assert!(told.contains(" s each way, the shortest duration "), "{told}");
     assert!(told.contains(" s takes a torque of 0.49"), "{told}");
     // A limit of the file that a given duration exceeds.
-    let set = ["--duration", "0.62", "--set", "limits.torque=1", "--deny-warnings"];
-    let made = bench.ends(4, &[&cycle[..], &set].concat());
-    assert!(stderr(&made).starts_with("note: a cycle of 1.84 s takes a torque of "));
+    let limited = "--duration 0.62 --set limits.torque=1 --deny-warnings";
+    let told = bench.error(4, &format!("{cycle} {limited}"));
+    assert!(told.starts_with("note: a cycle of 1.84 s takes a torque of "), "{told}");
     let exceeded = "\nwarning: limits.torque = 1 N m is exceeded at the hub: ";
-    assert!(stderr(&made).contains(exceeded), "{}", stderr(&made));
+    assert!(told.contains(exceeded), "{told}");
 }
 
 #[test]
 fn a_cycle_whose_ends_are_nearly_equal_is_written_and_solved() {
     let bench = Bench::new();
-    let link = repository(LINK);
-    let cycle =
-        ["trajectory", "gaussian", "--distance", "0.1", "--duration", "1", "--step", "2 ms"];
-    let cycle = [&cycle[..], &["--cycle", "-o", "cycle.csv"]].concat();
+    let cycle = "trajectory gaussian --distance 0.1 --duration 1 --step 0.002 --cycle -o cycle.csv";
     // The bell's first and last samples are nearly equal, but its last is not its first one again.
-    for link in [&["--link", &link][..], &[]] {
-        bench.done(&[&cycle[..], link].concat());
-    }
-    bench.done(&["solve", &link, "cycle.csv", "--periodic", "-q"]);
+    bench.done(&format!("{cycle} --link {LINK}"));
+    bench.done(cycle);
+    bench.done(&format!("solve {LINK} cycle.csv --periodic -q"));
 }
 
 #[test]
 fn a_tip_stops_on_its_way() {
     let bench = Bench::new();
-    let way = ["trajectory", "sine", "--distance", "0.6", "--duration", "1.2", "--step", "0.002"];
-    let stops = ["--via", "10 cm", "--via=-0.3", "--dwell", "0.2", "-o", "stops.csv"];
-    bench.done(&[&way[..], &stops].concat());
-    bench.done(&["solve", &repository(LINK), "stops.csv", "-o", "out"]);
+    let way = "trajectory sine --distance 0.6 --duration 1.2 --step 0.002 --dwell 0.2 -o stops.csv";
+    bench.done(&with(way, &["--via", "10 cm", "--via=-0.3"]));
+    bench.done(&format!("solve {LINK} stops.csv -o out"));
     // Moves of 0.1, 0.4 and 0.9 m take 0.2, 0.4 and 0.6 s, with 0.2 s of rest between them.
     let [times_s, tip_m] =
         ["time_s", "tip_displacement_m"].map(|name| column(&bench, "out/tip.csv", name));

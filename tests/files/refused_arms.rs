@@ -6,7 +6,7 @@ use flexlink::csv::{TableFormat, read_motion_table, read_motion_table_as};
 use flexlink::inverse::{Resources, invert_motion};
 use flexlink::spec::{Override, SpecError, Specification, read_measurements, read_specification};
 
-use crate::snapshot;
+use crate::snapshot::{self, told};
 
 const ARM: &str = include_str!("../../specs/arms/two_links.toml");
 
@@ -45,11 +45,6 @@ fn refusal_of_path(links: usize, text: &str) -> String {
 fn refusal_of_measurements(text: &str, links: usize) -> String {
     let error = read_measurements("measured.toml", text, links).expect_err(text);
     told(&error, error.hint())
-}
-
-fn told(error: &impl ToString, hint: Option<&str>) -> String {
-    let hint = hint.map(|hint| format!("\nhint: {hint}")).unwrap_or_default();
-    format!("{}{hint}", error.to_string())
 }
 
 #[test]

@@ -10,7 +10,7 @@ use flexlink::csv::{
 use crate::snapshot;
 
 /// The form that options such as `--columns time=1 --skip 2` describe.
-fn format_of(words: &str) -> TableFormat {
+pub(crate) fn format_of(words: &str) -> TableFormat {
     let mut format = TableFormat::default();
     for option in words.split("--").filter(|option| !option.is_empty()) {
         let (name, value) = option.trim().split_once(' ').unwrap();
@@ -44,9 +44,6 @@ fn refusals_are_those_of_the_snapshot() {
             _ => motion().and_then(MotionTable::into_target).err(),
         };
         let error = refused.expect(input);
-        match error.hint() {
-            Some(hint) => format!("{error}\nhint: {hint}"),
-            None => error.to_string(),
-        }
+        snapshot::told(&error, error.hint())
     });
 }

@@ -48,3 +48,9 @@ pub(crate) fn compare(name: &str, refusal: impl Fn(&str, &str, &str) -> String) 
         assert_eq!(found.len(), expected.len(), "{name}");
     }
 }
+
+/// A refusal and its hint as the program prints them.
+pub(crate) fn told(error: &impl ToString, hint: Option<&str>) -> String {
+    let hint = hint.map(|hint| format!("\nhint: {hint}")).unwrap_or_default();
+    format!("{}{hint}", error.to_string())
+}

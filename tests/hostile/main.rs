@@ -13,6 +13,8 @@ mod places;
 mod printed;
 mod rights;
 mod threads;
+#[path = "../cli/words.rs"]
+mod words;
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -20,6 +22,8 @@ use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
+
+use words::Words;
 
 const REFUSED: i32 = 3;
 const NOT_SOLVABLE: i32 = 4;
@@ -46,20 +50,35 @@ impl Bench {
         fs::write(self.path(name), content).unwrap();
     }
 
-    fn command(&self, program: &str, arguments: &[&str]) -> Command {
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn command(&self, program: &str, arguments: &(impl Words + ?Sized)) -> Command {
         let mut command = Command::new(program);
-        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        command.args(arguments.words()).current_dir(self.folder.path()).stdin(Stdio::null());
         command.env("LC_ALL", "C.UTF-8");
         command
     }
 
-    fn run(&self, arguments: &[&str]) -> Output {
+    fn run(&self, arguments: &(impl Words + ?Sized)) -> Output {
         self.command(PROGRAM, arguments).output().unwrap()
+    }
+
+    /// What the program prints, which must succeed.
+    #[track_caller]
+    fn done(&self, arguments: &(impl Words + ?Sized)) -> String {
+        succeeded(&arguments.words(), &self.run(arguments))
+    }
+
+    /// What the program tells on standard error, however it ends.
+    fn told(&self, arguments: &(impl Words + ?Sized)) -> String {
+        text(&self.run(arguments).stderr)
     }
 
     /// The program must refuse with this code and this message, and leave nothing behind.
     #[track_caller]
-    fn refuses(&self, arguments: &[&str], code: i32, message: &str) {
+    fn refuses(&self, arguments: &(impl Words + ?Sized), code: i32, message: &str) {
         self.is_refusal(&self.run(arguments), code, message);
     }
 
@@ -70,15 +89,8 @@ impl Bench {
         assert!(error.len() < 1000, "{error}");
         assert_eq!(output.status.code(), Some(code), "{error}");
         assert_eq!(text(&output.stdout), "");
-        for result in [
-            "out",
-            "simulated",
-            "sweep.csv",
-            "sweep.json",
-            "sweep.csv.part",
-            "merged.csv",
-            "report.html",
-        ] {
+        let results = "out simulated sweep.csv sweep.json sweep.csv.part merged.csv report.html";
+        for result in results.split(' ') {
             assert!(!self.path(result).exists(), "{result} is left behind");
         }
     }
@@ -86,21 +98,19 @@ impl Bench {
     /// `solve` must succeed, with every number that it writes and prints a finite one; returns what
     /// it warns of.
     #[track_caller]
-    fn solves(&self, arguments: &[&str]) -> String {
-        let output = self.run(&[&["solve", "link.toml", "motion.csv"], arguments].concat());
+    fn solves(&self, arguments: &(impl Words + ?Sized)) -> String {
+        let output = self.run(&[SOLVE.words(), arguments.words()].concat());
         let warnings = text(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{warnings}");
         assert_finite("the summary", &text(&output.stdout));
         assert_finite("the warnings", &warnings);
         // Remarks on unusual numbers, each with its hint, are no warnings.
         let mut is_remark = false;
-        let warnings: String = warnings
-            .split_inclusive('\n')
-            .filter(|line| {
-                is_remark = line.starts_with("remark:") || is_remark && line.starts_with("hint:");
-                !is_remark
-            })
-            .collect();
+        let is_warning = |line: &&str| {
+            is_remark = line.starts_with("remark:") || is_remark && line.starts_with("hint:");
+            !is_remark
+        };
+        let warnings: String = warnings.split_inclusive('\n').filter(is_warning).collect();
         for entry in fs::read_dir(self.path("out")).unwrap() {
             let path = entry.unwrap().path();
             assert_finite(&path.display().to_string(), &fs::read_to_string(&path).unwrap());
@@ -110,6 +120,16 @@ impl Bench {
 }
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_flexlink");
+const SOLVE: &str = "solve link.toml motion.csv";
+const LARGE: &str =
+    "large deflections and centrifugal stiffening, which the linear model leaves out";
+
+/// What a program printed that must have succeeded.
+#[track_caller]
+fn succeeded(what: &dyn std::fmt::Debug, output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{what:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()

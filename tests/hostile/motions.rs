@@ -1,23 +1,25 @@
 //! Tables of numbers as other programs write them, times that are none, and extreme motions.
 
-use super::{Bench, NOT_SOLVABLE, REFUSED, motion, text};
+use super::{Bench, LARGE, NOT_SOLVABLE, REFUSED, SOLVE, motion, succeeded, text};
 
 fn seconds(k: i32) -> String {
     (0.01 * f64::from(k)).to_string()
 }
 
-#[track_caller]
-fn refused(table: &str, code: i32, message: &str) {
+fn with(table: &str) -> Bench {
     let bench = Bench::new();
     bench.write("motion.csv", table);
-    bench.refuses(&["solve", "link.toml", "motion.csv"], code, message);
+    bench
+}
+
+#[track_caller]
+fn refused(table: &str, code: i32, message: &str) {
+    with(table).refuses(SOLVE, code, message);
 }
 
 #[track_caller]
 fn warnings(table: &str) -> String {
-    let bench = Bench::new();
-    bench.write("motion.csv", table);
-    bench.solves(&[])
+    with(table).solves("")
 }
 
 #[test]
@@ -45,16 +47,12 @@ fn seconds_since_1970_are_times() {
 #[test]
 fn a_step_that_drifts_by_1e_9_is_uniform_and_by_1e_6_is_told() {
     let drifting = |rate: f64| {
-        motion(
-            |k| (0.01 * f64::from(k) * (1.0 + rate * f64::from(k))).to_string(),
-            |a| a.to_string(),
-        )
+        let time = |k: i32| (0.01 * f64::from(k) * (1.0 + rate * f64::from(k))).to_string();
+        motion(time, |a| a.to_string())
     };
     assert_eq!(warnings(&drifting(1e-9)), "");
-    let bench = Bench::new();
-    bench.write("motion.csv", drifting(1e-6));
-    let output = bench.run(&["solve", "link.toml", "motion.csv", "-o", "out"]);
-    assert_eq!(output.status.code(), Some(0));
+    let output = with(&drifting(1e-6)).run(SOLVE);
+    succeeded(&1e-6, &output);
     let told = text(&output.stderr);
     assert!(told.starts_with("remark: the times are off a uniform grid"), "{told}");
 }
@@ -72,31 +70,21 @@ fn motions_beyond_what_can_be_squared_are_refused_and_smaller_ones_solved() {
         refused(&scaled(by), REFUSED, small);
     }
     // However heavy the link is.
-    let bench = Bench::new();
-    bench.write("motion.csv", scaled(1e-322));
-    let heavy = ["solve", "link.toml", "motion.csv", "--set", "hub.inertia=1e240"];
-    bench.refuses(&heavy, REFUSED, small);
+    let heavy = format!("{SOLVE} --set hub.inertia=1e240");
+    with(&scaled(1e-322)).refuses(&heavy, REFUSED, small);
     refused(&scaled(1e307), REFUSED, "the motion reaches beyond double precision");
     assert_eq!(warnings(&scaled(1e-80)), "");
     let told = warnings(&scaled(1e80));
-    assert!(
-        told.contains(
-            "large deflections and centrifugal stiffening, which the linear model leaves out"
-        ),
-        "{told}"
-    );
+    assert!(told.contains(LARGE), "{told}");
 }
 
 #[test]
 fn steps_far_from_the_links_times_are_refused_or_solved() {
-    let stretched =
-        |step_s: f64| motion(|k| (step_s * f64::from(k)).to_string(), |a| a.to_string());
     let slow = motion(|k| (1e12 * f64::from(k)).to_string(), |a| (1e-26 * a).to_string());
     assert_eq!(warnings(&slow), "", "a link that moves as a rigid one");
     for (step_s, samples) in [(1e-9, "samples"), (1e-100, "e"), (1e-300, "e19 or more samples")] {
-        let bench = Bench::new();
-        bench.write("motion.csv", stretched(step_s));
-        let mut output = bench.run(&["solve", "link.toml", "motion.csv"]);
+        let bench = with(&motion(|k| (step_s * f64::from(k)).to_string(), |a| a.to_string()));
+        let mut output = bench.run(SOLVE);
         let told = text(&output.stderr);
         assert!(told.starts_with("remark: the tip moves for "), "{told}");
         output.stderr.drain(..told.find("error: ").unwrap());

@@ -6,7 +6,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::process::CommandExt as _;
 use std::process::Output;
 
-use super::{Bench, PROGRAM, REFUSED, text};
+use super::{Bench, PROGRAM, REFUSED, SOLVE, text};
 
 const CANNOT_WRITE: i32 = 5;
 /// The user who owns nothing.
@@ -22,15 +22,15 @@ impl Bench {
     #[expect(clippy::print_stderr, reason = "what a test leaves out is told")]
     fn solve_without_rights(&self) -> Option<Output> {
         self.set_mode("", 0o755);
-        let (program, arguments) = (self.path("flexlink"), ["solve", "link.toml", "motion.csv"]);
+        let program = self.path("flexlink");
         self.write("hidden", "");
         self.set_mode("hidden", 0o000);
         if fs::read(self.path("hidden")).is_err() {
-            return Some(self.run(&arguments));
+            return Some(self.run(SOLVE));
         }
         fs::copy(PROGRAM, &program).unwrap();
         self.set_mode("flexlink", 0o755);
-        let mut command = self.command(program.to_str().unwrap(), &arguments);
+        let mut command = self.command(program.to_str().unwrap(), SOLVE);
         let output = command.uid(NOBODY).gid(NOBODY).output();
         output.inspect_err(|why| eprintln!("left out: cannot run as nobody: {why}")).ok()
     }

@@ -91,14 +91,6 @@ fn read_with(text: &str, settings: &[&str]) -> Result<Specification, SpecError> 
     read_specification("link.toml", text, &overrides?)
 }
 
-/// The error and its hint as the program prints them.
-fn shown(error: &SpecError) -> String {
-    match error.hint() {
-        Some(hint) => format!("{error}\nhint: {hint}"),
-        None => error.to_string(),
-    }
-}
-
 #[test]
 fn the_whole_example_is_read_in_si() {
     let own = read(EXAMPLE).unwrap();

@@ -1,4 +1,4 @@
-use super::{EXAMPLE, SHORT, read_with, shown};
+use super::{EXAMPLE, SHORT, read_with};
 use crate::snapshot;
 
 #[test]
@@ -11,6 +11,7 @@ fn refusals_are_those_of_the_snapshot() {
             _ => input.to_owned(),
         };
         let settings = Some(setting).filter(|setting| !setting.is_empty());
-        shown(&read_with(&file, settings.as_slice()).expect_err(&file))
+        let error = read_with(&file, settings.as_slice()).expect_err(&file);
+        snapshot::told(&error, error.hint())
     });
 }

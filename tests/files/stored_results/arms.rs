@@ -4,16 +4,15 @@ use std::fs;
 
 use super::Bench;
 
-const ARM: &str = "specs/arms/two_links.toml";
-const PATH: &str = "trajectories/arms/line_1.5s.csv";
+const ARM: &str = "specs/arms/two_links.toml trajectories/arms/line_1.5s.csv";
 
 /// A drive of the outer joint alone.
-const DRIVE: [&str; 2] = ["--set", "links.fore.drive={ gear_ratio = 50, rotor_inertia = 1e-6 }"];
+const DRIVE: &str = "--set links.fore.drive={gear_ratio=50,rotor_inertia=1e-6}";
 
 #[test]
 fn an_arm_comes_back_as_its_tables_with_the_motor_of_the_joint_that_has_one() {
     let bench = Bench::new();
-    bench.run(&[&["solve", ARM, PATH, "--moments"], &DRIVE[..]].concat(), "out");
+    bench.run(&format!("solve {ARM} --moments {DRIVE}"), "out");
     let run = bench.run_of("out");
     assert!(run.arc.is_none() && run.moving_s.is_some());
     assert!(run.times_s == bench.column("out/torques.csv", "time_s"));
@@ -55,7 +54,7 @@ fn after(bench: &Bench, file: &str, from: &str, to: &str) -> (String, Option<Str
 #[test]
 fn a_damaged_run_of_an_arm_is_refused() {
     let bench = Bench::new();
-    bench.run(&["solve", ARM, PATH], "out");
+    bench.run(&format!("solve {ARM}"), "out");
     let (lead, _) = after(&bench, "summary.json", "\"lead_s\": ", "\"lead_s\": true, \"lead\": ");
     assert_eq!(lead, "out/summary.json: results.joints.0.lead_s is missing");
     // Nodes are named in their order, 2 before 10; the run was not asked to leave some out.
@@ -63,7 +62,7 @@ fn a_damaged_run_of_an_arm_is_refused() {
     assert!(node.contains("x2_2_mm") && !hint.unwrap_or_default().contains("--nodes"), "{node}");
     let (tip, _) = after(&bench, "tip.csv", ",velocity_x_m_s", ",u_m_s");
     assert!(tip.contains("velocity_x_m_s"), "{tip}");
-    bench.run(&["solve", ARM, PATH, "--nodes", "0,2"], "out");
+    bench.run(&format!("solve {ARM} --nodes 0,2"), "out");
     let (node, hint) = bench.refusal("out");
     assert!(node.contains("x1_1_m") && hint.unwrap().contains("without --nodes"), "{node}");
 }
@@ -71,14 +70,11 @@ fn a_damaged_run_of_an_arm_is_refused() {
 #[test]
 fn a_strange_motor_beside_a_simulation_is_left_alone() {
     let bench = Bench::new();
-    bench.run(&["solve", ARM, PATH], "out");
-    let torques = bench.path("out").join("torques.csv");
-    let torques = torques.to_str().unwrap();
-    bench.run(&["simulate", ARM, torques, "--at", "1.2,2.4"], "played");
+    bench.run(&format!("solve {ARM}"), "out");
+    let (arm, torques) = (ARM.split(' ').next().unwrap(), bench.file("out/torques.csv"));
+    bench.run(&["simulate", arm, &torques, "--at", "1.2,2.4"], "played");
     bench.write("played/motor.csv", "time_s,a\n0,1\n");
     let run = bench.run_of("played");
-    assert!(
-        run.joints.iter().all(|joint| joint.motor.is_none() && joint.rigid_angle_rad.is_none())
-    );
+    assert!(run.joints.iter().all(|own| own.motor.is_none() && own.rigid_angle_rad.is_none()));
     assert!(run.joints[1].torque_n_m == bench.column("played/torques.csv", "torque2_n_m"));
 }

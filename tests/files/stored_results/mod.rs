@@ -9,6 +9,8 @@ mod read_back;
 mod refusals;
 mod summaries;
 mod sweeps;
+#[path = "../../cli/words.rs"]
+mod words;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -17,28 +19,34 @@ use flexlink::result::{StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
 use bench::Bench;
+use words::Words;
 
-const LINK: &str = "specs/bayo1987_example1.toml";
-const MOTION: &str = "trajectories/sine_0.88s.csv";
+/// The paper's first link and its motion.
+const PAPER: &str = "specs/bayo1987_example1.toml trajectories/sine_0.88s.csv";
 
 /// A short window: what is asked here is not how exact an answer is.
-const SHORT: [&str; 4] = ["--resample", "0.002", "--set", "analysis.tolerance=1e-3"];
+const SHORT: &str = "--resample 0.002 --set analysis.tolerance=1e-3";
 
 impl Bench {
     /// Runs the program in the repository's folder, with the results into `folder`.
     #[track_caller]
-    fn run(&self, arguments: &[&str], folder: &str) {
+    fn run(&self, arguments: &(impl Words + ?Sized), folder: &str) {
         let into = self.path(folder);
         let mut command = Command::new(env!("CARGO_BIN_EXE_flexlink"));
-        command.args(arguments).arg("-o").arg(into).arg("--quiet");
+        command.args(arguments.words()).arg("-o").arg(into).arg("--quiet");
         let output = command.current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
     /// `solve` into `out`, with a short window.
     #[track_caller]
-    fn solve(&self, arguments: &[&str]) {
-        self.run(&[&["solve"], arguments, &SHORT].concat(), "out");
+    fn solve(&self, arguments: &(impl Words + ?Sized)) {
+        self.run(&["solve".words(), arguments.words(), SHORT.words()].concat(), "out");
+    }
+
+    /// A file of the bench as the program is told it.
+    fn file(&self, name: &str) -> String {
+        self.path(name).to_str().unwrap().to_owned()
     }
 
     #[track_caller]

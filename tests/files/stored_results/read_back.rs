@@ -5,7 +5,7 @@ use flexlink::link::{Damping, Link};
 use flexlink::result::{StoredNodes, StoredRun};
 use flexlink::spec::read_specification;
 
-use super::{Bench, LINK, MOTION, repository};
+use super::{Bench, PAPER, repository};
 
 /// The link of a file with changes, as the program reads it.
 fn link_of(file: &str, changes: &[&str]) -> Link {
@@ -93,7 +93,10 @@ fn assert_near(found: &StoredNodes, expected: &StoredNodes) {
     assert!(worst < 2e-9, "{worst:e} m");
 }
 
-/// Changes of the link, and the damping that the run has then.
+const LINK: &str = "specs/bayo1987_example1.toml";
+const MOTION: &str = "trajectories/sine_0.88s.csv";
+
+/// Links, changes of them, and the damping that the run has then.
 const RIGS: [(&str, &str, &[&str]); 7] = [
     ("none", LINK, &["damping={ model = \"none\" }"]),
     ("hysteretic", LINK, &["payload={ mass = 0.05, inertia = 0.001, offset = 0.02 }"]),
@@ -148,14 +151,13 @@ fn every_rig_comes_back_as_it_was_solved() {
 #[test]
 fn nodal_tables_may_be_thinned_in_any_order() {
     let bench = Bench::new();
-    for every in ["1", "7", "300", "100000"] {
-        let thin = ["--nodes", "10,0,5", "--every", every, "--moments"];
-        bench.solve(&[&[LINK, MOTION], &thin[..]].concat());
+    for every in [1, 7, 300, 100_000] {
+        let thin = format!("{PAPER} --nodes 10,0,5 --every {every} --moments");
+        bench.solve(&thin);
         let derived = deflections(&bench.run_of("out"));
         assert_eq!(derived.nodes, [0, 5, 10]);
-        bench.solve(&[&[LINK, MOTION, "--deflections"], &thin[..]].concat());
+        bench.solve(&format!("{thin} --deflections"));
         let run = bench.run_of("out");
-        let every: usize = every.parse().unwrap();
         let thinned: Vec<f64> = run.times_s.iter().step_by(every).copied().collect();
         assert_eq!(derived.times_s, thinned);
         assert_near(&derived, &deflections(&run));
@@ -166,43 +168,39 @@ fn nodal_tables_may_be_thinned_in_any_order() {
 #[test]
 fn all_digits_and_an_automatic_mesh_with_few_kept_modes_come_back() {
     let bench = Bench::new();
-    let set = ["--set", "mesh.elements=\"auto\"", "--set", "mesh.tolerance=1e-7"];
     bench.write("link.toml", "segments = [{ length = 1.5, EI = 5, mass_per_length = 0.8 }]\n");
-    let link = bench.path("link.toml");
-    let link = link.to_str().unwrap();
-    let digits = ["--digits", "full", "--set", "analysis.modes=4"];
-    bench.solve(&[&[link, MOTION], &set[..], &digits].concat());
+    let link = bench.file("link.toml");
+    let set = "--set mesh.elements=\"auto\" --set mesh.tolerance=1e-7 --set analysis.modes=4";
+    bench.solve(&format!("{link} {MOTION} --digits full {set}"));
     let run = bench.run_of("out");
-    assert_eq!(run.arc.as_ref().unwrap().kept_modes, Some(4));
-    assert!(run.arc.as_ref().unwrap().mesh.nodes_m().len() > 9);
+    let arc = run.arc.as_ref().unwrap();
+    assert_eq!(arc.kept_modes, Some(4));
+    assert!(arc.mesh.nodes_m().len() > 9);
     assert_histories(&bench, "out", &run);
-    bench.solve(&[LINK, MOTION]);
+    bench.solve(PAPER);
     assert_eq!(bench.run_of("out").arc.unwrap().kept_modes, None);
 }
 
 #[test]
 fn a_simulation_comes_back_with_and_without_feedback_and_target() {
     let bench = Bench::new();
-    bench.solve(&[LINK, MOTION]);
+    bench.solve(PAPER);
     let [torque, tip, hub] =
-        ["torque.csv", "tip.csv", "hub_angle.csv"].map(|name| bench.path("out").join(name));
-    let [torque, tip, hub] = [&torque, &tip, &hub].map(|path| path.to_str().unwrap());
-    let play = ["simulate", LINK, torque, "--set", "payload.mass=0.05"];
-    let feedback = ["--feedback", "20,2", "--reference", hub];
+        ["out/torque.csv", "out/tip.csv", "out/hub_angle.csv"].map(|name| bench.file(name));
+    let feedback = format!("--feedback 20,2 --reference {hub}");
     for (options, roles) in [
-        (&["--until", "4"][..], &["link", "torque"][..]),
-        (&["--target", tip, "--nodes", "3,1"], &["link", "torque", "target"]),
-        (&feedback, &["link", "torque", "reference"]),
-        (
-            &[&feedback[..], &["--target", tip, "--digits", "full"]].concat(),
-            &["link", "torque", "target", "reference"],
-        ),
+        ("--until 4", "link torque"),
+        (&format!("--target {tip} --nodes 3,1"), "link torque target"),
+        (&feedback, "link torque reference"),
+        (&format!("{feedback} --target {tip} --digits full"), "link torque target reference"),
     ] {
-        bench.run(&[&play[..], options].concat(), "played");
+        let play = format!("simulate {LINK} {torque} --set payload.mass=0.05 {options}");
+        bench.run(&play, "played");
         let run = bench.run_of("played");
         assert_same_link(&run.links[0].link, &link_of(LINK, &["payload.mass=0.05"]));
         assert_histories(&bench, "played", &run);
-        assert_eq!(run.origin.inputs.iter().map(|i| i.role.as_str()).collect::<Vec<_>>(), roles);
+        let own: Vec<_> = run.origin.inputs.iter().map(|input| input.role.as_str()).collect();
+        assert_eq!(own.join(" "), roles);
         let arc = run.arc.as_ref().unwrap();
         assert_eq!((run.moving_s, &run.links[0].moments_n_m, arc.kept_modes), (None, &None, None));
         assert_eq!(run.origin.arguments[..2], ["--set", "payload.mass=0.05"]);

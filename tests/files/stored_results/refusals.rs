@@ -1,6 +1,6 @@
 //! Folders that are refused, each in its words.
 
-use super::{Bench, LINK, MOTION};
+use super::{Bench, PAPER};
 
 const A_RUN: &str = "this is not the folder of a run of `flexlink solve` or `simulate`";
 const ONE_RUN: &str = "a folder holds one run";
@@ -8,7 +8,7 @@ const ONE_RUN: &str = "a folder holds one run";
 /// A run of solve in `out`, with all of its tables.
 fn solved() -> Bench {
     let bench = Bench::new();
-    bench.solve(&[LINK, MOTION, "--deflections", "--moments", "--nodes", "0,10", "--every", "10"]);
+    bench.solve(&format!("{PAPER} --deflections --moments --nodes 0,10 --every 10"));
     bench
 }
 
@@ -44,16 +44,10 @@ fn with_field(text: &str, line: usize, field: usize, value: &str) -> String {
 #[test]
 fn a_missing_file_is_told_by_its_name() {
     let bench = solved();
-    for name in [
-        "torque.csv",
-        "rigid_torque.csv",
-        "hub_angle.csv",
-        "tip.csv",
-        "nodes.csv",
-        "nodal_displacements.csv",
-        "nodal_deflections.csv",
-        "bending_moments.csv",
-    ] {
+    let histories = "torque rigid_torque hub_angle tip nodes";
+    let nodal = "nodal_displacements nodal_deflections bending_moments";
+    for name in histories.split(' ').chain(nodal.split(' ')) {
+        let name = &format!("{name}.csv");
         let path = bench.path("out").join(name);
         let bytes = std::fs::read(&path).unwrap();
         std::fs::remove_file(&path).unwrap();
@@ -92,58 +86,67 @@ fn a_foreign_folder_and_a_path_of_nothing_are_refused() {
 #[test]
 fn a_foreign_or_damaged_summary_is_refused() {
     let bench = solved();
-    let summary = |text: &str| {
-        let text = text.to_owned();
-        after(&bench, "summary.json", |_| text.clone())
-    };
-    let foreign = summary("{\"name\": \"a page\"}");
-    let version = "this is not the folder of a run of `flexlink solve`";
-    assert_eq!(foreign, format!("out/summary.json: flexlink is missing: {version} or `simulate`"));
-    let command = summary("{\"flexlink\": \"0.1.0\", \"command\": \"modes\"}");
-    let known = "must be \"solve\" or \"simulate\"";
-    assert_eq!(command, format!("out/summary.json: command = \"modes\", but {known}"));
-    for (format, found) in
-        [("", "is missing"), ("\"format\": 1,", "= 1"), ("\"format\": 3,", "= 3")]
-    {
-        let other = format!("{{{format} \"flexlink\": \"0.1.0\", \"command\": \"solve\"}}");
-        assert_eq!(summary(&other), format!("out/summary.json: format {found}, but must be 2"));
-    }
+    let summary = |text: &str| after(&bench, "summary.json", |_| text.to_owned());
+    let other =
+        |format: &str| format!("{{{format} \"flexlink\": \"0.1.0\", \"command\": \"solve\"}}");
     for (text, expected) in [
-        ("", "out/summary.json:1: content = EOF while parsing a value, but must be the summary"),
-        (" [[1]]", "out/summary.json: content = a list, but must be an object"),
-        ("{\n\"flexlink\": \"0.1", "out/summary.json:2: content = EOF while parsing a string, but"),
+        ("{\"name\": \"a page\"}", &format!(": flexlink is missing: {A_RUN}")[..]),
+        (
+            "{\"flexlink\": \"0.1.0\", \"command\": \"modes\"}",
+            ": command = \"modes\", but must be \"solve\" or \"simulate\"",
+        ),
+        (&other(""), ": format is missing, but must be 2"),
+        (&other("\"format\": 1,"), ": format = 1, but must be 2"),
+        (&other("\"format\": 3,"), ": format = 3, but must be 2"),
+        ("", ":1: content = EOF while parsing a value, but must be the summary"),
+        (" [[1]]", ": content = a list, but must be an object"),
+        ("{\n\"flexlink\": \"0.1", ":2: content = EOF while parsing a string, but"),
     ] {
         let refusal = summary(text);
-        assert!(refusal.starts_with(expected), "{refusal}");
+        assert!(refusal.starts_with(&format!("out/summary.json{expected}")), "{refusal}");
     }
     let change =
         |from: &str, to: &str| after(&bench, "summary.json", |text| text.replacen(from, to, 1));
-    let untitled = change("\"title\"", "\"name\"");
-    assert!(untitled.ends_with("title is missing"), "{untitled}");
-    let length = change("\"length_m\": 0.15", "\"length_m\": \"0.15\"");
-    let words = "length_m = string \"0.15\", but must be a number";
-    assert!(length.starts_with("out/summary.json:") && length.ends_with(words), "{length}");
-    let negative = change("\"length_m\": 0.15", "\"length_m\": -0.15");
-    let above =
-        "out/summary.json: link.segments.0.length = -0.15 m, but must be finite and above 0";
-    assert_eq!(negative, above);
-    assert_eq!(
-        change("\"length_m\": 0.15", "\"length_m\": 0.25"),
-        "out/summary.json: link.length_m = 1.5 m, but must be 1.6 m, the sum of hub radius and segments"
-    );
-    assert_eq!(change("\"lead_s\"", "\"lead\""), "out/summary.json: results.lead_s is missing");
-    assert_eq!(
-        change("\"lead_s\": ", "\"lead_s\": \"soon\", \"lead\": "),
-        "out/summary.json: results.lead_s is missing"
-    );
-    assert_eq!(
-        change("\"motion\": {\n    \"given\"", "\"mution\": {\n    \"given\""),
-        "out/summary.json: motion is missing"
-    );
-    assert_eq!(
-        change("\"tip.csv\"", "\"../tip.csv\""),
-        "out: files = \"../tip.csv\", but must be names, without folders or control characters"
-    );
+    for (from, to, expected) in [
+        ("\"title\"", "\"name\"", "title is missing"),
+        (
+            "\"length_m\": 0.15",
+            "\"length_m\": \"0.15\"",
+            "length_m = string \"0.15\", but must be a number",
+        ),
+        (
+            "\"length_m\": 0.15",
+            "\"length_m\": -0.15",
+            "/summary.json: link.segments.0.length = -0.15 m, but must be finite and above 0",
+        ),
+        (
+            "\"length_m\": 0.15",
+            "\"length_m\": 0.25",
+            "/summary.json: link.length_m = 1.5 m, but must be 1.6 m, the sum of hub radius and segments",
+        ),
+        ("\"lead_s\"", "\"lead\"", "/summary.json: results.lead_s is missing"),
+        (
+            "\"lead_s\": ",
+            "\"lead_s\": \"soon\", \"lead\": ",
+            "/summary.json: results.lead_s is missing",
+        ),
+        (
+            "\"motion\": {\n    \"given\"",
+            "\"mution\": {\n    \"given\"",
+            "/summary.json: motion is missing",
+        ),
+        (
+            "\"tip.csv\"",
+            "\"../tip.csv\"",
+            ": files = \"../tip.csv\", but must be names, without folders or control characters",
+        ),
+    ] {
+        let refusal = change(from, to);
+        let is_whole = expected.starts_with(['/', ':']);
+        let expected = if is_whole { format!("out{expected}") } else { expected.to_owned() };
+        assert!(refusal.starts_with("out") && refusal.ends_with(&expected), "{refusal}");
+        assert!(!is_whole || refusal == expected, "{refusal}");
+    }
 }
 
 #[test]
@@ -162,17 +165,14 @@ fn an_older_run_is_refused_with_the_advice_to_run_it_again() {
 #[test]
 fn a_later_version_is_told_of_where_something_is_missing() {
     let bench = solved();
+    let own = env!("CARGO_PKG_VERSION");
     let summary = bench.read("out/summary.json");
-    let later = summary.replace(
-        &format!("\"flexlink\": \"{}\"", env!("CARGO_PKG_VERSION")),
-        "\"flexlink\": \"10.0.0\"",
-    );
-    let hint = format!(
-        "flexlink 10.0.0 wrote it, and this is {}: take that version",
-        env!("CARGO_PKG_VERSION")
-    );
+    let version = format!("\"flexlink\": \"{own}\"");
+    let later = summary.replace(&version, "\"flexlink\": \"10.0.0\", \"new\": {}");
+    let hint = format!("flexlink 10.0.0 wrote it, and this is {own}: take that version");
+    // Keys of a later version are passed over.
     bench.write("out/summary.json", &later);
-    bench.run_of("out");
+    assert_eq!(bench.run_of("out").origin.version, "10.0.0");
     bench.write("out/summary.json", &later.replace("\"title\"", "\"name\""));
     assert_eq!(bench.refusal("out").1, Some(hint.clone()));
     bench.write("out/summary.json", &later);
@@ -185,64 +185,26 @@ fn a_later_version_is_told_of_where_something_is_missing() {
 #[test]
 fn columns_that_are_missing_unknown_or_twice_are_refused() {
     let bench = solved();
-    let header =
-        |file: &str, from: &str, to: &str| after(&bench, file, |text| text.replacen(from, to, 1));
-    for (file, from, to, expected) in [
-        (
-            "torque.csv",
-            "torque_n_m",
-            "torque_nm",
-            "columns = \"time_s,torque_nm\", but must include torque_n_m",
-        ),
-        ("torque.csv", "time_s", "time", "columns = \"time,torque_n_m\", but must include time_s"),
-        (
-            "rigid_torque.csv",
-            "time_s,rigid_torque_n_m",
-            "rigid_torque_n_m,time_s",
-            "column 1 = \"rigid_torque_n_m\", but must be time_s",
-        ),
-        (
-            "nodes.csv",
-            "node,x_m",
-            "node,x",
-            "columns = \"node,x,segment\", but must be \"node,x_m,segment\"",
-        ),
-        (
-            "nodal_displacements.csv",
-            "v10_m",
-            "v11_m",
-            "column 3 = \"v11_m\", but must be of a node, v0_m to v10_m",
-        ),
-        (
-            "nodal_displacements.csv",
-            "v10_m",
-            "v010_m",
-            "column 3 = \"v010_m\", but must be of a node, v0_m to v10_m",
-        ),
-        (
-            "nodal_deflections.csv",
-            "w0_m",
-            "v0_m",
-            "column 2 = \"v0_m\", but must be of a node, w0_m to w10_m",
-        ),
-        (
-            "bending_moments.csv",
-            "m0_n_m",
-            "m10_n_m",
-            "column 3 = \"m10_n_m\", but must not repeat column 2",
-        ),
+    // A file, a word of its names, another in its place, and what is told.
+    for row in [
+        "torque|torque_n_m|torque_nm|columns = \"time_s,torque_nm\", but must include torque_n_m",
+        "torque|time_s|time|columns = \"time,torque_n_m\", but must include time_s",
+        "rigid_torque|time_s,rigid_torque_n_m|rigid_torque_n_m,time_s|column 1 = \"rigid_torque_n_m\", but must be \
+         time_s",
+        "nodes|node,x_m|node,x|columns = \"node,x,segment\", but must be \"node,x_m,segment\"",
+        "nodal_displacements|v10_m|v11_m|column 3 = \"v11_m\", but must be of a node, v0_m to v10_m",
+        "nodal_displacements|v10_m|v010_m|column 3 = \"v010_m\", but must be of a node, v0_m to v10_m",
+        "nodal_deflections|w0_m|v0_m|column 2 = \"v0_m\", but must be of a node, w0_m to w10_m",
+        "bending_moments|m0_n_m|m10_n_m|column 3 = \"m10_n_m\", but must not repeat column 2",
     ] {
-        assert_eq!(header(file, from, to), format!("out/{file}:1: {expected}"));
+        let [file, from, to, expected] = row.split('|').collect::<Vec<_>>()[..] else { panic!() };
+        let refusal = after(&bench, &format!("{file}.csv"), |text| text.replacen(from, to, 1));
+        assert_eq!(refusal, format!("out/{file}.csv:1: {expected}"));
     }
-    let more = after(&bench, "tip.csv", |text| {
-        let rows: Vec<&str> = text.lines().collect();
-        rows.join(",tip_angle_rad\n") + ",tip_angle_rad\n"
-    });
+    let more = after(&bench, "tip.csv", |text| text.replace('\n', ",tip_angle_rad\n"));
     let known = "time_s, tip_displacement_m, tip_velocity_m_s, tip_acceleration_m_s2";
-    assert_eq!(
-        more,
-        format!("out/tip.csv:1: column 5 = \"tip_angle_rad\", but must be one of {known}")
-    );
+    let expected = format!("column 5 = \"tip_angle_rad\", but must be one of {known}");
+    assert_eq!(more, format!("out/tip.csv:1: {expected}"));
 }
 
 #[test]
@@ -263,10 +225,8 @@ fn fields_that_are_no_numbers_are_refused() {
     let short = after(&bench, "torque.csv", |text| with_line(text, 7, |_| Some("1".into())));
     assert_eq!(short, "out/torque.csv:7: fields = 1, but must be 2, as many as there are columns");
     let none = after(&bench, "tip.csv", |text| text.lines().next().unwrap().to_owned());
-    assert_eq!(
-        none,
-        "out/tip.csv: the table has no rows, but must have at least one below the names"
-    );
+    let rows = "out/tip.csv: the table has no rows, but must have at least one below the names";
+    assert_eq!(none, rows);
 }
 
 #[test]

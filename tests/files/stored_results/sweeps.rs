@@ -2,20 +2,20 @@
 
 use flexlink::compare::Cell;
 
-use super::{Bench, LINK, MOTION};
+use super::{Bench, PAPER, SHORT};
 
-const VARY: [&str; 4] = ["--vary", "payload.mass=0,0.05", "--vary", "segments.*.EI*=1,4"];
+const VARY: &str = "--vary payload.mass=0,0.05 --vary segments.*.EI*=1,4";
 const KINDS: &str = "must be those of a sweep: values varied, period_1_s, …, error";
 
 /// A sweep into `folder/name`.
-fn swept(bench: &Bench, arguments: &[&str], name: &str) {
-    bench.run(&[&["sweep", LINK, MOTION], arguments, &super::SHORT].concat(), name);
+fn swept(bench: &Bench, arguments: &str, name: &str) {
+    bench.run(&format!("sweep {PAPER} {arguments} {SHORT}"), name);
 }
 
 #[test]
 fn a_sweep_comes_back_from_its_file_and_from_its_folder() {
     let bench = Bench::new();
-    swept(&bench, &VARY, "s/stiff.csv");
+    swept(&bench, VARY, "s/stiff.csv");
     bench.write("s/other.csv", "time_s,torque_n_m\n0,1\n");
     bench.write("s/notes.txt", "mine");
     for path in ["s/stiff.csv", "s"] {
@@ -37,10 +37,10 @@ fn a_sweep_comes_back_from_its_file_and_from_its_folder() {
 #[test]
 fn a_sweep_of_one_torque_and_one_with_failed_cases_come_back() {
     let bench = Bench::new();
-    bench.solve(&[LINK, MOTION]);
-    let torque = bench.path("out/torque.csv");
-    let vary = ["--vary", "segments.beam.length=1.35,-1"];
-    swept(&bench, &[&vary[..], &["--torque", torque.to_str().unwrap()]].concat(), "played.csv");
+    bench.solve(PAPER);
+    let torque = bench.file("out/torque.csv");
+    let vary = format!("--vary segments.beam.length=1.35,-1 --torque {torque}");
+    swept(&bench, &vary, "played.csv");
     let sweep = bench.sweep_of("played.csv");
     assert_eq!(sweep.units.len(), 1);
     assert!(sweep.table.column("tip_error_m").is_some());
@@ -53,7 +53,7 @@ fn a_sweep_of_one_torque_and_one_with_failed_cases_come_back() {
 #[test]
 fn what_is_no_sweep_or_several_is_refused() {
     let bench = Bench::new();
-    swept(&bench, &VARY[..2], "s/a.csv");
+    swept(&bench, "--vary payload.mass=0,0.05", "s/a.csv");
     let text = bench.read("s/a.csv");
     bench.write("s/b.csv", &text);
     let hint = |text: &str| Some(text.to_owned());
@@ -72,41 +72,25 @@ fn what_is_no_sweep_or_several_is_refused() {
         bench.write("x.csv", text);
         bench.refusal("x.csv").0
     };
-    assert_eq!(
-        refused(&format!("{header}\n")),
-        "x.csv: the table has no cases, but must have at least one"
-    );
-    assert_eq!(
-        refused(&text.replace(",lag_s,", ",lagg_s,")),
-        format!("x.csv: column 9 = \"lagg_s\", but must be \"{told}\"")
-    );
-    let older = text.replace(",warnings,", ",").replace(",,\n", ",\n");
-    bench.write("x.csv", &older);
-    assert_eq!(
-        bench.refusal("x.csv"),
-        (
-            "x.csv: the column warnings is missing".into(),
-            hint("an older flexlink wrote it: run the sweep again")
-        )
-    );
-    let without = header.replace("lag_s,", "");
-    assert_eq!(
-        refused(&format!("{without}\n")),
-        format!(
-            "x.csv: columns from period_1_s on = \"{}\", but must be \"{told}\"",
-            told.replace("lag_s,", "")
-        )
-    );
+    let none = "x.csv: the table has no cases, but must have at least one";
+    assert_eq!(refused(&format!("{header}\n")), none);
+    let slip = format!("x.csv: column 9 = \"lagg_s\", but must be \"{told}\"");
+    assert_eq!(refused(&text.replace(",lag_s,", ",lagg_s,")), slip);
+    bench.write("x.csv", &text.replace(",warnings,", ",").replace(",,\n", ",\n"));
+    let older = "x.csv: the column warnings is missing".to_owned();
+    let again = hint("an older flexlink wrote it: run the sweep again");
+    assert_eq!(bench.refusal("x.csv"), (older, again));
+    let fewer = told.replace("lag_s,", "");
+    let must = format!("x.csv: columns from period_1_s on = \"{fewer}\", but must be \"{told}\"");
+    assert_eq!(refused(&(header.replace("lag_s,", "") + "\n")), must);
     let row = text.lines().nth(1).unwrap();
     let fields: Vec<&str> = row.split(',').collect();
     for (found, shown) in [("nan", "NaN"), ("inf", "inf"), ("much", "\"much\"")] {
         let changed = row.replacen(fields[3], found, 1);
-        assert_eq!(
-            refused(&format!("{header}\n{changed}\n")),
-            format!("x.csv:2: peak_torque_n_m = {shown}, but must be a finite number or nothing")
-        );
+        let must = "but must be a finite number or nothing";
+        let told = refused(&format!("{header}\n{changed}\n"));
+        assert_eq!(told, format!("x.csv:2: peak_torque_n_m = {shown}, {must}"));
     }
-    assert!(
-        refused(&format!("{header}\n1,2\n")).starts_with("x.csv:2: fields = 2, but must be 22")
-    );
+    let short = refused(&format!("{header}\n1,2\n"));
+    assert!(short.starts_with("x.csv:2: fields = 2, but must be 22"), "{short}");
 }
