@@ -7,7 +7,7 @@
 //! | `threads` | threads that survive a fork; Ctrl-C |
 //! | `arrays` | columns of numbers in, views of samples out |
 //! | `properties` | properties of results by name, for one link and for arms |
-//! | `keywords`, `toml` | keywords as the command's options, dictionaries as TOML |
+//! | `keywords` | keywords as the command's options, dictionaries as TOML |
 //! | `link` | a link or an arm, and its file |
 //! | `samples` | wanted motions from arrays and files |
 //! | `motion` | the motion of a call; motions that are read once |
@@ -39,7 +39,6 @@ mod solution;
 mod stored;
 mod sweep;
 mod threads;
-mod toml;
 mod trajectory;
 
 use flexlink::cli::terminal::allocator::SystemOrEnd;

@@ -5,9 +5,9 @@ use flexlink::csv::InputFile;
 use flexlink::link::Link as OneLink;
 use flexlink::spec::{LinkDocument, Override, Specification};
 
+use crate::keywords;
 use crate::prelude::*;
 use crate::properties::check;
-use crate::toml;
 
 /// Name of keywords in errors.
 const KEYWORDS: &str = "keywords";
@@ -32,7 +32,7 @@ impl Source {
 
     fn of_keywords(keys: &Bound<'_, PyDict>) -> PyResult<Self> {
         let (shown, name) = (KEYWORDS.to_owned(), KEYWORDS.to_owned());
-        let file = InputFile { shown, name, bytes: toml::document(keys)?.into_bytes() };
+        let file = InputFile { shown, name, bytes: keywords::document(keys)?.into_bytes() };
         Ok(Self { file, is_file: false, changes: Vec::new() })
     }
 
@@ -142,12 +142,12 @@ impl Link {
     #[staticmethod]
     #[pyo3(signature = (path, changes=None))]
     fn read(path: PathBuf, changes: Option<&Bound<'_, PyDict>>) -> Raises<Self> {
-        Ok(Self::of(Source::read(&path, toml::changes(changes)?)?)?)
+        Ok(Self::of(Source::read(&path, keywords::changes(changes)?)?)?)
     }
 
     /// The same link with further changes.
     fn changed(&self, changes: &Bound<'_, PyDict>) -> Raises<Self> {
-        Ok(Self::of(self.source.changed(toml::changes(Some(changes))?))?)
+        Ok(Self::of(self.source.changed(keywords::changes(Some(changes))?))?)
     }
 
     /// Title of the file.

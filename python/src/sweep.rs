@@ -16,7 +16,7 @@ use flexlink::sweep::{CaseNumbers, SolvedCase, SweepKind, in_order};
 use rayon::ThreadPoolBuilder;
 
 use crate::arrays::unlike;
-use crate::keywords::{solve_options, take};
+use crate::keywords::{self, solve_options, take};
 use crate::link::{Link, Source};
 use crate::messages::in_python;
 use crate::motion::Call;
@@ -24,7 +24,6 @@ use crate::prelude::*;
 use crate::samples::{Samples, meshed};
 use crate::solution::Solution;
 use crate::threads::{interruptible, started};
-use crate::toml;
 
 /// Solves many cases in parallel, and returns the columns of the table that ``flexlink sweep`` writes, as a dictionary. It
 /// has the values of each key that cases change, then arrays of numbers, with not a number where a case has none. The list
@@ -163,7 +162,7 @@ impl Case {
         let changes = case.copy()?;
         let factor = |name: &str| take(&changes, name)?.map_or(Ok(1.0), |factor| factor.extract());
         let scale = MotionScale { distance: factor(DISTANCE)?, duration: factor(DURATION)? };
-        Ok(Self { link: toml::changes(Some(&changes))?, scale })
+        Ok(Self { link: keywords::changes(Some(&changes))?, scale })
     }
 }
 

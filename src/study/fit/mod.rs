@@ -25,7 +25,6 @@ mod outcome;
 mod record;
 mod response;
 mod specimen;
-mod vibrations;
 
 pub use decay::{Decay, DecayError, DecayMode, DecaySamples, DecayValues};
 pub use instruments::{Channel, Gain, Motor, RecordError, RecordInput, RecordedInput};
