@@ -1,10 +1,10 @@
 //! `simulate`: torques, or motions of joints, played on a link or an arm.
 
-mod options;
+use std::path::{Path, PathBuf};
 
-use std::path::Path;
+use clap::Args;
 
-use crate::csv::InputFile;
+use crate::csv::{Digits, InputFile};
 use crate::elastica::SecondOrder;
 use crate::response::{CycleError, Play, SimulationError, simulate};
 use crate::result::{Comparison, FollowedTarget, TargetError};
@@ -12,12 +12,103 @@ use crate::spec::Specification;
 use crate::store::{PlayedRun, RunInputs, SimulateFiles, Simulated, Summary, state_json};
 use crate::text::{plain, shown_path};
 
-pub(crate) use self::options::Simulate;
-use self::options::shown;
-use crate::cli::options::play::Playing;
+use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments};
+use crate::cli::options::inputs::{LinkArgs, ReadArgs};
+use crate::cli::options::play::{PlayArgs, Playing};
 use crate::cli::terminal::files::{keep, keep_inputs};
 use crate::cli::terminal::text::simulate_text;
-use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
+use crate::cli::terminal::{
+    Exit, Failure, PrintArgs, StageBar, ThreadArgs, WarningArgs, console, memory,
+};
+
+const EXAMPLE: &str = "\
+Example:
+  flexlink simulate link.toml out/torque.csv \\
+      --target out/tip.csv --set 'payload.mass=\"50 g\"'
+  flexlink simulate link.toml out/rigid_torque.csv \\
+      --column rigid_torque_n_m --until 10
+  flexlink simulate link.toml out/torque.csv \\
+      --feedback 20,2 --reference out/hub_angle.csv
+  flexlink simulate link.toml lab.csv \\
+      --columns time=1,torque=3 --unit 'N cm' --skip 5
+  flexlink simulate link.toml encoder.csv \\
+      --input hub-angle --measured camera.csv
+  flexlink simulate link.toml first.csv \\
+      --save-state state.json
+  flexlink simulate link.toml second.csv \\
+      --state state.json
+  flexlink simulate arm.toml out/torques.csv \\
+      --feedback 50,1 --reference out/joint_angles.csv
+
+One of the files may be `-`, standard input.";
+
+/// Play a torque or a motion of the hub on a link, or torques on an arm.
+///
+/// Writes torque.csv (the motor's torque, feedback included), tip.csv, hub_angle.csv,
+/// nodal_displacements.csv, nodes.csv and summary.json, and with --target tip_error.csv, into a folder, all
+/// or none of them, and prints a short summary. The link is at rest before the first sample; after the last one
+/// of a torque it is free.
+/// Each mode is integrated exactly in time, so the answer does not depend on the Fourier transform of solve.
+/// A hysteretic link has no equation in time: its ratio serves as the viscous ratio of every mode. The
+/// torque acts at the hub, on the whole link: [drive] and analysis.modes are not used.
+///
+/// With gravity, or with analysis.second_order "first" or "full", the link is played with all terms of large
+/// angles. With gravity it starts from its shape at rest in the direction start_angle, and the last torque
+/// stays after its last sample.
+///
+/// An arm of several links is played with all terms: TORQUE has `torque1`, `torque2`, …, as torques.csv of
+/// solve. It writes torques.csv, joint_angles.csv, chord_angles.csv, tip.csv, nodal_positions.csv, nodes.csv and
+/// summary.json, with --target tip_error.csv, too. Under gravity most poses fall without --feedback.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(crate) struct Simulate {
+    #[command(flatten)]
+    link: LinkArgs,
+
+    #[command(flatten)]
+    play: PlayArgs,
+
+    /// Folder for the results.
+    #[arg(short, long, value_name = "DIR", default_value = "simulated")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    nodes: NodeArgs,
+
+    /// Digits: the last one is 10^-N of a column's peak, or `full` for the shortest text that
+    /// reads back to the same number.
+    #[arg(long, value_name = "N", default_value = "10")]
+    digits: Digits,
+
+    #[command(flatten)]
+    warnings: WarningArgs,
+
+    #[command(flatten)]
+    sync: SyncArgs,
+
+    #[command(flatten)]
+    print: PrintArgs,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+
+    #[command(flatten)]
+    read: ReadArgs,
+}
+
+impl Simulate {
+    /// The arguments that shape the results, for the record.
+    fn arguments(&self) -> Vec<String> {
+        let (nodes, digits) = (self.nodes.arguments(), digits_arguments(self.digits));
+        let (changes, played) = (self.link.changes.arguments(), self.play.arguments());
+        [changes, played, nodes, digits, self.read.arguments()].concat()
+    }
+}
+
+/// The file's name, at the start of messages.
+fn shown(file: &InputFile) -> String {
+    format!("{}: ", file.shown)
+}
 
 /// The inputs, read.
 struct Inputs {
