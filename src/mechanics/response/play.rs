@@ -352,9 +352,7 @@ impl<'a> Play<'a> {
         });
         Ok(between(samples, self.interpolation, hold, turning))
     }
-}
 
-impl Play<'_> {
     /// Coordinates and rates of a linear link at the start, and the part of a state that its modes omit, over the
     /// whole.
     pub(super) fn start(
