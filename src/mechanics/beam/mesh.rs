@@ -328,38 +328,7 @@ impl MeshPlan {
         }
         Ok(self)
     }
-}
 
-/// Cuts a piece in two at a place inside it and shares its elements, so that no element gets longer.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of the elements is a whole number"
-)]
-fn cut(
-    link: &Link,
-    (piece, count): (Piece, usize),
-    at_m: f64,
-    slack_m: f64,
-) -> Vec<(Piece, usize)> {
-    let length_m = link.segments()[piece.segment].length_m;
-    let at = (at_m - root_m(link, piece.segment)) / length_m;
-    let slack = slack_m / length_m;
-    if at <= piece.from + slack || at >= piece.to - slack {
-        return vec![(piece, count)];
-    }
-    let element = (piece.to - piece.from) / count as f64;
-    // If a node is there already, every element stays as it is.
-    let elements = |from: f64, to: f64| ((to - from - slack) / element).ceil() as usize;
-    let inner = Piece { to: at, ..piece };
-    let outer = Piece { from: at, ..piece };
-    [inner, outer].map(|own| (own, elements(own.from, own.to))).into()
-}
-
-/// Largest distance between a listed node and the mesh's node, as a share of the link's length.
-const NODE_TOLERANCE: f64 = 1e-6;
-
-impl MeshPlan {
     /// The plan of a mesh with nodes at these distances from the axis in m, which may be rounded as in tables.
     ///
     /// Every piece between segment borders, lumped masses and stations gets one element between neighbouring nodes.
@@ -395,6 +364,35 @@ impl MeshPlan {
         Ok(plan)
     }
 }
+
+/// Cuts a piece in two at a place inside it and shares its elements, so that no element gets longer.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of the elements is a whole number"
+)]
+fn cut(
+    link: &Link,
+    (piece, count): (Piece, usize),
+    at_m: f64,
+    slack_m: f64,
+) -> Vec<(Piece, usize)> {
+    let length_m = link.segments()[piece.segment].length_m;
+    let at = (at_m - root_m(link, piece.segment)) / length_m;
+    let slack = slack_m / length_m;
+    if at <= piece.from + slack || at >= piece.to - slack {
+        return vec![(piece, count)];
+    }
+    let element = (piece.to - piece.from) / count as f64;
+    // If a node is there already, every element stays as it is.
+    let elements = |from: f64, to: f64| ((to - from - slack) / element).ceil() as usize;
+    let inner = Piece { to: at, ..piece };
+    let outer = Piece { from: at, ..piece };
+    [inner, outer].map(|own| (own, elements(own.from, own.to))).into()
+}
+
+/// Largest distance between a listed node and the mesh's node, as a share of the link's length.
+const NODE_TOLERANCE: f64 = 1e-6;
 
 fn check(nodes_m: &[f64], mesh: &Mesh) -> Result<(), ParameterError> {
     let slack_m = NODE_TOLERANCE * mesh.length_m();

@@ -272,6 +272,21 @@ impl LinkOnChord<'_> {
         nodes.into_iter().enumerate().for_each(|(k, history)| parts[k % 2].push(history));
         (parts, largest_slope)
     }
+
+    /// Number of bins up to the last one whose torque counts for the second order.
+    ///
+    /// # Errors
+    /// [`ElasticaError::LongStep`] if the samples do not resolve them.
+    pub(super) fn band_of_loads(
+        &self,
+        answers: &[LoadedMotion<Complex64>],
+        negligible: f64,
+    ) -> Result<usize, ElasticaError> {
+        let band = band(answers, negligible, (self.model.mesh(), self.round_off_n_m));
+        let most = (self.chord.len() / 4).max(2);
+        let share = FINER * most as f64 / band as f64;
+        if band < most { Ok(band) } else { Err(long_step(self.chord.step_s, share)) }
+    }
 }
 
 /// Limit of iterations, even if they still converge.
@@ -386,23 +401,6 @@ pub(crate) fn underived(
 /// Error for a step, with about this share of it as a remedy.
 pub(super) fn long_step(step_s: f64, share: f64) -> ElasticaError {
     ElasticaError::LongStep { step_s, most_s: share * step_s }
-}
-
-impl LinkOnChord<'_> {
-    /// Number of bins up to the last one whose torque counts for the second order.
-    ///
-    /// # Errors
-    /// [`ElasticaError::LongStep`] if the samples do not resolve them.
-    pub(super) fn band_of_loads(
-        &self,
-        answers: &[LoadedMotion<Complex64>],
-        negligible: f64,
-    ) -> Result<usize, ElasticaError> {
-        let band = band(answers, negligible, (self.model.mesh(), self.round_off_n_m));
-        let most = (self.chord.len() / 4).max(2);
-        let share = FINER * most as f64 / band as f64;
-        if band < most { Ok(band) } else { Err(long_step(self.chord.step_s, share)) }
-    }
 }
 
 #[cfg(test)]

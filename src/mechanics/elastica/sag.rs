@@ -84,6 +84,14 @@ impl Sag {
     }
 }
 
+/// An arm under its weight, at rest at one sample of its period.
+struct RestingArm<'a> {
+    links: Vec<(&'a dyn Model, BentLink)>,
+    masses_kg: Vec<f64>,
+    arm: &'a ArmPeriod,
+    second_order: SecondOrder,
+}
+
 impl RestingArm<'_> {
     /// Sags of the links from every `stride`-th sample of the period.
     fn sags(&self, stride: usize) -> Result<Vec<Sag>, ElasticaError> {
@@ -114,17 +122,7 @@ impl RestingArm<'_> {
         });
         Ok(sags.collect())
     }
-}
 
-/// An arm under its weight, at rest at one sample of its period.
-struct RestingArm<'a> {
-    links: Vec<(&'a dyn Model, BentLink)>,
-    masses_kg: Vec<f64>,
-    arm: &'a ArmPeriod,
-    second_order: SecondOrder,
-}
-
-impl RestingArm<'_> {
     /// Finds (w, w') of all nodes of each link, starting from `bent`.
     fn settle(&self, sample: usize, bent: &mut [Vec<f64>]) -> Result<(), ElasticaError> {
         let mut change = f64::INFINITY;

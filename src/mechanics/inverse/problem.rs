@@ -137,13 +137,10 @@ impl<'a> LinkProblem<'a> {
 
     /// Samples of a period at least as long as another one and as the shortest; a cycle keeps its period.
     pub(super) fn len_over(&self, shortest: usize, period_s: f64) -> usize {
-        match self.padding.cycles {
-            Some(_) => shortest,
-            None => {
-                let samples = (period_s / self.motion.grid().step_s).ceil() as usize;
-                shortest.max(fast_length(samples))
-            }
+        if self.padding.cycles.is_some() {
+            return shortest;
         }
+        shortest.max(fast_length((period_s / self.motion.grid().step_s).ceil() as usize))
     }
 
     /// Direction of the chord in rad at zero displacement of the tip; 0 for a link without gravity.

@@ -244,9 +244,7 @@ impl Probes {
     pub(super) fn refined(&self) -> Self {
         Self { nodes: self.nodes.iter().map(|node| 2 * node).collect(), ..*self }
     }
-}
 
-impl Probes {
     /// The same quantities at other nodes.
     pub(super) fn at(&self, nodes: &[usize]) -> Self {
         Self { nodes: nodes.to_vec(), ..*self }

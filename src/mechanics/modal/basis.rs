@@ -84,6 +84,32 @@ impl ModalBasis {
         let omega_rad_s = (strain / mass).sqrt();
         Some(Mode { omega_rad_s, shape: rest.mass_normalised(mesh) })
     }
+
+    /// The rigid rotation and every flexible mode of the mesh.
+    ///
+    /// Solves for 1/ω² in the deformations of the elements, where stiffness is block diagonal: the low modes are exact
+    /// to round-off, and the high ones as far as responses depend on them.
+    ///
+    /// # Errors
+    /// [`AllModesError`], for example beyond [`MOST_ELEMENTS_OF_ALL_MODES`].
+    pub fn complete(mesh: &Mesh) -> Result<Self, AllModesError> {
+        let elements = mesh.elements().len();
+        if elements > MOST_ELEMENTS_OF_ALL_MODES {
+            return Err(AllModesError::TooManyElements { elements });
+        }
+        let (link, flexibility) = Deformations::of(mesh);
+        let eigen =
+            SymmetricEigen::new(2 * elements, flexibility).ok_or(AllModesError::NotFinite)?;
+        let values = &eigen.values;
+        let largest = values.iter().fold(0.0_f64, |m, value| m.max(*value));
+        // Eigenvalues of motions without mass are round-off.
+        let massless = f64::EPSILON * values.len() as f64 * largest;
+        let modes = (0..values.len()).rev().filter(|k| values[*k] > massless).map(|k| Mode {
+            omega_rad_s: values[k].sqrt().recip(),
+            shape: link.shape(mesh, eigen.vector(k)),
+        });
+        Ok(Self { rigid: Self::rigid(mesh), modes: modes.collect() })
+    }
 }
 
 /// Shape of the freely turning link under a constant unit torque, relative to its rigid motion, in m and rad per N m:
@@ -134,34 +160,6 @@ struct Deformations {
     coupling: Vec<Vector2<f64>>,
     /// Rigid inertia I about the axis.
     inertia_kg_m2: f64,
-}
-
-impl ModalBasis {
-    /// The rigid rotation and every flexible mode of the mesh.
-    ///
-    /// Solves for 1/ω² in the deformations of the elements, where stiffness is block diagonal: the low modes are exact
-    /// to round-off, and the high ones as far as responses depend on them.
-    ///
-    /// # Errors
-    /// [`AllModesError`], for example beyond [`MOST_ELEMENTS_OF_ALL_MODES`].
-    pub fn complete(mesh: &Mesh) -> Result<Self, AllModesError> {
-        let elements = mesh.elements().len();
-        if elements > MOST_ELEMENTS_OF_ALL_MODES {
-            return Err(AllModesError::TooManyElements { elements });
-        }
-        let (link, flexibility) = Deformations::of(mesh);
-        let eigen =
-            SymmetricEigen::new(2 * elements, flexibility).ok_or(AllModesError::NotFinite)?;
-        let values = &eigen.values;
-        let largest = values.iter().fold(0.0_f64, |m, value| m.max(*value));
-        // Eigenvalues of motions without mass are round-off.
-        let massless = f64::EPSILON * values.len() as f64 * largest;
-        let modes = (0..values.len()).rev().filter(|k| values[*k] > massless).map(|k| Mode {
-            omega_rad_s: values[k].sqrt().recip(),
-            shape: link.shape(mesh, eigen.vector(k)),
-        });
-        Ok(Self { rigid: Self::rigid(mesh), modes: modes.collect() })
-    }
 }
 
 impl Deformations {

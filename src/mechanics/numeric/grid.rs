@@ -76,6 +76,62 @@ impl TimeGrid {
         let back = every.get() - self.in_period(0, every.get());
         ThinnedGrid { grid: *self, start: back % every.get(), every }
     }
+
+    /// The uniform grid through times in s, from the first to the last.
+    ///
+    /// A time may be off by a thousandth of a step, or by the rounding of its last decimal.
+    ///
+    /// # Errors
+    /// [`NotUniform`] names the first time that is off, and the time that the grid expects there.
+    ///
+    /// # Panics
+    /// If there are fewer than two times.
+    pub(crate) fn through(time_s: &[f64]) -> Result<Self, NotUniform> {
+        let (origin_s, last) = (time_s[0], time_s.len() - 1);
+        let step_s = (time_s[last] - origin_s) / last as f64;
+        let slack_s = slack(time_s, step_s);
+        let grid = Self { origin_s, step_s, first: 0, len: time_s.len() };
+        let is_off = |k: usize| exceeds((time_s[k] - grid.time_s(k)).abs(), slack_s);
+        if step_s > 0.0 && !(0..=last).any(is_off) {
+            return Ok(grid);
+        }
+        // One missing row shifts the mean step; the median step shows which row is missing.
+        let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
+        let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
+        steps.insert(0, usual);
+        let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), 2.0 * slack_s.abs());
+        let sample =
+            (1..=last).find(strays).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
+        Err(NotUniform {
+            sample,
+            found_s: time_s[sample],
+            expected_s: time_s[sample - 1] + usual,
+            step_s: usual,
+        })
+    }
+
+    /// Largest distances of times in s from two grids, in steps: the grid through the first and last time, and the grid
+    /// of the best fit. Both are 0 where the rounding of the last decimal explains the first distance.
+    ///
+    /// # Panics
+    /// If there are fewer than two times.
+    pub(crate) fn jitter(time_s: &[f64]) -> [f64; 2] {
+        let (origin_s, last) = (time_s[0], time_s.len() - 1);
+        let step_s = (time_s[last] - origin_s) / last as f64;
+        let off_s = |k: usize| time_s[k] - (origin_s + k as f64 * step_s);
+        let farthest =
+            |off_s: &dyn Fn(usize) -> f64| (0..=last).map(|k| off_s(k).abs()).fold(0.0, f64::max);
+        let from_ends_s = farthest(&off_s);
+        if from_ends_s <= rounding(time_s, step_s) {
+            return [0.0; 2];
+        }
+        let place = |k: usize| k as f64 - 0.5 * last as f64;
+        let mean_s = (0..=last).map(off_s).sum::<f64>() / (last + 1) as f64;
+        let squares: f64 = (0..=last).map(|k| place(k).powi(2)).sum();
+        let slope_s = (0..=last).map(|k| place(k) * off_s(k)).sum::<f64>() / squares;
+        let from_best_s = farthest(&|k| off_s(k) - mean_s - slope_s * place(k));
+        [from_ends_s / step_s, from_best_s / step_s]
+    }
 }
 
 /// Every n-th sample of a [`TimeGrid`].
@@ -152,64 +208,6 @@ impl NotUniform {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> &'static str {
         "write times with more decimals, or resample the file to a uniform step"
-    }
-}
-
-impl TimeGrid {
-    /// The uniform grid through times in s, from the first to the last.
-    ///
-    /// A time may be off by a thousandth of a step, or by the rounding of its last decimal.
-    ///
-    /// # Errors
-    /// [`NotUniform`] names the first time that is off, and the time that the grid expects there.
-    ///
-    /// # Panics
-    /// If there are fewer than two times.
-    pub(crate) fn through(time_s: &[f64]) -> Result<Self, NotUniform> {
-        let (origin_s, last) = (time_s[0], time_s.len() - 1);
-        let step_s = (time_s[last] - origin_s) / last as f64;
-        let slack_s = slack(time_s, step_s);
-        let grid = Self { origin_s, step_s, first: 0, len: time_s.len() };
-        let is_off = |k: usize| exceeds((time_s[k] - grid.time_s(k)).abs(), slack_s);
-        if step_s > 0.0 && !(0..=last).any(is_off) {
-            return Ok(grid);
-        }
-        // One missing row shifts the mean step; the median step shows which row is missing.
-        let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-        let usual = *steps.clone().select_nth_unstable_by(last / 2, f64::total_cmp).1;
-        steps.insert(0, usual);
-        let strays = |k: &usize| exceeds((steps[*k] - usual).abs(), 2.0 * slack_s.abs());
-        let sample =
-            (1..=last).find(strays).or_else(|| (1..=last).find(|k| is_off(*k))).unwrap_or(last);
-        Err(NotUniform {
-            sample,
-            found_s: time_s[sample],
-            expected_s: time_s[sample - 1] + usual,
-            step_s: usual,
-        })
-    }
-
-    /// Largest distances of times in s from two grids, in steps: the grid through the first and last time, and the grid
-    /// of the best fit. Both are 0 where the rounding of the last decimal explains the first distance.
-    ///
-    /// # Panics
-    /// If there are fewer than two times.
-    pub(crate) fn jitter(time_s: &[f64]) -> [f64; 2] {
-        let (origin_s, last) = (time_s[0], time_s.len() - 1);
-        let step_s = (time_s[last] - origin_s) / last as f64;
-        let off_s = |k: usize| time_s[k] - (origin_s + k as f64 * step_s);
-        let farthest =
-            |off_s: &dyn Fn(usize) -> f64| (0..=last).map(|k| off_s(k).abs()).fold(0.0, f64::max);
-        let from_ends_s = farthest(&off_s);
-        if from_ends_s <= rounding(time_s, step_s) {
-            return [0.0; 2];
-        }
-        let place = |k: usize| k as f64 - 0.5 * last as f64;
-        let mean_s = (0..=last).map(off_s).sum::<f64>() / (last + 1) as f64;
-        let squares: f64 = (0..=last).map(|k| place(k).powi(2)).sum();
-        let slope_s = (0..=last).map(|k| place(k) * off_s(k)).sum::<f64>() / squares;
-        let from_best_s = farthest(&|k| off_s(k) - mean_s - slope_s * place(k));
-        [from_ends_s / step_s, from_best_s / step_s]
     }
 }
 

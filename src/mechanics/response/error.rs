@@ -391,9 +391,7 @@ impl SimulationWarning {
             }
         }
     }
-}
 
-impl SimulationWarning {
     /// Warnings of a torque that jumps at its first or its last sample.
     pub(super) fn jumps(torque_n_m: &[f64]) -> [Option<Self>; 2] {
         let peak = largest(torque_n_m);

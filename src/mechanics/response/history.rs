@@ -165,9 +165,7 @@ impl HubReference {
     pub fn rate_rad_s(&self) -> Option<&[f64]> {
         self.rate_rad_s.as_deref()
     }
-}
 
-impl HubReference {
     /// Turn in rad from the first sample, or from another angle, to the last sample.
     pub(super) fn turn_rad(&self, zero_rad: Option<f64>) -> f64 {
         let angle = self.angle_rad();

@@ -349,12 +349,12 @@ impl<'a> Play<'a> {
                 (samples, kept_n_m + feedback.stiffness_n_m_rad() * turn_rad)
             }
         };
-        let between = |samples: Vec<f64>, interpolation, hold, turning| match self.cycle_turn_rad {
-            Some(_) => Driving { turning, ..Driving::repeated(samples, interpolation) },
-            None => {
-                let pieces = pieces(&samples, interpolation);
-                Driving { hold, turning, ..Driving::new(samples, pieces) }
+        let between = |samples: Vec<f64>, interpolation, hold, turning| {
+            if repeats {
+                return Driving { turning, ..Driving::repeated(samples, interpolation) };
             }
+            let pieces = pieces(&samples, interpolation);
+            Driving { hold, turning, ..Driving::new(samples, pieces) }
         };
         let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { .. });
         let reference = feedback.filter(|of| is_hysteretic && of.stiffness_n_m_rad() > 0.0);
@@ -364,9 +364,7 @@ impl<'a> Play<'a> {
         });
         Ok(between(samples, self.interpolation, hold, turning))
     }
-}
 
-impl Play<'_> {
     /// Coordinates and rates of a linear link at the start, and the part of a state that its modes omit, over the
     /// whole.
     pub(super) fn start(
