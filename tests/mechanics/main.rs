@@ -2,6 +2,7 @@
 //! that the library is linked once.
 
 mod arms;
+mod common;
 mod dense;
 mod elastica;
 mod fit;

@@ -15,10 +15,12 @@ use flexlink::beam::MeshPlan;
 use flexlink::csv::{TableError, read_motion_table};
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
-use flexlink::motion::{Ends, MotionColumns, TipMotion};
+use flexlink::motion::{Ends, TipMotion};
 use flexlink::numeric::largest;
 use flexlink::result::{Metrics, Remark};
 use flexlink::spec::read_specification;
+
+use crate::common::displaced;
 
 /// Numbers between 0 and 1 that are the same in every run.
 pub(crate) struct Random(pub(crate) u64);
@@ -41,6 +43,17 @@ impl Random {
 
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
+    }
+
+    /// Between two numbers above 0, every factor as likely.
+    pub(crate) fn over(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.next())
+    }
+
+    /// Normal with deviation 1, by Box and Muller.
+    pub(crate) fn box_muller(&mut self) -> f64 {
+        let turn = std::f64::consts::TAU;
+        (-2.0 * (1.0 - self.next()).ln()).sqrt() * (turn * self.next()).cos()
     }
 
     /// Normal with deviation 1, nearly: the sum of twelve.
@@ -95,8 +108,8 @@ impl Move {
         let step_s = self.step_s() / f64::from(finer);
         let time_s: Vec<f64> =
             (0..=2 * finer * self.steps).map(|k| f64::from(k) * step_s).collect();
-        let displacement_m = Some(time_s.iter().map(|time| self.at(*time)).collect());
-        TipMotion::new(MotionColumns { time_s, displacement_m, ..Default::default() }).unwrap()
+        let displacement_m = time_s.iter().map(|time| self.at(*time)).collect();
+        displaced(time_s, displacement_m)
     }
 
     /// A file of it: displacements in so many decimals, times off by up to `jitter` steps, noise in m.
@@ -125,6 +138,17 @@ pub(crate) fn min_jerk(s: f64) -> [f64; 3] {
         s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
         30.0 * (s * (1.0 - s)).powi(2),
         60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+    ]
+}
+
+/// A step; before it 0 and after it 1.
+pub(crate) fn ninth(s: f64) -> [f64; 3] {
+    let s = s.clamp(0.0, 1.0);
+    let left = s * (1.0 - s);
+    [
+        s.powi(5) * (126.0 + s * (-420.0 + s * (540.0 + s * (-315.0 + 70.0 * s)))),
+        630.0 * left.powi(4),
+        2520.0 * left.powi(3) * (1.0 - 2.0 * s),
     ]
 }
 

@@ -18,6 +18,7 @@ use flexlink::result::{JointMetrics, Metrics, Remark};
 
 use super::inversion::{arm, largest, solved};
 use super::two_links;
+use crate::common::apart as farthest;
 use crate::elastica;
 use crate::recordings::{Random, Shape, min_jerk, septic, sine};
 
@@ -122,7 +123,7 @@ fn apart(found: &Solution, exact: &Solution, joint: usize, of: fn(&JointMotion) 
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let size = if found.arm.has_weight() { high - low } else { high.abs().max(low.abs()) };
-    own.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size
+    farthest(own, other) / size
 }
 
 /// True over stated errors of the torque, the angle and the rate of each joint: that of the input alone, and that with all

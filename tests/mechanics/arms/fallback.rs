@@ -10,6 +10,7 @@ use flexlink::motion::{ArmPath, Motion, PathColumns};
 use flexlink::spec::read_specification;
 
 use super::inversion::{column, largest, moved, path, plans, solved};
+use crate::recordings::septic;
 
 const DURATION_S: f64 = 3.0;
 const ROWS: u32 = 300;
@@ -26,14 +27,10 @@ fn heavy_elbow(damping: &str) -> Arm {
 /// The tip on a line across the workspace in 3 s, by the step of seventh order.
 fn across(arm: &Arm) -> ArmPath {
     let rows = f64::from(ROWS);
-    let shares: Vec<f64> = (0..=ROWS).map(|k| share(f64::from(k) / rows)).collect();
+    let shares: Vec<f64> = (0..=ROWS).map(|k| septic(f64::from(k) / rows)[0]).collect();
     let time_s = (0..=ROWS).map(|k| DURATION_S * f64::from(k) / rows).collect();
     let tip = [0, 1].map(|axis| column(["x", "y"][axis], &shares, START_M[axis], BY_M[axis]));
     path(arm, PathColumns { time_s, tip: Some(tip), angles: vec![] })
-}
-
-fn share(u: f64) -> f64 {
-    u.powi(4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
 }
 
 fn straying(found: &Solution) -> Straying {
@@ -55,7 +52,7 @@ fn a_heavy_elbow_that_is_too_fast_for_all_terms_is_told_how_far_its_tip_strays()
     let Straying::Measured(told) = straying(&found) else { panic!("not measured") };
     let played = moved(&found).expect("a motion");
     let off = (0..found.grid.len).map(|k| {
-        let along = share((found.grid.time_s(k) / DURATION_S).clamp(0.0, 1.0));
+        let along = septic((found.grid.time_s(k) / DURATION_S).clamp(0.0, 1.0))[0];
         let [x, y] = [0, 1].map(|a| played.tip[a].displacement_m[k] - START_M[a] - BY_M[a] * along);
         x.hypot(y) / BY_M[0].hypot(BY_M[1])
     });

@@ -8,6 +8,7 @@ use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment};
 use num_complex::Complex64;
 
 use super::{line, models, newton_euler, period, turning, two_links};
+use crate::common::{apart, peak};
 use crate::elastica::laws::{Energy, GRAVITY, loaded_arm};
 use crate::elastica::{BEFORE_S, STEP_S, Turn, arm, chord, follow, model};
 
@@ -67,7 +68,7 @@ fn solved(parts: &[LinkParts], arm: &ArmPeriod, second_order: SecondOrder) -> Ar
 fn differ(a: &ArmMotion, b: &ArmMotion, factor: f64) -> f64 {
     let links = a.links.iter().zip(&b.links).map(|(a, b)| {
         let (a, b) = (&a.bent.torque_n_m, &b.bent.torque_n_m);
-        let range = a.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+        let range = peak(a);
         a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - factor * b).abs())) / range
     });
     links.fold(0.0, f64::max)
@@ -292,7 +293,7 @@ pub(super) fn apart_from_weights(
     let off = samples.flat_map(|sample| {
         let moment = |joint| energies((parts, elements), &found, sample, joint)[2];
         let moments: Vec<f64> = (0..parts.len()).map(moment).collect();
-        let most = moments.iter().fold(0.0, |most: f64, moment| most.max(moment.abs()));
+        let most = peak(&moments);
         let pairs = found.links.iter().zip(moments);
         let off = pairs.map(move |(link, moment)| link.bent.torque_n_m[sample] - moment);
         off.map(move |off| off.abs() / most).collect::<Vec<_>>()
@@ -392,8 +393,8 @@ fn hysteretic_damping_leaves_the_sag_alone() {
             let found = solved(&damped, &arm, level);
             for (joint, (a, b)) in found.links.iter().zip(&viscous.links).enumerate() {
                 let [a, b] = [a, b].map(|link| &link.bent.hub_slope_rad);
-                let sag = b.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
-                let off = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+                let sag = peak(b);
+                let off = apart(a, b);
                 // Damped as a whole, the sag would be off by 7e-2.
                 assert!(off < 2e-3 * sag, "joint {joint} of {count}, {level:?}: {:e}", off / sag);
                 let at_rest = (a[2] - b[2]).abs() / sag;

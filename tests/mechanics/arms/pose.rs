@@ -2,7 +2,6 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
 use flexlink::link::{
     Arm, ArmLink, ArmParts, Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment,
 };
@@ -10,6 +9,8 @@ use flexlink::modal::{held_frequencies, natural_frequencies};
 use flexlink::response::{ArmModes, ArmPose, PoseError, arm_modes, arm_responses};
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
 use num_complex::Complex64;
+
+use crate::common::mesh_of;
 
 const TOLERANCE: f64 = 1e-8;
 const DOWN: [f64; 2] = [0.0, -9.81];
@@ -152,8 +153,7 @@ fn loaded() -> LinkParts {
 #[test]
 fn an_outer_link_without_mass_leaves_the_inner_one_its_own_frequencies() {
     let link = loaded().build().expect("a link");
-    let plan = MeshPlan::new(&link, &[None, None], Some(ElementCount::Total(160)), 1e-6);
-    let mesh = Mesh::new(&link, &plan.expect("a plan")).expect("a mesh");
+    let mesh = mesh_of(&link, 160);
     let light = || Link::builder().segment(Segment::uniform(0.5, 10.0, 1e-10));
     for spring_n_m_rad in [f64::INFINITY, 40.0] {
         let drive = Drive {

@@ -7,8 +7,10 @@ use flexlink::link::{Damping, Hub, LinkParts};
 
 use super::laws::stiffer;
 use super::{models, two_links};
+use crate::common::{self, peak};
 use crate::elastica::STEP_S;
 use crate::elastica::laws::Energy;
+use crate::recordings::ninth;
 
 /// Samples of a cycle of half a second.
 const CYCLE: usize = 512;
@@ -171,11 +173,8 @@ fn forces_of_chords_that_turn_far_together_are_those_of_rigid_links() {
     let turned = |by_rad: f64, from_rad: f64| {
         move |t: f64| {
             // A step of ninth order between 0.2 and 0.8 s, by whole turns.
-            let x = ((t - 0.2) / 0.6).clamp(0.0, 1.0);
-            let step = x.powi(5) * (126.0 - x * (420.0 - x * (540.0 - x * (315.0 - x * 70.0))));
-            let rate = 630.0 * (x * (1.0 - x)).powi(4) / 0.6;
-            let turning = 2520.0 * (x * (1.0 - x)).powi(3) * (1.0 - 2.0 * x) / 0.36;
-            [from_rad + by_rad * step, by_rad * rate, by_rad * turning]
+            let [step, rate, turning] = ninth((t - 0.2) / 0.6);
+            [from_rad + by_rad * step, by_rad * rate / 0.6, by_rad * turning / 0.36]
         }
     };
     let together = 8.0 * TAU;
@@ -213,8 +212,7 @@ fn apart(a: &ArmMotion, b: &ArmMotion) -> f64 {
     let joints = (0..b.links.len()).map(|joint| {
         let (a, b) = (of(a, joint), of(b, joint));
         let [low, high] = b.iter().fold([f64::MAX, f64::MIN], |[l, h], t| [l.min(*t), h.max(*t)]);
-        let off = a.iter().zip(&b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        off / (high - low)
+        common::apart(&a, &b) / (high - low)
     });
     joints.fold(0.0, f64::max)
 }
@@ -286,7 +284,7 @@ fn a_steady_turn_is_solved() {
                     .unwrap_or_else(|error| panic!("{elbow_rad}, {kept:?}, {level:?}: {error}"));
                 // What turns steadily takes no torque at the first joint, which holds the whole.
                 let torque = &found.links[0].bent.torque_n_m;
-                let size = found.links[0].force_n[0].iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+                let size = peak(&found.links[0].force_n[0]);
                 assert!(torque.iter().all(|t| t.abs() < 1e-5 * size), "{level:?}: {torque:?}");
             }
         }

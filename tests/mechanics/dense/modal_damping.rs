@@ -3,13 +3,14 @@
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::beam::Mesh;
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::modal::natural_frequencies;
 use flexlink::model::{KeptModes, model_of};
 
 use super::assembly::Assembly;
 use super::damping;
+use crate::common::{complex_difference, mesh_of};
 
 const RATIOS: [f64; 4] = [0.03, 0.0, 0.1, 0.01];
 
@@ -30,11 +31,6 @@ fn arm(damping: Damping) -> LinkParts {
         damping,
         ..LinkParts::default()
     }
-}
-
-fn mesh(link: &Link, elements: usize) -> Mesh {
-    let plan = MeshPlan::new(link, &[None; 2], Some(ElementCount::Total(elements)), 1e-6);
-    Mesh::new(link, &plan.expect("a valid plan")).expect("a plan of the link")
 }
 
 /// The polynomial `2ζω = Σ a_b ω²ᵇ` through the ratios of the modes, in Lagrange's form.
@@ -76,9 +72,7 @@ fn difference(link: &Link, mesh: &Mesh, damping: Mat<f64>, omega: f64) -> f64 {
     let found = model.nodal_transfer(omega);
     assert_eq!(found.tip, model.tip_transfer(omega));
     let at_nodes = |found: &[c64], dense: &dyn Fn(usize) -> c64| {
-        let peak = found.iter().fold(0.0_f64, |peak, z| peak.max(z.norm()));
-        let off = found.iter().enumerate().map(|(k, z)| (z - dense(k) / tip).norm());
-        off.fold(0.0, f64::max) / peak
+        complex_difference(found, (0..found.len()).map(|k| dense(k) / tip))
     };
     let deflection = |k: usize| (a[2 * k] - theta * mesh.nodes_m()[k]) / (omega * omega);
     let moment = |k: usize| assembly.inertial_moment(k, mesh.nodes_m(), &a);
@@ -102,7 +96,7 @@ const FREQUENCIES: [f64; 10] = [1.5, 5.0, 9.5, 14.0, 20.0, 36.2, 60.0, 95.0, 160
 fn a_ratio_for_each_mode_is_the_damping_matrix_of_these_ratios() {
     let link = Link::new(arm(Damping::Modal { ratios: RATIOS.to_vec() })).expect("a valid link");
     for elements in [4, 8] {
-        let mesh = mesh(&link, elements);
+        let mesh = mesh_of(&link, elements);
         let [mass, stiffness] = Assembly::of_link(&link, mesh.nodes_m()).mass_and_stiffness();
         let ratio = |mode: usize, _| RATIOS[(mode - 1).min(RATIOS.len() - 1)];
         for omega in FREQUENCIES {
@@ -118,7 +112,7 @@ fn a_caughey_series_is_the_damping_matrix_of_its_ratios() {
     let (modes, ratios) = SERIES.into_iter().unzip();
     let link = Link::new(arm(Damping::Caughey { modes, ratios })).expect("a valid link");
     for elements in [4, 8] {
-        let mesh = mesh(&link, elements);
+        let mesh = mesh_of(&link, elements);
         let frequencies = natural_frequencies(&mesh, 4);
         let [mass, stiffness] = Assembly::of_link(&link, mesh.nodes_m()).mass_and_stiffness();
         let ratio = |_, omega: f64| 0.5 * series_rate(&frequencies, omega) / omega;
@@ -138,7 +132,7 @@ fn motions_without_mass_answer_beside_the_modes() {
     parts.hub = Hub::default();
     parts.masses[0].at_m = 0.7;
     let link = Link::new(parts).expect("a valid link");
-    let mesh = mesh(&link, 6);
+    let mesh = mesh_of(&link, 6);
     for omega in FREQUENCIES {
         let size = 2 * mesh.elements().len() + 1;
         let off = difference(&link, &mesh, Mat::zeros(size, size), omega);

@@ -11,6 +11,7 @@ use proptest::prelude::*;
 
 use super::assembly::{Assembly, Load};
 use super::links::{any_excitation, any_parts, mesh};
+use crate::common::complex_difference;
 
 /// What round-off in K*/ω² costs the dense solve of links like these at most.
 const DENSE_ERROR: f64 = 1e-8;
@@ -60,9 +61,7 @@ fn difference(parts: &LinkParts, mesh: &Mesh, lambda: c64) -> f64 {
     let (tip, theta) = (a[a.len() - 2], a[1]);
     let found = nodal_transfer(mesh, lambda);
     let at_nodes = |found: &[c64], dense: &dyn Fn(usize) -> c64| {
-        let peak = found.iter().fold(0.0_f64, |peak, z| peak.max(z.norm()));
-        let off = found.iter().enumerate().map(|(k, z)| (z - dense(k) / tip).norm());
-        off.fold(0.0, f64::max) / peak
+        complex_difference(found, (0..found.len()).map(|k| dense(k) / tip))
     };
     [
         (found.tip.inertia_kg_m * tip - 1.0).norm(),

@@ -4,6 +4,7 @@ use flexlink::elastica::{ArmPeriod, ElasticaError, ElasticaMotion, Kept, SecondO
 use flexlink::link::{Damping, Hub, LinkParts, LumpedMass, Payload, Segment, Taper};
 
 use super::{STEP_S, Turn, arm, chord, follow, model};
+use crate::common::{difference, peak};
 
 pub(crate) const GRAVITY: [f64; 2] = [0.0, -9.81];
 
@@ -185,7 +186,7 @@ fn the_moment_at_the_axis_is_the_torque_less_what_the_hub_takes() {
                         + parts.hub.viscous_friction_n_m_s_rad * rate;
                     (found.torque_n_m[k] - taken - found.moments_n_m[0][k]).abs()
                 });
-                let range = found.torque_n_m.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+                let range = peak(&found.torque_n_m);
                 far.fold(0.0, f64::max) / range
             };
             let (coarse, fine) = (off(4), off(8));
@@ -200,9 +201,7 @@ fn the_moment_at_the_axis_is_the_torque_less_what_the_hub_takes() {
 }
 
 fn differ(a: &ElasticaMotion, b: &ElasticaMotion) -> f64 {
-    let range = a.torque_n_m.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
-    let pairs = a.torque_n_m.iter().zip(&b.torque_n_m);
-    pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / range
+    difference(&b.torque_n_m, &a.torque_n_m)
 }
 
 /// Of a stiffer link the deflections fall as 1/EI: what first order counts falls with them, what it leaves out with

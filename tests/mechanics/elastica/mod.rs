@@ -7,12 +7,13 @@ pub(crate) mod statics;
 
 use std::sync::Arc;
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
 use flexlink::elastica::{
     ArmPeriod, ElasticaError, ElasticaMotion, Kept, SecondOrder, follow_arm, returning,
 };
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::model::{KeptModes, Model, model_of};
+
+use crate::common::mesh_of;
 
 pub(crate) const STEP_S: f64 = 1.0 / 1024.0;
 
@@ -63,10 +64,7 @@ pub(crate) fn arm() -> LinkParts {
 /// The link in so many elements.
 pub(crate) fn model(parts: &LinkParts, elements: usize) -> Arc<dyn Model> {
     let link = Link::new(parts.clone()).expect("a valid link");
-    let own = vec![None; parts.segments.len()];
-    let plan = MeshPlan::new(&link, &own, Some(ElementCount::Total(elements)), 1e-6);
-    let mesh = Mesh::new(&link, &plan.expect("a plan")).expect("the plan's link");
-    model_of(&link, mesh, KeptModes::All).expect("a model")
+    model_of(&link, mesh_of(&link, elements), KeptModes::All).expect("a model")
 }
 
 /// The turn over a period: half a second of rest on either side, one second more after it, half a second in which

@@ -9,6 +9,7 @@ use flexlink::link::{Damping, Drive, Gravity, Hub, Link, LinkParts, Segment};
 use flexlink::motion::{Profile, TipMotion};
 
 use super::arm;
+use crate::common::{self, peak, plan_of};
 
 const DOWN: [f64; 2] = [0.0, -9.81];
 
@@ -121,7 +122,7 @@ fn what_rings_at_the_ends_is_within_what_is_stated() {
     parts.payload.inertia_kg_m2 = 0.02;
     parts.damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1.4e-4 };
     let link = Link::new(parts).expect("a link");
-    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(8)), 1e-6).expect("a plan");
+    let plan = plan_of(&link, 8);
     let motion = Profile::Septic.motion(1.0, 1.2, 600).expect("a motion");
     let analysis = Analysis::new(1e-5, None, None).expect("an analysis");
     let found = invert(&link, &plan, &motion, &analysis).expect("a solution");
@@ -159,7 +160,7 @@ fn the_last_node_moves_as_the_tip_and_the_first_moment_is_the_roots() {
     assert!(apart((&found, &bent.samples[0]), (&found, &found.tip_deflection_m(0))) < 1e-12);
     let turned = found.hub().angle_rad.iter().zip(&found.hub().rigid_angle_rad);
     let steepest = turned.map(|(hub, rigid)| (hub - rigid).abs()).fold(0.0, f64::max);
-    let most = bent.samples[0].iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    let most = peak(&bent.samples[0]);
     assert!(most < 1.1 * steepest.sin() && most > 0.98 * 1.1 * steepest.sin(), "{most}");
 }
 
@@ -219,11 +220,9 @@ fn a_link_that_bends_very_far_is_solved_without_the_terms_that_do_not_converge()
         let mut parts = under(DOWN, 0.0, LinkParts { hub: Hub::default(), ..arm() });
         parts.segments[0] = Segment::uniform(1.1, stiffness, 0.5);
         let link = Link::new(parts).expect("a link");
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(16)), 1e-6);
-        let found = invert(&link, &plan.expect("a plan"), &motion, &Analysis::default());
+        let found = invert(&link, &plan_of(&link, 16), &motion, &Analysis::default());
         let found = found.expect("a solution");
-        let pairs = found.hub().torque_n_m.iter().zip(&found.links[0].root_moment_n_m);
-        let off = pairs.map(|(torque, root)| (torque - root).abs()).fold(0.0, f64::max);
+        let off = common::apart(&found.hub().torque_n_m, &found.links[0].root_moment_n_m);
         let told = found.warnings.iter().any(|warning| warning.kind() == "inexact_iteration");
         let error = found.hub().errors.torque.iteration.expect("an iteration");
         (off / range(&found.hub().torque_n_m), error, told)

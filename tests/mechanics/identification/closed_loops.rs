@@ -6,8 +6,9 @@ use flexlink::fit::{Gain, HubEnd, Measured, Measurements, Observable, Response};
 use flexlink::model::Sensor;
 use num_complex::Complex64;
 
-use super::synthetic::{Random, Truth};
+use super::synthetic::Truth;
 use super::{fitted, free_text, per_torque};
+use crate::recordings::Random;
 
 const RATIO: f64 = 0.01;
 const LAW: Complex64 = Complex64::new(1.0, 2.0 * RATIO);
@@ -38,7 +39,7 @@ fn zeros(
     seed: u64,
 ) -> Vec<Measured> {
     let mut random = Random(seed);
-    let mut factor = || 1.0 + Complex64::new(random.normal(), random.normal()) * noise;
+    let mut factor = || 1.0 + Complex64::new(random.box_muller(), random.box_muller()) * noise;
     let values = values.iter().map(|value| value * factor()).collect();
     let kind = (Sensor::HubAngle, Gain::Known);
     let rows = (frequencies.clone(), values);

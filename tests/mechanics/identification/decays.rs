@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use flexlink::fit::{Decay, DecayError, DecaySamples, DecayValues, HubEnd, Observable};
 
-use super::synthetic::Random;
+use crate::recordings::Random;
 
 /// Natural frequency in Hz, damping ratio, amplitude, phase in rad.
 type Vibration = [f64; 4];
@@ -63,9 +63,9 @@ fn the_intervals_hold_as_many_true_values_as_they_say() {
             let mut slow = 0.0;
             let given = sampled(0.005, 1000, |t| {
                 let clean = 0.7 + 0.01 * t + at(&vibrations, t);
-                slow = 0.8 * slow + random.normal();
+                slow = 0.8 * slow + random.box_muller();
                 match kind {
-                    "white" => clean + 0.02 * random.normal(),
+                    "white" => clean + 0.02 * random.box_muller(),
                     "rounded" => (clean / 0.01).round() * 0.01,
                     _ => clean + 0.01 * slow,
                 }
@@ -117,7 +117,7 @@ fn what_a_decay_does_not_show_is_refused() {
     let one: [Vibration; 1] = [[3.0, 0.02, 1.0, 0.0]];
     let mut random = Random(3);
     let mut refused = |count, modes: &[(Observable, [f64; 2])], noise: f64, of: Vibration| {
-        let given = sampled(0.01, count, |t| at(&[of], t) + noise * random.normal());
+        let given = sampled(0.01, count, |t| at(&[of], t) + noise * random.box_muller());
         identified(given, modes).unwrap_err().to_string()
     };
     let elsewhere = "frequency 2, hub held: no vibration between 8.00 and 30.0 Hz stands out of the noise; the \

@@ -1,13 +1,15 @@
-//! Damping ratios behind springs, with friction and held hubs, against all eigenvalues of matrices that are assembled here.
+//! Damping ratios behind springs, with friction and held hubs, against all eigenvalues of matrices assembled apart.
 
+use faer::Mat;
 use flexlink::beam::Mesh;
 use flexlink::fit::{HubEnd, Measured, Measurements, Observable};
 use flexlink::modal::{DampingLaw, PoseHub};
 use flexlink::response::{arm_modes, damping_ratios};
 use flexlink::spec::read_specification;
-use nalgebra::{DMatrix, Matrix4};
+use nalgebra::DMatrix;
 
 use super::fitted;
+use crate::dense::{assembly::Assembly, damping};
 
 const ELEMENTS: usize = 10;
 const LENGTH_M: f64 = 0.6;
@@ -24,58 +26,21 @@ fn text(friction: f64, damping: &str, drive: &str) -> String {
     )
 }
 
-/// Mass and stiffness on the hub's angle, then displacement and slope of each node: the hub is at the first node.
+/// Of the other matrix type.
+fn dense(matrix: &Mat<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| matrix[(row, column)])
+}
+
+/// Mass and stiffness on the hub's angle, then displacement and slope of each node, of elements integrated apart.
+fn assembled() -> [Mat<f64>; 2] {
+    let own = read_specification("link.toml", &text(0.0, "ratio = 0.0", ""), &[]).unwrap();
+    let node_m = |k: usize| LENGTH_M * k as f64 / ELEMENTS as f64;
+    let nodes_m: Vec<f64> = (0..=ELEMENTS).map(node_m).collect();
+    Assembly::of_link(own.link(), &nodes_m).mass_and_stiffness()
+}
+
 fn matrices() -> [DMatrix<f64>; 2] {
-    let h = LENGTH_M / ELEMENTS as f64;
-    let mass = Matrix4::new(
-        156.0,
-        22.0 * h,
-        54.0,
-        -13.0 * h,
-        22.0 * h,
-        4.0 * h * h,
-        13.0 * h,
-        -3.0 * h * h,
-        54.0,
-        13.0 * h,
-        156.0,
-        -22.0 * h,
-        -13.0 * h,
-        -3.0 * h * h,
-        -22.0 * h,
-        4.0 * h * h,
-    ) * (MASS_KG_M * h / 420.0);
-    let bending = Matrix4::new(
-        12.0,
-        6.0 * h,
-        -12.0,
-        6.0 * h,
-        6.0 * h,
-        4.0 * h * h,
-        -6.0 * h,
-        2.0 * h * h,
-        -12.0,
-        -6.0 * h,
-        12.0,
-        -6.0 * h,
-        6.0 * h,
-        2.0 * h * h,
-        -6.0 * h,
-        4.0 * h * h,
-    ) * (STIFFNESS_N_M2 / (h * h * h));
-    let all = 2 * ELEMENTS + 2;
-    let assembled = |own: &Matrix4<f64>| {
-        let mut sum = DMatrix::zeros(all, all);
-        for element in 0..ELEMENTS {
-            let mut part = sum.view_mut((2 * element, 2 * element), (4, 4));
-            part += own;
-        }
-        sum
-    };
-    let [mut mass, bending] = [&mass, &bending].map(assembled);
-    mass[(1, 1)] += HUB_KG_M2;
-    mass[(all - 2, all - 2)] += PAYLOAD_KG;
-    [mass, bending].map(|whole| whole.remove_row(0).remove_column(0))
+    assembled().each_ref().map(dense)
 }
 
 /// `−Re s/|s|` of the modes that vibrate, the slowest first, from all eigenvalues of a companion matrix. In the coordinates
@@ -103,19 +68,6 @@ fn of_matrices(
     let mut modes: Vec<[f64; 2]> = vibrating.map(|s| [s.norm(), -s.re / s.norm()]).collect();
     modes.sort_by(|a, b| a[0].total_cmp(&b[0]));
     modes
-}
-
-/// `M Φ diag(2ζω) Φᵀ M` of the modes Φ of the free hub.
-fn modal_damping(mass: &DMatrix<f64>, bending: &DMatrix<f64>, ratio: f64) -> DMatrix<f64> {
-    let lower = mass.clone().cholesky().unwrap().l();
-    let half = lower.solve_lower_triangular(bending).unwrap();
-    let whole = lower.solve_lower_triangular(&half.transpose()).unwrap();
-    let eigen = whole.symmetric_eigen();
-    // The rotation of the rigid link has no rate: its ω² is round-off.
-    let rate = |square: f64| if square < 1.0 { 0.0 } else { 2.0 * ratio * square.sqrt() };
-    let rates = eigen.eigenvalues.map(rate);
-    let shapes = &lower * eigen.eigenvectors;
-    &shapes * DMatrix::from_diagonal(&rates) * shapes.transpose()
 }
 
 /// The program's ratios of the first four modes.
@@ -178,7 +130,8 @@ fn a_spring_takes_its_share_of_the_strain_from_hysteretic_damping() {
 #[test]
 fn modal_ratios_are_those_of_the_free_hub() {
     let [mass, bending] = matrices();
-    let damping = modal_damping(&mass, &bending, 0.02);
+    let [dense_mass, stiffness] = assembled();
+    let damping = dense(&damping::modal(&dense_mass, &stiffness, |_, _| 0.02));
     let link = text(0.0, "model = 'modal'\nratio = 0.02", "");
     let inner = |whole: &DMatrix<f64>| whole.clone().remove_row(0).remove_column(0);
     let clamped = of_matrices(&inner(&mass), &inner(&damping), &inner(&bending));

@@ -7,8 +7,8 @@ use flexlink::model::Sensor;
 use flexlink::response::Interpolation;
 use num_complex::Complex64;
 
-use super::synthetic::Random;
 use super::{fitted, free_text};
+use crate::recordings::Random;
 
 /// Damping in proportion to stiffness: 3 % in the first mode.
 const BETA_S: f64 = 0.006;
@@ -65,7 +65,7 @@ fn channel(
     }
     let rms = (exact.iter().map(|x| x * x).sum::<f64>() / exact.len() as f64).sqrt();
     let noise = 0.02 * gain.abs() * rms;
-    let samples = exact.iter().map(|x| gain * x + offset + noise * random.normal());
+    let samples = exact.iter().map(|x| gain * x + offset + noise * random.box_muller());
     let is_si = (gain - 1.0).abs() < f64::EPSILON;
     Channel {
         sensor,
@@ -235,7 +235,7 @@ fn sensors_without_uncertainties_weigh_by_what_they_show() {
     let mut noisy = channel(Sensor::TipAcceleration, (1.0, 0.0), 0.0, &mut random);
     let deviation = 10.0 * noisy.uncertainty.unwrap();
     for sample in &mut noisy.samples {
-        *sample += deviation * random.normal();
+        *sample += deviation * random.box_muller();
     }
     let errors = |uncertainties: [Option<f64>; 2]| -> Vec<f64> {
         let channels = [&quiet, &noisy].into_iter().zip(uncertainties);

@@ -6,8 +6,8 @@ use flexlink::fit::{FitOutcome, Gain, Measurements, Misfit, Motor, Response};
 use flexlink::model::Sensor;
 use num_complex::Complex64;
 
-use super::synthetic::Random;
 use super::{fitted, free_text, per_torque};
+use crate::recordings::Random;
 
 const RATIO: f64 = 0.02;
 
@@ -35,7 +35,7 @@ fn response(
     let hertz = |k: i32| 0.3 * 100_f64.powf(f64::from(k) / f64::from(points - 1));
     let frequencies: Vec<f64> = (0..points).map(hertz).collect();
     let values = frequencies.iter().map(|hertz| {
-        let off = Complex64::new(random.normal(), random.normal()) * noise;
+        let off = Complex64::new(random.box_muller(), random.box_muller()) * noise;
         per_torque(measured, TAU * hertz, Complex64::new(1.0, 2.0 * RATIO)) * scale * (1.0 + off)
     });
     let rows = (frequencies.clone(), values.collect());
@@ -102,7 +102,7 @@ fn a_response_per_volt_of_unknown_sign_is_that_of_the_driven_motor() {
         let driven = 1.0 + Complex64::new(0.0, omega * friction) * angle;
         let exact =
             gear * constant / resistance * per_torque(Sensor::RootStrain, omega, law) / driven;
-        -exact * (1.0 + Complex64::new(random.normal(), random.normal()) * noise)
+        -exact * (1.0 + Complex64::new(random.box_muller(), random.box_muller()) * noise)
     };
     let values: Vec<Complex64> = frequencies.iter().map(value).collect();
     let fitted = |gain| {

@@ -4,31 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::fitted;
+use crate::recordings::Random;
 use flexlink::fit::{HubEnd, Measured, Measurements, Misfit, Observable};
-
-/// A generator of numbers, `SplitMix64`.
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    /// From 0 to 1.
-    pub(super) fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Between two numbers above 0, every factor as likely.
-    fn over(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.share())
-    }
-
-    /// A normal deviate, by Box and Muller.
-    pub(super) fn normal(&mut self) -> f64 {
-        (-2.0 * (1.0 - self.share()).ln()).sqrt() * (TAU * self.share()).cos()
-    }
-}
 
 /// A uniform link with a hub and a point payload.
 #[derive(Debug, Clone, Copy)]
@@ -104,7 +81,7 @@ fn measured(truth: &Truth, random: &mut Random, noise: f64) -> Measurements {
             .map(move |(mode, hertz)| (Observable::Frequency { mode, hub }, hertz))
     });
     let values = values.map(|(observable, hertz)| {
-        let value = hertz * (1.0 + noise * random.normal());
+        let value = hertz * (1.0 + noise * random.box_muller());
         Measured { observable, value, uncertainty: Some(noise * hertz) }
     });
     Measurements::new(values.collect(), vec![], vec![]).unwrap()

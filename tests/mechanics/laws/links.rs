@@ -1,10 +1,12 @@
 //! Links of any make.
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::beam::Mesh;
 use flexlink::link::{Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper, Timoshenko};
 use flexlink::modal::natural_frequencies;
 use num_complex::Complex64;
 use proptest::prelude::*;
+
+use crate::common::mesh_of;
 
 /// One to four tapered segments, up to three lumped masses, a payload with inertia and offset,
 /// with or without a hub radius.
@@ -103,7 +105,5 @@ impl Excitation {
 /// The link in `elements` elements.
 pub(crate) fn mesh(parts: &LinkParts, elements: usize) -> Mesh {
     let link = Link::new(parts.clone()).expect("a valid link");
-    let own = vec![None; parts.segments.len()];
-    let plan = MeshPlan::new(&link, &own, Some(ElementCount::Total(elements)), 1e-6);
-    Mesh::new(&link, &plan.expect("a valid plan")).expect("a plan of the link")
+    mesh_of(&link, elements)
 }

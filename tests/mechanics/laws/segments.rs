@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 
 use super::links::{any_excitation, any_parts, mesh};
+use crate::common::complex_difference;
 
 /// Each segment in its own number of elements.
 fn mesh_of(parts: &LinkParts, own: &[usize]) -> Mesh {
@@ -33,9 +34,8 @@ fn split(parts: &LinkParts, index: usize, fraction: f64) -> LinkParts {
 
 fn differ(a: &NodalTransfer, b: &NodalTransfer) -> f64 {
     let off = |a: &[Complex64], b: &[Complex64]| {
-        let peak = a.iter().fold(0.0_f64, |peak, z| peak.max(z.norm()));
         assert_eq!(a.len(), b.len());
-        a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / peak
+        complex_difference(a, b.iter().copied())
     };
     [
         (a.tip.inertia_kg_m / b.tip.inertia_kg_m - 1.0).norm(),

@@ -1,16 +1,15 @@
 //! How elements are shared among the pieces of a link.
 
-use flexlink::beam::{ElementCount, MeshPlan, Piece};
+use flexlink::beam::Piece;
 use flexlink::link::{Link, LinkParts, LumpedMass, Segment, Taper};
 use proptest::prelude::*;
 
 use super::links::any_parts;
+use crate::common::plan_of;
 
 /// Pieces and their elements where no segment has a number of its own.
 fn shares(link: &Link, elements: usize) -> Vec<(Piece, usize)> {
-    let own = vec![None; link.segments().len()];
-    let plan = MeshPlan::new(link, &own, Some(ElementCount::Total(elements)), 1e-6);
-    plan.expect("a valid plan").shares().to_vec()
+    plan_of(link, elements).shares().to_vec()
 }
 
 /// Phase of a bending wave over a piece, ∫(m̄/EI)^¼ dx up to a factor, by Simpson's rule; of a link

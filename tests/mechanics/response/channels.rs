@@ -1,6 +1,7 @@
 //! A simulation beside a recording whose delay, gain and noise are known.
 
-use super::{link, mesh_of, peak, played};
+use super::{link, peak, plan_of, played};
+use crate::recordings::Random;
 use flexlink::link::Damping;
 use flexlink::response::{Play, Played, Torque};
 use flexlink::result::{ChannelComparison, ChannelRecording, Comparison, NoFit, SimulatedChannel};
@@ -20,7 +21,7 @@ fn simulated(step_s: f64, until_s: f64) -> Played {
         (std::f64::consts::PI * u).sin().powi(6) * (1.0 - 2.0 * u)
     };
     let torque = Torque::new(&time_s, time_s.iter().map(torque).collect()).unwrap();
-    played(&link, &mesh_of(&link, 10), &Play { until_s: Some(until_s), ..Play::of(&torque) })
+    played(&link, &plan_of(&link, 10), &Play { until_s: Some(until_s), ..Play::of(&torque) })
 }
 
 fn samples(simulation: &Played, channel: SimulatedChannel) -> Vec<f64> {
@@ -99,22 +100,15 @@ fn a_sensor_with_another_zero_has_its_offset_and_the_gain_does_not_care() {
     assert!(channels[0].share.unwrap() > 0.1, "the difference itself has it");
 }
 
-/// Numbers between 0 and 1 without pattern.
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 53) as f64
-}
-
 #[test]
 fn noise_is_the_difference_and_what_is_left() {
     let own = simulated(STEP_S, 4.0);
     let mut measured = recorded(&own, 1, 0, 1.0, 0.0);
-    let mut state = 7;
+    let mut random = Random(7);
     for (channel, values) in &mut measured.channels {
         let deviation = 0.01 * peak(&samples(&own, *channel));
         for value in values {
-            let sum: f64 = (0..12).map(|_| random(&mut state)).sum();
-            *value += deviation * (sum - 6.0);
+            *value += deviation * random.normal();
         }
     }
     for channel in compared(&own, &measured) {
@@ -174,9 +168,9 @@ fn shares_are_of_the_recording_about_its_mean() {
     let fitted = |offset: f64| {
         let mut recording = recorded(&own, 1, 0, 1.0, offset);
         recording.channels.truncate(1);
-        let mut state = 7;
+        let mut random = Random(7);
         for value in &mut recording.channels[0].1 {
-            *value += 0.1 * (random(&mut state) - 0.5);
+            *value += 0.1 * (random.next() - 0.5);
         }
         compared(&own, &recording)[0]
     };

@@ -7,7 +7,8 @@ use flexlink::response::{
     CycleError, Feedback, HubReference, Interpolation, Play, Played, SimulationError, Torque,
 };
 
-use super::{loaded, mesh_of, peak, simulate, times};
+use super::{loaded, peak, plan_of, simulate, times};
+use crate::common::apart;
 
 const STEP_S: f64 = 0.01;
 const SAMPLES: u32 = 90;
@@ -31,7 +32,7 @@ fn with_friction(friction: f64) -> Link {
 }
 
 fn played(link: &Link, play: &Play) -> Played {
-    simulate(link, &mesh_of(link, 10), play).unwrap()
+    simulate(link, &plan_of(link, 10), play).unwrap()
 }
 
 /// Histories without a position of the free hub, and with that of a held one.
@@ -78,8 +79,7 @@ fn the_link_settles_to_it() {
             let first = usize::try_from((CYCLES - 3) * SAMPLES).unwrap();
             let all = histories(&all, is_held);
             for (k, (found, all)) in histories(&cycle, is_held).iter().zip(all).enumerate() {
-                let pairs = found.iter().zip(&all[first..]);
-                let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak(found);
+                let apart = apart(found, &all[first..]) / peak(found);
                 assert!(apart < 1e-7, "{interpolation:?}, held {is_held}, {k}: {apart:e}");
             }
         }
@@ -140,8 +140,7 @@ fn a_link_at_large_angles_settles_to_it() {
         let is_held = link.gravity().is_some();
         let all = histories(&all, is_held);
         for (k, (found, all)) in histories(&cycle, is_held).iter().zip(all).enumerate() {
-            let pairs = found.iter().zip(&all[first..]);
-            let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak(found);
+            let apart = apart(found, &all[first..]) / peak(found);
             assert!(apart < 1e-5, "gravity {is_held}, {k}: {apart:e}");
         }
     }
@@ -149,7 +148,7 @@ fn a_link_at_large_angles_settles_to_it() {
 
 #[test]
 fn what_does_not_repeat_is_refused() {
-    let refused = |link: &Link, play: &Play| match simulate(link, &mesh_of(link, 10), play) {
+    let refused = |link: &Link, play: &Play| match simulate(link, &plan_of(link, 10), play) {
         Err(SimulationError::Cycle(error)) => error,
         Err(other) => panic!("{other:?}"),
         Ok(_) => panic!("it is played"),

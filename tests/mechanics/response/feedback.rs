@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::super::dense::{assembly::Assembly, damping};
-use super::{difference, link, mesh_of, played, sine, smooth, solved, times, torque_of};
+use super::{difference, link, plan_of, played, sine, smooth, solved, times, torque, torque_of};
 use faer::{Mat, c64};
 use flexlink::beam::{Mesh, hub_response};
 use flexlink::inverse::Solution;
@@ -27,7 +27,7 @@ fn damped(change: impl FnOnce(&mut LinkParts)) -> Link {
 #[test]
 fn a_hysteretic_link_in_a_stiff_loop_moves_as_on_the_moved_hub() {
     let link = link(|parts| parts.damping = Damping::Hysteretic { ratio: 0.02 });
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let wanted = solved(&link, &plan, &smooth(220), 1e-8);
     let torque = torque_of(&wanted);
     let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
@@ -89,7 +89,7 @@ fn on_a_spring(link: &Link, nodes_m: &[f64], spring: f64) -> (Vec<f64>, Mat<f64>
 #[test]
 fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
     let link = link(|parts| parts.damping = Damping::Hysteretic { ratio: 0.02 });
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let mesh = Mesh::new(&link, &plan).unwrap();
     let nodes_m = mesh.nodes_m();
     let mut on_the_spring = 0;
@@ -104,7 +104,7 @@ fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
             let along = |part| (0..nodes_m.len()).map(|node| of_node(node, part)).collect();
             let period_s = TAU / omega_rad_s[mode];
             let time_s = times(period_s / 50.0, 250);
-            let none = Torque::new(&time_s, vec![0.0; 251]).unwrap();
+            let none = torque(period_s / 50.0, 250, |_| 0.0);
             let still = HubReference::new(&time_s, vec![0.0; 251], None).unwrap();
             let feedback = Feedback::new(spring, 0.0, still).unwrap();
             // The elastica takes seconds.
@@ -157,8 +157,8 @@ fn around(solution: &Solution, (kp, kd): Gains, with_rate: bool) -> Feedback {
 #[test]
 fn feedback_has_nothing_to_do_on_the_right_link() {
     let link = damped(|_| ());
-    let plan = mesh_of(&link, 10);
-    for (motion, tolerance) in [(sine(880), 1e-9), (smooth(880), 1e-10)] {
+    let plan = plan_of(&link, 10);
+    for (motion, tolerance) in [(sine(0.5, 0.88, 880), 1e-9), (smooth(880), 1e-10)] {
         let wanted = solved(&link, &plan, &motion, tolerance);
         let torque = torque_of(&wanted);
         for gains in [(20.0, 2.0), (1000.0, 20.0), (5.0, 0.0), (0.0, 1.0)] {
@@ -174,7 +174,7 @@ fn feedback_has_nothing_to_do_on_the_right_link() {
 #[test]
 fn a_reference_without_rates_has_those_of_a_spline_through_it() {
     let link = damped(|_| ());
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let wanted = solved(&link, &plan, &smooth(880), 1e-8);
     let torque = torque_of(&wanted);
     let [given, drawn] = [true, false].map(|with_rate| {
@@ -193,8 +193,8 @@ fn a_reference_without_rates_has_those_of_a_spline_through_it() {
 /// distance from its goal at the end in m.
 fn astray(payload_kg: f64, gains: Option<Gains>) -> (f64, f64) {
     let nominal = damped(|_| ());
-    let plan = mesh_of(&nominal, 10);
-    let wanted = solved(&nominal, &plan, &sine(880), 1e-6);
+    let plan = plan_of(&nominal, 10);
+    let wanted = solved(&nominal, &plan, &sine(0.5, 0.88, 880), 1e-6);
     let torque = torque_of(&wanted);
     let feedback = gains.map(|gains| around(&wanted, gains, true));
     let play = Play { feedback: feedback.as_slice(), until_s: Some(12.0), ..Play::of(&torque) };
@@ -234,8 +234,7 @@ fn feedback_brings_a_link_with_a_wrong_payload_nearer_and_to_its_goal() {
 
 /// A pulse that ends long before nothing moves.
 fn pulse(step_s: f64, steps: u32) -> Torque {
-    let torque = (0..=steps).map(|k| (PI * f64::from(k) / f64::from(steps)).sin().powi(4));
-    Torque::new(&times(step_s, steps), torque.collect()).unwrap()
+    torque(step_s, steps, |t| (PI * t / (step_s * f64::from(steps))).sin().powi(4))
 }
 
 /// The hub angle that [`holding`] holds.
@@ -255,7 +254,7 @@ fn holding((kp, kd): Gains, torque: &Torque) -> Feedback {
 #[test]
 fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
     let link = link(|_| ());
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let mesh = Mesh::new(&link, &plan).unwrap();
     let clamped = Mesh::new(&super::link(|parts| parts.hub.inertia_kg_m2 = 1e12), &plan).unwrap();
     let clamped_rad_s = natural_frequencies(&clamped, 2)[0];
@@ -287,7 +286,7 @@ fn a_stiffly_held_hub_vibrates_as_a_clamped_one() {
 #[test]
 fn a_stiff_link_under_feedback_is_an_oscillator_of_one_degree() {
     let (kp, kd, friction) = (30.0, 2.0, 0.5);
-    let torque = Torque::new(&times(2e-3, 1000), vec![0.8; 1001]).unwrap();
+    let torque = torque(2e-3, 1000, |_| 0.8);
     let feedback = holding((kp, kd), &torque);
     // I = 1 kg m².
     let omega = kp.sqrt();
@@ -306,7 +305,7 @@ fn a_stiff_link_under_feedback_is_an_oscillator_of_one_degree() {
             initial_tip_m: HELD_RAD * link.length_m(),
             ..Play::of(&torque)
         };
-        let found = played(&link, &mesh_of(&link, 4), &play);
+        let found = played(&link, &plan_of(&link, 4), &play);
         for (k, theta) in found.hub().angle_rad.iter().enumerate() {
             let t = found.grid.time_s(k);
             let swing = (turning * t).cos() + ratio * omega / turning * (turning * t).sin();

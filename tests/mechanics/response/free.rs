@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::assembly::Assembly;
-use super::{damping, link, mesh_of, played, times};
+use super::{damping, link, plan_of, played, times, torque};
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::link::{Damping, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::modal::natural_frequencies;
@@ -39,7 +39,7 @@ impl TwoBodies {
             ..LinkParts::default()
         })
         .unwrap();
-        let plan = mesh_of(&link, 3);
+        let plan = plan_of(&link, 3);
         Self { link, plan }
     }
 
@@ -213,8 +213,8 @@ fn a_light_hub_turns_ahead_of_the_payload_by_what_the_beam_bends() {
 fn a_constant_torque_turns_the_rigid_link_and_swings_every_mode() {
     for ratio in [0.0, 0.02] {
         let link = link(|parts| parts.damping = Damping::Modal { ratios: vec![ratio] });
-        let plan = mesh_of(&link, 10);
-        let torque = Torque::new(&times(1e-3, 1500), vec![0.8; 1501]).unwrap();
+        let plan = plan_of(&link, 10);
+        let torque = torque(1e-3, 1500, |_| 0.8);
         let found = played(&link, &plan, &Play::of(&torque));
         assert_eq!(
             found.modes().unwrap().selection.modes,
@@ -246,10 +246,8 @@ fn a_constant_torque_turns_the_rigid_link_and_swings_every_mode() {
 
 /// A smooth torque over two periods of the first mode and a half: the others hardly swing.
 fn shoved(link: &Link) -> Played {
-    let time_s = times(1e-3, 1300);
-    let torque = time_s.iter().map(|t| (PI * t / 1.3).sin().powi(4)).collect();
-    let torque = Torque::new(&time_s, torque).unwrap();
-    played(link, &mesh_of(link, 10), &Play::of(&torque))
+    let torque = torque(1e-3, 1300, |t| (PI * t / 1.3).sin().powi(4));
+    played(link, &plan_of(link, 10), &Play::of(&torque))
 }
 
 /// Frequencies within 3e-6, where a fifth of the decay fits into a period 1.1e-4; the time is that

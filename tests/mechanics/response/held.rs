@@ -3,7 +3,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{difference, link, loaded, mesh_of, played, simulate, smooth, solved};
+use super::{difference, link, loaded, plan_of, played, simulate, smooth, solved};
+use crate::common::peak;
+use crate::recordings::ninth;
 use flexlink::beam::{Mesh, MeshPlan};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link};
@@ -34,7 +36,7 @@ fn the_hub_of_a_solution_brings_back_its_tip_and_its_torque_under_every_law() {
     ];
     for law in laws {
         let link = loaded(law.clone());
-        let plan = mesh_of(&link, 10);
+        let plan = plan_of(&link, 10);
         let wanted = solved(&link, &plan, &smooth(880), 1e-10);
         let found = turned(&link, &plan, &hub_of(&wanted, 1));
         let errors = [
@@ -59,7 +61,7 @@ fn the_hub_of_a_solution_brings_back_its_tip_and_its_torque_under_every_law() {
 #[test]
 fn the_torque_follows_with_the_fourth_power_of_the_step() {
     let link = loaded(Damping::Modal { ratios: vec![0.02] });
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let wanted = solved(&link, &plan, &smooth(880), 1e-10);
     let error = |every: usize| {
         let found = turned(&link, &plan, &hub_of(&wanted, every));
@@ -76,7 +78,7 @@ fn the_torque_follows_with_the_fourth_power_of_the_step() {
 #[test]
 fn a_hysteretic_link_strays_by_a_share_of_its_deflection() {
     let link = loaded(Damping::Hysteretic { ratio: 0.02 });
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let wanted = solved(&link, &plan, &smooth(880), 1e-10);
     let found = turned(&link, &plan, &hub_of(&wanted, 1));
     let tip = difference(&found.tip[0].displacement_m, &wanted.tip[0].displacement_m);
@@ -93,14 +95,12 @@ fn quick_turn(end_s: f64, step_s: f64) -> HubReference {
 }
 
 fn angle_rad(t: f64) -> f64 {
-    let u = (t / 0.5).clamp(0.0, 1.0);
-    0.5 * PI * 0.05 * u.powi(5) * (126.0 + u * (-420.0 + u * (540.0 + u * (-315.0 + 70.0 * u))))
+    0.5 * PI * 0.05 * ninth(t / 0.5)[0]
 }
 
 /// θ̈ of that step.
 fn acceleration_rad_s2(t: f64) -> f64 {
-    let u = (t / 0.5).clamp(0.0, 1.0);
-    0.5 * PI * 0.05 * 2520.0 * u.powi(3) * (1.0 - u).powi(3) * (1.0 - 2.0 * u) / 0.25
+    0.5 * PI * 0.05 * ninth(t / 0.5)[2] / 0.25
 }
 
 /// A uniform cantilever, EI 5 N m², 0.8 kg/m, 1.5 m: `cos β cosh β = −1`.
@@ -132,7 +132,7 @@ fn a_turned_cantilever_is_the_sum_of_its_modes() {
     let hub = quick_turn(3.0, 0.002);
     for hub_kg_m2 in [0.003, 0.1, 5.0] {
         let beam = cantilever(ratio, hub_kg_m2);
-        let found = turned(&beam, &mesh_of(&beam, 24), &hub);
+        let found = turned(&beam, &plan_of(&beam, 24), &hub);
         let mut exact: Vec<f64> =
             (0..=1500).map(|k| 1.5 * angle_rad(0.002 * f64::from(k))).collect();
         for (mode, root) in ROOTS.iter().enumerate() {
@@ -178,7 +178,7 @@ fn oscillator(omega: f64, ratio: f64, steps: u32, parts: u32) -> Vec<f64> {
 #[test]
 fn what_vibrates_after_the_hub_stopped_is_the_cantilever_with_its_own_decay() {
     let beam = cantilever(0.01, 0.003);
-    let found = turned(&beam, &mesh_of(&beam, 24), &quick_turn(0.5, 0.002));
+    let found = turned(&beam, &plan_of(&beam, 24), &quick_turn(0.5, 0.002));
     let hertz = cantilever_rad_s(ROOTS[0]) / TAU;
     let vibrates = found.modes().unwrap().residual.unwrap().frequency_hz.unwrap();
     assert!((vibrates / hertz - 1.0).abs() < 2e-3, "{vibrates} Hz is not {hertz} Hz");
@@ -198,7 +198,7 @@ fn work_is_what_is_stored_and_lost_whatever_the_law() {
     ];
     for law in laws {
         let link = loaded(law.clone());
-        let found = turned(&link, &mesh_of(&link, 10), &quick_turn(2.0, 0.001));
+        let found = turned(&link, &plan_of(&link, 10), &quick_turn(2.0, 0.001));
         let account = found.energy(20);
         let whole = account.balances.iter().map(|b| b.kinetic_j + b.strain_j).fold(0.0, f64::max);
         for balance in &account.balances {
@@ -214,7 +214,7 @@ fn a_hub_that_moves_at_its_start_is_told_and_one_that_rests_is_refused() {
     let time_s: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
     let ramp = HubReference::new(&time_s, time_s.iter().map(|t| 0.1 * t).collect(), None).unwrap();
     let link = loaded(Damping::None);
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let warnings = turned(&link, &plan, &ramp).warnings;
     let told: Vec<_> = warnings.iter().map(SimulationWarning::kind).collect();
     assert_eq!(told[0], "hub_begins_moving", "{told:?}");
@@ -232,7 +232,7 @@ fn a_hub_that_moves_at_its_start_is_told_and_one_that_rests_is_refused() {
 #[test]
 fn the_steps_of_an_encoder_are_in_the_torque_and_hardly_in_the_tip() {
     let link = loaded(Damping::Modal { ratios: vec![0.02] });
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let exact = quick_turn(2.0, 0.001);
     let smooth = turned(&link, &plan, &exact);
     let count = TAU / 4096.0;
@@ -240,7 +240,7 @@ fn the_steps_of_an_encoder_are_in_the_torque_and_hardly_in_the_tip() {
     let counted = exact.angle_rad().iter().map(|angle| (angle / count).round() * count).collect();
     let rough = turned(&link, &plan, &HubReference::new(&time_s, counted, None).unwrap());
     let off = difference(&rough.tip[0].displacement_m, &smooth.tip[0].displacement_m);
-    let travel = smooth.tip[0].displacement_m.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let travel = peak(&smooth.tip[0].displacement_m);
     assert!(off * travel < 2.0 * 0.5 * count * link.length_m(), "{off:e} of {travel} m");
     assert!(difference(&rough.hub().torque_n_m, &smooth.hub().torque_n_m) > 1.0);
     let kinds = |played: &Played| -> Vec<_> {
@@ -254,7 +254,7 @@ fn the_steps_of_an_encoder_are_in_the_torque_and_hardly_in_the_tip() {
 #[test]
 fn the_hub_rests_after_a_rest_and_points_to_the_tip_before_its_first_sample() {
     let link = loaded(Damping::Hysteretic { ratio: 0.02 });
-    let plan = mesh_of(&link, 10);
+    let plan = plan_of(&link, 10);
     let hub = quick_turn(0.6, 0.001);
     let time_s: Vec<f64> = (0..hub.grid().len).map(|k| hub.grid().time_s(k)).collect();
     let offset = hub.angle_rad().iter().map(|angle| angle + 0.7).collect();

@@ -6,14 +6,16 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Analysis, invert};
 use flexlink::link::{Damping, Gravity, Hub, Link, LinkParts, Payload, Segment};
-use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::motion::TipMotion;
 use flexlink::response::{
     Feedback, HubReference, Interpolation, Play, PlayError, Played, SimulationError,
     SimulationWarning, Torque,
 };
 
-use super::{bayo, difference, loaded, mesh_of, peak, simulate, smooth, times, torque_of};
+use super::{bayo, difference, loaded, peak, plan_of, simulate, smooth, times, torque, torque_of};
+use crate::common::displaced;
 use crate::elastica::statics::elastica;
+use crate::recordings::min_jerk;
 
 const G: f64 = 9.81;
 
@@ -32,13 +34,11 @@ fn weighted(start_angle_rad: f64, damping: Damping) -> Link {
 
 /// A torque that rises and falls once, then nothing.
 fn pulse(torque_n_m: f64) -> Torque {
-    let time_s = times(0.004, 400);
-    let at = |t: &f64| if *t < 0.8 { torque_n_m * (PI * t / 0.8).sin().powi(4) } else { 0.0 };
-    Torque::new(&time_s, time_s.iter().map(at).collect()).unwrap()
+    torque(0.004, 400, |t| if t < 0.8 { torque_n_m * (PI * t / 0.8).sin().powi(4) } else { 0.0 })
 }
 
 fn large(link: &Link, play: &Play) -> Played {
-    simulate(link, &mesh_of(link, 20), &Play { is_large: true, ..*play }).unwrap()
+    simulate(link, &plan_of(link, 20), &Play { is_large: true, ..*play }).unwrap()
 }
 
 /// The link whose motion is small moves as the linear one; what they differ by is of third order.
@@ -51,7 +51,7 @@ fn a_small_motion_is_that_of_the_linear_link() {
             let torque = pulse(0.1 * share);
             let play = Play::of(&torque);
             let (linear, found) =
-                (simulate(&link, &mesh_of(&link, 60), &play).unwrap(), large(&link, &play));
+                (simulate(&link, &plan_of(&link, 60), &play).unwrap(), large(&link, &play));
             // The node that carries the mass, on either mesh.
             let every = std::num::NonZeroUsize::new(3).unwrap();
             let node = |of: &Played| {
@@ -77,7 +77,7 @@ fn a_hub_that_moves_a_little_bends_the_link_as_the_linear_one() {
     let hub = HubReference::new(&time_s, time_s.iter().map(turned).collect(), None).unwrap();
     let play = Play::turning(&hub);
     let (linear, found) =
-        (simulate(&link, &mesh_of(&link, 60), &play).unwrap(), large(&link, &play));
+        (simulate(&link, &plan_of(&link, 60), &play).unwrap(), large(&link, &play));
     for (name, own, other) in [
         ("tip", &found.tip[0].displacement_m, &linear.tip[0].displacement_m),
         ("acceleration", &found.tip[0].acceleration_m_s2, &linear.tip[0].acceleration_m_s2),
@@ -127,12 +127,11 @@ fn energy_is_kept_or_accounted_for() {
         let mut parts = LinkParts::from(weighted(0.5, damping));
         parts.hub.viscous_friction_n_m_s_rad = friction;
         let link = Link::new(parts).unwrap();
-        let time_s = times(0.002, 600);
-        let rest = Torque::new(&time_s, vec![0.0; 601]).unwrap();
+        let rest = torque(0.002, 600, |_| 0.0);
         let holding_n_m = large(&link, &Play::of(&rest)).hub().holding_n_m.expect("it has weight");
         // The motor lets go of it smoothly.
-        let held = |t: &f64| holding_n_m * (PI * t.min(0.6) / 1.2).cos().powi(4);
-        let torque = Torque::new(&time_s, time_s.iter().map(held).collect()).unwrap();
+        let held = |t: f64| holding_n_m * (PI * t.min(0.6) / 1.2).cos().powi(4);
+        let torque = torque(0.002, 600, held);
         let found = large(&link, &Play::of(&torque));
         let account = found.energy(40);
         let most = account.balances.iter().map(|own| own.kinetic_j).fold(0.0, f64::max);
@@ -164,8 +163,7 @@ fn it_starts_from_the_elastica_at_rest_and_stays_there_while_that_torque_holds()
         parts.hub.inertia_kg_m2 = 1e-3;
         let link = Link::new(parts).unwrap();
         let [torque_n_m, direction_rad] = elastica(&LinkParts::from(link.clone()), chord_rad);
-        let time_s = times(0.01, 20);
-        let torque = Torque::new(&time_s, vec![torque_n_m; time_s.len()]).unwrap();
+        let torque = torque(0.01, 20, |_| torque_n_m);
         let found = large(&link, &Play::of(&torque));
         for (own, tip_m) in found.hub().angle_rad.iter().zip(&found.tip[0].displacement_m) {
             assert!((own - direction_rad).abs() < 1e-9, "{own} is not {direction_rad}");
@@ -184,9 +182,7 @@ fn by_angle(turn_rad: f64, link: &Link) -> TipMotion {
     let period = short.target(grid.time_s(0), grid.end_s());
     let displacement_m = period.displacement_m().iter().map(|v| scale * v).collect();
     let time_s = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let columns =
-        MotionColumns { time_s, displacement_m: Some(displacement_m), ..Default::default() };
-    TipMotion::new(columns).unwrap()
+    displaced(time_s, displacement_m)
 }
 
 /// The torque of the inversion makes the tip follow, from hanging and from upright, with weight and without: the two
@@ -201,7 +197,7 @@ fn the_tip_follows_under_the_torque_that_was_solved() {
             link = Link::new(LinkParts { gravity: None, ..link.into() }).unwrap();
         }
         let motion = by_angle(0.6, &link);
-        let wanted = invert(&link, &mesh_of(&link, 20), &motion, &analysis).unwrap();
+        let wanted = invert(&link, &plan_of(&link, 20), &motion, &analysis).unwrap();
         let torque = torque_of(&wanted);
         let time_s: Vec<f64> = (0..wanted.grid.len).map(|k| wanted.grid.time_s(k)).collect();
         let hub = HubReference::new(&time_s, wanted.hub().angle_rad.clone(), None).unwrap();
@@ -248,7 +244,7 @@ fn what_does_not_begin_where_the_link_rests_is_told() {
     };
     assert!(*torque_n_m == 0.0 && *holding_n_m > 5.0 && *share > 1.0);
     let held = *holding_n_m;
-    let torque = Torque::new(&times(0.004, 40), vec![held; 41]).unwrap();
+    let torque = super::torque(0.004, 40, |_| held);
     let angle = vec![found.hub().angle_rad[0] + 0.01; 41];
     let reference = HubReference::new(&times(0.004, 40), angle, None).unwrap();
     let feedback = Feedback::new(20.0, 2.0, reference).unwrap();
@@ -270,7 +266,7 @@ fn links_whose_large_motion_is_not_known_are_refused() {
         let mut parts = LinkParts::from(weighted(-1.0, BETA));
         change(&mut parts);
         let link = Link::new(parts).unwrap();
-        simulate(&link, &mesh_of(&link, 8), &Play::of(&pulse(1.0))).unwrap_err()
+        simulate(&link, &plan_of(&link, 8), &Play::of(&pulse(1.0))).unwrap_err()
     };
     let alpha = Damping::Rayleigh { alpha_per_s: 0.1, beta_s: 0.0 };
     assert_eq!(
@@ -295,10 +291,7 @@ fn whole_turns_are_counted_however_long_the_step() {
     });
     let link = Link::new(parts).unwrap();
     let time_s = times(0.25, 40);
-    let turned = |t: &f64| {
-        let s = t / 10.0;
-        100.0 * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
-    };
+    let turned = |t: &f64| 100.0 * min_jerk(t / 10.0)[0];
     let hub = HubReference::new(&time_s, time_s.iter().map(turned).collect(), None).unwrap();
     let found = large(&link, &Play::turning(&hub));
     let most = found.hub().angle_rad.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);

@@ -18,14 +18,13 @@ mod robustness;
 mod round_trip;
 mod state;
 
-use std::f64::consts::{PI, TAU};
-
-use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::beam::MeshPlan;
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
-use flexlink::motion::{MotionColumns, TipMotion};
+use flexlink::motion::TipMotion;
 use flexlink::response::{Play, Played, SimulationError, Torque};
 
+use super::common::{Smooth, difference, peak, plan_of, sine, whole_band};
 use super::dense::{assembly, damping};
 
 /// Bayo's link, undamped: 1.5 m with a stiff root, its rigid inertia 1 kg m².
@@ -58,33 +57,23 @@ fn loaded(damping: Damping) -> Link {
     })
 }
 
-/// A mesh of so many elements.
-fn mesh_of(link: &Link, elements: usize) -> MeshPlan {
-    let own = vec![None; link.segments().len()];
-    MeshPlan::new(link, &own, Some(ElementCount::Total(elements)), 1e-6).unwrap()
-}
-
 /// Times from 0 on, one more than there are steps.
 fn times(step_s: f64, steps: u32) -> Vec<f64> {
     (0..=steps).map(|k| step_s * f64::from(k)).collect()
-}
-
-/// One period of a sine acceleration that carries the tip 0.5 m in 0.88 s: Bayo's motion as
-/// reconstructed.
-fn sine(steps: u32) -> TipMotion {
-    let time_s = times(0.88 / f64::from(steps), steps);
-    let peak = TAU * 0.5 / (0.88 * 0.88);
-    let acceleration_m_s2 = time_s.iter().map(|t| peak * (TAU * t / 0.88).sin()).collect();
-    let acceleration_m_s2 = Some(acceleration_m_s2);
-    TipMotion::new(MotionColumns { time_s, acceleration_m_s2, ..Default::default() }).unwrap()
 }
 
 fn solved(link: &Link, plan: &MeshPlan, motion: &TipMotion, tolerance: f64) -> Solution {
     invert(link, plan, motion, &whole_band(Analysis::new(tolerance, None, None).unwrap())).unwrap()
 }
 
+/// A torque of time, from 0 on.
+fn torque(step_s: f64, steps: u32, of: impl Fn(f64) -> f64) -> Torque {
+    let time_s = times(step_s, steps);
+    Torque::new(&time_s, time_s.iter().map(|t| of(*t)).collect()).unwrap()
+}
+
 /// A torque of the inversion, to be played.
-fn torque_of(solution: &Solution) -> Torque {
+pub(crate) fn torque_of(solution: &Solution) -> Torque {
     let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
     Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap()
 }
@@ -103,30 +92,7 @@ fn played(link: &Link, plan: &MeshPlan, play: &Play) -> Played {
     simulate(link, plan, play).unwrap()
 }
 
-fn peak(samples: &[f64]) -> f64 {
-    samples.iter().fold(0.0, |m, x| m.max(x.abs()))
-}
-
-/// Largest difference of two histories over the peak of the second.
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / peak(b)
-}
-
-/// A motion of the tip, 0.5 m in 0.88 s as the sine, whose velocity rises and falls as sin⁶: its
-/// spectrum ends far below the Nyquist frequency, so that samples say all of it.
+/// A motion of the tip, 0.5 m in 0.88 s as the sine, that samples say all of.
 fn smooth(steps: u32) -> TipMotion {
-    let time_s = times(0.88 / f64::from(steps), steps);
-    let peak = 3.2 * 6.0 * PI * 0.5 / (0.88 * 0.88);
-    let at = |t: &f64| {
-        let phase = PI * t / 0.88;
-        peak * phase.sin().powi(5) * phase.cos()
-    };
-    let acceleration_m_s2 = Some(time_s.iter().map(at).collect());
-    TipMotion::new(MotionColumns { time_s, acceleration_m_s2, ..Default::default() }).unwrap()
-}
-
-/// The analysis with every frequency of the samples, where a law is to hold to the last digits.
-fn whole_band(analysis: Analysis) -> Analysis {
-    analysis.with_tip_tolerance(0.0).unwrap()
+    Smooth { duration_s: 0.88, steps, ..Smooth::MOVE }.motion()
 }

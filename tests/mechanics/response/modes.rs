@@ -12,7 +12,8 @@ use flexlink::response::{Play, Played, Torque};
 use num_complex::Complex64;
 
 use super::assembly::Assembly;
-use super::{difference, link, mesh_of, peak, played, smooth, solved, times, torque_of};
+use super::{difference, link, peak, plan_of, played, smooth, solved, times, torque_of};
+use crate::common::apart;
 
 /// A link with bodies on it, hub radius included.
 fn loaded(damping: Damping) -> Link {
@@ -38,13 +39,13 @@ fn eight_of_eight_thousand_modes_answer_as_those_of_coarser_meshes_tend_to() {
     let link = loaded(Damping::Modal { ratios: vec![0.02] });
     let torque = pulse(0.8, 400);
     let play = Play { until_s: Some(1.6), ..Play::of(&torque) };
-    let fine = played(&link, &mesh_of(&link, 4000), &play);
+    let fine = played(&link, &plan_of(&link, 4000), &play);
     assert_eq!(
         (fine.modes().unwrap().selection.modes, fine.modes().unwrap().selection.of),
         (8, 8000)
     );
     let errors = [10, 20, 40, 80].map(|elements| {
-        let found = played(&link, &mesh_of(&link, elements), &play);
+        let found = played(&link, &plan_of(&link, elements), &play);
         assert_eq!(
             (found.modes().unwrap().selection.modes, found.modes().unwrap().selection.of),
             (8, 2 * elements)
@@ -75,7 +76,7 @@ fn deflections(found: &Played) -> Vec<Vec<f64>> {
 #[test]
 fn a_slow_torque_bends_the_link_statically() {
     let link = loaded(Damping::None);
-    let plan = mesh_of(&link, 12);
+    let plan = plan_of(&link, 12);
     let [fast, slow] = [400.0, 800.0].map(|duration_s| {
         let found = played(&link, &plan, &Play::of(&pulse(duration_s, 400)));
         assert_eq!(
@@ -107,7 +108,7 @@ fn nodes_move_between_hub_and_tip() {
     let link = loaded(Damping::Modal { ratios: vec![0.02] });
     let torque = pulse(0.5, 250);
     let play = Play { initial_tip_m: 0.31, ..Play::of(&torque) };
-    let found = played(&link, &mesh_of(&link, 9), &play);
+    let found = played(&link, &plan_of(&link, 9), &play);
     let last = found.mesh().nodes_m().len() - 1;
     let every = found.displacements_m(&[last, 0, 4], NonZeroUsize::MIN).unwrap();
     let root: Vec<f64> = found.hub().angle_rad.iter().map(|theta| 0.05 * theta).collect();
@@ -121,7 +122,7 @@ fn nodes_move_between_hub_and_tip() {
     let picked: Vec<f64> = every.samples[2].iter().step_by(7).copied().collect();
     assert_eq!(thinned.samples[0], picked);
     // Where the tip starts changes nothing else.
-    let from_zero = played(&link, &mesh_of(&link, 9), &Play::of(&torque));
+    let from_zero = played(&link, &plan_of(&link, 9), &Play::of(&torque));
     let moved: Vec<f64> = found.tip[0].displacement_m.iter().map(|v| v - 0.31).collect();
     assert!(difference(&moved, &from_zero.tip[0].displacement_m) < 1e-14);
     assert_eq!(found.tip[0].velocity_m_s, from_zero.tip[0].velocity_m_s);
@@ -169,7 +170,7 @@ fn the_work_of_the_torque_is_the_energy_of_an_undamped_link() {
     });
     let torque = pulse(0.25, 500);
     let play = Play { until_s: Some(0.4), ..Play::of(&torque) };
-    let found = played(&link, &mesh_of(&link, 5), &play);
+    let found = played(&link, &plan_of(&link, 5), &play);
     let nodes_m = found.mesh().nodes_m();
     let [mass, stiffness] = Assembly::of_link(&link, nodes_m).mass_and_stiffness();
     // Unknowns are (θ, v_1, φ_1, …): θ and all v first, then the slopes.
@@ -210,7 +211,7 @@ fn only_a_damped_link_keeps_work() {
             parts.damping = law;
             parts.hub.viscous_friction_n_m_s_rad = friction;
         });
-        let plan = mesh_of(&link, 10);
+        let plan = plan_of(&link, 10);
         let torque = torque_of(&solved(&link, &plan, &smooth(880), 1e-10));
         let found = played(&link, &plan, &Play::of(&torque));
         let work = work_j(&found);
@@ -230,7 +231,7 @@ fn only_a_damped_link_keeps_work() {
 fn modes_are_kept_to_four_times_the_band_or_forty_times_the_first_frequency() {
     let link = loaded(Damping::None);
     for (duration_s, few) in [(8.0, true), (0.01, false)] {
-        let found = played(&link, &mesh_of(&link, 60), &Play::of(&pulse(duration_s, 400)));
+        let found = played(&link, &plan_of(&link, 60), &Play::of(&pulse(duration_s, 400)));
         let all = natural_frequencies(found.mesh(), 120);
         let (kept, band_hz) = (
             found.modes().unwrap().selection.modes,
@@ -251,17 +252,15 @@ fn modes_are_kept_to_four_times_the_band_or_forty_times_the_first_frequency() {
 fn a_hysteretic_link_has_its_vibration_behind_it_before_the_next_period_begins() {
     let link = link(|parts| parts.damping = Damping::Hysteretic { ratio: 0.05 });
     let tip_m = |until_s: f64| {
-        let time_s = times(0.01, 40);
-        let pulse = time_s.iter().map(|t| (PI * t / 0.4).sin().powi(2)).collect();
-        let torque = Torque::new(&time_s, pulse).unwrap();
+        let torque = super::torque(0.01, 40, |t| (PI * t / 0.4).sin().powi(2));
         let play = Play { until_s: Some(until_s), ..Play::of(&torque) };
-        let found = played(&link, &mesh_of(&link, 10), &play);
+        let found = played(&link, &plan_of(&link, 10), &play);
         let mut net_n_m = torque.torque_n_m().to_vec();
         net_n_m.resize(found.grid.len, 0.0);
         found.modes().unwrap().hysteretic_tip_m(0.05, &net_n_m)
     };
     let (once, thrice) = (tip_m(8.0), tip_m(24.0));
-    let bent = once.iter().zip(&thrice).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let bent = apart(&once, &thrice);
     assert!(bent < 1e-3 * once[40], "{bent:e} m of {} m", once[40]);
 }
 
@@ -275,7 +274,7 @@ fn the_energy_of_few_samples_balances_within_the_error_that_is_told() {
             parts.hub.viscous_friction_n_m_s_rad = friction;
         });
         for steps in [4, 5, 6, 7, 8, 20, 50] {
-            let found = played(&link, &mesh_of(&link, 10), &Play::of(&pulse(0.8, steps)));
+            let found = played(&link, &plan_of(&link, 10), &Play::of(&pulse(0.8, steps)));
             let account = found.energy(3);
             let told = account.quadrature_error_j;
             if steps < 7 {

@@ -10,7 +10,7 @@ use flexlink::link::{Damping, Hub, Link, LumpedMass, Payload};
 use flexlink::response::{Feedback, HubReference, Interpolation, Play, Played, Torque};
 
 use super::assembly::Assembly;
-use super::{damping, difference, link, mesh_of, played, times};
+use super::{damping, difference, link, plan_of, played, times, torque};
 
 /// `M ẍ + C ẋ + K x = e_θ u` on `(θ, v_1, φ_1, …)`.
 struct System {
@@ -97,12 +97,10 @@ const UNTIL_S: f64 = 1.2;
 
 /// Two unequal pulses against each other, smooth in an odd power above 1.
 fn pulses(step_s: f64, steps: u32, power: i32) -> Torque {
-    let time_s = times(step_s, steps);
-    let torque = |t: &f64| {
-        let size = if *t < 0.5 * LAST_S { 1.0 } else { 0.8 };
+    torque(step_s, steps, |t| {
+        let size = if t < 0.5 * LAST_S { 1.0 } else { 0.8 };
         size * (2.0 * PI * t / LAST_S).sin().powi(power)
-    };
-    Torque::new(&time_s, time_s.iter().map(torque).collect()).unwrap()
+    })
 }
 
 /// Largest difference of hub, node and tip over the peak of each.
@@ -202,7 +200,7 @@ fn laws() -> [Damping; 2] {
 fn with_all_modes_of_the_mesh_newmarks_limit_is_the_simulation() {
     for law in laws() {
         let link = loaded(law.clone());
-        let found = Comparison::of(&link, &mesh_of(&link, 7), &pulses(2e-3, 450, 1), None);
+        let found = Comparison::of(&link, &plan_of(&link, 7), &pulses(2e-3, 450, 1), None);
         assert_eq!(
             (
                 found.simulation.modes().unwrap().selection.modes,
@@ -220,7 +218,7 @@ fn with_all_modes_of_the_mesh_newmarks_limit_is_the_simulation() {
 fn with_few_modes_of_a_finer_mesh_newmarks_limit_is_the_simulation() {
     for law in laws() {
         let link = loaded(law.clone());
-        let found = Comparison::of(&link, &mesh_of(&link, 20), &pulses(1e-2, 90, 5), None);
+        let found = Comparison::of(&link, &plan_of(&link, 20), &pulses(1e-2, 90, 5), None);
         let selection = found.simulation.modes().unwrap().selection;
         assert!(selection.modes < 20 && selection.of == 40, "{selection:?}");
         found.assert_converges(law.name(), 3, 1e-7);
@@ -237,7 +235,7 @@ fn with_feedback_newmarks_limit_is_the_simulation() {
     let feedback = Feedback::new(15.0, 2.0, reference).unwrap();
     for law in laws() {
         let link = loaded(law.clone());
-        let found = Comparison::of(&link, &mesh_of(&link, 7), &torque, Some(&feedback));
+        let found = Comparison::of(&link, &plan_of(&link, 7), &torque, Some(&feedback));
         found.assert_converges(law.name(), 2, 5e-9);
     }
 }

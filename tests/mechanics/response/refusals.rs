@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{link, mesh_of, peak, played, simulate, times};
+use super::{link, peak, plan_of, played, simulate, times};
 use flexlink::link::{Damping, Link, Segment, Taper};
 use flexlink::response::{
     Feedback, HubReference, Play, SimulationError, SimulationWarning, Torque,
@@ -14,18 +14,16 @@ fn bayo() -> Link {
 
 /// Half a period of a sine in 0.4 s, or of a cosine that begins and ends in the middle.
 fn torque(of: impl Fn(f64) -> f64) -> Torque {
-    let time_s = times(0.01, 40);
-    let samples = time_s.iter().map(|t| of(PI * t / 0.4)).collect();
-    Torque::new(&time_s, samples).unwrap()
+    super::torque(0.01, 40, |t| of(PI * t / 0.4))
 }
 
 #[track_caller]
 fn refusal(link: &Link, play: &Play) -> SimulationError {
-    simulate(link, &mesh_of(link, 5), play).map(|found| found.grid).unwrap_err()
+    simulate(link, &plan_of(link, 5), play).map(|found| found.grid).unwrap_err()
 }
 
 fn warned(link: &Link, torque: &Torque) -> Vec<SimulationWarning> {
-    played(link, &mesh_of(link, 5), &Play::of(torque)).warnings
+    played(link, &plan_of(link, 5), &Play::of(torque)).warnings
 }
 
 #[test]
@@ -68,11 +66,9 @@ fn more_numbers_than_can_be_held_are_refused_with_their_size() {
 
 #[test]
 fn a_motion_is_played_up_to_the_end_of_double_precision_and_not_beyond_its_power() {
-    let time_s = times(0.001, 40);
     let played = |peak: f64| {
-        let samples = time_s.iter().map(|t| peak * (PI * t / 0.04).sin()).collect();
-        let torque = Torque::new(&time_s, samples).unwrap();
-        simulate(&bayo(), &mesh_of(&bayo(), 5), &Play::of(&torque)).map(|found| found.grid.len)
+        let torque = super::torque(0.001, 40, |t| peak * (PI * t / 0.04).sin());
+        simulate(&bayo(), &plan_of(&bayo(), 5), &Play::of(&torque)).map(|found| found.grid.len)
     };
     assert_eq!(played(1e154), Ok(41));
     assert!(matches!(played(1e160), Err(SimulationError::NotFinite { .. })), "its power is not");
@@ -84,7 +80,7 @@ fn the_grid_covers_the_end_asked_for() {
     let link = bayo();
     for (until_s, samples) in [(0.4, 41), (0.4 - 1e-9, 41), (0.401, 42), (0.5, 51)] {
         let play = Play { until_s: Some(until_s), ..Play::of(&torque) };
-        let found = played(&link, &mesh_of(&link, 5), &play);
+        let found = played(&link, &plan_of(&link, 5), &play);
         assert_eq!((found.grid.len, found.driven), (samples, 41), "until {until_s} s");
     }
 }
@@ -138,11 +134,9 @@ fn a_torque_that_begins_or_ends_with_a_jump_is_warned_about_with_its_numbers() {
 fn a_step_that_hides_the_first_mode_is_warned_about() {
     // 0.526 s is the period of the first mode.
     let coarse = |step_s: f64| {
-        let time_s = times(step_s, 40);
-        let samples = (0..=40).map(|k| (PI * f64::from(k) / 40.0).sin()).collect();
-        let torque = Torque::new(&time_s, samples).unwrap();
+        let torque = super::torque(step_s, 40, |t| (PI * t / (40.0 * step_s)).sin());
         let link = bayo();
-        let warnings = played(&link, &mesh_of(&link, 10), &Play::of(&torque)).warnings;
+        let warnings = played(&link, &plan_of(&link, 10), &Play::of(&torque)).warnings;
         let of = |kind| warnings.iter().find(|w| w.kind() == kind).map(ToString::to_string);
         of("coarse_step")
     };
@@ -185,7 +179,7 @@ fn a_reference_at_other_times_is_refused_with_both() {
     let played = |reference| {
         let feedback = Feedback::new(1.0, 0.1, reference).unwrap();
         let play = Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&torque) };
-        simulate(&link, &mesh_of(&link, 5), &play).map(|found| found.grid.len)
+        simulate(&link, &plan_of(&link, 5), &play).map(|found| found.grid.len)
     };
     let error = played(reference(0.02, 0.25, 20)).unwrap_err();
     assert!(matches!(error, SimulationError::OtherTimes { .. }));
@@ -206,7 +200,7 @@ fn a_reference_drives_the_link_if_a_gain_lets_it() {
         let feedback = Feedback::new(kp, kd, HubReference::new(&time_s, angle, None).unwrap());
         let feedback = feedback.unwrap();
         let play = Play { feedback: std::slice::from_ref(&feedback), ..Play::of(&rest) };
-        simulate(&link, &mesh_of(&link, 5), &play)
+        simulate(&link, &plan_of(&link, 5), &play)
             .map(|found| peak(&found.tip[0].displacement_m) > 0.0)
     };
     assert_eq!(played(0.0, 0.0), Err(SimulationError::NoTorque));

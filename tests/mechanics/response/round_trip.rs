@@ -1,6 +1,6 @@
 //! Torque of the inversion, played with the same damping law: the tip moves as was wanted.
 
-use super::{difference, link, loaded, mesh_of, played, sine, smooth, solved, torque_of};
+use super::{difference, link, loaded, plan_of, played, sine, smooth, solved, torque_of};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link};
 use flexlink::motion::TipMotion;
@@ -36,7 +36,7 @@ struct RoundTrip {
 impl RoundTrip {
     /// On ten elements.
     fn of(link: &Link, motion: &TipMotion, tolerance: f64, interpolation: Interpolation) -> Self {
-        let plan = mesh_of(link, 10);
+        let plan = plan_of(link, 10);
         let wanted: Solution = solved(link, &plan, motion, tolerance);
         let torque = torque_of(&wanted);
         let found = played(link, &plan, &Play { interpolation, ..Play::of(&torque) });
@@ -76,7 +76,7 @@ fn a_smooth_motion_comes_back_to_nine_digits_under_every_law() {
 fn the_sine_comes_back_to_nine_digits_at_the_tip() {
     for law in [Damping::None, laws()[1].clone(), Damping::Modal { ratios: vec![0.02] }] {
         let link = bare(law.clone(), 0.05);
-        let found = RoundTrip::of(&link, &sine(880), 1e-9, Interpolation::Cubic);
+        let found = RoundTrip::of(&link, &sine(0.5, 0.88, 880), 1e-9, Interpolation::Cubic);
         assert!(found.tip < 1e-9, "{}: tip {:e}", law.name(), found.tip);
     }
 }
@@ -86,7 +86,7 @@ fn the_sine_comes_back_to_nine_digits_at_the_tip() {
 fn straight_lines_between_milliseconds_cost_a_millionth_of_the_sine() {
     for law in [Damping::None, Damping::Modal { ratios: vec![0.02] }] {
         for link in [bare(law.clone(), 0.0), loaded(law.clone())] {
-            let found = RoundTrip::of(&link, &sine(880), 1e-8, Interpolation::Linear);
+            let found = RoundTrip::of(&link, &sine(0.5, 0.88, 880), 1e-8, Interpolation::Linear);
             assert!(found.tip < 1e-6, "{}: tip {:e}", law.name(), found.tip);
         }
     }
@@ -130,7 +130,7 @@ fn with_cubics_the_error_falls_with_the_fourth_power_of_the_step() {
 #[test]
 fn a_hysteretic_torque_misses_by_some_thousandths_on_the_viscous_link() {
     let link = bare(Damping::Hysteretic { ratio: 0.02 }, 0.0);
-    for (motion, range) in [(sine(880), 2.5e-3..3.5e-3), (smooth(880), 4.5e-3..5.5e-3)] {
+    for (motion, range) in [(sine(0.5, 0.88, 880), 2.5e-3..3.5e-3), (smooth(880), 4.5e-3..5.5e-3)] {
         let found = RoundTrip::of(&link, &motion, 1e-6, Interpolation::Cubic);
         assert!(range.contains(&found.tip), "{}", found.tip);
     }
@@ -143,7 +143,7 @@ fn the_viscous_link_of_a_hysteretic_one_has_its_ratio_in_every_mode() {
     let [hysteretic, modal] =
         [Damping::Hysteretic { ratio: 0.02 }, Damping::Modal { ratios: vec![0.02] }]
             .map(|law| bare(law, 0.05));
-    let plan = mesh_of(&modal, 10);
+    let plan = plan_of(&modal, 10);
     let torque = torque_of(&solved(&modal, &plan, &smooth(880), 1e-8));
     let [a, b] = [&hysteretic, &modal].map(|link| played(link, &plan, &Play::of(&torque)));
     assert!(difference(&a.tip[0].displacement_m, &b.tip[0].displacement_m) < 1e-14);

@@ -7,7 +7,8 @@ use flexlink::response::{
     Feedback, HubReference, Interpolation, LinkState, Play, Played, SimulationError, State, Torque,
 };
 
-use super::{loaded, mesh_of, peak, simulate, times};
+use super::{loaded, peak, plan_of, simulate, times};
+use crate::common::apart;
 
 const STEP_S: f64 = 0.004;
 
@@ -46,7 +47,7 @@ fn both(link: &Link, is_large: bool, has_feedback: bool) -> (Played, Played) {
             state,
             ..Play::of(&torque)
         };
-        simulate(link, &mesh_of(link, 12), &play).unwrap()
+        simulate(link, &plan_of(link, 12), &play).unwrap()
     };
     let first = played(0, CUT, None);
     (played(0, last, None), played(CUT, last, Some(&first.state())))
@@ -72,8 +73,7 @@ fn a_motion_goes_on_from_its_state_as_the_whole_does() {
                 ("hub", &whole.hub().angle_rad, &second.hub().angle_rad),
                 ("torque", &whole.hub().torque_n_m, &second.hub().torque_n_m),
             ] {
-                let pairs = whole[CUT..].iter().zip(second);
-                let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak(whole);
+                let apart = apart(&whole[CUT..], second) / peak(whole);
                 // With feedback the torque has the hub's rate.
                 let bound = if ["velocity", "torque"].contains(&name) { 1e-6 } else { 1e-8 };
                 assert!(
@@ -85,8 +85,7 @@ fn a_motion_goes_on_from_its_state_as_the_whole_does() {
             let every = std::num::NonZeroUsize::MIN;
             let [whole, second] =
                 [&whole, &second].map(|of| of.displacements_m(&[7], every).unwrap().samples);
-            let pairs = whole[0][CUT..].iter().zip(&second[0]);
-            let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak(&whole[0]);
+            let apart = apart(&whole[0][CUT..], &second[0]) / peak(&whole[0]);
             assert!(apart < 1e-8, "node {apart:e}, large: {is_large}");
         }
     }
@@ -97,22 +96,21 @@ fn a_motion_goes_on_from_its_state_as_the_whole_does() {
 fn a_state_moves_without_a_torque() {
     let link = loaded(Damping::None);
     let torque = driven(0, CUT).0;
-    let first = simulate(&link, &mesh_of(&link, 12), &Play::of(&torque)).unwrap();
+    let first = simulate(&link, &plan_of(&link, 12), &Play::of(&torque)).unwrap();
     let state = first.state();
-    let time_s = times(STEP_S, 100);
-    let none = Torque::new(&time_s, vec![0.0; 101]).unwrap();
+    let none = super::torque(STEP_S, 100, |_| 0.0);
     let play = Play { state: Some(&state), ..Play::of(&none) };
-    let found = simulate(&link, &mesh_of(&link, 12), &play).unwrap();
+    let found = simulate(&link, &plan_of(&link, 12), &play).unwrap();
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     let momentum_starts = first.hub().rate_rad_s[CUT];
     assert!(
         (found.hub().rate_rad_s[0] - momentum_starts).abs() < 1e-9 * peak(&first.hub().rate_rad_s)
     );
     assert!(peak(&found.tip[0].velocity_m_s) > 0.1);
-    let rest = simulate(&link, &mesh_of(&link, 12), &Play::of(&none)).unwrap_err();
+    let rest = simulate(&link, &plan_of(&link, 12), &Play::of(&none)).unwrap_err();
     assert_eq!(rest, SimulationError::NoTorque);
     // Another mesh has other cubics; what they change is small, and what is left out is told.
-    let other = simulate(&link, &mesh_of(&link, 31), &play).unwrap();
+    let other = simulate(&link, &plan_of(&link, 31), &play).unwrap();
     let apart = (other.tip[0].displacement_m[100] - found.tip[0].displacement_m[100]).abs();
     assert!(apart < 1e-4 * peak(&found.tip[0].displacement_m), "{apart:e}");
 }
@@ -122,7 +120,7 @@ fn a_state_of_another_link_is_refused() {
     let link = loaded(BETA);
     let torque = driven(0, CUT).0;
     let play = Play::of(&torque);
-    let plan = mesh_of(&link, 12);
+    let plan = plan_of(&link, 12);
     let linear = simulate(&link, &plan, &play).unwrap().state();
     let large = simulate(&link, &plan, &Play { is_large: true, ..play }).unwrap().state();
     let refusal = |state: &State, is_large| {

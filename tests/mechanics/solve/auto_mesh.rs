@@ -1,7 +1,7 @@
 //! The discretisation error: what is reported is what it is.
 
 use super::{
-    Smooth, accelerated, link, mesh_of, peak, sine, solved, torque_difference, whole_band,
+    Smooth, accelerated, link, peak, plan_of, sine, solved, torque_difference, whole_band,
 };
 use flexlink::beam::{ElementCount, MeshPlan};
 use flexlink::inverse::{Analysis, Solution, invert};
@@ -103,7 +103,7 @@ fn a_motion_with_kinks_needs_more_elements_than_a_smooth_one() {
     let smooth = automatic(&link, &Smooth::MOVE.motion(), 1e-4).links[0].mesh().elements().len();
     let kinked = automatic(&link, &sine(0.5, 1.0, 256), 1e-4).links[0].mesh().elements().len();
     assert!(smooth < kinked, "{smooth} and {kinked}");
-    let plan = mesh_of(&link, kinked);
+    let plan = plan_of(&link, kinked);
     assert!(!plan.is_automatic());
 }
 

@@ -3,13 +3,16 @@
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroUsize;
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::beam::MeshPlan;
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Analysis, InversionError, RefusedEnds, Solution, invert};
 use flexlink::link::{Damping, Drive, Gravity, Hub, Link, LinkParts, Payload, Segment};
 use flexlink::model::{Dense, KeptModes, Model, model_of};
 use flexlink::motion::{Ends, MotionColumns, MotionError, TipMotion};
 use num_complex::Complex64;
+
+use crate::common::{displaced, mesh_of, plan_of};
+use crate::recordings::ninth;
 
 const CYCLE_S: f64 = 1.3;
 
@@ -27,7 +30,7 @@ fn parts(damping: &Damping) -> LinkParts {
 
 fn solved(parts: &LinkParts, motion: &TipMotion) -> Result<Solution, InversionError> {
     let link = Link::new(parts.clone()).expect("a link");
-    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).expect("a plan");
+    let plan = plan_of(&link, 10);
     let analysis = Analysis::new(1e-8, None, None).expect("a tolerance");
     let analysis = analysis.with_tip_tolerance(1e-9).expect("a tolerance");
     invert(&link, &plan, motion, &analysis)
@@ -66,16 +69,6 @@ fn columns(step_s: f64, samples: &[[f64; 3]], given: Given, with_velocity: bool)
     }
 }
 
-/// Smooth step of the ninth order and its derivative.
-fn step(x: f64) -> [f64; 2] {
-    if x <= 0.0 || x >= 1.0 {
-        return [if x >= 1.0 { 1.0 } else { 0.0 }, 0.0];
-    }
-    let value =
-        x.powi(5) * (126.0 - 420.0 * x + 540.0 * x * x - 315.0 * x.powi(3) + 70.0 * x.powi(4));
-    [value, 630.0 * (x * (1.0 - x)).powi(4)]
-}
-
 /// Integral of a velocity from the first time to each, by Simpson's rule.
 fn integral(times_s: &[f64], velocity: impl Fn(f64) -> f64) -> Vec<f64> {
     const PARTS: u32 = 24;
@@ -97,15 +90,15 @@ fn repeated(samples: u32, cycles: u32, travel_m: f64) -> TipMotion {
     let times_s: Vec<f64> = (0..=samples * cycles).map(|k| step_s * f64::from(k)).collect();
     let faded = |t: f64| {
         let (fade_s, end_s) = (4.0 * CYCLE_S, f64::from(cycles) * CYCLE_S);
-        step(t / fade_s)[0] * step((end_s - t) / fade_s)[0]
+        ninth(t / fade_s)[0] * ninth((end_s - t) / fade_s)[0]
     };
     let travelled = integral(&times_s, |t| travel_m / CYCLE_S * faded(t));
     let displacement = times_s
         .iter()
         .zip(travelled)
         .map(|(t, travelled)| faded(*t) * cycle((t / CYCLE_S).fract(), 0.0)[0] + travelled);
-    let displacement_m = Some(displacement.collect());
-    TipMotion::new(MotionColumns { displacement_m, time_s: times_s, ..Default::default() }).unwrap()
+    let displacement_m = displacement.collect();
+    displaced(times_s, displacement_m)
 }
 
 /// Largest difference of all histories of a solution from those of a longer one, over the range of each, its first
@@ -201,7 +194,7 @@ fn a_cycle_under_gravity_or_at_large_angles_is_that_of_the_motion_repeated() {
     {
         let parts = LinkParts { gravity, ..parts(&damping) };
         let link = Link::new(parts.clone()).unwrap();
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(8)), 1e-6).unwrap();
+        let plan = plan_of(&link, 8);
         let analysis = Analysis::default().with_second_order(SecondOrder::Full);
         let step_s = CYCLE_S / f64::from(samples);
         let all: Vec<_> =
@@ -222,11 +215,7 @@ fn a_harmonic_takes_the_torque_of_its_transfer() {
     for damping in [HYSTERETIC, RAYLEIGH] {
         let parts = parts(&damping);
         let link = Link::new(parts.clone()).unwrap();
-        let mesh = Mesh::new(
-            &link,
-            &MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).unwrap(),
-        );
-        let model = model_of(&link, mesh.unwrap(), KeptModes::All).unwrap();
+        let model = model_of(&link, mesh_of(&link, 10), KeptModes::All).unwrap();
         let dense = Dense::assemble(model.on_mesh().clone()).unwrap();
         let omega = TAU * 2.0 / CYCLE_S;
         let at = |share: f64| 0.03 * (2.0 * TAU * share).cos();
@@ -302,16 +291,15 @@ fn a_tip_that_moves_at_its_ends_needs_what_it_needs_in_a_longer_motion() {
         let compared = |seconds: u32| {
             let far_s = f64::from(seconds);
             let around = |t: f64| match t {
-                t if t < 0.0 => shape[0] * step(0.5 * (t + far_s))[0],
-                t if t > 1.5 => shape[1] * step((1.5 + far_s - t) / 2.0)[0],
+                t if t < 0.0 => shape[0] * ninth(0.5 * (t + far_s))[0],
+                t if t > 1.5 => shape[1] * ninth((1.5 + far_s - t) / 2.0)[0],
                 t => passing(t, shape)[0],
             };
             let steps = seconds * 1000 / 3;
             let at = |k: u32| step_s * (f64::from(k) - f64::from(steps));
             let times_s: Vec<f64> = (0..=2 * steps + STEPS).map(at).collect();
-            let displacement_m = Some(integral(&times_s, around));
-            let longer = MotionColumns { time_s: times_s, displacement_m, ..Default::default() };
-            let longer = solved(&parts, &TipMotion::new(longer).unwrap()).unwrap();
+            let displacement_m = integral(&times_s, around);
+            let longer = solved(&parts, &displaced(times_s, displacement_m)).unwrap();
             apart(&found, &longer, found.grid.time_s(0))
         };
         let near = compared(9);

@@ -3,14 +3,14 @@
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
-use super::{Smooth, accelerated, link, mesh_of, refused, sine, whole_band};
+use super::{Smooth, accelerated, link, plan_of, refused, sine, whole_band};
+use crate::common::mesh_of;
 use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfer};
 use flexlink::inverse::{Analysis, InversionError, Resources, Warning, invert, invert_motion};
 use flexlink::link::{Damping, Link, Taper};
 use flexlink::modal::{DampingError, real_frequency_zeros};
 use flexlink::model::ModelError;
 use flexlink::motion::Motion;
-use flexlink::text::significant;
 
 fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
     link(|parts| parts.damping = Damping::RayleighThroughModes { modes, ratios })
@@ -18,14 +18,14 @@ fn through_modes(modes: [usize; 2], ratios: [f64; 2]) -> Link {
 
 /// The refusal on a mesh of two elements, which has four flexible modes.
 fn refused_on_two_elements(link: &Link, analysis: &Analysis) -> InversionError {
-    refused(link, &mesh_of(link, 2), &Smooth::MOVE.motion(), analysis)
+    refused(link, &plan_of(link, 2), &Smooth::MOVE.motion(), analysis)
 }
 
 #[test]
 fn a_plan_of_another_link_and_nodes_of_another_mesh() {
     let link = link(|_| ());
     let two_segments = super::link(|parts| parts.segments.push(parts.segments[0].clone()));
-    let plan = mesh_of(&two_segments, 10);
+    let plan = plan_of(&two_segments, 10);
     let motion = Smooth::MOVE.motion();
     let error = refused(&link, &plan, &motion, &Analysis::default());
     assert_eq!(
@@ -35,7 +35,7 @@ fn a_plan_of_another_link_and_nodes_of_another_mesh() {
     );
     assert!(error.hint().is_some());
     assert!(Mesh::new(&link, &plan).is_err());
-    let solution = invert(&link, &mesh_of(&link, 10), &motion, &Analysis::default()).unwrap();
+    let solution = invert(&link, &plan_of(&link, 10), &motion, &Analysis::default()).unwrap();
     let refused = solution.deflections(&[3, 11], NonZeroUsize::MIN).err().unwrap();
     assert_eq!(refused.to_string(), "nodes = 11, but must be nodes of the mesh, 0 to 10");
 }
@@ -48,8 +48,6 @@ fn a_mode_that_the_mesh_does_not_have() {
     );
     let no_such_mode = DampingError::NoSuchMode { asked: 5, found: 4 };
     assert_eq!(error, InversionError::Model(no_such_mode.into()));
-    assert_eq!(error.to_string(), "damping.modes asks for mode 5, but the mesh has only 4 modes");
-    assert_eq!(error.hint(), Some("name lower modes, or give the mesh more elements"));
 }
 
 #[test]
@@ -77,7 +75,7 @@ fn numbers_beyond_double_precision() {
     let link = link(|parts| parts.hub.inertia_kg_m2 = 1e200);
     let faster = Smooth::MOVE.acceleration_m_s2().iter().map(|a| 1e110 * a).collect();
     let motion = accelerated(Smooth::MOVE.time_s(), faster);
-    let error = refused(&link, &mesh_of(&link, 2), &motion, &whole_band(Analysis::default()));
+    let error = refused(&link, &plan_of(&link, 2), &motion, &whole_band(Analysis::default()));
     let InversionError::Model(ModelError::NotFinite { frequency_hz }) = error else {
         panic!("{error}");
     };
@@ -85,11 +83,6 @@ fn numbers_beyond_double_precision() {
     let periods_s = 1.0 / frequency_hz;
     assert!((1.0..20.0).contains(&periods_s), "{periods_s} s");
     assert!((periods_s * 256.0 - (periods_s * 256.0).round()).abs() < 1e-6, "{periods_s} s");
-    let message = error.to_string();
-    let expected =
-        format!("the torque at {} Hz is not a finite number", significant(frequency_hz, 6));
-    assert_eq!(message, expected);
-    assert!(error.hint().unwrap().contains("too large for double precision"));
 }
 
 /// An undamped payload's rotary inertia holds the tip still at one frequency.
@@ -105,7 +98,7 @@ fn blocked() -> Link {
 #[test]
 fn a_frequency_at_which_no_torque_moves_the_tip() {
     let link = blocked();
-    let plan = mesh_of(&link, 6);
+    let plan = plan_of(&link, 6);
     let blocked_rad_s = real_frequency_zeros(&Mesh::new(&link, &plan).unwrap(), 1e3)[0];
     let analysis = whole_band(Analysis::new(1e-6, Some(0.1), Some(0.1)).unwrap());
     let found = |step_s: f64| {
@@ -135,7 +128,7 @@ fn a_frequency_at_which_no_torque_moves_the_tip() {
 fn a_blocked_tip_is_known_from_a_moving_one_on_any_mesh() {
     let link = blocked();
     for elements in [1, 6, 32, 400, 4000] {
-        let mesh = Mesh::new(&link, &mesh_of(&link, elements)).unwrap();
+        let mesh = mesh_of(&link, elements);
         let blocked_rad_s = real_frequency_zeros(&mesh, 1e3)[0];
         let is_blocked = |beside: f64| {
             let lambda = (blocked_rad_s * (1.0 + beside)).powi(2);
@@ -178,12 +171,6 @@ fn a_window_longer_than_can_be_transformed() {
         panic!("{error}");
     };
     assert!(samples > 256_000_000 && limit == 1 << 24, "{error}");
-    assert_eq!(
-        error.to_string(),
-        format!("the period = {samples} samples, but must be at most 16777216")
-    );
-    let hint = "use a longer step, or a shorter analysis.lead and analysis.lag";
-    assert_eq!(error.hint(), Some(hint));
 }
 
 #[test]
@@ -194,7 +181,7 @@ fn the_memory_that_a_refusal_names_is_what_it_takes() {
     let within = |bytes: usize| {
         let analysis = whole_band(Analysis::new(1e-4, None, None).unwrap());
         let resources = Resources { memory_bytes: Some(bytes), ..Resources::default() };
-        invert_motion(&link.clone().into(), &[mesh_of(&link, 4)], &motion, &analysis, &resources)
+        invert_motion(&link.clone().into(), &[plan_of(&link, 4)], &motion, &analysis, &resources)
             .map(|solution| solution.band.fft_length)
     };
     // A period that is lengthened takes more than the first one.
@@ -213,15 +200,4 @@ fn the_memory_that_a_refusal_names_is_what_it_takes() {
     assert!(bytes > 100 * samples && bytes < 1000 * samples, "{bytes} for {samples}");
     let refused = within(bytes - 1).unwrap_err();
     assert_eq!(refused, InversionError::TooMuchMemory { bytes, allowed: bytes - 1 });
-}
-
-#[test]
-fn a_count_of_samples_is_written_out_until_it_is_a_power_of_ten() {
-    let link = link(|_| ());
-    let asked = |lag_s: f64| {
-        let analysis = whole_band(Analysis::new(1e-6, None, Some(lag_s)).unwrap());
-        refused(&link, &mesh_of(&link, 2), &Smooth::MOVE.motion(), &analysis).to_string()
-    };
-    assert!(asked(1e8).starts_with("the period = 256000"), "{}", asked(1e8));
-    assert!(asked(1e12).starts_with("the period = 3e14 or more samples"), "{}", asked(1e12));
 }

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::{
-    Smooth, accelerated, displaced, link, mesh_of, peak, samples, sine, solved, torque_at,
+    Smooth, accelerated, displaced, link, peak, plan_of, samples, sine, solved, torque_at,
     torque_difference, uniform, whole_band,
 };
 use flexlink::csv::read_motion_table;
@@ -230,7 +230,7 @@ fn an_angle_is_a_displacement_over_the_length() {
         rows.map(|(t, v)| format!("{t:e},{:e}", (v / 1.5).to_degrees())).collect();
     let text = format!("time,angle [deg]\n{}\n", degrees.join("\n"));
     let table = read_motion_table("turn.csv", text.as_bytes(), link.length_m()).unwrap();
-    let plan = mesh_of(&link, 8);
+    let plan = plan_of(&link, 8);
     let turned = invert(
         &link,
         &plan,

@@ -7,14 +7,14 @@ use flexlink::motion::{Profile, TipMotion};
 use flexlink::numeric::{largest, largest_difference};
 use flexlink::response::{Play, Torque};
 
-use super::{mesh_of, uniform};
+use super::{plan_of, uniform};
 use crate::recordings::Random;
 
 /// Elements of each mesh.
 const ELEMENTS: usize = 10;
 
 fn solved(link: &Link, motion: &TipMotion, analysis: &Analysis) -> Solution {
-    invert(link, &mesh_of(link, ELEMENTS), motion, analysis).unwrap()
+    invert(link, &plan_of(link, ELEMENTS), motion, analysis).unwrap()
 }
 
 fn warns(solution: &Solution) -> bool {
@@ -99,7 +99,7 @@ fn the_claim_is_half_to_thirty_times_what_all_terms_change_of_the_torque() {
         let motion = Profile::Septic.motion(travel_m, duration_s, 500).unwrap();
         let solution = solved(&link, &motion, &Analysis::default());
         let all = Analysis::default().with_second_order(SecondOrder::Full);
-        let Ok(full) = invert(&link, &mesh_of(&link, ELEMENTS), &motion, &all) else {
+        let Ok(full) = invert(&link, &plan_of(&link, ELEMENTS), &motion, &all) else {
             assert!(warns(&solution), "case {number} is refused with all terms");
             continue;
         };
@@ -144,7 +144,7 @@ fn what_a_simulation_claims_is_half_to_thirty_times_what_all_terms_change() {
         let torque = Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap();
         let play = |is_large| {
             let play = Play { is_large, ..Play::of(&torque) };
-            crate::response::simulate(&link, &mesh_of(&link, ELEMENTS), &play).unwrap()
+            crate::response::simulate(&link, &plan_of(&link, ELEMENTS), &play).unwrap()
         };
         let (linear, all) = (play(false), play(true));
         let [own, full] = [&linear, &all].map(|own| &own.tip[0].displacement_m);

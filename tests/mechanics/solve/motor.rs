@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{Smooth, link, mesh_of, solved};
+use super::{Smooth, link, plan_of, solved};
+use crate::common::peak;
 use flexlink::inverse::{Analysis, InversionError, Solution, invert};
 use flexlink::link::{Damping, Drive, Taper};
 use flexlink::motion::Profile;
@@ -15,7 +16,7 @@ const STIFF: Drive =
 fn close(found: &[f64], expected: impl Iterator<Item = f64>, tolerance: f64) {
     let expected: Vec<f64> = expected.collect();
     assert_eq!(found.len(), expected.len());
-    let peak = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let peak = peak(&expected);
     for (found, expected) in found.iter().zip(expected) {
         assert!((found - expected).abs() <= tolerance * peak, "{found} is not {expected}");
     }
@@ -74,7 +75,7 @@ fn a_motor_that_leaves_double_precision_is_an_error() {
         Drive { joint_stiffness_n_m_rad: 1e-30, rotor_inertia_kg_m2: 1e30, gear_ratio: 1e6 };
     let far = Smooth { travel_m: 1e92, duration_s: 3e-3, ..Smooth::SHORT }.motion();
     let driven = link(|parts| parts.drive = Some(drive));
-    let error = invert(&driven, &mesh_of(&driven, 10), &far, &Analysis::default());
+    let error = invert(&driven, &plan_of(&driven, 10), &far, &Analysis::default());
     let Err(InversionError::MotorNotFinite { history }) = error else {
         panic!("{:?}", error.err());
     };

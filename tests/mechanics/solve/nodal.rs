@@ -3,15 +3,12 @@
 use std::num::NonZeroUsize;
 
 use super::{Smooth, link, peak, solved};
+use crate::common::{apart, difference};
 use flexlink::inverse::Solution;
 use flexlink::link::{Damping, Link, Payload};
 
 fn all_nodes(solution: &Solution) -> Vec<usize> {
     (0..solution.links[0].mesh().nodes_m().len()).collect()
-}
-
-fn largest_difference(a: &[f64], b: impl Iterator<Item = f64>) -> f64 {
-    a.iter().zip(b).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
 }
 
 fn undamped() -> Link {
@@ -35,13 +32,12 @@ fn the_root_does_not_deflect_and_the_last_node_is_the_tip() {
         let displacements =
             solution.displacements(&all_nodes(&solution), NonZeroUsize::MIN).unwrap().histories();
         let tip = displacements.samples.last().unwrap();
-        let wanted = solution.tip[0].displacement_m.iter().copied();
-        assert!(largest_difference(tip, wanted) < 1e-9 * 0.5);
+        assert!(apart(tip, &solution.tip[0].displacement_m) < 1e-9 * 0.5);
         let deflection = deflections.samples.last().unwrap();
-        assert!(largest_difference(deflection, solution.tip_deflection_m(0).into_iter()) < 1e-9);
+        assert!(apart(deflection, &solution.tip_deflection_m(0)) < 1e-9);
         let radius_m = link.hub().radius_m;
-        let root = solution.hub().angle_rad.iter().map(|theta| radius_m * theta);
-        assert!(largest_difference(&displacements.samples[0], root) < 1e-15);
+        let root: Vec<_> = solution.hub().angle_rad.iter().map(|theta| radius_m * theta).collect();
+        assert!(apart(&displacements.samples[0], &root) < 1e-15);
     }
 }
 
@@ -65,16 +61,11 @@ fn the_moment_at_the_root_is_what_hub_and_friction_leave_of_the_torque() {
     let peak_n_m = peak(&solution.hub().torque_n_m);
     let acceleration = solution.acceleration_rad_s2(0);
     let hub = acceleration.iter().zip(&solution.hub().rate_rad_s);
-    let left = solution
-        .hub()
-        .torque_n_m
-        .iter()
-        .zip(hub)
-        .map(|(torque, (acceleration, rate))| torque - 0.1 * acceleration - 0.1 * rate);
-    assert!(largest_difference(&solution.links[0].root_moment_n_m, left) < 1e-9 * peak_n_m);
+    let left = solution.hub().torque_n_m.iter().zip(hub);
+    let left: Vec<_> = left.map(|(t, (a, rate))| t - 0.1 * a - 0.1 * rate).collect();
+    assert!(apart(&solution.links[0].root_moment_n_m, &left) < 1e-9 * peak_n_m);
     let at_node = solution.moments(&[0], NonZeroUsize::MIN).unwrap().histories();
-    let difference =
-        largest_difference(&at_node.samples[0], solution.links[0].root_moment_n_m.iter().copied());
+    let difference = apart(&at_node.samples[0], &solution.links[0].root_moment_n_m);
     assert!(difference < 1e-12 * peak_n_m);
 }
 
@@ -107,9 +98,11 @@ fn the_moment_bends_the_link_against_its_sign() {
         solution.moments(&nodes, NonZeroUsize::new(4).unwrap()).unwrap().histories().samples;
     let spacing: f64 = 1.5 / 60.0;
     for node in [1, 20, 40, 55] {
-        let bending = (0..w[node].len())
-            .map(|k| -5.0 * (w[node - 1][k] - 2.0 * w[node][k] + w[node + 1][k]) / spacing.powi(2));
-        let difference = largest_difference(&moments[node], bending) / peak(&moments[node]);
+        let bending = |k: usize| {
+            -5.0 * (w[node - 1][k] - 2.0 * w[node][k] + w[node + 1][k]) / spacing.powi(2)
+        };
+        let bending: Vec<_> = (0..w[node].len()).map(bending).collect();
+        let difference = difference(&bending, &moments[node]);
         assert!(difference < 0.01, "node {node}: {difference}");
     }
 }
@@ -133,8 +126,8 @@ fn the_torque_balances_the_angular_momentum_of_the_moving_link() {
         let beam = 0.8 * nodes.iter().map(|node| moment(*node)).sum::<f64>() * spacing / 3.0;
         0.1 * hub_acceleration_rad_s2[k] + 0.1 * solution.hub().rate_rad_s[k] + beam
     });
-    let torque = &solution.hub().torque_n_m[1..solution.grid.len - 1];
-    let difference = largest_difference(torque, balance) / peak(torque);
+    let balance: Vec<_> = balance.collect();
+    let difference = difference(&balance, &solution.hub().torque_n_m[1..solution.grid.len - 1]);
     assert!(difference < 5e-4, "{difference:e}");
 }
 

@@ -1,7 +1,7 @@
 //! The period: how long it is, what is written of it, and what that costs.
 
 use super::{
-    Smooth, accelerated, link, mesh_of, samples, sine, solved, torque_difference, whole_band,
+    Smooth, accelerated, link, plan_of, samples, sine, solved, torque_difference, whole_band,
 };
 use flexlink::inverse::{Analysis, Resources, Solution, Warning, invert};
 use flexlink::link::Damping;
@@ -12,7 +12,7 @@ const VISCOUS: Damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 };
 fn with_window(lead_s: Option<f64>, lag_s: Option<f64>) -> Solution {
     let link = link(|_| ());
     let analysis = whole_band(Analysis::new(1e-6, lead_s, lag_s).unwrap());
-    invert(&link, &mesh_of(&link, 16), &sine(0.5, 0.88, 440), &analysis).unwrap()
+    invert(&link, &plan_of(&link, 16), &sine(0.5, 0.88, 440), &analysis).unwrap()
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn a_period_of_half_the_length_gives_the_same_torque() {
         let solution = solved(&link, 16, &sine(0.5, 0.88, 440));
         let lag_s = Some(solution.band.period_s);
         let analysis = whole_band(Analysis::new(1e-6, None, lag_s).unwrap());
-        let plan = mesh_of(&link, 16);
+        let plan = plan_of(&link, 16);
         let longer = invert(&link, &plan, &sine(0.5, 0.88, 440), &analysis).unwrap();
         assert!(longer.band.period_s > 2.0 * solution.band.period_s);
         let difference = torque_difference(&solution, &longer, 0);
@@ -127,7 +127,7 @@ fn a_looser_tolerance_writes_a_shorter_window() {
     let link = link(|_| ());
     let rows = |tolerance: f64| {
         let analysis = whole_band(Analysis::new(tolerance, None, None).unwrap());
-        let plan = mesh_of(&link, 16);
+        let plan = plan_of(&link, 16);
         invert(&link, &plan, &sine(0.5, 0.88, 440), &analysis).unwrap().grid.len
     };
     assert!(rows(1e-2) < rows(1e-4) && rows(1e-4) < rows(1e-6));

@@ -11,6 +11,8 @@ use flexlink::link::{Arm, ArmLink, ArmParts, Taper};
 use flexlink::motion::{ArmPath, Motion, PathColumn, PathColumns, Recording};
 
 use super::{Smooth, link};
+use crate::common::plan_of;
+use crate::recordings::septic;
 
 /// Every stage that began, its parts, and how many of them are done.
 #[derive(Debug, Default)]
@@ -74,8 +76,7 @@ fn every_mesh_of_a_bent_link_and_of_an_arm_is_told_and_solved_to_its_end() {
     let links = vec![ArmLink { name: None, link: stiff }; 2];
     let two = Arm::new(ArmParts { links, ..ArmParts::default() }).unwrap();
     let angle = |by: f64| {
-        let septic = |u: f64| u.powi(4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)));
-        let at = |k: u32| by * septic(f64::from(k) / 200.0);
+        let at = |k: u32| by * septic(f64::from(k) / 200.0)[0];
         let (name, values) = (String::new(), (0..=200).map(at).collect());
         Some(PathColumn { name, values, recording: Recording::default() })
     };
@@ -98,7 +99,7 @@ fn every_mesh_of_a_bent_link_and_of_an_arm_is_told_and_solved_to_its_end() {
 fn the_nodes_of_a_table_are_solved_for_and_transformed_to_the_last() {
     let motion = Smooth::SHORT.motion();
     let link = link(|_| ());
-    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(20)), 1e-6).unwrap();
+    let plan = plan_of(&link, 20);
     let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
     let nodes: Vec<usize> = (0..=20).collect();
     let notes = Notes::default();

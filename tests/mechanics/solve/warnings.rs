@@ -1,6 +1,6 @@
 //! Every warning, provoked; and none where there is nothing to warn about.
 
-use super::{Smooth, accelerated, displaced, link, mesh_of, sine, solved, whole_band};
+use super::{Smooth, accelerated, displaced, link, plan_of, sine, solved, whole_band};
 use flexlink::inverse::{Analysis, Quantity, ShareOf, Solution, Warning, invert};
 use flexlink::link::{Damping, Link, LumpedMass, Payload};
 use flexlink::motion::{Shortfall, TipMotion};
@@ -100,7 +100,7 @@ fn an_end_velocity_of_few_digits_is_corrected() {
 fn a_short_window_cuts_torque() {
     let link = link(|_| ());
     let analysis = whole_band(Analysis::new(1e-4, Some(0.05), Some(0.05)).unwrap());
-    let solution = invert(&link, &mesh_of(&link, 10), &Smooth::MOVE.motion(), &analysis).unwrap();
+    let solution = invert(&link, &plan_of(&link, 10), &Smooth::MOVE.motion(), &analysis).unwrap();
     let warning = of_kind(&solution, "torque_cut");
     let Warning::TorqueCut { share, .. } = *warning else { panic!("{warning}") };
     assert!((0.01..1.0).contains(&share), "{warning}");
@@ -187,7 +187,7 @@ fn modes_that_are_too_few_are_told_with_the_error_that_was_measured() {
     let link = link(|_| ());
     let few = |modes| {
         let analysis = Analysis::default().keeping_modes(modes).unwrap();
-        invert(&link, &mesh_of(&link, 10), &Smooth::SHORT.motion(), &analysis).unwrap()
+        invert(&link, &plan_of(&link, 10), &Smooth::SHORT.motion(), &analysis).unwrap()
     };
     let solution = few(1);
     let warning = of_kind(&solution, "few_modes");
@@ -209,7 +209,7 @@ fn a_torque_that_the_tip_does_not_settle_is_told_with_the_peak_at_twice_the_tole
     let link = link(|_| ());
     let solve = |motion: &TipMotion, tip_tolerance| {
         let analysis = Analysis::default().with_tip_tolerance(tip_tolerance).unwrap();
-        invert(&link, &mesh_of(&link, 20), motion, &analysis).unwrap()
+        invert(&link, &plan_of(&link, 20), motion, &analysis).unwrap()
     };
     let motion = rounded_displacements(1024);
     // Half a digit is 2.5e-6 of the travel.

@@ -18,10 +18,12 @@
 //!
 //! and v(0) = 0 fixes the ratio of v(L) = F to v'(L) = N.
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::beam::Mesh;
 use flexlink::link::{Hub, Link, LinkParts, Payload, Segment};
 use num_complex::{Complex, Complex64};
 use twofloat::TwoFloat;
+
+use crate::common::mesh_of;
 
 /// A complex number of 2 × 106 bits.
 type Long = Complex<TwoFloat>;
@@ -82,8 +84,7 @@ impl UniformLink {
             ..LinkParts::default()
         })
         .expect("a valid link");
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-        Mesh::new(&link, &plan.expect("a valid plan")).unwrap()
+        mesh_of(&link, elements)
     }
 
     /// |β|h of an element: how finely a mesh resolves the bending wave of λ.

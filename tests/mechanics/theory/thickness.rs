@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::beam::Mesh;
 use flexlink::link::{CrossSection, Hub, Link, LinkParts, Payload, Section, Segment, Taper};
 use flexlink::modal::{Thickness, natural_frequencies};
+
+use crate::common::mesh_of;
 
 /// Steps of the integration along each segment.
 const STEPS: usize = 400;
@@ -102,9 +104,7 @@ fn thick_frequencies(link: &Link, flexibility: Option<f64>, from: f64, count: us
 }
 
 pub(crate) fn mesh(link: &Link) -> Mesh {
-    let own = vec![None; link.segments().len()];
-    Mesh::new(link, &MeshPlan::new(link, &own, Some(ElementCount::Total(60)), 1e-6).unwrap())
-        .unwrap()
+    mesh_of(link, 60)
 }
 
 /// True and estimated shares of the first modes.

@@ -3,11 +3,13 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan, tip_transfer};
+use flexlink::beam::tip_transfer;
 use flexlink::link::{Hub, Link, Payload, Segment, Taper, Timoshenko};
 use flexlink::modal::{natural_frequencies, real_frequency_zeros, torque_zeros};
 use num_complex::Complex64;
 use twofloat::TwoFloat;
+
+use crate::common::mesh_of;
 
 const LENGTH_M: f64 = 1.2;
 const STIFFNESS_N_M2: f64 = 5.0;
@@ -31,11 +33,6 @@ fn link(timoshenko: Option<Timoshenko>) -> Link {
     let segment = Segment { timoshenko, ..Segment::uniform(LENGTH_M, STIFFNESS_N_M2, MASS_KG_M) };
     let hub = Hub { inertia_kg_m2: HUB_KG_M2, ..Hub::default() };
     Link::builder().segment(segment).hub(hub).payload(PAYLOAD).build().unwrap()
-}
-
-fn mesh(link: &Link, elements: usize) -> Mesh {
-    let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-    Mesh::new(link, &plan.unwrap()).unwrap()
 }
 
 trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + From<f64> {}
@@ -115,8 +112,8 @@ fn exact(own: &Timoshenko, near: f64) -> f64 {
 /// Relative errors of the first three frequencies on so many elements.
 fn errors(slenderness: f64, elements: usize) -> Vec<f64> {
     let own = of_slenderness(slenderness);
-    let found = natural_frequencies(&mesh(&link(Some(own)), elements), 3);
-    let fine = natural_frequencies(&mesh(&link(Some(own)), 2000), 3);
+    let found = natural_frequencies(&mesh_of(&link(Some(own)), elements), 3);
+    let fine = natural_frequencies(&mesh_of(&link(Some(own)), 2000), 3);
     found.iter().zip(fine).map(|(found, near)| found / exact(&own, near) - 1.0).collect()
 }
 
@@ -149,7 +146,7 @@ fn the_order_is_two_or_four_and_the_stated_error_covers_the_true_one() {
     for slenderness in [5.0, 20.0, 50.0, 200.0, 1000.0] {
         let link = link(Some(of_slenderness(slenderness)));
         for elements in [10, 20, 40] {
-            let mesh = mesh(&link, elements);
+            let mesh = mesh_of(&link, elements);
             let [found, finer] = [&mesh, &mesh.refined()].map(|mesh| natural_frequencies(mesh, 3));
             for (mode, error) in errors(slenderness, elements).iter().enumerate() {
                 let stated = mesh.error_per_change() * (found[mode] / finer[mode] - 1.0);
@@ -172,7 +169,7 @@ fn zeros_are_those_of_the_closed_form_and_no_more() {
     };
     for slenderness in [4.0, 8.0, 20.0] {
         let own = of_slenderness(slenderness);
-        let mesh = mesh(&link(Some(own)), 1000);
+        let mesh = mesh_of(&link(Some(own)), 1000);
         let is_above = |lambda: f64| tip(&own, lambda) > TwoFloat::from(0.0);
         let places = |from: f64, to: f64| {
             (0..1200).map(move |k| from * (to / from).powf(f64::from(k) / 1200.0))
@@ -217,7 +214,7 @@ fn a_nearly_slender_link_has_the_zeros_of_the_slender_one() {
             };
             let hub = Hub { inertia_kg_m2: HUB_KG_M2, ..Hub::default() };
             let link = Link::builder().segment(segment).hub(hub).build().unwrap();
-            torque_zeros(&mesh(&link, 8), 3)
+            torque_zeros(&mesh_of(&link, 8), 3)
         };
         let (thick, slender) = (zeros(Some(of_slenderness(1e5))), zeros(None));
         assert_eq!((thick.len(), slender.len()), (3, 3), "{thick:?} {slender:?}");
@@ -232,7 +229,7 @@ fn a_nearly_slender_link_has_the_zeros_of_the_slender_one() {
 fn zeros_of_the_mesh_alone_are_left_out() {
     let own = of_slenderness(3.0);
     let counts = [32, 64, 128, 256, 1024]
-        .map(|elements| torque_zeros(&mesh(&link(Some(own)), elements), 10).len());
+        .map(|elements| torque_zeros(&mesh_of(&link(Some(own)), elements), 10).len());
     assert!(counts.iter().all(|count| *count == counts[0]) && counts[0] > 0, "{counts:?}");
 }
 
@@ -242,7 +239,7 @@ fn a_stiff_web_without_rotary_inertia_is_the_slender_link() {
         shear_stiffness_n: Taper::constant(1e18),
         rotary_inertia_per_length_kg_m: Taper::constant(0.0),
     };
-    let of = |own| natural_frequencies(&mesh(&link(own), 30), 8);
+    let of = |own| natural_frequencies(&mesh_of(&link(own), 30), 8);
     for (thick, slender) in of(Some(own)).iter().zip(of(None)) {
         assert!((thick / slender - 1.0).abs() < 1e-12, "{thick} is not {slender}");
     }
@@ -253,7 +250,7 @@ fn a_stiff_web_without_rotary_inertia_is_the_slender_link() {
 fn torque_per_acceleration_is_that_of_the_closed_form() {
     for (slenderness, bound) in [(6.0, 2e-5), (20.0, 2e-6), (1000.0, 1e-8)] {
         let own = of_slenderness(slenderness);
-        let mesh = mesh(&link(Some(own)), 1000);
+        let mesh = mesh_of(&link(Some(own)), 1000);
         for omega in [0.5, 6.0, 20.0, 55.0, 140.0] {
             let lambda = Complex64::from(omega * omega) / Complex64::new(1.0, 0.04);
             let [[f, g], [a, c], [b, d]] = missed(&own, lambda);

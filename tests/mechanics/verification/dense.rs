@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use flexlink::beam::{ElementCount, Mesh, MeshPlan};
 use flexlink::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::model::{Dense, KeptModes, Model, model_of};
+
+use crate::common::mesh_of;
 
 /// A metre, a kilogram and a second in other units: powers of two, which cost no digit.
 #[derive(Debug, Clone, Copy)]
@@ -44,9 +45,7 @@ fn model(elements: usize, taper: f64, damping: Damping, units: Units) -> Arc<dyn
         ..LinkParts::default()
     })
     .unwrap();
-    let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(elements)), 1e-6).unwrap();
-    let mesh = Mesh::new(&link, &plan).unwrap();
-    model_of(&link, mesh, KeptModes::All).unwrap()
+    model_of(&link, mesh_of(&link, elements), KeptModes::All).unwrap()
 }
 
 fn dense(model: &dyn Model) -> Option<Dense> {

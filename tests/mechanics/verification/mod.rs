@@ -4,17 +4,19 @@
 
 mod dense;
 
-use std::f64::consts::PI;
 use std::slice::from_ref;
 
-use flexlink::beam::{ElementCount, MeshPlan};
+use flexlink::beam::MeshPlan;
 use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment, Taper};
 use flexlink::model::{Dense, KeptModes, Model, model_of};
-use flexlink::motion::{MotionColumns, Profile, TipMotion};
-use flexlink::response::{Play, Torque};
+use flexlink::motion::{Profile, TipMotion};
+use flexlink::response::Play;
 use flexlink::result::{Check, Limits, Metrics};
 use flexlink::verify::{Answer, Verification, verify};
+
+use crate::common::{Smooth, apart, mesh_of, peak, plan_of};
+use crate::response::torque_of;
 
 /// A tapered link with hub radius, friction, a lumped mass and a payload.
 fn parts(stiffness_n_m2: f64, damping: Damping) -> LinkParts {
@@ -38,15 +40,7 @@ fn link(stiffness_n_m2: f64, damping: Damping) -> Link {
 
 /// Tip velocity that rises and falls as sin⁶, 0.5 m far.
 fn smooth(duration_s: f64, steps: u32) -> TipMotion {
-    let phase = |k: u32| PI * f64::from(k) / f64::from(steps);
-    let peak = 3.2 * 6.0 * PI * 0.5 / duration_s.powi(2);
-    let acceleration = |k: u32| peak * phase(k).sin().powi(5) * phase(k).cos();
-    let columns = MotionColumns {
-        time_s: (0..=steps).map(|k| duration_s * phase(k) / PI).collect(),
-        acceleration_m_s2: Some((0..=steps).map(acceleration).collect()),
-        ..Default::default()
-    };
-    TipMotion::new(columns).unwrap()
+    Smooth { duration_s, steps, ..Smooth::MOVE }.motion()
 }
 
 /// A run that can be spoiled before it is verified.
@@ -62,8 +56,7 @@ impl Run {
     }
 
     fn of(link: &Link, elements: usize, motion: &TipMotion, analysis: Analysis) -> Self {
-        let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(elements)), 1e-6);
-        let plan = plan.unwrap();
+        let plan = plan_of(link, elements);
         let solution = invert(link, &plan, motion, &analysis).unwrap();
         let limits = Limits::default();
         Self { plan, limits, solution }
@@ -135,12 +128,10 @@ fn a_hysteretic_torque_strays_on_a_viscous_link_as_the_laws_differ() {
     // Without the prediction the tip is 0.1 to 1 % of its travel off.
     let Run { plan, solution, .. } = &run;
     let link = solution.links[0].link();
-    let time_s: Vec<f64> = (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect();
-    let torque = Torque::new(&time_s, solution.hub().torque_n_m.clone()).unwrap();
+    let torque = torque_of(solution);
     let played = crate::response::simulate(link, plan, &Play::of(&torque)).unwrap();
     let tip_m = &played.tip[0].displacement_m;
-    let pairs = tip_m.iter().zip(&solution.tip[0].displacement_m);
-    let strays = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / 0.5;
+    let strays = apart(tip_m, &solution.tip[0].displacement_m) / 0.5;
     assert!((1e-3..1e-2).contains(&strays), "{strays:e}");
 }
 
@@ -284,7 +275,7 @@ fn more_bending_than_the_linear_model_holds_for_is_found() {
         let law = Damping::Hysteretic { ratio: 0.02 };
         let run = Run::new(law, 24, &smooth(duration_s, 880), Analysis::default());
         let deflections = run.solution.tip_deflection_m(0);
-        let share = deflections.iter().fold(0.0_f64, |m, w| m.max(w.abs())) / 1.5;
+        let share = peak(&deflections) / 1.5;
         (share, failed(&run.as_computed()).contains(&"model"))
     };
     let (small, large) = (bent(0.88), bent(0.5));
@@ -296,9 +287,7 @@ fn more_bending_than_the_linear_model_holds_for_is_found() {
 fn the_dense_system_of_another_link_is_told_from_this_one() {
     let model = |stiffness| {
         let link = link(stiffness, Damping::Modal { ratios: vec![0.02] });
-        let plan = MeshPlan::new(&link, &[None], Some(ElementCount::Total(10)), 1e-6).unwrap();
-        let mesh = flexlink::beam::Mesh::new(&link, &plan).unwrap();
-        model_of(&link, mesh, KeptModes::All).unwrap()
+        model_of(&link, mesh_of(&link, 10), KeptModes::All).unwrap()
     };
     let (own, other) = (model(6.0), model(6.001));
     let difference = |model: &dyn Model| {
