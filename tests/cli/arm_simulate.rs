@@ -153,7 +153,7 @@ fn a_cycle_of_an_arm_is_solved_verified_and_played() {
     let arm = "arm.toml --set links.*.damping.beta=2e-3 --set links.upper.limits.torque=20";
     let output = bench.done(&format!("solve {arm} circle.csv --periodic --verify"));
     let text = stdout(&output);
-    let line = "path     of the tip, one cycle of 1.000 s at 0.01000 s; the tip moves by 0.2000 m;";
+    let line = "path     of the tip, one cycle of 1.000 s at 0.01000 s;\n         the tip moves by 0.2000 m; up";
     assert!(text.contains(line) && text.contains("one cycle, which the torque repeats"), "{text}");
     assert!(!text.contains("torque at rest"), "{text}");
     assert_eq!(bench.json("out/summary.json")["motion"]["ends"], "periodic");

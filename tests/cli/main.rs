@@ -115,8 +115,8 @@ impl Bench {
         assert_eq!(output.status.code(), Some(code), "{told}");
         let is_read = ["solve", "simulate", "verify", "modes"].contains(&words[0].as_str())
             && !words.iter().any(|word| word == "-" || word == "--json");
-        // Longer are rows of `verify` that fail, and three lines with many digits.
-        let longer = ["path     as angles", "tip off at the rows", "held from sample to sample"];
+        // Longer are rows of `verify` that fail, and two lines with many digits.
+        let longer = ["tip off at the rows", "held from sample to sample"];
         let fits = |line: &str| {
             let line = line.strip_suffix("  FAILS").unwrap_or(line);
             let is_longer = longer.iter().any(|words| line.contains(words));

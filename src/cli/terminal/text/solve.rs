@@ -89,7 +89,11 @@ fn path_line(solution: &Solution, path: &ArmPath) -> String {
     let cutoff = solution.band.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
         format!("up to {} Hz", significant(hertz, 4))
     });
-    format!("{what}, {times} at {step} s; the tip moves by {travel} m;\n         {cutoff}")
+    let (sampled, moves) =
+        (format!("{what}, {times} at {step} s;"), format!("the tip moves by {travel} m;"));
+    let width = LABEL + sampled.chars().count() + 1 + moves.chars().count();
+    let [before, after] = if width > COLUMNS { ["\n         ", " "] } else { [" ", "\n         "] };
+    format!("{sampled}{before}{moves}{after}{cutoff}")
 }
 
 /// The lines of a link's solution before those of its hub.
