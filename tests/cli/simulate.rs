@@ -101,7 +101,8 @@ fn the_torque_with_feedback_is_that_of_its_law() {
 fn feedback_alone_drives_the_link_too() {
     let bench = solved();
     let times = column(&bench, "out/torque.csv", "time_s");
-    let rows: String = times.iter().map(|time| format!("{time:.3},0\n")).collect();
+    let rows: Vec<String> = times.iter().map(|time| format!("{time:.3},0\n")).collect();
+    let rows = rows.concat();
     bench.write("nought.csv", &format!("time,torque\n{rows}"));
     simulated(&bench, &format!("nought.csv --target out/tip.csv -q {FEEDBACK}"));
     let travel = bench.number("simulated", "results/farthest_m");

@@ -349,12 +349,11 @@ pub fn move_arm(
     let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
     let links = |more: usize, before: Option<&BentMotion>| {
         let linkage = rayleigh(arm, Linkage::of(arm, highest_rad_s, more, None))?;
-        let (mut q, mut rates) = match before.filter(|_| repeats) {
-            Some(before) => linkage.of_state(&before.play.state(grid, 0))?,
-            None => {
-                let q = at_rest(arm, &linkage, Start::Joints(&angles_rad));
-                (q.ok_or(SimulationError::NoRest)?, vec![0.0; linkage.count])
-            }
+        let (mut q, mut rates) = if let Some(before) = before.filter(|_| repeats) {
+            linkage.of_state(&before.play.state(grid, 0))?
+        } else {
+            let q = at_rest(arm, &linkage, Start::Joints(&angles_rad));
+            (q.ok_or(SimulationError::NoRest)?, vec![0.0; linkage.count])
         };
         for (joint, moved) in linkage.joints.iter().zip(joints) {
             (q[*joint], rates[*joint]) = (moved.angle_rad, moved.rate_rad_s);

@@ -79,12 +79,11 @@ fn path_line(solution: &Solution, path: &ArmPath) -> String {
     };
     let [step, travel, period] =
         four([grid.step_s, solution.tip_travel_m(), grid.len as f64 * grid.step_s]);
-    let times = match path.ends() {
-        Ends::Periodic => format!("one cycle of {period} s"),
-        _ => {
-            let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
-            format!("{from} … {to} s")
-        }
+    let times = if path.ends() == Ends::Periodic {
+        format!("one cycle of {period} s")
+    } else {
+        let [from, to] = [grid.time_s(0), grid.end_s()].map(|time_s| instant(time_s, 4));
+        format!("{from} … {to} s")
     };
     let cutoff = solution.band.cutoff_hz.map_or("all frequencies".to_owned(), |hertz| {
         format!("up to {} Hz", significant(hertz, 4))
