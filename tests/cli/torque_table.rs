@@ -187,7 +187,7 @@ fn the_cut_table_of_an_arm_that_falls_is_played_with_the_feedback_that_is_told()
     let bench = super::arms::bench();
     let text = solved_arm(&bench, "--write cut.csv --window 5%");
     assert!(text.contains("cut below 5.00 % of every torque's range\n"), "{text}");
-    let told = "the arm falls from a pose: played with feedback around its joints,\n";
+    let told = "nothing else holds the arm: played with feedback around its joints,\n";
     let gains = text.split(told).nth(1).expect(&text).split_whitespace().next().unwrap();
     // What holds the arm at rest goes on before the first row and after the last.
     let times = column(&bench, "out/torques.csv", "time_s");

@@ -118,8 +118,8 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
 
-    /// Play the repeating motion to which the link settles. TORQUE is one cycle of a torque or of a hub angle; its
-    /// first row follows the last one, a step later.
+    /// Play the repeating motion to which link or arm settle. TORQUE is one cycle of torques, or of the angles of hub or
+    /// joints; its first row follows the last one, a step later.
     #[arg(long, conflicts_with = "state")]
     periodic: bool,
 
@@ -367,8 +367,8 @@ pub fn feedback(
                 _ => format!(", for all joints, or {links}, one for each"),
             };
             let message = format!("--feedback = {found} pairs, but must be 1{each}");
-            let hint = "KP1,KD1,KP2,KD2, from the inner joint on";
-            return Err(Failure::new(Exit::Usage, &message, Some(hint)));
+            let hint = (links > 1).then_some("KP1,KD1,KP2,KD2, from the inner joint on");
+            return Err(Failure::new(Exit::Usage, &message, hint));
         }
     };
     let of_joints = gains.into_iter().zip(references);

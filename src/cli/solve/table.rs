@@ -320,7 +320,7 @@ fn found(table: &TorqueTable, error: &TableError) -> Vec<String> {
     }
     if !feedback.is_empty() {
         let gains: Vec<String> = feedback.iter().flatten().map(|gain| plain(*gain)).collect();
-        let falls = "the arm falls from a pose: played with feedback around its joints,";
+        let falls = "nothing else holds the arm: played with feedback around its joints,";
         lines.push(falls.to_owned());
         lines.push(format!("{} (N m/rad and N m s/rad of each)", gains.join(",")));
         if table.interpolation() == Interpolation::Zero {

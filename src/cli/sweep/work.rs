@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::csv::InputFile;
 use crate::elastica::SecondOrder;
 use crate::inverse::Resources;
-use crate::motion::{Motion, Prescribed};
+use crate::motion::{Ends, Motion, Prescribed};
 use crate::response::{Input, Play, Start, Torque, simulate};
 use crate::result::{FollowedTarget, Notice, Remark, TipPlaces};
 use crate::spec::Specification;
@@ -103,6 +103,7 @@ impl Cases<'_> {
             memory_bytes,
             interpolation: self.shared.torque.hold.interpolation(),
             is_large: analysis.second_order_of(own.link()) != SecondOrder::None,
+            cycle_turn_rad: (motion.ends() == Ends::Periodic).then_some(0.0),
             ..Play::with(Input::Torques(torques))
         };
         let first: Vec<f64>;

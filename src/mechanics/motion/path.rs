@@ -255,7 +255,7 @@ impl ArmPath {
         self.moving().next().map_or(Ends::AtRest, TipMotion::ends)
     }
 
-    /// Number of samples in the shortest period of a periodic path, all of them in the path.
+    /// Smallest even number of samples that contains whole cycles of a periodic path.
     pub(crate) fn cycles(&self) -> Option<usize> {
         self.moving().next().and_then(TipMotion::cycles)
     }

@@ -222,7 +222,7 @@ impl TipMotion {
         TipPeriod::of(&self.samples, len, seam, cutoff)
     }
 
-    /// Number of samples in the shortest period of a periodic motion, all of them in the motion.
+    /// Smallest even number of samples that contains whole cycles of a periodic motion.
     pub(crate) fn cycles(&self) -> Option<usize> {
         self.samples.cycles()
     }

@@ -78,7 +78,7 @@ impl BentMotion {
         linkage: &Linkage,
         from_rad: f64,
         (steps, samples): (usize, usize),
-        holding_n_m: impl Iterator<Item = f64>,
+        holding_n_m: impl Iterator<Item = Option<f64>>,
     ) -> Self {
         let (links, column) = (linkage.links.len(), || Vec::with_capacity(samples));
         let joint = |holding_n_m| JointMotion {
@@ -86,7 +86,7 @@ impl BentMotion {
             angle_rad: column(),
             rate_rad_s: column(),
             acceleration_rad_s2: column(),
-            holding_n_m: Some(holding_n_m),
+            holding_n_m,
         };
         let axis = || TipMotionHistories {
             displacement_m: column(),

@@ -147,9 +147,10 @@ impl DrivenLinks<'_> {
         let rest = vec![0.0; count];
         let is_arm = self.linkage.links.len() > 1;
         // The holding torques balance all other forces: of an arm those of its shape at rest, of one link also those of
-        // its rates at the start.
+        // its rates at the start. A cycle has no rest.
         self.linkage.balance(&motion.q, if is_arm { &rest } else { &motion.rates }, &mut balance);
-        let holding_n_m = self.linkage.joints.iter().map(|joint| -balance.force[*joint]);
+        let holds = |joint: &usize| self.cycle.is_none().then(|| -balance.force[*joint]);
+        let holding_n_m = self.linkage.joints.iter().map(holds);
         let mut played = BentMotion::empty(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
         self.accelerate(0, &mut motion, &mut balance)?;
         if let Some(cycle) = &self.cycle {

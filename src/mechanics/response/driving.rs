@@ -154,7 +154,7 @@ impl CycleError {
                 "leave the last row out: the first row follows the last one, a step later"
             }
             Self::Resonance => "add damping to the link",
-            Self::Free => "set hub.viscous_friction, or use --feedback or --state",
+            Self::Free => "set hub.viscous_friction, or use --feedback",
         }
     }
 }

@@ -217,10 +217,13 @@ impl<'a> Play<'a> {
                 torques.iter().map(|torque| moving(torque.torque_n_m())).collect()
             }
             Input::Angles(hubs) => {
-                hubs.iter().map(|hub| moving(&hub.accelerations(None).0)).collect()
+                let turned = |joint| self.turn_of_cycle_rad(joint);
+                let moved = hubs.iter().enumerate();
+                moved.map(|(joint, hub)| moving(&hub.accelerations(turned(joint)).0)).collect()
             }
         };
-        let wanted = self.feedback.iter().filter_map(|own| moving(&own.rate_rad_s(false)));
+        let repeats = self.cycle_turn_rad.is_some();
+        let wanted = self.feedback.iter().filter_map(|own| moving(&own.rate_rad_s(repeats)));
         inputs.into_iter().flatten().chain(wanted).fold(0.0, f64::max)
     }
 

@@ -239,11 +239,12 @@ impl Bending<'_> {
         Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle })
     }
 
-    /// One cycle of the input: every prescribed joint is free, and the first joint under a torque without weight and
+    /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque without weight and
     /// without stiffness of its feedback.
     fn cycle(&self, joints: &[usize]) -> Result<Cycle, SimulationError> {
-        let free = match &self.drives[0] {
-            Drive::Acceleration(_) => joints.to_vec(),
+        let grid = self.play.input.grid();
+        let turning = match &self.drives[0] {
+            Drive::Acceleration(_) => return Ok(Cycle::prescribed(grid, joints)),
             Drive::Torque(_, reaction) => {
                 let is_unheld = !self.arm.has_weight() && reaction.stiffness_n_m_rad == 0.0;
                 if is_unheld && reaction.damping_n_m_s_rad == 0.0 {
@@ -252,7 +253,7 @@ impl Bending<'_> {
                 joints[..usize::from(is_unheld)].to_vec()
             }
         };
-        Ok(Cycle { grid: self.play.input.grid(), free })
+        Ok(Cycle { grid, turning, is_prescribed: false })
     }
 
     /// One link before the input, at rest or in a state.
@@ -358,7 +359,7 @@ pub fn move_arm(
         for (joint, moved) in linkage.joints.iter().zip(joints) {
             (q[*joint], rates[*joint]) = (moved.angle_rad, moved.rate_rad_s);
         }
-        let cycle = repeats.then(|| Cycle { grid: *grid, free: linkage.joints.clone() });
+        let cycle = repeats.then(|| Cycle::prescribed(*grid, &linkage.joints));
         let start = InitialMotion { q, rates, from_rad: 0.0 };
         let aims_rad = vec![0.0; joints.len()];
         Ok(DrivenLinks { linkage, drives: &drives, aims_rad, grid, start, cycle })

@@ -204,17 +204,28 @@ pub(super) fn of_cycle(
 #[derive(Debug, Clone)]
 pub(super) struct Cycle {
     pub(super) grid: TimeGrid,
-    /// Coordinates of free joints, which may turn on from cycle to cycle, each at one rate.
-    pub(super) free: Vec<usize>,
+    /// Coordinates of joints that may turn on from cycle to cycle: prescribed ones, or the first one where nothing
+    /// holds it.
+    pub(super) turning: Vec<usize>,
+    /// Whether they are prescribed.
+    pub(super) is_prescribed: bool,
 }
 
-/// Integrates cycles until the state repeats. For a free joint only the rate must repeat.
+impl Cycle {
+    /// A cycle of prescribed joints.
+    pub(super) fn prescribed(grid: TimeGrid, joints: &[usize]) -> Self {
+        Self { grid, turning: joints.to_vec(), is_prescribed: true }
+    }
+}
+
+/// Integrates cycles until the state repeats. Each cycle begins with the first angles of turning joints. Of their motion
+/// only the rate of an unheld joint must repeat.
 ///
 /// # Errors
 /// [`CycleError`], and errors of `advance`.
 pub(super) fn settle(
     motion: &mut Motion,
-    Cycle { grid, free }: &Cycle,
+    Cycle { grid, turning, is_prescribed }: &Cycle,
     joints: &[usize],
     mut advance: impl FnMut(&mut Motion, usize) -> Result<(), SimulationError>,
 ) -> Result<(), SimulationError> {
@@ -228,8 +239,15 @@ pub(super) fn settle(
             let turns_rad = joints.iter().map(|joint| (motion.q[*joint] - start.q[*joint]).abs());
             turned_rad = turns_rad.fold(turned_rad, f64::max);
         }
+        for joint in turning {
+            motion.q[*joint] = start.q[*joint];
+            if *is_prescribed {
+                // The integral of the accelerations has small errors, which must not add up.
+                motion.rates[*joint] = start.rates[*joint];
+            }
+        }
         let changes_rad = (0..motion.q.len()).map(|coordinate| {
-            if free.contains(&coordinate) {
+            if turning.contains(&coordinate) {
                 (motion.rates[coordinate] - start.rates[coordinate]) * cycle_s
             } else {
                 motion.q[coordinate] - start.q[coordinate]

@@ -5,7 +5,7 @@ use super::playback::{simulated, wanted_tip};
 use crate::beam::MeshPlan;
 use crate::inverse::Solution;
 use crate::link::{Arm, Link};
-use crate::motion::Motion;
+use crate::motion::{Ends, Motion};
 use crate::numeric::rounded;
 use crate::response::{
     ArmPose, Feedback, HubReference, Input, Interpolation, Play, Played, SimulationError, Start,
@@ -42,8 +42,8 @@ pub struct TableError {
 /// equation in time: both are played with the viscous damping that `simulate` takes for it, and what that alone changes
 /// cancels.
 ///
-/// An arm that falls from a pose on its path is played under a feedback around the joints as solved, as a robot has it. For a
-/// converter that holds its values, the reference of the feedback is corrected as the torques are.
+/// An arm that falls from a pose on its path, or that repeats a cycle, is played under a feedback around the joints as solved,
+/// as a robot has it. For a converter that holds its values, the reference of the feedback is corrected as the torques are.
 ///
 /// # Errors
 /// [`VerificationError`] where a link or an arm cannot be played.
@@ -55,7 +55,10 @@ pub fn table_error(
 ) -> Result<TableError, VerificationError> {
     let grid = solution.grid;
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let gains = if falls(solution) { gains(&solution.arm) } else { Vec::new() };
+    let is_cycle = solution.motion.ends() == Ends::Periodic;
+    // Torques alone do not hold an arm in its cycle.
+    let is_held = falls(solution) || is_cycle && solution.joints.len() > 1;
+    let gains = if is_held { gains(&solution.arm) } else { Vec::new() };
     let played = |table: &TorqueTable| -> Result<Played, VerificationError> {
         let (torques_n_m, interpolation) = (table.whole_n_m(), table.interpolation());
         match &solution.motion {
@@ -73,6 +76,7 @@ pub fn table_error(
                     start: Some(Start::Joints(&start_rad.collect::<Vec<_>>())),
                     tolerance: Some(SETTLED),
                     memory_bytes,
+                    cycle_turn_rad: is_cycle.then_some(0.0),
                     ..Play::with(Input::Torques(&torques))
                 };
                 Ok(simulate(&solution.arm, plans, &play, &|_| {})?)

@@ -204,7 +204,7 @@ fn weight_line(link: &Link, played: &Played) -> String {
     let (Some(gravity), hub) = (acting, played.hub()) else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
     // Only round-off holds a link that hangs straight.
-    let holding_n_m = hub.holding_n_m.unwrap_or_default();
+    let Some(holding_n_m) = hub.holding_n_m else { return format!("{along_x}, {along_y} m/s²") };
     let is_held = holding_n_m.abs() > NOTHING * largest(&hub.torque_n_m);
     let holding_n_m = if is_held { holding_n_m } else { 0.0 };
     let [angle, held] = four([hub.angle_rad[0], holding_n_m]);
