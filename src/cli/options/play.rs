@@ -118,7 +118,7 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
 
-    /// Play the repeating motion to which link or arm settle. TORQUE is one cycle of torques, or of the angles of hub or
+    /// Play the repeating motion to which the link or the arm settles. TORQUE is one cycle of torques, or of the angles of hub or
     /// joints; its first row follows the last one, a step later.
     #[arg(long, conflicts_with = "state")]
     periodic: bool,
