@@ -144,7 +144,7 @@ pub enum CycleError {
 impl CycleError {
     pub(super) fn hint(self) -> &'static str {
         match self {
-            Self::Mean { .. } | Self::Unsettled { .. } => {
+            Self::Mean { .. } | Self::Unsettled { .. } | Self::Free => {
                 "set hub.viscous_friction, or use --feedback"
             }
             Self::Reference { .. } => {
@@ -154,7 +154,6 @@ impl CycleError {
                 "leave the last row out: the first row follows the last one, a step later"
             }
             Self::Resonance => "add damping to the link",
-            Self::Free => "set hub.viscous_friction, or use --feedback",
         }
     }
 }
