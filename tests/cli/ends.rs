@@ -43,6 +43,17 @@ fn strays_m(text: &str) -> f64 {
     strays.expect(text).split(' ').next().unwrap().parse().unwrap()
 }
 
+/// The torque of a cycle is played as a cycle, and misses the cycle of another link.
+#[test]
+fn a_sweep_plays_the_torque_of_a_cycle_as_a_cycle() {
+    let bench = bench();
+    bench.done("solve strip.toml cycle.csv --periodic -q");
+    let played = "sweep strip.toml cycle.csv --periodic --torque out/torque.csv";
+    bench.silent(&format!("{played} --vary payload.mass*=1,1.2"));
+    let shares = bench.numbers("sweep.csv", "tip_error_share");
+    assert!(shares[0] < 1e-5 && shares[1] > 1e-3, "{shares:?}");
+}
+
 #[test]
 fn a_cycle_is_solved_told_verified_repeated_and_played() {
     let bench = bench();
