@@ -267,8 +267,8 @@ pub fn check_output(output: &Path) -> Result<(), Failure> {
 }
 
 impl Problem {
-    /// Reads the measured values and the names of the free values of a link or an arm with `changes`. Also returns the further files that the
-    /// measurements name, and the manner of reading them.
+    /// Reads the measured values, and the names of the free values of a link or an arm after the `changes`. Also returns
+    /// the further files that the measurements name, and the manner of reading them.
     pub fn read(
         (link, own): (InputFile, Specification),
         changes: Vec<Override>,

@@ -1,4 +1,5 @@
-//! A link or an arm and its wanted motion, as `solve`, `verify` and `sweep` read and solve them.
+//! A link or an arm and its wanted motion, as `solve`, `verify` and `sweep` read and solve them; the files of a solution
+//! and of a simulation.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -156,14 +157,14 @@ pub struct Solved {
 impl Solved {
     /// Remarks on link or arm, motion and solution, computed once.
     pub fn remarks(&self) -> &[Remark] {
-        // Threads that wait for a lock could take up another call for it.
+        // Not `get_or_init`: while it computes, a thread of the pool may take up another call that waits for it.
         if self.remarks.get().is_none() {
             let _ = self.remarks.set(self.remarks_on(None));
         }
         self.remarks.get().map_or(&[], Vec::as_slice)
     }
 
-    /// The same, but on the first `modes` of a link instead of all reported ones.
+    /// Remarks on link or arm, motion and solution. `modes_rad_s` replaces the reported modes of a link.
     pub(crate) fn remarks_on(&self, modes_rad_s: Option<&[f64]>) -> Vec<Remark> {
         let solution = &self.solution;
         let of_modes = solution.motion.tip().map(|_| {

@@ -1,4 +1,4 @@
-//! Motions and paths from a table, and from a program's numbers: without file and lines, but with the same checks,
+//! Motions and paths, from a table or from arrays of a program. Arrays have no file and no lines, but get the same checks,
 //! digits and remedies.
 
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! The measurements of a link file, with frequency responses, recorded histories and free decays in separate files.
+//! The file of measurements that `fit` reads, with frequency responses, recorded histories and free decays in separate files.
 
 use std::fmt;
 

@@ -1,4 +1,5 @@
-//! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files.
+//! A run's folder, whole or not at all; summary.json; the file of a sweep; golden files; the record of a fit; a torque to
+//! play.
 
 mod files;
 mod folder;

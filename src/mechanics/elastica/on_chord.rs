@@ -381,7 +381,8 @@ pub(super) fn check(
     underived.map_or(Ok(()), |[what, known]| Err(ElasticaError::NotDerived { what, known }))
 }
 
-/// Property of a link that second-order terms are not derived for, and the possible ones; without `is_exact`, drag alone.
+/// Names the property of a link for which no second-order terms are derived, and what is possible instead. Without
+/// `is_exact` it checks drag alone.
 pub(crate) fn underived(
     link: &Link,
     law: &DampingLaw,

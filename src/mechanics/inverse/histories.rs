@@ -160,8 +160,8 @@ impl Histories {
                 0 => cut(&answer.torque_n_m, &self.grid),
                 _ => cut(&answer.derivative(&answer.hub.torque_n_m, order), &self.grid),
             };
-            // The friction's torque contains the images of the hub's rate. Each derivative makes them smaller: the second
-            // derivative keeps them.
+            // The friction's torque contains the images of the hub's rate. Those of its second derivative are
+            // negligible.
             if order < 2 {
                 hub.take_images_off(&self.grid, order + 1, friction_n_m_s_rad, &mut torque);
             }

@@ -1,7 +1,7 @@
 //! Tables of a quantity at some nodes over time.
 //!
-//! Rows are computed from samples, and bounded from above: the peak decides the decimals before the first row is
-//! written, and computing every row twice would take a fifth longer.
+//! The decimals depend on the peak, which must be known before the first row is written. An upper bound of each row
+//! replaces a second computation of all rows, which would take a fifth longer.
 
 #![expect(clippy::inline_always, reason = "code for wider vectors must be inlined into its caller")]
 

@@ -1,3 +1,5 @@
+//! The solution of an inversion: motions of joints, links and tip, their band and errors.
+
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;

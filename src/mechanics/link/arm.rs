@@ -117,15 +117,11 @@ impl Arm {
         }
     }
 
-    /// Largest moment of the stretched arm's weight about the first joint in N m.
+    /// Weight times length in N m: the size of its moments about the first joint, also where counterweights balance it.
     pub fn weight_moment_n_m(&self) -> f64 {
         let [x, y] = self.gravity_m_s2();
-        let (mut moment_kg_m, mut before_m) = (0.0, 0.0);
-        for ArmLink { link, .. } in self.links() {
-            moment_kg_m += link.mass_moment_kg_m() + before_m * link.mass_kg();
-            before_m += link.length_m();
-        }
-        moment_kg_m * (x * x + y * y).sqrt()
+        let masses_kg: f64 = self.links().iter().map(|own| own.link.mass_kg()).sum();
+        masses_kg * self.length_m() * (x * x + y * y).sqrt()
     }
 
     /// Stiffness of each joint between rotor and hub in N m/rad; infinite for a rigid joint.

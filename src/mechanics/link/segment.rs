@@ -1,4 +1,4 @@
-//! A piece of the link: stiffness, mass and cross-section, also by the section's dimensions.
+//! A piece of the link: stiffness, mass and cross-section, or the dimensions of a section.
 
 use std::f64::consts::PI;
 

@@ -237,6 +237,7 @@ impl Chain {
     /// Mass matrix of the straight link, row by row.
     pub(super) fn straight_mass(&self) -> Vec<f64> {
         let (rest, mut balance) = (vec![0.0; self.count], Balance::default());
+        // At zero rates the damping does not matter.
         balance.begin(&self.stiffness, &self.stiffness, (&rest, &rest));
         self.walk(&rest, &rest, |place, met| balance.meet(place, &met, [0.0; 2]));
         balance.end();

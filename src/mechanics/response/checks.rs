@@ -254,7 +254,7 @@ pub(super) fn of_bent(
     warnings
 }
 
-/// Warnings of torques that do not begin with the holding torques or end with a jump, and of references apart from the
+/// Warnings of torques that begin apart from the holding torques, or end with a jump, and of references apart from the
 /// joints.
 fn of_torques(
     arm: &Arm,
@@ -269,7 +269,7 @@ fn of_torques(
     let range = ranges.fold(0.0, f64::max);
     let holding = motion.joints.iter().map(|joint| joint.holding_n_m.unwrap_or_default());
     let most = holding.clone().fold(0.0, |most: f64, own| most.max(own.abs()));
-    // Round-off holds links that hang straight.
+    // The holding torque of a link that hangs straight is round-off.
     let least = STEP_SHARE * STEP_SHARE * arm.weight_moment_n_m();
     let size = if range > 0.0 { range } else { most }.max(least);
     let starts_at_rest = play.state.is_none();

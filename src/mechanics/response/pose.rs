@@ -1,4 +1,4 @@
-//! Small motions of an arm about its shape at rest in a pose: the matrices of Lagrange's equations there.
+//! The shape of an arm at rest, and small motions about it: the matrices of Lagrange's equations in a pose.
 //!
 //! ```text
 //! M q̈ + D q̇ + (K + iG) q = Σ T_j e_j,    K = S − ∂²(Σ m g·r)/∂q²,    r_tip = R q
@@ -356,14 +356,15 @@ pub(super) fn at_rest(arm: &Arm, chain: &Linkage, start: Start<'_>) -> Option<Ve
     })
 }
 
-/// Distance of chords from their directions in rad, of the chord of one link as a sine, or distance of the tip from its
-/// place over the arm's length. `None` for held joints.
+/// Distance from the wanted start, one number a joint: of each chord from its direction in rad (for one link its sine), or
+/// of the tip from its place over the arm's length. `None` for prescribed joints.
 fn away(arm: &Arm, (ends, start): (&[Place], Start<'_>)) -> Option<Vec<f64>> {
     let mut from_m = [0.0; 2];
     let mut across = |(end, angle_rad): (&Place, Option<&f64>)| {
         let along_m = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
         from_m = end.at_m;
         angle_rad.map(|angle_rad| match (along_m, ends) {
+            // The sine of one link's chord keeps the digits of its table at rest.
             ([x, y], [_]) => {
                 (x * libm::sin(*angle_rad) - y * libm::cos(*angle_rad)) / (x * x + y * y).sqrt()
             }

@@ -1,4 +1,5 @@
-//! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read.
+//! The quantities of a joint: the one list that link files, summary.json, sweeps, limits, terminal, page and docs read,
+//! and the errors of a joint's numbers. A figure of a limited history needs an entry in `LIMITED` of page/joint.rs, too.
 
 use serde_json::{Map, Value};
 

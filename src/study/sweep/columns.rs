@@ -77,7 +77,7 @@ const PLAYED: [OfPlayed; 11] = [
     ("residual_frequency_hz", |case| residual(case)?.frequency_hz),
     ("residual_decay_s", |case| residual(case)?.decay_s),
 ];
-/// Those after its hub's.
+/// The columns of a link with a played torque after those of its hub.
 const AFTER_PLAYED: [OfPlayed; 2] = [
     ("tip_model_error", |case| Some(case.simulation.modes()?.model_error.tip)),
     ("deflection_model_error", |case| Some(case.simulation.modes()?.model_error.deflection)),

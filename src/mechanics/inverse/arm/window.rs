@@ -1,5 +1,6 @@
 //! Histories of an arm's joints and links over the written window, cut out of the answer over one period;
-//! the torques of the rigid arm; the tip with the joints moved as solved.
+//! the torques of the rigid arm, by recursive Newton-Euler; the tip with the joints moved as solved, by Lagrange's equations,
+//! independent of the inversion.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
