@@ -134,7 +134,7 @@ pub(super) struct Limited {
     /// Title without the name of hub, joint or motor.
     title: &'static str,
     /// Name of the vertical axis, and key of the limit.
-    quantity: (&'static str, &'static str),
+    pub(super) quantity: (&'static str, &'static str),
     of: fn(&StoredJoint) -> Option<Cow<[f64]>>,
     formula: &'static str,
 }

@@ -5,6 +5,7 @@ use std::slice::from_ref;
 
 use super::Figures;
 use super::bending::{COLUMNS, Moments, ROWS, deflections, tip_deflection_m, waves};
+use super::joint::LIMITED;
 use super::motion::exaggeration;
 use super::sweep::{FINE, sweep_figures};
 use super::tip::rigid_tip_m;
@@ -17,8 +18,8 @@ use crate::link::{Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment, T
 use crate::motion::{Profile, TipMotion};
 use crate::numeric::largest;
 use crate::result::{
-    Limits, Metrics, Notice, Origin, StoredArc, StoredInput, StoredJoint, StoredLink, StoredNodes,
-    StoredResult, StoredRun, StoredSweep,
+    JointQuantity, Limits, Metrics, Notice, Origin, StoredArc, StoredInput, StoredJoint,
+    StoredLink, StoredNodes, StoredResult, StoredRun, StoredSweep,
 };
 
 /// The paper's first example with a small mass and a payload, and a title full of traps.
@@ -411,5 +412,12 @@ fn a_deflection_is_drawn_as_large_as_it_is_well_seen() {
     for (bending, factor) in [(0.0, 1.0), (0.001, 50.0), (0.008, 10.0), (0.035, 2.0), (0.3, 1.0)] {
         let found = exaggeration(bending);
         assert!((found - factor).abs() < 1e-15, "{bending}: {found}");
+    }
+}
+
+#[test]
+fn every_figure_of_a_limited_history_is_of_a_quantity_with_a_limit() {
+    for figure in LIMITED {
+        assert!(JointQuantity::of_limit(figure.quantity.1).is_some(), "{}", figure.quantity.1);
     }
 }
