@@ -248,18 +248,22 @@ fn arm_values((solution, path): (&Solution, &ArmPath), metrics: &Metrics) -> Val
         hub: None,
         joints: Some(joints.iter().map(|joint| &joint.errors).collect()),
     };
+    let mut motion = json!({
+        "given": match path.prescribed() {
+            Prescribed::Tip => "tip",
+            Prescribed::Angles => "angles",
+        },
+        "moves_from_s": path.grid().time_s(first),
+        "moves_until_s": path.grid().time_s(last),
+        "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
+        "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
+    });
+    if path.ends() != Ends::AtRest {
+        motion["ends"] = json!(path.ends());
+    }
     json!({
         "arm": arm_record(arm, links.iter().map(|link| link.mesh().elements().len())),
-        "motion": {
-            "given": match path.prescribed() {
-                Prescribed::Tip => "tip",
-                Prescribed::Angles => "angles",
-            },
-            "moves_from_s": path.grid().time_s(first),
-            "moves_until_s": path.grid().time_s(last),
-            "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
-            "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
-        },
+        "motion": motion,
         "analysis": {
             "tolerance": analysis.tolerance(),
             "tip_tolerance": analysis.tip_tolerance(),

@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::error::{InversionError, RefusedEnds};
 use crate::elastica::SecondOrder;
 use crate::link::{Link, ParameterError};
 use crate::model::KeptModes;
-use crate::motion::Periods;
+use crate::motion::{Ends, Periods};
 
 /// Share of the tolerance, and least change, that end an iteration of second-order terms.
 const ITERATED: f64 = 0.01;
@@ -116,6 +117,22 @@ impl Analysis {
     #[must_use]
     pub fn with_second_order(self, second_order: SecondOrder) -> Self {
         Self { second_order: Some(second_order), ..self }
+    }
+
+    /// Refuses ends of a motion that do not suit lead and lag, links that bend far or sag, or links with drag.
+    pub(super) fn refuse_ends(
+        &self,
+        ends: Ends,
+        (is_bent, has_drag): (bool, bool),
+    ) -> Result<(), InversionError> {
+        let has_edges = self.lead_s.is_some() || self.lag_s.is_some();
+        let refused = match ends {
+            Ends::Moving if is_bent => Some(RefusedEnds::Bent),
+            Ends::Moving if has_drag => Some(RefusedEnds::Drag),
+            Ends::Periodic if has_edges => Some(RefusedEnds::Edges),
+            _ => None,
+        };
+        refused.map_or(Ok(()), |why| Err(InversionError::Ends(why)))
     }
 
     /// Second-order terms to count for a link: the caller's choice, else all terms with weight and no terms without it.

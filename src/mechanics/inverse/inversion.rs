@@ -82,7 +82,8 @@ fn invert_link(
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
     let is_bent = link.has_weight() || analysis.second_order_of(link) != SecondOrder::None;
-    refuse_ends(motion.ends(), (is_bent, coarsest.law().mass_rate_per_s() > 0.0), analysis)?;
+    let has_drag = coarsest.law().mass_rate_per_s() > 0.0;
+    analysis.refuse_ends(motion.ends(), (is_bent, has_drag))?;
     let turns = motion.travel_m() / (TAU * link.length_m());
     let is_turned = motion.ends() == Ends::Periodic && (turns - turns.round()).abs() > WHOLE_TURNS;
     if is_turned && link.has_weight() {
@@ -127,22 +128,6 @@ fn invert_link(
         .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
         .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
     problem.solution(answering, answer, (&window, edge), &errors, None)
-}
-
-/// Refuses ends of a motion that do not suit the analysis, links that bend far or sag, or links with drag.
-pub(super) fn refuse_ends(
-    ends: Ends,
-    (is_bent, has_drag): (bool, bool),
-    analysis: &Analysis,
-) -> Result<(), InversionError> {
-    let has_edges = analysis.lead_s().is_some() || analysis.lag_s().is_some();
-    let refused = match ends {
-        Ends::Moving if is_bent => Some(RefusedEnds::Bent),
-        Ends::Moving if has_drag => Some(RefusedEnds::Drag),
-        Ends::Periodic if has_edges => Some(RefusedEnds::Edges),
-        _ => None,
-    };
-    refused.map_or(Ok(()), |why| Err(InversionError::Ends(why)))
 }
 
 /// Results of a bent link beside its histories.

@@ -194,7 +194,7 @@ fn ends_that_are_no_rests_and_noise_without_rests_are_refused() {
     let table = read(&line(300).file(1, 16), &arm);
     let error =
         table.clone().with_ends(flexlink::motion::Ends::Periodic).into_motion().unwrap_err();
-    assert!(error.to_string().contains("are for one link"), "{error}");
+    assert!(error.to_string().contains("x: a step after its last row the cycle is"), "{error}");
     let error = table.with_noise(1e-7).unwrap_err();
     assert!(error.to_string().contains("x: the recording rests for"), "{error}");
 }

@@ -9,7 +9,6 @@ use crate::elastica::{
     follow_arm_at, reaching, returning,
 };
 use crate::inverse::accuracy::Curves;
-use crate::inverse::inversion::refuse_ends;
 use crate::inverse::period::{Padding, Rest, Return, check_memory, left_to_return};
 use crate::inverse::problem::LinkProblem;
 use crate::inverse::{Analysis, InversionError, Resources, Stage, Unwatched, Warning};
@@ -101,7 +100,7 @@ impl<'a> ArmProblem<'a> {
         (analysis, resources): (&'a Analysis, Resources<'a>),
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, InversionError> {
-        refuse_ends(path.ends(), (true, false), analysis)?;
+        analysis.refuse_ends(path.ends(), (true, false))?;
         let nearly_stretched = check_reach(arm, path)?;
         let (grid, links) = (path.grid(), arm.links().len());
         let moving = (path.cycles(), path.moving_samples());
