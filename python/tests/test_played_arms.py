@@ -72,6 +72,14 @@ def test_torques_of_arrays_give_the_tables_of_the_command(
     assert (frame["tip_y"].to_numpy() == played.tip[:, 1]).all()
 
 
+def test_joints_that_move_as_solved_take_the_solved_torques() -> None:
+    arm = flexlink.Arm.read(ARM)
+    solution = flexlink.solve(arm, PATH)
+    played = flexlink.simulate(arm, solution.time, hub_angle=solution.joint_angle)
+    assert abs(played.tip - solution.tip).max() < 1e-6 * np.ptp(solution.tip[:, 0])
+    assert abs(played.torque - solution.torque).max() < 1e-5 * abs(solution.torque).max()
+
+
 def test_constant_torque_turns_stiff_bars_as_one_rigid_body() -> None:
     arm = bars()
     time = np.linspace(0, 0.5, 501)
@@ -156,7 +164,7 @@ def test_what_cannot_be_played_is_refused_in_words() -> None:
     assert refused(reference_rate=torque).startswith("one of feedback and reference")
     pairs = [GAINS, GAINS, GAINS]
     assert refused(feedback=pairs, reference=torque).startswith("feedback = 3 pairs, but")
-    assert refused(hub_angle=torque).startswith("one of torque and hub_angle")
+    assert refused(hub_angle=torque).startswith("the input must be torque alone, or hub_angle")
     assert refused(initial_tip=0.1) == "initial_tip is for one link, and the arm has several"
     assert "did you mean `torque`?" in refused(torqe=torque)
     assert refused(until=0.1).startswith("until = 0.1 s, but")
