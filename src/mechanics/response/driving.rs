@@ -41,6 +41,15 @@ impl Driving {
         Self { samples, pieces, hold: 0.0, repeats: false, turning: None }
     }
 
+    /// Samples with a course between them: one cycle that `repeats`, or once.
+    pub(super) fn sampled(samples: Vec<f64>, interpolation: Interpolation, repeats: bool) -> Self {
+        if repeats {
+            return Self::repeated(samples, interpolation);
+        }
+        let pieces = pieces(&samples, interpolation);
+        Self::new(samples, pieces)
+    }
+
     /// A cycle of samples: the last sample precedes the first one of the next cycle.
     pub(super) fn repeated(samples: Vec<f64>, interpolation: Interpolation) -> Self {
         let around = samples.len();

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::slice::from_ref;
 
-use super::driving::{CycleError, Driving, Interpolation, pieces};
+use super::driving::{CycleError, Driving, Interpolation};
 use super::error::{SimulationError, SimulationWarning};
 use super::history::{Feedback, HubReference, Torque};
 use super::modes::{
@@ -353,11 +353,9 @@ impl<'a> Play<'a> {
             }
         };
         let between = |samples: Vec<f64>, interpolation, hold, turning| {
-            if repeats {
-                return Driving { turning, ..Driving::repeated(samples, interpolation) };
-            }
-            let pieces = pieces(&samples, interpolation);
-            Driving { hold, turning, ..Driving::new(samples, pieces) }
+            let driving = Driving::sampled(samples, interpolation, repeats);
+            // A cycle has no last sample that could stay.
+            Driving { hold: if repeats { 0.0 } else { hold }, turning, ..driving }
         };
         let is_hysteretic = matches!(link.damping(), Damping::Hysteretic { .. });
         let reference = feedback.filter(|of| is_hysteretic && of.stiffness_n_m_rad() > 0.0);

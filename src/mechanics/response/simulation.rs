@@ -4,7 +4,7 @@ use super::bent::BentMotion;
 use super::chain::play_bytes;
 use super::checks::of_bent;
 use super::driver::{Drive, DrivenLinks, InitialMotion, refine};
-use super::driving::{CycleError, Driving, Interpolation, pieces};
+use super::driving::{CycleError, Driving, Interpolation};
 use super::error::{SimulationError, SimulationWarning};
 use super::linear::play_modes;
 use super::linkage::Linkage;
@@ -340,11 +340,7 @@ pub fn move_arm(
 ) -> Result<Played, SimulationError> {
     let drive = |joint: &MovedJoint<'_>| {
         let samples = joint.accelerations_rad_s2.to_vec();
-        if repeats {
-            return Drive::Acceleration(Driving::repeated(samples, Interpolation::Cubic));
-        }
-        let pieces = pieces(&samples, Interpolation::Cubic);
-        Drive::Acceleration(Driving::new(samples, pieces))
+        Drive::Acceleration(Driving::sampled(samples, Interpolation::Cubic, repeats))
     };
     let drives: Vec<Drive> = joints.iter().map(drive).collect();
     let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
