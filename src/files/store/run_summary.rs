@@ -11,7 +11,7 @@ use crate::beam::Mesh;
 use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
 use crate::link::Arm;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
+use crate::motion::{Ends, Motion, Prescribed};
 use crate::response::{
     Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink, SimulationError,
 };
@@ -101,10 +101,7 @@ impl Summary {
         outputs: &RunOutputs,
     ) -> Self {
         let (arm, link) = (&solution.arm, solution.links[0].link());
-        let mut values = match &solution.motion {
-            Motion::Tip(motion) => link_values((solution, motion), metrics),
-            Motion::Path(path) => arm_values((solution, path), metrics),
-        };
+        let mut values = solution_values(solution, metrics);
         if let Some(found) = &solution.second_order {
             values["second_order"] = second_order_record(solution, found);
         }
@@ -214,84 +211,51 @@ impl Summary {
     }
 }
 
-/// Numbers of a solution of one link.
-fn link_values((solution, motion): (&Solution, &TipMotion), metrics: &Metrics) -> Value {
-    let frequencies = solution.links[0].natural_frequencies_rad_s(REPORTED_MODES);
-    let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
-    let periods_s: Vec<f64> = hertz.iter().map(|hertz| hertz.recip()).collect();
-    let errors = ErrorsRecord {
-        tip: solution.tip_error,
-        tip_model: solution.tip_model_error,
-        hub: Some(&solution.hub().errors),
-        joints: None,
-    };
-    json!({
-        "mesh": mesh_values(solution.links[0].mesh()),
-        "motion": motion_values(motion, metrics),
-        "periods_s": periods_s,
-        "natural_frequencies_hz": hertz,
-        "modal_damping_ratios": solution.links[0].law().modal_ratios(&frequencies),
-        "zeros_per_s": solution.links[0].zeros_per_s(REPORTED_ZEROS),
-        "analysis": analysis_values(solution),
-        "results": joint_record(metrics.hub()),
-        "errors": errors,
-    })
-}
-
-/// Numbers of a solution of an arm.
-fn arm_values((solution, path): (&Solution, &ArmPath), metrics: &Metrics) -> Value {
-    let Solution { arm, grid, analysis, band, links, joints, .. } = solution;
-    let (first, last) = path.moving_samples();
-    let errors = ErrorsRecord {
-        tip: solution.expected_tip_error(),
-        tip_model: None,
-        hub: None,
-        joints: Some(joints.iter().map(|joint| &joint.errors).collect()),
-    };
-    let mut motion = json!({
-        "given": match path.prescribed() {
-            Prescribed::Tip => "tip",
-            Prescribed::Angles => "angles",
-        },
-        "moves_from_s": path.grid().time_s(first),
-        "moves_until_s": path.grid().time_s(last),
-        "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
-        "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
-    });
-    if path.ends() != Ends::AtRest {
-        motion["ends"] = json!(path.ends());
+/// Numbers of a solution. Those of modes and zeros belong to a link without joints beyond its hub.
+fn solution_values(solution: &Solution, metrics: &Metrics) -> Value {
+    let Solution { arm, links, joints, tip_model_error, .. } = solution;
+    let mut values = json!({});
+    if let [link] = &links[..] {
+        values["mesh"] = mesh_values(link.mesh());
+    } else {
+        values["arm"] = arm_record(arm, links.iter().map(|link| link.mesh().elements().len()));
     }
-    json!({
-        "arm": arm_record(arm, links.iter().map(|link| link.mesh().elements().len())),
-        "motion": motion,
-        "analysis": {
-            "tolerance": analysis.tolerance(),
-            "tip_tolerance": analysis.tip_tolerance(),
-            "step_s": grid.step_s,
-            "window_start_s": grid.time_s(0),
-            "window_end_s": grid.end_s(),
-            "period_s": band.period_s,
-            "cutoff_hz": band.cutoff_hz,
-            "first_zero_per_s": solution.first_zero_per_s,
-        },
-        "results": {
+    values["motion"] = motion_values(solution, metrics);
+    if let [link] = &links[..] {
+        let frequencies = link.natural_frequencies_rad_s(REPORTED_MODES);
+        let hertz: Vec<f64> = frequencies.iter().map(|omega| omega / TAU).collect();
+        values["periods_s"] = hertz.iter().map(|hertz| hertz.recip()).collect();
+        values["natural_frequencies_hz"] = json!(hertz);
+        values["modal_damping_ratios"] = json!(link.law().modal_ratios(&frequencies));
+        values["zeros_per_s"] = json!(link.zeros_per_s(REPORTED_ZEROS));
+    }
+    values["analysis"] = analysis_values(solution);
+    values["results"] = match &metrics.joints[..] {
+        [hub] => joint_record(hub).into(),
+        joints => json!({
             "farthest_m": solution.tip_travel_m(),
-            "joints": metrics.joints.iter().map(joint_record).collect::<Vec<_>>(),
-        },
-        "errors": errors,
-    })
+            "joints": joints.iter().map(joint_record).collect::<Vec<_>>(),
+        }),
+    };
+    let tip = solution.expected_tip_error();
+    values["errors"] = match &joints[..] {
+        [hub] => json!(ErrorsRecord { tip, tip_model: *tip_model_error, hub: &hub.errors }),
+        joints => {
+            let joints: Vec<_> = joints.iter().map(|joint| &joint.errors).collect();
+            json!({ "tip": tip, "joints": joints })
+        }
+    };
+    values
 }
 
-/// Errors of a solution: those of the tip, then those of the hub, or of each joint of an arm.
+/// Errors of one link: those of its tip, then those of its hub.
 #[derive(Serialize)]
 struct ErrorsRecord<'a> {
     tip: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     tip_model: Option<f64>,
     #[serde(flatten)]
-    hub: Option<&'a PerQuantity<QuantityErrors>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    joints: Option<Vec<&'a PerQuantity<QuantityErrors>>>,
+    hub: &'a PerQuantity<QuantityErrors>,
 }
 
 /// The second-order terms of a solution, with the largest slope of the link or of each link of an arm.
@@ -385,24 +349,35 @@ fn mesh_values(mesh: &Mesh) -> Value {
     })
 }
 
-fn motion_values(motion: &TipMotion, metrics: &Metrics) -> Value {
+fn motion_values(solution: &Solution, metrics: &Metrics) -> Value {
+    let motion = &solution.motion;
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
+    let given = match motion {
+        Motion::Tip(tip) if tip.is_from_displacement() => "displacement",
+        Motion::Tip(_) => "acceleration",
+        Motion::Path(path) if path.prescribed() == Prescribed::Tip => "tip",
+        Motion::Path(_) => "angles",
+    };
     let mut values = json!({
-        "given": if motion.is_from_displacement() { "displacement" } else { "acceleration" },
+        "given": given,
         "samples": grid.len,
         "step_s": grid.step_s,
-        "start_s": grid.origin_s,
+        "start_s": grid.time_s(0),
         "moves_from_s": grid.time_s(from),
         "moves_until_s": grid.time_s(until),
-        "travel_m": motion.travel_m(),
-        "peak_velocity_m_s": metrics.peak_tip_velocity_m_s.value,
-        "peak_acceleration_m_s2": metrics.peak_tip_acceleration_m_s2.value,
     });
+    if let Some(tip) = motion.tip() {
+        values["travel_m"] = json!(tip.travel_m());
+    }
+    values["peak_velocity_m_s"] = json!(metrics.peak_tip_velocity_m_s.value);
+    values["peak_acceleration_m_s2"] = json!(metrics.peak_tip_acceleration_m_s2.value);
     if motion.ends() != Ends::AtRest {
-        let [before_m_s, after_m_s] = motion.end_velocities_m_s();
         values["ends"] = json!(motion.ends());
-        values["velocity_before_m_s"] = json!(before_m_s);
-        values["velocity_after_m_s"] = json!(after_m_s);
+        if let Some(tip) = motion.tip() {
+            let [before_m_s, after_m_s] = tip.end_velocities_m_s();
+            values["velocity_before_m_s"] = json!(before_m_s);
+            values["velocity_after_m_s"] = json!(after_m_s);
+        }
     }
     values
 }
@@ -425,8 +400,8 @@ fn input_values(play: &Play<'_>, played: &Played) -> Value {
 /// Settings of the analysis. The band is null if the solver uses every frequency of the samples; the modes are null
 /// if it keeps all.
 fn analysis_values(solution: &Solution) -> Value {
-    let Solution { analysis, band, grid, .. } = solution;
-    json!({
+    let Solution { analysis, band, grid, links, first_zero_per_s, .. } = solution;
+    let mut values = json!({
         "tolerance": analysis.tolerance(),
         "tip_tolerance": analysis.tip_tolerance(),
         "band_hz": band.cutoff_hz,
@@ -439,7 +414,11 @@ fn analysis_values(solution: &Solution) -> Value {
         "window_start_s": grid.time_s(0),
         "window_end_s": grid.end_s(),
         "rows": grid.len,
-    })
+    });
+    if links.len() > 1 {
+        values["first_zero_per_s"] = json!(first_zero_per_s);
+    }
+    values
 }
 
 /// The results of a simulation: its numbers with those of the hub, or of an arm with those of its joints.

@@ -51,7 +51,7 @@ const BEFORE: [Solved; 2] = [
 /// The columns of a link after those of its hub.
 const AFTER: [Solved; 6] = [
     ("band_hz", |case| Some(case.solution.band.cutoff_hz.unwrap_or(case.solution.band.highest_hz))),
-    ("tip_error", |case| Some(case.solution.tip_error)),
+    ("tip_error", |case| Some(case.solution.expected_tip_error())),
     ("torque_mesh_error", |case| Some(case.solution.hub().errors.torque.mesh)),
     ("torque_window_error", |case| Some(case.solution.hub().errors.torque.window)),
     ("torque_model_error", |case| case.solution.hub().errors.torque.model),
@@ -89,7 +89,7 @@ const OF_TIP: std::ops::Range<usize> = 1..7;
 /// The columns of an arm after those of its joints; errors are the worst of all joints.
 const AFTER_JOINTS: [Solved; 5] = [
     ("contraction", |case| case.solution.second_order?.iteration.contraction),
-    ("tip_error", |case| Some(case.solution.tip_error)),
+    ("tip_error", |case| Some(case.solution.expected_tip_error())),
     ("mesh_error", |case| Some(case.solution.worst(|errors| errors.mesh))),
     ("window_error", |case| Some(case.solution.worst(|errors| errors.window))),
     ("iteration_error", |case| {
