@@ -1,4 +1,4 @@
-//! flexlink: the hub torque that makes the tip of a flexible link follow a wanted motion.
+//! flexlink: the hub torque, or the force on a carriage, that makes the tip of a flexible link follow a wanted motion.
 //!
 //! A straight link turns about a hub, in the horizontal plane or under gravity. From the wanted motion of the link's
 //! *tip* this library computes the torque of the motor at the *hub* (E. Bayo, *A Finite-Element Approach to Control the
@@ -113,8 +113,8 @@
 //!
 //! | change | place |
 //! |---|---|
-//! | boundary condition of the hub | `mechanics/beam/recursion.rs`: `hub_response` puts the root on the hub's radius, `HubResponse::at_axis` adds the hub's inertia. `pivoted.rs` and `loaded.rs` beside it repeat both; so does `batch/mod.rs` for counting modes. `mechanics/model/dense.rs`, `modal` (`basis`, `pose`, `shape`) and `response/chain.rs` assemble separate matrices. The friction of the joint joins in `inverse/spectra.rs`, `elastica/on_chord.rs` (for arms `arm_links.rs`) and `response/play.rs`; `friction_n_m_s_rad` finds all places |
-//! | a joint that slides | It does not exist yet. Its parameters belong in [`link::Hub`] and `files/spec/raw.rs`. The rotation `v = xθ` is in `mechanics/beam`, `modal/shape.rs`, `model/dense.rs`, `elastica/kinematics.rs`, and `response/chain.rs` and `balance.rs`. Angles in rad run from there to `study/result/quantities.rs`, to the columns in `files/store/names.rs` and `files/csv/heading.rs`, and to the page |
+//! | boundary condition of the hub | `mechanics/beam/recursion.rs`: `hub_response` moves the root along the joint's unit motion, `HubResponse::at_axis` adds the joint's inertia. `pivoted.rs` and `loaded.rs` beside it repeat both; so does `batch/mod.rs` for counting modes. `mechanics/model/dense.rs`, `modal` (`basis`, `pose`, `shape`) and `response/chain.rs` assemble separate matrices. The friction of the joint joins in `inverse/spectra.rs`, `elastica/on_chord.rs` (for arms `arm_links.rs`) and `response/play.rs`; `joint().friction()` and `friction_n_m_s_rad` find all places |
+//! | a joint | [`link::Joint`]: its unit motion, inertia, friction and words. `Mesh::rigid` carries the unit motion to `mechanics/beam`, `modal`, `model`, `inverse` and `response/played.rs`. Names of files and columns stand in `files/store/names.rs` |
 //! | a column of torque.csv | its name in `TORQUE` in `files/store/names.rs`; its history in `of_solution` and `of_played` in `run_tables.rs`. `read_run.rs` refuses a table without the column: raise `FORMAT` in `json.rs`. All columns of the file share the decimals of one peak |
 //! | a number of each joint in summary.json, sweeps and limits | one entry in `study/result/quantities.rs` |
 //! | a warning | a variant of [`inverse::Warning`] or [`response::SimulationWarning`], whose text, kind and hint the compiler demands, or a [`result::Notice`] of `study/fit/advice.rs`; all become a `Notice`. `Solution`, `Played` and `FitOutcome` return it, each command prints it, `store` writes it. Commands with `--deny-warnings` pass the number to `WarningArgs::refuse`, which ends with exit code 4; `tests/cli/warnings.rs` checks the commands |

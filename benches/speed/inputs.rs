@@ -20,6 +20,7 @@ pub(crate) fn link(damping: Damping) -> Link {
             timoshenko: None,
         }],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
+        carriage: None,
         masses: vec![],
         payload: Payload::default(),
         damping,

@@ -21,6 +21,7 @@ pub fn any_link(u: &mut Unstructured) -> Result<LinkParts> {
         masses: masses.collect::<Result<_>>()?,
         segments,
         hub,
+        carriage: None,
         payload: Payload {
             mass_kg: any_or_none(u, 30)?,
             inertia_kg_m2: any_or_none(u, 30)?,

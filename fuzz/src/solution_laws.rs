@@ -143,7 +143,7 @@ pub fn check_linear(first: &Solution, second: &Solution, both: &Solution) {
 
 /// Largest |T̂/â| of every bin above zero, in kg m; the first stands for the mean velocity, too.
 fn transfers(solution: &Solution, bins: usize) -> Vec<f64> {
-    let friction_n_m_s_rad = solution.links[0].link().joint().friction_n_m_s_rad;
+    let friction_n_m_s_rad = solution.links[0].link().joint().friction();
     let (law, length_m) = (solution.links[0].law(), solution.links[0].mesh().length_m());
     let omegas: Vec<f64> =
         (1..bins.max(2)).map(|k| TAU * k as f64 / solution.band.period_s).collect();

@@ -6,7 +6,7 @@ use clap::{Args, Command};
 use crate::cli::terminal::{Failure, console};
 
 /// Pages of the book by topic, with the content of each.
-const PAGES: [(&str, &str, &str); 18] = [
+const PAGES: [(&str, &str, &str); 19] = [
     ("index", "Contents of the book", include_str!("../../docs/index.md")),
     ("install", "Install and test", include_str!("../../docs/install.md")),
     ("first_uses", "Six first uses", include_str!("../../docs/first_uses.md")),
@@ -22,6 +22,7 @@ const PAGES: [(&str, &str, &str); 18] = [
     ("ends", "Motions that repeat or do not rest", include_str!("../../docs/ends.md")),
     ("gravity", "Gravity and large deflections", include_str!("../../docs/gravity.md")),
     ("thick_links", "Shear and rotary inertia", include_str!("../../docs/thick_links.md")),
+    ("carriage", "A link on a carriage", include_str!("../../docs/carriage.md")),
     ("arms", "Arms of several links", include_str!("../../docs/arms.md")),
     ("real_rig", "Measured rigs, and `fit`", include_str!("../../docs/real_rig.md")),
     ("many", "Many cases, many machines", include_str!("../../docs/many.md")),

@@ -13,12 +13,12 @@ use crate::modal::{
     real_frequency_zeros, torque_zeros,
 };
 use crate::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
-use crate::result::{LinkZeros, ModesResult, Remark, Setting, mesh_errors};
+use crate::result::{LinkZeros, ModesResult, Notice, Remark, Setting, mesh_errors};
 use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_carriage, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -101,8 +101,11 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
-        let specification = self.link.specification()?;
+        let (_, specification) = self.link.load_any()?;
         let arm = &specification.arm;
+        if self.at.is_some() {
+            refuse_carriage(arm)?;
+        }
         let bar = StageBar::new();
         bar.at("finding modes and zeros");
         let wanted = match (&self.output, arm.links().len()) {
@@ -351,9 +354,10 @@ fn tell(Specification { arm, remarks, .. }: &Specification, found: &ModesResult)
     if let ([one], [mesh], Setting::Weightless) = (arm.links(), &found.meshes[..], &found.setting) {
         let modes = found.free.modes.iter();
         let omega_rad_s: Vec<f64> = modes.map(|mode| mode.square_per_s2.sqrt()).collect();
-        console::remarks(Remark::on_modes(&one.link, mesh, &omega_rad_s));
+        let on_modes = Remark::on_modes(&one.link, mesh, &omega_rad_s).into_iter();
+        console::remarks(on_modes.map(|own| Notice::from(own).worded(arm)));
         if let Some(thick) = Thickness::known(&one.link).noticeable(mesh, &omega_rad_s) {
-            console::warning(thick, thick.hint());
+            console::warnings([Notice::from(thick).worded(arm)]);
             warnings += 1;
         }
     }

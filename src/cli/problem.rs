@@ -9,7 +9,7 @@ use crate::csv::{Digits, InputFile};
 use crate::inverse::{Analysis, InversionError, Resources, Solution, Unwatched, invert_motion};
 use crate::modal::REPORTED_MODES;
 use crate::motion::Ends;
-use crate::result::{Exceeded, Limits, Metrics, Remark, TorqueTable};
+use crate::result::{Exceeded, Limits, Metrics, Notice, Remark, TorqueTable};
 use crate::spec::Specification;
 use crate::store::{Findings, OutputFolder, PlayedRun, RunInputs, RunOutputs, RunTables, Summary};
 use crate::text::gigabytes;
@@ -124,7 +124,9 @@ impl Problem {
         let Specification { arm, lines, .. } = &self.specification;
         let is_of_tip = self.wanted.motion.tip().is_some();
         if is_of_tip || matches!(error, InversionError::TooMuchMemory { .. }) {
-            return error.into();
+            let failure = Failure::from(error);
+            let message = arm.links()[0].link.joint().worded(&failure.message);
+            return Failure { message, ..failure };
         }
         if let Some(sample) = error.sample() {
             return self.wanted.rows.refused(Some(sample), &error, hint).into();
@@ -232,10 +234,11 @@ impl Solved {
     /// Prints the remarks and the warnings; the remark on the duration was printed before the work. Returns the
     /// number of warnings.
     pub(crate) fn tell(&self) -> usize {
-        console::remarks(
-            self.remarks().iter().filter(|own| !matches!(own, Remark::Duration { .. })),
-        );
-        console::warnings(&self.solution.warnings);
+        let arm = &self.solution.arm;
+        let remarks = self.remarks().iter().filter(|own| !matches!(own, Remark::Duration { .. }));
+        console::remarks(remarks.map(|own| Notice::from(own).worded(arm)));
+        let warnings = self.solution.warnings.iter();
+        console::warnings(warnings.map(|own| Notice::from(own).worded(arm)));
         self.solution.warnings.len()
     }
 }

@@ -80,7 +80,7 @@ pub(super) fn transfer(run: Single) -> Result<Figure, String> {
         .collect();
     let flexible =
         |f: &f64| magnitude(FrequencyResponse::at(&*model, *f).torque_per_tip_acceleration_kg_m);
-    let (length_m, friction) = (run.link.length_m(), run.link.joint().friction_n_m_s_rad);
+    let (length_m, friction) = (run.link.length_m(), run.link.joint().friction());
     let rigid =
         |f: &f64| libm::hypot(run.link.rigid_inertia_kg_m2(), friction / (TAU * f)) / length_m;
     let sizes: Vec<f64> = hertz.iter().map(flexible).collect();

@@ -10,6 +10,7 @@ mod arm_simulate;
 mod arm_sweep;
 mod arms;
 mod bench;
+mod carriage;
 mod colours;
 mod compare;
 mod compare_folders;

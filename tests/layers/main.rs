@@ -203,9 +203,9 @@ fn every_room_is_on_its_floor() {
 }
 
 #[test]
-fn the_sources_are_at_most_282_files() {
+fn the_sources_are_at_most_283_files() {
     let count = sources("src").len();
-    assert!(count <= 282, "{count} files");
+    assert!(count <= 283, "{count} files");
 }
 
 #[test]

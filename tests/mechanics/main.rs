@@ -2,6 +2,7 @@
 //! that the library is linked once.
 
 mod arms;
+mod carriage;
 mod common;
 mod dense;
 mod elastica;

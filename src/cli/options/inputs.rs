@@ -39,8 +39,15 @@ impl LinkArgs {
 
     /// Like [`Self::specification`], but also returns the file.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
+        let (file, specification) = self.load_any()?;
+        refuse_carriage(&specification.arm)?;
+        Ok((file, specification))
+    }
+
+    /// Like [`Self::load`], also of a link on a carriage.
+    pub(crate) fn load_any(&self) -> Result<(InputFile, Specification), Failure> {
         let file = InputFile::read_toml(&self.link)?;
-        let specification = specification(&file, &self.changes.overrides()?)?;
+        let specification = any_specification(&file, &self.changes.overrides()?)?;
         Ok((file, specification))
     }
 }
@@ -73,8 +80,29 @@ impl ChangeArgs {
     }
 }
 
-/// Reads the content of a file, one link or an arm of several, with some changes.
+/// Reads the content of a file, one link or an arm of several, with some changes; refuses a link on a carriage.
 pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specification, Failure> {
+    let read = any_specification(file, changes)?;
+    refuse_carriage(&read.arm)?;
+    Ok(read)
+}
+
+/// Refuses a link on a carriage, which only `solve`, `verify` and `modes` take.
+pub fn refuse_carriage(arm: &Arm) -> Result<(), Failure> {
+    if !arm.links()[0].link.joint().slides() {
+        return Ok(());
+    }
+    let message = "a link on a carriage, but must be on a hub: [carriage] is new";
+    let hint =
+        "`solve` without --report and --write, `verify`, and `modes` without --at take a carriage";
+    Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
+}
+
+/// [`specification`], also of a link on a carriage.
+pub(crate) fn any_specification(
+    file: &InputFile,
+    changes: &[Override],
+) -> Result<Specification, Failure> {
     read_specification(&file.shown, file.text()?, changes).map_err(|error| {
         let extension = Path::new(&file.name).extension();
         let is_table = extension.is_some_and(|extension| extension == "csv");
@@ -202,6 +230,13 @@ impl ResampleArgs {
     /// The motion of a table; without an arm, of a link without gravity.
     pub fn motion_in(&self, table: MotionTable, arm: Option<&Arm>) -> Result<Wanted, Failure> {
         let link = arm.and_then(|arm| arm.links().first()).map(|own| &own.link);
+        if table.is_of_angle() && link.is_some_and(|link| link.joint().slides()) {
+            let message = format!(
+                "{}: angle, but a link on a carriage takes displacement, velocity or acceleration",
+                table.rows().name()
+            );
+            return Err(Failure::new(Exit::InputRefused, &message, None));
+        }
         let table = match link.and_then(|link| Some((link.gravity()?, link.length_m()))) {
             Some((gravity, length_m)) => table.with_gravity(gravity, length_m)?,
             None => table,

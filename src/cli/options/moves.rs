@@ -68,7 +68,7 @@ impl AtRest {
                 let turn_rad = turn_rad.map(|first| first - from_rad.unwrap_or(0.0));
                 let of_target = target.map(|_| first_m(0).unwrap_or(0.0));
                 let tip_m = begins.tip_m.or(of_target);
-                let of_hub = turn_rad.map(|turn_rad| turn_rad * own.link.length_m());
+                let of_hub = turn_rad.map(|turn_rad| turn_rad * own.link.rigid_tip());
                 Ok(Self::Displaced(tip_m.or(of_hub).unwrap_or(0.0)))
             }
             _ if begins.state => Ok(Self::Joints(Vec::new())),

@@ -77,6 +77,11 @@ struct Recorded {
 }
 
 impl WriteArgs {
+    /// True if a table is to be written.
+    pub(super) fn is_asked(&self) -> bool {
+        self.write.is_some()
+    }
+
     /// Returns an error if FILE has an ending without a form, or would replace an input or a result.
     pub(super) fn check(&self, inputs: &[&Path], output: Option<&Path>) -> Result<(), Failure> {
         let Some(file) = self.write.as_deref().filter(|file| !is_standard_output(file)) else {

@@ -8,7 +8,8 @@ use clap::Args;
 use crate::beam::Mesh;
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
-    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
+    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, refuse_carriage,
+    scale_arguments, tell,
 };
 use crate::cli::options::play::{HoldArgs, read_torques};
 use crate::cli::terminal::{Exit, Failure, memory};
@@ -192,6 +193,7 @@ impl<'a> Cases<'a> {
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
         let read = self.document.specification(&self.link_file.shown, &overrides)?;
+        refuse_carriage(&read.arm)?;
         let [links, must] = [&read.arm, &self.first.arm].map(|arm| arm.links().len());
         if links != must {
             let message =
@@ -349,6 +351,7 @@ impl First {
         file: &InputFile,
         (resample, read): (&ResampleArgs, &ReadArgs),
     ) -> Result<(Self, Reading), Failure> {
+        refuse_carriage(&arm)?;
         let (wanted, reading) = resample.motion_of(file, &arm, read)?;
         let periods = wanted.motion.tip().map(Periods::of);
         Ok((Self { arm, wanted, periods }, reading))

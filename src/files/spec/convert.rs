@@ -8,7 +8,7 @@ use super::value::{AlongAxes, Count, Elements, Si};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
 use crate::link::{
-    Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, Payload, in_unit_interval,
+    Carriage, Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, Payload, in_unit_interval,
 };
 use crate::result::{Limits, Remark};
 
@@ -59,17 +59,25 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
             start_angle_rad: start_angle.map(Si::si),
         }),
     };
+    if raw.hub.is_some() && raw.carriage.is_some() {
+        let message = "must not be there beside [carriage], which takes the place of the hub";
+        return Err(Fault::on("hub", message));
+    }
     let segments = raw.segments.into_iter().enumerate();
     let link = Link::new(LinkParts {
         title: raw.title.unwrap_or_default(),
         segments: segments
             .map(|(index, raw)| segment(index, raw, theory))
             .collect::<Result<_, _>>()?,
-        hub: Hub {
-            inertia_kg_m2: raw.hub.inertia.si(),
-            radius_m: raw.hub.radius.si(),
-            viscous_friction_n_m_s_rad: raw.hub.viscous_friction.si(),
-        },
+        hub: raw.hub.map_or_else(Hub::default, |hub| Hub {
+            inertia_kg_m2: hub.inertia.si(),
+            radius_m: hub.radius.si(),
+            viscous_friction_n_m_s_rad: hub.viscous_friction.si(),
+        }),
+        carriage: raw.carriage.map(|carriage| Carriage {
+            mass_kg: carriage.mass.si(),
+            viscous_friction_n_s_m: carriage.viscous_friction.si(),
+        }),
         masses: raw
             .masses
             .iter()
@@ -99,7 +107,15 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
     let tolerance = raw.mesh.tolerance.unwrap_or(MeshPlan::DEFAULT_TOLERANCE);
     let mesh = MeshPlan::new(&link, &own_elements, count, tolerance)?;
     let analysis = analysis(&raw.analysis)?;
-    let limits = Limits::new(raw.limits.0.iter().copied())?.check(link.drive())?;
+    let limits = Limits::new(raw.limits.0.iter().copied())?;
+    let is_of_hub =
+        |key: &&str| key.contains("torque") || key.contains("rate") || key.contains("motor");
+    let mut keys = raw.limits.0.iter().map(|(key, _)| *key).filter(|_| link.joint().slides());
+    if let Some(key) = keys.find(is_of_hub) {
+        let message = "is a limit of a hub: the program does not check those of a carriage yet";
+        return Err(Fault::on(format!("limits.{key}"), message));
+    }
+    let limits = limits.check(link.drive())?;
     Ok(LinkKeys { link, mesh, analysis, limits, remarks })
 }
 

@@ -227,7 +227,10 @@ impl From<Misfit> for Fault {
             }
             Reason::Unknown { key, known } => {
                 let place = if path.is_empty() { String::new() } else { format!(" in {path}") };
-                let hint = did_you_mean(&key, known.iter().copied())
+                let of_carriage = (path == "hub" && key == "mass")
+                    .then(|| "a hub that slides is a [carriage], which has a mass".to_owned());
+                let hint = of_carriage
+                    .or_else(|| did_you_mean(&key, known.iter().copied()))
                     .unwrap_or_else(|| format!("known here: {}", listed(known, "and")));
                 Self::new(inner(&key), format!("unknown key `{}`{place}", excerpt(&key)))
                     .hinting(hint)

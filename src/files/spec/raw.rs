@@ -13,7 +13,8 @@ use serde_json::{Map, Value, json};
 use super::value::{
     AlongAxes, Angle, Area, BendingStiffness, Count, Density, Elements, Ends, Length, Mass,
     MassPerLength, Pressure, Rate, RotaryInertia, RotaryInertiaPerLength, SecondMoment,
-    ShearStiffness, Time, Unbounded, ViscousFriction, above_zero, at_least_zero, quantity, tables,
+    ShearStiffness, SlidingFriction, Time, Unbounded, ViscousFriction, above_zero, at_least_zero,
+    quantity, tables,
 };
 use crate::elastica::SecondOrder;
 use crate::result::JointQuantity;
@@ -21,7 +22,10 @@ use crate::result::JointQuantity;
 /// Link file of flexlink.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
-#[schemars(extend("dependencies" = json!({ "start_angle": ["gravity"] })))]
+#[schemars(extend(
+    "dependencies" = json!({ "start_angle": ["gravity"] }),
+    "not" = json!({ "required": ["hub", "carriage"] })
+))]
 pub(super) struct RawSpecification {
     /// Title, for people.
     pub(super) title: Option<String>,
@@ -40,7 +44,9 @@ pub(super) struct RawSpecification {
     #[schemars(length(min = 1))]
     pub(super) segments: Vec<RawSegment>,
     /// Hub, which the motor turns.
-    pub(super) hub: RawHub,
+    pub(super) hub: Option<RawHub>,
+    /// Carriage, which the motor pushes across the link, in place of a hub.
+    pub(super) carriage: Option<RawCarriage>,
     /// Masses lumped on the link, any number.
     #[serde(deserialize_with = "tables")]
     pub(super) masses: Vec<RawMass>,
@@ -150,6 +156,18 @@ pub(super) struct RawHub {
     /// Viscous friction of the joint.
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) viscous_friction: ViscousFriction,
+}
+
+/// `[carriage]`
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+pub(super) struct RawCarriage {
+    /// Mass without the link.
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) mass: Mass,
+    /// Viscous friction of the guide.
+    #[schemars(transform = at_least_zero, extend("default" = 0))]
+    pub(super) viscous_friction: SlidingFriction,
 }
 
 /// `[[masses]]`

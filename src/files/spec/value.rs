@@ -25,6 +25,7 @@ pub(super) type Density = Si<1, -3, 0>;
 pub(super) type Pressure = Si<1, -1, -2>;
 pub(super) type Torque = Si<1, 2, -2>;
 pub(super) type ViscousFriction = Si<1, 2, -1>;
+pub(super) type SlidingFriction = Si<1, 0, -1>;
 pub(super) type Time = Si<0, 0, 1>;
 pub(super) type Rate = Si<0, 0, -1>;
 pub(super) type Acceleration = Si<0, 1, -2>;
@@ -326,6 +327,7 @@ fn example(unit: &str) -> &'static str {
         "1/s" => "30 rpm",
         "N m" => "500 N cm",
         "N m s/rad" => "15 mN m s",
+        "N s/m" => "0.15 kN s/m",
         "m/s^2" => "-981 cm/s^2",
         "" => "90 deg",
         _ => "20 W",

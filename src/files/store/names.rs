@@ -17,8 +17,36 @@ pub const SUMMARY: &str = "summary.json";
 /// The page that `flexlink report` makes of a run; a later run removes it with the other files.
 pub const REPORT: &str = "report.html";
 
-/// Names for a single link and for an arm; empty without such a file or column.
-type Name = [&'static str; 2];
+/// Names for a link on a hub, for an arm and for a link on a carriage; empty without such a file or column.
+type Name = [&'static str; 3];
+
+/// What the names of files and columns depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// A link on a hub.
+    Hub,
+    /// An arm of several links.
+    Arm,
+    /// A link on a carriage.
+    Carriage,
+}
+
+impl Form {
+    /// The form of the names of these links.
+    pub(super) fn of<'a>(links: impl IntoIterator<Item = &'a Link>) -> Self {
+        let mut links = links.into_iter();
+        match (links.next(), links.next()) {
+            (_, Some(_)) => Self::Arm,
+            (Some(link), None) if link.joint().slides() => Self::Carriage,
+            _ => Self::Hub,
+        }
+    }
+
+    /// Whether names belong to an arm.
+    pub(super) const fn is_arm(self) -> bool {
+        matches!(self, Self::Arm)
+    }
+}
 
 /// A table over time with columns for each joint.
 #[derive(Debug)]
@@ -35,87 +63,100 @@ impl JointFile {
         Self { file, columns, shares_decimals: false }
     }
 
-    /// Name of the file for this number of joints.
-    pub(super) const fn name(&self, joints: usize) -> &'static str {
-        pick(self.file, joints)
+    /// Name of the file in this form.
+    pub(super) const fn name(&self, form: Form) -> &'static str {
+        pick(self.file, form)
     }
 
     /// Name of a joint's column; empty if there is no such column.
-    pub(super) fn column(&self, joints: usize, joint: usize, column: usize) -> String {
-        pick(self.columns[column], joints).replace('#', &(joint + 1).to_string())
+    pub(super) fn column(&self, form: Form, joint: usize, column: usize) -> String {
+        pick(self.columns[column], form).replace('#', &(joint + 1).to_string())
     }
 
     /// Names of all columns of these joints.
-    pub(super) fn columns(&self, joints: usize, of: &[usize]) -> Vec<String> {
+    pub(super) fn columns(&self, form: Form, of: &[usize]) -> Vec<String> {
         let is_of_whole = !self.columns[0][1].contains('#');
         let of = of.iter().filter(|joint| **joint == 0 || !is_of_whole);
         let columns = of.flat_map(|joint| {
-            (0..self.columns.len()).map(move |column| self.column(joints, *joint, column))
+            (0..self.columns.len()).map(move |column| self.column(form, *joint, column))
         });
         columns.filter(|name| !name.is_empty()).collect()
     }
 }
 
-const fn pick(name: Name, joints: usize) -> &'static str {
-    name[(joints > 1) as usize]
+const fn pick(name: Name, form: Form) -> &'static str {
+    name[form as usize]
 }
 
 pub(super) static TORQUE: JointFile = JointFile {
-    file: ["torque.csv", "torques.csv"],
-    columns: &[["torque_n_m", "torque#_n_m"]],
+    file: ["torque.csv", "torques.csv", "force.csv"],
+    columns: &[["torque_n_m", "torque#_n_m", "force_n"]],
     shares_decimals: true,
 };
 pub(super) static RIGID_TORQUE: JointFile = JointFile {
-    file: ["rigid_torque.csv", "rigid_torques.csv"],
-    columns: &[["rigid_torque_n_m", "rigid_torque#_n_m"]],
+    file: ["rigid_torque.csv", "rigid_torques.csv", "rigid_force.csv"],
+    columns: &[["rigid_torque_n_m", "rigid_torque#_n_m", "rigid_force_n"]],
     shares_decimals: true,
 };
-/// Beginning of the names of columns for rigid links, which only a solution has.
-pub(super) const RIGID: &str = "rigid_";
+/// True for columns that only a solution has: those of rigid links, and the moment at the root.
+pub(super) fn is_of_solution(column: &str) -> bool {
+    column.starts_with("rigid_") || column.starts_with("root_")
+}
+
 /// Angles of the hub or of the joints. A simulation writes the first three columns.
 pub(super) static ANGLE: JointFile = JointFile::new(
-    ["hub_angle.csv", "joint_angles.csv"],
+    ["hub_angle.csv", "joint_angles.csv", "carriage.csv"],
     &[
-        ["hub_angle_rad", "joint#_rad"],
-        ["hub_rate_rad_s", "joint#_rate_rad_s"],
-        ["hub_acceleration_rad_s2", "joint#_acceleration_rad_s2"],
-        ["rigid_hub_angle_rad", "rigid_joint#_rad"],
+        ["hub_angle_rad", "joint#_rad", "carriage_m"],
+        ["hub_rate_rad_s", "joint#_rate_rad_s", "carriage_velocity_m_s"],
+        ["hub_acceleration_rad_s2", "joint#_acceleration_rad_s2", "carriage_acceleration_m_s2"],
+        ["rigid_hub_angle_rad", "rigid_joint#_rad", "rigid_carriage_m"],
+        ["", "", "root_moment_n_m"],
     ],
 );
 /// Motors of joints with a drive.
 pub(super) static MOTOR: JointFile = JointFile::new(
-    ["motor.csv"; 2],
+    ["motor.csv"; 3],
     &[
-        ["motor_torque_n_m", "motor#_torque_n_m"],
-        ["motor_angle_rad", "motor#_angle_rad"],
-        ["motor_rate_rad_s", "motor#_rate_rad_s"],
-        ["motor_power_w", "motor#_power_w"],
+        ["motor_torque_n_m", "motor#_torque_n_m", "motor_torque_n_m"],
+        ["motor_angle_rad", "motor#_angle_rad", "motor_angle_rad"],
+        ["motor_rate_rad_s", "motor#_rate_rad_s", "motor_rate_rad_s"],
+        ["motor_power_w", "motor#_power_w", "motor_power_w"],
     ],
 );
 /// Chords of an arm's links. A simulation writes the first column.
 pub(super) static CHORD: JointFile = JointFile::new(
-    ["", "chord_angles.csv"],
-    &[["", "angle#_rad"], ["", "rate#_rad_s"], ["", "acceleration#_rad_s2"], ["", "length#_m"]],
+    ["", "chord_angles.csv", ""],
+    &[
+        ["", "angle#_rad", ""],
+        ["", "rate#_rad_s", ""],
+        ["", "acceleration#_rad_s2", ""],
+        ["", "length#_m", ""],
+    ],
 );
 /// Forces on the inner ends of an arm's links.
 pub(super) static FORCE: JointFile =
-    JointFile::new(["", "reactions.csv"], &[["", "force#_x_n"], ["", "force#_y_n"]]);
+    JointFile::new(["", "reactions.csv", ""], &[["", "force#_x_n", ""], ["", "force#_y_n", ""]]);
 /// Motion of the tip: along the arc of a link, or in the plane.
 pub(super) static TIP: JointFile = JointFile::new(
-    ["tip.csv"; 2],
+    ["tip.csv"; 3],
     &[
-        ["tip_displacement_m", "x_m"],
-        ["tip_velocity_m_s", "y_m"],
-        ["tip_acceleration_m_s2", "velocity_x_m_s"],
-        ["", "velocity_y_m_s"],
-        ["", "acceleration_x_m_s2"],
-        ["", "acceleration_y_m_s2"],
+        ["tip_displacement_m", "x_m", "tip_displacement_m"],
+        ["tip_velocity_m_s", "y_m", "tip_velocity_m_s"],
+        ["tip_acceleration_m_s2", "velocity_x_m_s", "tip_acceleration_m_s2"],
+        ["", "velocity_y_m_s", ""],
+        ["", "acceleration_x_m_s2", ""],
+        ["", "acceleration_y_m_s2", ""],
     ],
 );
 /// The wanted tip of a simulation and the distance from it, at the target's times.
 pub(super) static TIP_ERROR: JointFile = JointFile::new(
-    ["tip_error.csv"; 2],
-    &[["wanted_displacement_m", "wanted_x_m"], ["tip_error_m", "wanted_y_m"], ["", "tip_error_m"]],
+    ["tip_error.csv"; 3],
+    &[
+        ["wanted_displacement_m", "wanted_x_m", "wanted_displacement_m"],
+        ["tip_error_m", "wanted_y_m", "tip_error_m"],
+        ["", "tip_error_m", ""],
+    ],
 );
 
 /// A table over time with columns for each node: `v7_m` of a link, `x2_7_m` of the second link of an arm.
@@ -128,43 +169,43 @@ pub(super) struct NodalFile {
 }
 
 impl NodalFile {
-    /// Name of the file for this number of links.
-    pub(super) const fn name(&self, links: usize) -> &'static str {
-        pick(self.file, links)
+    /// Name of the file in this form.
+    pub(super) const fn name(&self, form: Form) -> &'static str {
+        pick(self.file, form)
     }
 
     /// Letters of a node's columns.
-    pub(super) const fn letters(&self, links: usize) -> &'static [&'static str] {
-        self.letters[(links > 1) as usize]
+    pub(super) const fn letters(&self, form: Form) -> &'static [&'static str] {
+        self.letters[form.is_arm() as usize]
     }
 
     /// Name of a column of a node.
-    pub(super) fn column(&self, links: usize, link: usize, letter: usize, node: usize) -> String {
-        let (letter, unit) = (self.letters(links)[letter], self.unit);
-        let link = if links > 1 { format!("{}_", link + 1) } else { String::new() };
+    pub(super) fn column(&self, form: Form, link: usize, letter: usize, node: usize) -> String {
+        let (letter, unit) = (self.letters(form)[letter], self.unit);
+        let link = if form.is_arm() { format!("{}_", link + 1) } else { String::new() };
         format!("{letter}{link}{node}_{unit}")
     }
 }
 
 /// Displacements of a link's nodes, places of an arm's.
 pub(super) static PLACES: NodalFile = NodalFile {
-    file: ["nodal_displacements.csv", "nodal_positions.csv"],
+    file: ["nodal_displacements.csv", "nodal_positions.csv", "nodal_displacements.csv"],
     letters: [&["v"], &["x", "y"]],
     unit: "m",
 };
 /// Deflections from the hub's tangent line, of an arm's links from their chords.
 pub(super) static DEFLECTIONS: NodalFile =
-    NodalFile { file: ["nodal_deflections.csv"; 2], letters: [&["w"]; 2], unit: "m" };
+    NodalFile { file: ["nodal_deflections.csv"; 3], letters: [&["w"]; 2], unit: "m" };
 pub(super) static MOMENTS: NodalFile =
-    NodalFile { file: ["bending_moments.csv"; 2], letters: [&["m"]; 2], unit: "n_m" };
+    NodalFile { file: ["bending_moments.csv"; 3], letters: [&["m"]; 2], unit: "n_m" };
 
 /// Distances of the nodes along the link, or along each link.
 pub(super) const NODES: &str = "nodes.csv";
 const NODE_COLUMNS: [&[&str]; 2] = [&["node", "x_m", "segment"], &["link", "node", "x_m", "name"]];
 
 /// Columns of [`NODES`].
-pub(super) const fn node_columns(links: usize) -> &'static [&'static str] {
-    NODE_COLUMNS[(links > 1) as usize]
+pub(super) const fn node_columns(form: Form) -> &'static [&'static str] {
+    NODE_COLUMNS[form.is_arm() as usize]
 }
 
 /// Files of a solution in the order of its summary.
@@ -176,7 +217,7 @@ const SOLVED: [Name; 11] = [
     TIP.file,
     MOTOR.file,
     FORCE.file,
-    [NODES; 2],
+    [NODES; 3],
     PLACES.file,
     DEFLECTIONS.file,
     MOMENTS.file,
@@ -184,22 +225,22 @@ const SOLVED: [Name; 11] = [
 
 /// Files of a simulation in the order of its summary.
 const PLAYED: [Name; 7] =
-    [TORQUE.file, TIP.file, ANGLE.file, CHORD.file, PLACES.file, [NODES; 2], TIP_ERROR.file];
+    [TORQUE.file, TIP.file, ANGLE.file, CHORD.file, PLACES.file, [NODES; 3], TIP_ERROR.file];
 
-/// Names in a list for this number of links.
-fn names_in(list: &'static [Name], links: usize) -> impl Iterator<Item = &'static str> {
-    list.iter().map(move |name| pick(*name, links)).filter(|name| !name.is_empty())
+/// Names in a list in this form.
+fn names_in(list: &'static [Name], form: Form) -> impl Iterator<Item = &'static str> {
+    list.iter().map(move |name| pick(*name, form)).filter(|name| !name.is_empty())
 }
 
-/// Files of a solution for this number of links.
-pub(super) fn solved_files(links: usize) -> impl Iterator<Item = &'static str> {
-    names_in(&SOLVED, links)
+/// Files of a solution in this form.
+pub(super) fn solved_files(form: Form) -> impl Iterator<Item = &'static str> {
+    names_in(&SOLVED, form)
 }
 
-/// Files of a simulation for this number of links, with a target or without, summary.json last.
-pub(super) fn played_files(links: usize, has_target: bool) -> Vec<&'static str> {
-    let target = TIP_ERROR.name(links);
-    let files = names_in(&PLAYED, links).filter(|name| has_target || *name != target);
+/// Files of a simulation in this form, with a target or without, summary.json last.
+pub(super) fn played_files(form: Form, has_target: bool) -> Vec<&'static str> {
+    let target = TIP_ERROR.name(form);
+    let files = names_in(&PLAYED, form).filter(|name| has_target || *name != target);
     files.chain([SUMMARY]).collect()
 }
 
@@ -208,8 +249,8 @@ pub(super) fn played_files(links: usize, has_target: bool) -> Vec<&'static str> 
 pub(super) fn result_files() -> Vec<&'static str> {
     let mut names = vec![REPORT];
     for list in [&SOLVED[..], &PLAYED] {
-        let both = [1, 2].into_iter().flat_map(|links| names_in(list, links));
-        both.for_each(|name| {
+        let all = [Form::Hub, Form::Arm, Form::Carriage].into_iter();
+        all.flat_map(|form| names_in(list, form)).for_each(|name| {
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -265,22 +306,23 @@ impl Default for RunOutputs {
 impl RunOutputs {
     /// Names of the files of a solution, summary.json last.
     pub(super) fn files<'a>(&self, links: impl IntoIterator<Item = &'a Link>) -> Vec<&'static str> {
-        let drives: Vec<bool> = links.into_iter().map(|link| link.drive().is_some()).collect();
-        let links = drives.len();
+        let links: Vec<&Link> = links.into_iter().collect();
+        let (form, has_drive) =
+            (Form::of(links.iter().copied()), links.iter().any(|link| link.drive().is_some()));
         let is_written = |name: &&str| match *name {
-            name if name == MOTOR.name(links) => drives.contains(&true),
-            name if name == DEFLECTIONS.name(links) => self.deflections,
-            name if name == MOMENTS.name(links) => self.moments,
+            name if name == MOTOR.name(form) => has_drive,
+            name if name == DEFLECTIONS.name(form) => self.deflections,
+            name if name == MOMENTS.name(form) => self.moments,
             _ => true,
         };
-        let files = solved_files(links).filter(is_written);
-        files.filter(|name| self.has(name, links)).chain([SUMMARY]).collect()
+        let files = solved_files(form).filter(is_written);
+        files.filter(|name| self.has(name, form)).chain([SUMMARY]).collect()
     }
 
     /// False for a file that a golden folder lacks.
-    pub(super) fn has(&self, name: &str, links: usize) -> bool {
+    pub(super) fn has(&self, name: &str, form: Form) -> bool {
         !self.golden
-            || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(links) != name)
+            || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(form) != name)
     }
 
     /// The rows of tables over time.

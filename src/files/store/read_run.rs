@@ -9,8 +9,8 @@ use serde_json::Value;
 use super::json::newer;
 use super::names::RunOutputs;
 use super::names::{
-    ANGLE, DEFLECTIONS, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID, RIGID_TORQUE,
-    SUMMARY, TIP, TORQUE,
+    ANGLE, DEFLECTIONS, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID_TORQUE,
+    SUMMARY, TIP, TORQUE, is_of_solution,
 };
 use super::read_tables::{
     RunFolder, TIME, Table, check_window, deflections, read_nodal, read_nodes, times_s,
@@ -75,10 +75,16 @@ pub(super) fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
 /// Reads the tables of a run with this summary, whose file is `place`.
 fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Parts, TableError> {
     let links = read_links(summary, place)?;
+    let form = Form::of(links.iter().map(|(_, link)| link));
+    if form == Form::Carriage {
+        return Err(
+            place.refuse_whole("link.carriage: a run of a link on a carriage is not read back yet")
+        );
+    }
     let count = links.len();
     let nodes_file = folder.file(NODES)?;
     let nodes_place = Place { file: &nodes_file.shown, line: None };
-    let nodes_m = read_nodes(&nodes_file, count)?;
+    let nodes_m = read_nodes(&nodes_file, form)?;
     let mesh = if let [(_, link)] = &links[..] {
         let nodes_m = nodes_m.first().map_or(&[][..], Vec::as_slice);
         let plan = MeshPlan::through(link, nodes_m, &summary.stations_m());
@@ -91,31 +97,31 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
 
     let is_solved = summary.is_solved();
     let joints: Vec<usize> = (0..count).collect();
-    let mut torque = Table::of(&folder.file(TORQUE.name(count))?, &TORQUE.columns(count, &joints))?;
+    let mut torque = Table::of(&folder.file(TORQUE.name(form))?, &TORQUE.columns(form, &joints))?;
     torque.check_even()?;
     check_window(&torque, summary)?;
     // The times of the torque, to which all other tables must keep.
     let times_s = torque.take(TIME);
-    let times = (TORQUE.name(count), &times_s[..]);
+    let times = (TORQUE.name(form), &times_s[..]);
     let has_drive = |joint: &usize| count == 1 || links[*joint].1.drive().is_some();
     let driven: Vec<usize> = joints.iter().copied().filter(has_drive).collect();
-    let mut tables = vec![(&TORQUE, TORQUE.columns(count, &joints), torque)];
+    let mut tables = vec![(&TORQUE, TORQUE.columns(form, &joints), torque)];
     for (file, joints, is_there) in [
         (&ANGLE, &joints, true),
         (&TIP, &joints, true),
         (&RIGID_TORQUE, &joints, is_solved),
-        (&MOTOR, &driven, is_solved && !driven.is_empty() && folder.has(MOTOR.name(count))),
+        (&MOTOR, &driven, is_solved && !driven.is_empty() && folder.has(MOTOR.name(form))),
     ] {
         if is_there {
-            let mut columns = file.columns(count, joints);
-            columns.retain(|name| is_solved || !name.starts_with(RIGID));
-            let table = Table::of(&folder.file(file.name(count))?, &columns)?;
+            let mut columns = file.columns(form, joints);
+            columns.retain(|name| is_solved || !is_of_solution(name));
+            let table = Table::of(&folder.file(file.name(form))?, &columns)?;
             table.check_times(times, 1)?;
             tables.push((file, columns, table));
         }
     }
     let histories = tables.into_iter().flat_map(|(file, columns, mut table)| {
-        let history = move |name: String| ((file.name(count), name.clone()), table.take(&name));
+        let history = move |name: String| ((file.name(form), name.clone()), table.take(&name));
         columns.into_iter().map(history)
     });
     let histories = histories.collect();
@@ -126,12 +132,15 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     // The page draws the links of an arm at their places. It needs this table, and not the first one, of deflections.
     let is_arm = count > 1;
     for file in [&DEFLECTIONS, &PLACES, &MOMENTS].into_iter().skip(usize::from(is_arm)) {
-        let name = file.name(count);
-        if folder.has(name) || (is_arm && name == PLACES.name(count)) {
-            nodal.insert(name, read_nodal(&folder.file(name)?, file, (&counts, is_chosen), times)?);
+        let name = file.name(form);
+        if folder.has(name) || (is_arm && name == PLACES.name(form)) {
+            nodal.insert(
+                name,
+                read_nodal(&folder.file(name)?, file, (form, &counts, is_chosen), times)?,
+            );
         }
     }
-    let target = folder.target(&summary.files, count)?;
+    let target = folder.target(&summary.files, form)?;
     let name = folder.0.display().to_string();
     Ok(Parts { name, links, nodes_m, mesh, times_s, histories, nodal, target })
 }
@@ -179,15 +188,19 @@ fn check_nodes(
 }
 
 impl Parts {
+    fn form(&self) -> Form {
+        Form::of(self.links.iter().map(|(_, link)| link))
+    }
+
     /// Moves a history out: of a joint, from a column by its number.
     fn take(&mut self, file: &JointFile, joint: usize, column: usize) -> Option<Vec<f64>> {
-        let count = self.links.len();
-        self.histories.remove(&(file.name(count), file.column(count, joint, column)))
+        let form = self.form();
+        self.histories.remove(&(file.name(form), file.column(form, joint, column)))
     }
 
     /// Moves the quantities of a table at nodes out, for each link and letter.
     fn take_nodes(&mut self, file: &NodalFile) -> Vec<Vec<StoredNodes>> {
-        self.nodal.remove(file.name(self.links.len())).unwrap_or_default()
+        self.nodal.remove(file.name(self.form())).unwrap_or_default()
     }
 
     /// Moves the histories of a joint out, and adds its numbers from the summary, whose file is `place`.
@@ -243,7 +256,7 @@ impl Parts {
         // Unless the run wrote deflections, they follow from displacements and hub angle.
         let computed = || {
             let hub = (&hub.angle_rad[..], origin_rad?);
-            Some(deflections(displacements?, mesh.nodes_m(), hub, &self.times_s))
+            Some(deflections(displacements?, &mesh, hub, &self.times_s))
         };
         Some(StoredArc {
             second_order: summary.second_order(),
@@ -337,7 +350,7 @@ fn origin_rad(link: &Link, hub: &StoredJoint, tip_m: &[f64]) -> Option<f64> {
     let Some(gravity) = link.gravity() else { return Some(0.0) };
     let of_rigid = || {
         let (first_rad, first_m) = (hub.rigid_angle_rad.as_ref()?.first()?, tip_m.first()?);
-        Some(first_rad - first_m / link.length_m())
+        Some(first_rad - first_m / link.rigid_tip())
     };
     let start_rad = gravity.start_angle_rad.or_else(of_rigid);
     if gravity.acts() { start_rad } else { Some(start_rad.unwrap_or(0.0)) }
@@ -357,39 +370,40 @@ impl RunOutputs {
     /// # Errors
     /// [`TableError`] for a summary of another command than `solve`.
     pub fn stored(&self, tables: &RunTables, summary: &Summary) -> Result<StoredRun, TableError> {
+        let form = Form::of(tables.links.iter().map(|own| own.link));
         let count = tables.links.len();
         let mut histories = Histories::new();
         for table in &tables.histories {
             // A page reads no other tables over time.
             let is_shown = [&TORQUE, &RIGID_TORQUE, &ANGLE, &TIP, &MOTOR]
                 .iter()
-                .any(|file| file.name(count) == table.file.name(count));
+                .any(|file| file.name(form) == table.file.name(form));
             for (joint, columns) in table.joints.iter().enumerate().filter(|_| is_shown) {
                 for (column, values) in columns.iter().enumerate() {
-                    let name = table.file.column(count, joint, column);
-                    histories.insert((table.file.name(count), name), values.to_vec());
+                    let name = table.file.column(form, joint, column);
+                    histories.insert((table.file.name(form), name), values.to_vec());
                 }
             }
         }
         let mut nodal = Nodal::new();
         // The deflections of an arm are not read from its folder, either.
-        let is_read = |name: &str| name != DEFLECTIONS.name(count);
-        for table in tables.nodal.iter().filter(|table| is_read(table.file.name(count))) {
+        let is_read = |name: &str| name != DEFLECTIONS.name(form);
+        for table in tables.nodal.iter().filter(|table| is_read(table.file.name(form))) {
             let times_s = times_s(&table.times);
             let empty = StoredNodes { nodes: vec![], times_s, histories: vec![] };
-            let mut links = vec![vec![empty; table.file.letters(count).len()]; count];
+            let mut links = vec![vec![empty; table.file.letters(form).len()]; count];
             for column in &table.columns {
                 let quantity = &mut links[column.link][column.letter];
                 quantity.nodes.push(column.node);
                 quantity.histories.push(column.values.to_vec());
             }
-            nodal.insert(table.file.name(count), links);
+            nodal.insert(table.file.name(form), links);
         }
         if let Some(deflections) = &tables.on_request {
-            nodal.insert(DEFLECTIONS.name(count), vec![vec![in_order(deflections.histories())]]);
+            nodal.insert(DEFLECTIONS.name(form), vec![vec![in_order(deflections.histories())]]);
             if self.moments {
                 let moments = in_order(deflections.moments().histories());
-                nodal.insert(MOMENTS.name(count), vec![vec![moments]]);
+                nodal.insert(MOMENTS.name(form), vec![vec![moments]]);
             }
         }
         let grid = tables.histories.first().map(|table| table.grid.thinned(NonZeroUsize::MIN));

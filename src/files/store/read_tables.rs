@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::json::unreadable;
-use super::names::{NodalFile, TIP_ERROR, node_columns};
+use super::names::{Form, NodalFile, TIP_ERROR, node_columns};
 use super::summary::{A_RUN, Summary};
+use crate::beam::Mesh;
 use crate::csv::{
     InputFile, Place, TableError, check_separator, quoted, read_rows, refuse_missing, time_format,
 };
@@ -55,17 +56,17 @@ impl RunFolder<'_> {
         self.0.join(name).exists()
     }
 
-    /// Reads the wanted tip of a simulation of this many links, if `named` has its file.
+    /// Reads the wanted tip of a simulation, if `named` has its file.
     pub(super) fn target(
         &self,
         named: &[String],
-        links: usize,
+        form: Form,
     ) -> Result<Option<StoredTarget>, TableError> {
-        let file = TIP_ERROR.name(links);
+        let file = TIP_ERROR.name(form);
         if !named.iter().any(|name| name == file) {
             return Ok(None);
         }
-        let columns = TIP_ERROR.columns(links, &[0]);
+        let columns = TIP_ERROR.columns(form, &[0]);
         let mut table = Table::of(&self.file(file)?, &columns)?;
         table.check_even()?;
         let mut all: Vec<Vec<f64>> = columns.iter().map(|name| table.take(name)).collect();
@@ -267,11 +268,11 @@ pub(super) fn read_number(name: &str, field: &str, place: Place) -> Result<f64, 
 pub(super) fn read_nodal(
     file: &InputFile,
     nodal: &NodalFile,
-    (nodes, is_chosen): (&[usize], bool),
+    (form, nodes, is_chosen): (Form, &[usize], bool),
     (of, times_s): (&str, &[f64]),
 ) -> Result<Vec<Vec<StoredNodes>>, TableError> {
-    let (links, letters) = (nodes.len(), nodal.letters(nodes.len()).len());
-    let column = |link, letter, node| nodal.column(links, link, letter, node);
+    let (links, letters) = (nodes.len(), nodal.letters(form).len());
+    let column = |link, letter, node| nodal.column(form, link, letter, node);
     let mut places = BTreeMap::new();
     for (link, count) in nodes.iter().enumerate() {
         for (node, letter) in (0..*count).flat_map(|node| (0..letters).map(move |own| (node, own)))
@@ -332,27 +333,27 @@ pub(super) fn stride(own_s: &[f64], times_s: &[f64]) -> usize {
 }
 
 /// Deflections `w = v − xθ` of displacements: θ is the hub angle of the run in rad at `times_s`, less `origin_rad`,
-/// the angle of zero displacement.
+/// the angle of zero displacement; of a carriage `w = v − u`.
 pub(super) fn deflections(
     mut displacements: StoredNodes,
-    nodes_m: &[f64],
+    mesh: &Mesh,
     (hub_angle_rad, origin_rad): (&[f64], f64),
     times_s: &[f64],
 ) -> StoredNodes {
     let every = stride(&displacements.times_s, times_s);
     for (node, history) in displacements.nodes.iter().zip(&mut displacements.histories) {
-        let x_m = nodes_m[*node];
+        let rigid = mesh.rigid(*node)[0];
         for (value, angle) in history.iter_mut().zip(hub_angle_rad.iter().step_by(every)) {
-            *value -= x_m * (angle - origin_rad);
+            *value -= rigid * (angle - origin_rad);
         }
     }
     displacements
 }
 
 /// Reads nodes.csv: for each link the distances of its nodes from its joint in m.
-pub(super) fn read_nodes(file: &InputFile, links: usize) -> Result<Vec<Vec<f64>>, TableError> {
+pub(super) fn read_nodes(file: &InputFile, form: Form) -> Result<Vec<Vec<f64>>, TableError> {
     let at = |line| Place { file: &file.shown, line: Some(line) };
-    let names = node_columns(links);
+    let names = node_columns(form);
     let begin = |line, fields: &[&str]| {
         if fields == names {
             return Ok(Vec::<Vec<f64>>::new());
@@ -365,11 +366,11 @@ pub(super) fn read_nodes(file: &InputFile, links: usize) -> Result<Vec<Vec<f64>>
         // A single link has no number.
         let numbered = fields.len() - 2;
         let (numbers, x_m) = (&fields[..numbered], fields[numbered]);
-        if nodes_m.is_empty() || (links > 1 && numbers[1] == "0") {
+        if nodes_m.is_empty() || (form.is_arm() && numbers[1] == "0") {
             nodes_m.push(Vec::new());
         }
         let next = [nodes_m.len(), nodes_m.last().map_or(0, Vec::len)].map(|own| own.to_string());
-        let next = &next[usize::from(links == 1)..];
+        let next = &next[usize::from(!form.is_arm())..];
         for ((name, found), must) in names.iter().zip(numbers).zip(next) {
             if found != must {
                 return Err(at(line).refuse(*name, quoted(found), format!("must be {must}")));

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::names::{RunOutputs, played_files};
+use super::names::{Form, RunOutputs, played_files};
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
 use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
-use crate::link::Arm;
+use crate::link::{Arm, Joint};
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{Ends, Motion, Prescribed};
 use crate::response::{
@@ -117,7 +117,12 @@ impl Summary {
         };
         let warnings = solution.warnings.iter().map(Notice::from).collect();
         let files = outputs.files(arm.links().iter().map(|own| &own.link));
-        Self { values, ..summary }.with_findings(warnings, findings, files)
+        let summary = Self { values, ..summary }.with_findings(warnings, findings, files);
+        let worded = |notices: Vec<Notice>| -> Vec<Notice> {
+            notices.into_iter().map(|own| own.worded(arm)).collect()
+        };
+        let remarks = summary.remarks.map(worded);
+        Self { warnings: worded(summary.warnings), remarks, ..summary }
     }
 
     /// The summary with limits, checks and remarks of its solution.
@@ -155,8 +160,8 @@ impl Summary {
                 "feedback": play.feedback.first().map(gains),
                 "periods_s": periods_s,
                 "viscous_damping_ratios": law.modal_ratios(natural_frequencies_rad_s),
-                "results": played_results(metrics),
-                "errors": link_errors(result),
+                "results": played_results(metrics, arm),
+                "errors": renamed(&link.joint(), link_errors(result)),
                 "tip_error": tip_error,
             });
             (values, Self::of("simulate", inputs, link, law))
@@ -167,7 +172,7 @@ impl Summary {
                 "arm": arm_record(arm, elements),
                 input.0: input.1,
                 "feedback": play.feedback.iter().map(gains).collect::<Vec<_>>(),
-                "results": played_results(metrics),
+                "results": played_results(metrics, arm),
                 "errors": {
                     "refinement": { "tip_m": tip_m, "joints_rad": joint_rad },
                     "energy": played.imbalance(),
@@ -200,7 +205,8 @@ impl Summary {
         if is_link && arm.has_weight() {
             values["frequencies_without_gravity"] = json!(true);
         }
-        let files = played_files(metrics.joints.len(), target.is_some());
+        let files =
+            played_files(Form::of(arm.links().iter().map(|own| &own.link)), target.is_some());
         Self {
             values,
             measured: comparison.clone(),
@@ -231,21 +237,30 @@ fn solution_values(solution: &Solution, metrics: &Metrics) -> Value {
     }
     values["analysis"] = analysis_values(solution);
     values["results"] = match &metrics.joints[..] {
-        [hub] => joint_record(hub).into(),
+        [hub] => joint_record(&arm.links()[0].link.joint(), hub).into(),
         joints => json!({
             "farthest_m": solution.tip_travel_m(),
-            "joints": joints.iter().map(joint_record).collect::<Vec<_>>(),
+            "joints": joints.iter().zip(arm.links()).map(|(own, link)| joint_record(&link.link.joint(), own)).collect::<Vec<_>>(),
         }),
     };
     let tip = solution.expected_tip_error();
     values["errors"] = match &joints[..] {
-        [hub] => json!(ErrorsRecord { tip, tip_model: *tip_model_error, hub: &hub.errors }),
+        [hub] => {
+            let errors = ErrorsRecord { tip, tip_model: *tip_model_error, hub: &hub.errors };
+            renamed(&arm.links()[0].link.joint(), json!(errors))
+        }
         joints => {
             let joints: Vec<_> = joints.iter().map(|joint| &joint.errors).collect();
             json!({ "tip": tip, "joints": joints })
         }
     };
     values
+}
+
+/// An object with the keys of a joint.
+fn renamed(joint: &Joint, object: Value) -> Value {
+    let Value::Object(entries) = object else { return object };
+    entries.into_iter().map(|(key, value)| (joint.named(&key), value)).collect()
 }
 
 /// Errors of one link: those of its tip, then those of its hub.
@@ -329,9 +344,10 @@ fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
 }
 
 /// The numbers of a hub, or of a joint with its angles at the ends; null for a motion without the number.
-fn joint_record(joint: &JointMetrics) -> Map<String, Value> {
+fn joint_record(of: &Joint, joint: &JointMetrics) -> Map<String, Value> {
     let is_there = |quantity: &JointQuantity| joint.motor.is_some() || !quantity.is_of_motor;
-    let mut record = by_name(|quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));
+    let mut record =
+        by_name(of, |quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
         record.insert("start_angle_rad".to_owned(), start_rad.into());
@@ -422,7 +438,8 @@ fn analysis_values(solution: &Solution) -> Value {
 }
 
 /// The results of a simulation: its numbers with those of the hub, or of an arm with those of its joints.
-fn played_results(metrics: &PlayedMetrics) -> Value {
+fn played_results(metrics: &PlayedMetrics, arm: &Arm) -> Value {
+    let joint = |k: usize| arm.links()[k].link.joint();
     let whole = [
         ("farthest_m", metrics.farthest_m),
         ("travel_m", metrics.travel_m),
@@ -431,17 +448,18 @@ fn played_results(metrics: &PlayedMetrics) -> Value {
     let whole = whole.map(|(key, number)| (key.to_owned(), Value::from(number))).into_iter();
     let Some(final_tip_m) = metrics.final_tip_m else {
         // The hub's torque stands first.
-        let mut hub = played_joint(metrics.hub()).into_iter();
+        let mut hub = played_joint((metrics.hub(), joint(0))).into_iter();
         return hub.next().into_iter().chain(whole).chain(hub).collect();
     };
-    let joints: Vec<_> = metrics.joints.iter().map(played_joint).collect();
+    let joints = metrics.joints.iter().enumerate();
+    let joints: Vec<_> = joints.map(|(k, own)| played_joint((own, joint(k)))).collect();
     let arm = [("final_tip_m", json!(final_tip_m)), ("joints", json!(joints))];
     whole.chain(arm.map(|(key, value)| (key.to_owned(), value))).collect()
 }
 
 /// The results of a simulation's joint.
-fn played_joint(joint: &PlayedJoint) -> Map<String, Value> {
-    let mut numbers = by_name(|quantity| Some(quantity.played_by(joint)?.into()));
+fn played_joint((joint, of): (&PlayedJoint, Joint)) -> Map<String, Value> {
+    let mut numbers = by_name(&of, |quantity| Some(quantity.played_by(joint)?.into()));
     if joint.joint.is_some() {
         let [start_rad, end_rad] = joint.end_angles_rad;
         let holding = joint.holding_torque_n_m.map(|torque| ("holding_torque_n_m", torque));

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::folder::{FolderError, OutputFolder};
 use super::names::{
-    ANGLE, CHORD, DEFLECTIONS, FORCE, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, REPORT,
-    RIGID_TORQUE, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, node_columns, result_files,
+    ANGLE, CHORD, DEFLECTIONS, FORCE, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES,
+    REPORT, RIGID_TORQUE, RunOutputs, SUMMARY, TIP, TIP_ERROR, TORQUE, node_columns, result_files,
 };
 use super::run_summary::{Findings, PlayedRun};
 use super::summary::{RunInputs, Summary};
@@ -181,6 +181,9 @@ impl<'a> RunTables<'a> {
         for (number, joint) in joints.iter().enumerate() {
             let mut angles = columns([&joint.angle_rad, &joint.rate_rad_s, &joint.rigid_angle_rad]);
             angles.insert(2, solution.acceleration_rad_s2(number));
+            if arm.links()[number].link.joint().slides() {
+                angles.push(Cow::from(&links[number].root_moment_n_m[..]));
+            }
             let own = [
                 columns([&joint.torque_n_m]),
                 columns([&joint.rigid_torque_n_m]),
@@ -311,7 +314,7 @@ pub fn write_solution(folder: &Path, solution: &Solution) -> Result<(), FolderEr
     let summary = Summary::of_solution(inputs, solution, &metrics, &findings, &outputs);
     let folder = OutputFolder::stage(folder, &|_| {})?;
     let tables = RunTables::of_solution(solution, &outputs);
-    let tables = tables.map_err(|error| folder.refused(PLACES.name(1), error))?;
+    let tables = tables.map_err(|error| folder.refused(PLACES.name(Form::Hub), error))?;
     outputs.write(folder, tables, (&summary, None), &Unwatched)
 }
 
@@ -329,12 +332,12 @@ impl RunOutputs {
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         let RunTables { histories, nodal, on_request, links: nodes, .. } = tables;
-        let links = nodes.len();
-        let history = |own: &Histories| self.write_history(&folder, own, links);
+        let form = Form::of(nodes.iter().map(|own| own.link));
+        let history = |own: &Histories| self.write_history(&folder, own, form);
         let column = |own: &NodalColumns| {
-            folder.file(own.file.name(links), |out| {
+            folder.file(own.file.name(form), |out| {
                 let columns = own.columns.iter().map(|column| Column {
-                    name: own.file.column(links, column.link, column.letter, column.node),
+                    name: own.file.column(form, column.link, column.letter, column.node),
                     values: &column.values,
                 });
                 let group = ColumnGroup { columns: columns.collect() };
@@ -346,7 +349,7 @@ impl RunOutputs {
             || on_request.map_or(Ok(()), |table| self.write_on_request(&folder, table, watch)),
             || {
                 let written =
-                    histories.par_iter().filter(|own| self.has(own.file.name(links), links));
+                    histories.par_iter().filter(|own| self.has(own.file.name(form), form));
                 // Collects all results first, so that of two errors the first file's is always returned.
                 let written: Vec<_> =
                     written.map(history).chain(nodal.par_iter().map(column)).collect();
@@ -366,12 +369,12 @@ impl RunOutputs {
         &self,
         folder: &OutputFolder,
         Histories { file, grid, joints }: &Histories,
-        links: usize,
+        form: Form,
     ) -> Result<(), FolderError> {
         let times = self.rows(grid);
         let columns = (0..).zip(joints).flat_map(|(joint, columns)| {
             let named = (0..).zip(columns);
-            named.map(move |(column, values)| (file.column(links, joint, column), values))
+            named.map(move |(column, values)| (file.column(form, joint, column), values))
         });
         let taken: Vec<(String, Cow<[f64]>)> =
             columns.map(|(name, values)| (name, times.taken(values))).collect();
@@ -381,7 +384,7 @@ impl RunOutputs {
         } else {
             columns.map(|column| ColumnGroup { columns: vec![column] }).collect()
         };
-        folder.file(file.name(links), |out| write_csv(out, &times, &groups, self.digits))
+        folder.file(file.name(form), |out| write_csv(out, &times, &groups, self.digits))
     }
 
     /// Tables of a link's nodes, one after the other, because each may take much memory.
@@ -392,8 +395,10 @@ impl RunOutputs {
         watch: &dyn Watch,
     ) -> Result<(), FolderError> {
         let write = |file: &NodalFile, table: &NodalTable| {
-            let heading = (file.letters(1)[0], file.unit);
-            folder.file(file.name(1), |out| write_nodal(out, table, heading, self.digits, watch))
+            let heading = (file.letters(Form::Hub)[0], file.unit);
+            folder.file(file.name(Form::Hub), |out| {
+                write_nodal(out, table, heading, self.digits, watch)
+            })
         };
         if self.deflections {
             write(&DEFLECTIONS, &deflections)?;
@@ -408,7 +413,7 @@ impl RunOutputs {
 /// them.
 fn write_nodes(out: &mut (dyn Write + Send), links: &[LinkNodes]) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
-    table.write_record(node_columns(links.len()))?;
+    table.write_record(node_columns(Form::of(links.iter().map(|own| own.link))))?;
     let format = Digits::Full.for_peak(links.iter().filter_map(|link| link.nodes_m.last()).sum());
     for (number, link) in (1..=links.len()).zip(links) {
         for (node, (x_m, name)) in link.nodes_m.iter().zip(&link.names).enumerate() {

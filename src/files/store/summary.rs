@@ -5,10 +5,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
+use super::names::Form;
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::elastica::SecondOrder;
 use crate::link::{
-    Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload, Segment,
+    Carriage, Damping, Drive, Gravity, Hub, Joint, Link, LinkParts, LumpedMass, ParameterError,
+    Payload, Segment,
 };
 use crate::modal::DampingLaw;
 use crate::result::{Check, Comparison, Limits, Notice, Origin};
@@ -142,9 +144,15 @@ impl RunInputs {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct LinkRecord {
     length_m: f64,
-    rigid_inertia_kg_m2: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rigid_inertia_kg_m2: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rigid_mass_kg: Option<f64>,
     segments: Vec<Segment>,
-    hub: Hub,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    hub: Option<Hub>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    carriage: Option<Carriage>,
     masses: Vec<LumpedMass>,
     payload: Payload,
     damping: Damping,
@@ -167,6 +175,17 @@ impl Summary {
             title: title.to_owned(),
             inputs,
             ..Self::default()
+        }
+    }
+
+    /// Form of the names of files and columns.
+    pub(super) fn form(&self) -> Form {
+        if self.is_of_arm() {
+            Form::Arm
+        } else if self.link.carriage.is_some() {
+            Form::Carriage
+        } else {
+            Form::Hub
         }
     }
 
@@ -329,10 +348,22 @@ impl LinkRecord {
     /// The link, with the ranges of its parameters checked.
     pub(super) fn link(self, title: &str, drive: Option<Drive>) -> Result<Link, ParameterError> {
         let length_m = self.length_m;
+        let hub = match (self.hub, &self.carriage) {
+            (None, None) => {
+                return Err(ParameterError::new(
+                    "hub",
+                    "nothing",
+                    "",
+                    "must be there, or a carriage",
+                ));
+            }
+            (hub, _) => hub.unwrap_or_default(),
+        };
         let link = Link::new(LinkParts {
             title: title.to_owned(),
             segments: self.segments,
-            hub: self.hub,
+            hub,
+            carriage: self.carriage,
             masses: self.masses,
             payload: self.payload,
             damping: self.damping,
@@ -367,11 +398,18 @@ impl LinkRecord {
     pub(super) fn of_parts(link: &Link) -> Self {
         let without_section =
             |segment: &Segment| Segment { cross_section: None, ..segment.clone() };
+        let (hub, carriage) = match link.joint() {
+            Joint::Revolute(hub) => (Some(hub), None),
+            Joint::Prismatic(carriage) => (None, Some(carriage)),
+        };
+        let inertia = link.rigid_inertia_kg_m2();
         Self {
             length_m: link.length_m(),
-            rigid_inertia_kg_m2: link.rigid_inertia_kg_m2(),
+            rigid_inertia_kg_m2: hub.map(|_| inertia),
+            rigid_mass_kg: carriage.map(|_| inertia),
             segments: link.segments().iter().map(without_section).collect(),
-            hub: *link.hub(),
+            hub,
+            carriage,
             masses: link.masses().to_vec(),
             payload: *link.payload(),
             damping: link.damping().clone(),

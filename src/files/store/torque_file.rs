@@ -137,7 +137,7 @@ impl TorqueFile<'_> {
 
     fn write_csv(&self, out: &mut (dyn Write + Send)) -> io::Result<()> {
         let columns = self.table.torques_n_m();
-        let name = |k: usize| TORQUE.column(columns.len(), k, 0);
+        let name = |k: usize| TORQUE.column(self.summary.form(), k, 0);
         let columns =
             columns.iter().enumerate().map(|(k, values)| Column { name: name(k), values });
         let group = ColumnGroup { columns: columns.collect() };

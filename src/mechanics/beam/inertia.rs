@@ -26,10 +26,16 @@ impl<S: Scalar> Inertia<S> {
         self.vp * v + self.pp * phi
     }
 
-    /// Rotary inertia about an axis `arm` metres inboard, in kg m².
+    /// Effort per acceleration of a joint that moves its node by (v, φ) per unit of its position.
     #[inline(always)]
-    pub fn about(&self, arm: f64) -> S {
-        self.pp + (self.vp + self.vp + self.vv * arm) * arm
+    pub fn along(&self, [v, phi]: [f64; 2]) -> S {
+        self.pp * (phi * phi) + (self.vp * (phi + phi) + self.vv * v) * v
+    }
+
+    /// Moment per acceleration of such a joint.
+    #[inline(always)]
+    pub fn moment_along(&self, [v, phi]: [f64; 2]) -> S {
+        self.vp * v + self.pp * phi
     }
 
     #[inline(always)]

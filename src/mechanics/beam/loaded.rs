@@ -105,7 +105,7 @@ fn by_recursion<S: Scalar>(
     loads: &Loads<S>,
 ) -> (LoadedMotion<S>, S::Size) {
     let (one, mut largest_gain) = (lambda.lift(1.0).size(), lambda.lift(0.0).size());
-    let (elements, link_m, root_m) = (mesh.elements().len(), mesh.length_m(), mesh.nodes_m()[0]);
+    let (elements, link_m, unit) = (mesh.elements().len(), mesh.length_m(), mesh.rigid(0));
     assert!(loads.nodal.len() == elements + 1, "a load for each node");
     let per_mass = mass.reciprocal();
     let load = |node: usize| loads.nodal[node].map(|part| part * per_mass);
@@ -134,15 +134,16 @@ fn by_recursion<S: Scalar>(
     let per_omega_square = mesh.per_lambda(lambda) * (mass * stiffness.reciprocal());
     let omega_square = lambda * (stiffness * per_mass);
     // The root's acceleration and the tip's deflection with the hub's tangent on the chord.
-    let [root_v, root_phi] = [loads.axis_m_s2 + loads.chord_rad_s2 * root_m, loads.chord_rad_s2];
+    let moved = |joint: S| [loads.axis_m_s2 + joint * unit[0], joint * unit[1]];
+    let [root_v, root_phi] = moved(loads.chord_rad_s2);
     let tip_m = zero - per_omega_square * (e_v * root_v + e_phi * root_phi + e_q);
-    let tip_per_hub_angle_m = t_v * root_m + t_phi;
+    let tip_per_hub_angle_m = t_v * unit[0] + t_phi * unit[1];
     let hub_slope_rad = zero - tip_m * tip_per_hub_angle_m.reciprocal();
     let hub_rad_s2 = loads.chord_rad_s2 - omega_square * hub_slope_rad;
 
-    let mut a = [loads.axis_m_s2 + hub_rad_s2 * root_m, hub_rad_s2];
-    let root_moment = moment_about_axis(root, bias, a, root_m);
-    let mut w = [hub_slope_rad * root_m, hub_slope_rad];
+    let mut a = moved(hub_rad_s2);
+    let at_root = effort(root, bias, a, unit);
+    let mut w = unit.map(|part| hub_slope_rad * part);
     let mut deflections = vec![w];
     for ((gain, h), element) in gains.iter().zip(mesh.relative_elements()) {
         let d = [gain.vv * a[0] + gain.vp * a[1] + h[0], gain.pv * a[0] + gain.pp * a[1] + h[1]];
@@ -151,14 +152,14 @@ fn by_recursion<S: Scalar>(
         a = [a[0] + a[1] * l + d[0], a[1] + d[1]];
         deflections.push(w);
     }
-    let torque_n_m = (root_moment + hub_rad_s2 * mesh.hub_inertia_kg_m2()) * mass;
+    let torque_n_m = (at_root + hub_rad_s2 * mesh.joint().inertia()) * mass;
     (LoadedMotion { torque_n_m, hub_slope_rad, deflections }, largest_gain)
 }
 
-/// Moment of the root's reaction `A a + p` about the axis.
-fn moment_about_axis<S: Scalar>(root: Inertia<S>, bias: [S; 2], a: [S; 2], root_m: f64) -> S {
+/// Effort of the root's reaction `A a + p` along the joint's unit motion.
+fn effort<S: Scalar>(root: Inertia<S>, bias: [S; 2], a: [S; 2], [v, phi]: [f64; 2]) -> S {
     let force = root.vv * a[0] + root.vp * a[1] + bias[0];
-    root.moment(a[0], a[1]) + bias[1] + force * root_m
+    (root.moment(a[0], a[1]) + bias[1]) * phi + force * v
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use super::element::{Element, RelativeElement};
 use super::inertia::Inertia;
 use super::plan::{MeshPlan, Piece, pieces, root_m};
-use crate::link::{Link, POSITION_TOLERANCE, ParameterError, Taper};
+use crate::link::{Joint, Link, POSITION_TOLERANCE, ParameterError, Taper};
 use crate::numeric::Scalar;
 
 /// Largest distance between a place and its node, as a share of the link's length.
@@ -38,7 +38,7 @@ struct Bodies {
     /// Inertia lumped at each node except the tip.
     lumped: Vec<Option<Inertia<f64>>>,
     tip: Inertia<f64>,
-    hub_inertia_kg_m2: f64,
+    joint: Joint,
 }
 
 impl Mesh {
@@ -167,16 +167,28 @@ impl Mesh {
         self.bodies.tip
     }
 
-    /// Rotary inertia `I_H` of the hub in kg m².
-    pub fn hub_inertia_kg_m2(&self) -> f64 {
-        self.bodies.hub_inertia_kg_m2
+    /// The joint that moves the root.
+    pub fn joint(&self) -> &Joint {
+        &self.bodies.joint
+    }
+
+    /// Displacement and slope of a node of the rigid link per unit of the joint's position.
+    #[inline(always)]
+    pub fn rigid(&self, node: usize) -> [f64; 2] {
+        self.bodies.joint.rigid(self.nodes_m[node])
+    }
+
+    /// Displacement of the rigid link's tip per unit of the joint's position: the length L of a link that turns, 1 of
+    /// one that slides.
+    pub fn rigid_tip(&self) -> f64 {
+        self.bodies.joint.rigid(self.length_m())[0]
     }
 
     /// A mass in kg of the order of the link's mass, for comparing forces with motions.
     pub(super) fn reference_mass_kg(&self) -> f64 {
         let beam: f64 = self.relative.iter().map(|e| e.m_uu.m11).sum();
         let lumped: f64 = self.bodies.lumped.iter().flatten().map(|l| l.vv).sum();
-        let hub = self.hub_inertia_kg_m2() / self.length_m().powi(2);
+        let hub = self.joint().inertia() / self.rigid_tip().powi(2);
         beam + lumped + self.bodies.tip.vv + hub
     }
 
@@ -227,7 +239,7 @@ impl Bodies {
             tip.vv += last.vv;
             tip.pp += last.pp;
         }
-        Self { lumped, tip, hub_inertia_kg_m2: link.hub().inertia_kg_m2 }
+        Self { lumped, tip, joint: link.joint() }
     }
 }
 

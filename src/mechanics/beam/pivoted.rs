@@ -70,15 +70,13 @@ pub(crate) fn driven_motion<S: PivotedScalar>(mesh: &Mesh, lambda: S) -> DrivenM
         motions.push(ElementMotion { change, deformation, reaction: renewed.reaction });
         outer = renewed;
     }
-    // The root sits on the hub's radius: v_0 = x_0 φ_0 leaves one coefficient of free size.
-    let root_m = mesh.nodes_m()[0];
-    let held = outer.motion.row(0) - outer.motion.row(1) * S::from_real(root_m);
+    // The joint moves the root along its unit motion, which leaves one coefficient of free size.
+    let [v, phi] = mesh.rigid(0).map(S::from_real);
+    let held = outer.motion.row(0) * phi - outer.motion.row(1) * v;
     let mut c = Vector2::new(-held[1], held[0]).unscale(held.norm_squared().sqrt());
-    let theta = (outer.motion * c)[1];
+    let theta = mesh.joint().position((outer.motion * c).into());
     let at_root = outer.reaction * c;
-    let torque = at_root[1]
-        + at_root[0] * S::from_real(root_m)
-        + theta * S::from_real(mesh.hub_inertia_kg_m2());
+    let torque = at_root[1] * phi + at_root[0] * v + theta * S::from_real(mesh.joint().inertia());
 
     let mut e = Vector2::zeros();
     let mut deflections = vec![e];

@@ -120,10 +120,10 @@ impl<S: Scalar> HubResponse<S> {
         (root, largest_gain): (Inertia<S>, S::Size),
         tip_deflection_m: S,
     ) -> Self {
-        let root_m = mesh.nodes_m()[0];
+        let unit = mesh.rigid(0);
         Self {
-            inertia_kg_m2: root.about(root_m) + mesh.hub_inertia_kg_m2(),
-            root_inertia_kg_m2: root.vp * root_m + root.pp,
+            inertia_kg_m2: root.along(unit) + mesh.joint().inertia(),
+            root_inertia_kg_m2: root.moment_along(unit),
             tip_deflection_m,
             per_lambda_s2: mesh.per_lambda(lambda),
             largest_gain,
@@ -133,7 +133,7 @@ impl<S: Scalar> HubResponse<S> {
     /// Tip displacement per hub angle, `v_tip/θ = L + e_tip`, in m.
     #[inline(always)]
     pub fn tip_displacement_m(&self, mesh: &Mesh) -> S {
-        self.tip_deflection_m + mesh.length_m()
+        self.tip_deflection_m + mesh.rigid_tip()
     }
 }
 
@@ -157,7 +157,8 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
             largest_gain = largest_gain.larger(step.eliminated.size(one, link_m));
         },
     );
-    let tip_deflection_m = e_v * mesh.nodes_m()[0] + e_phi;
+    let [v, phi] = mesh.rigid(0);
+    let tip_deflection_m = e_v * v + e_phi * phi;
     HubResponse::at_axis(mesh, lambda, (root, largest_gain), tip_deflection_m)
 }
 
@@ -179,7 +180,8 @@ pub fn tip_displacement_m<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
             [t_v, t_phi] = [rigid[0] + bent[0], rigid[1] + bent[1]];
         },
     );
-    t_v * mesh.nodes_m()[0] + t_phi
+    let [v, phi] = mesh.rigid(0);
+    t_v * v + t_phi * phi
 }
 
 /// A quantity at the nodes.
@@ -339,7 +341,8 @@ impl<S: Scalar> NodalRecursion<S> {
         quantity: NodalQuantity,
         [v, phi]: [S; 2],
     ) -> (S, S) {
-        let (u_v, u_phi) = (v + mesh.nodes_m()[node], phi + 1.0);
+        let rigid = mesh.rigid(node);
+        let (u_v, u_phi) = (v + rigid[0], phi + rigid[1]);
         self.values[node - self.first] = match quantity {
             NodalQuantity::Deflection => v,
             NodalQuantity::Moment => self.inertias[node - self.first].moment(u_v, u_phi),

@@ -60,7 +60,7 @@ impl TipTransfer {
     /// the values measured at blocked frequencies. The transfers are then meaningless.
     pub fn is_blocked(&self, mesh: &Mesh) -> bool {
         let rounding = (64.0 + 2.0 * mesh.elements().len() as f64) * f64::EPSILON;
-        self.angle_rad_m.norm_sqr() * (rounding * mesh.length_m()).powi(2) > 1.0
+        self.angle_rad_m.norm_sqr() * (rounding * mesh.rigid_tip()).powi(2) > 1.0
     }
 }
 
@@ -165,7 +165,7 @@ fn driven_transfer<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -
     let motion = driven_motion(mesh, lambda);
     let last = motion.deflections.len() - 1;
     let tip_displacement =
-        motion.theta * S::from_real(mesh.length_m()) + motion.deflections[last][0];
+        motion.theta * S::from_real(mesh.rigid_tip()) + motion.deflections[last][0];
     let deflection = |e: &Vector2<S>| (e[0] / (lambda * tip_displacement)).into();
     let moment = |q: &Vector2<S>| (q[1] / tip_displacement).into();
     NodalTransfer {
@@ -240,7 +240,7 @@ mod tests {
     /// `T/a_tip` with more digits.
     fn exact_inertia<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
         let root = condense(mesh, lambda, |_, _| {});
-        let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
+        let hub = root.along(mesh.rigid(0)) + mesh.joint().inertia();
         hub * tip_displacement_m(mesh, lambda).reciprocal()
     }
 

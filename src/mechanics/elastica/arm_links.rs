@@ -198,7 +198,7 @@ impl<'a> Follower<'a> {
         let round_off_n_m = self.round_off_n_m;
         // The friction of several links acts between them.
         let is_one = self.models.len() == 1;
-        let friction_n_m_s_rad = if is_one { model.link().joint().friction_n_m_s_rad } else { 0.0 };
+        let friction_n_m_s_rad = if is_one { model.link().joint().friction() } else { 0.0 };
         LinkOnChord { model, chord, sag, friction_n_m_s_rad, round_off_n_m }
     }
 
@@ -333,7 +333,7 @@ impl<'a> Follower<'a> {
         };
         let mut links: Vec<_> = (0..self.models.len()).into_par_iter().map(of_link).collect();
         for link in 0..links.len() {
-            let friction = self.models[link].link().joint().friction_n_m_s_rad;
+            let friction = self.models[link].link().joint().friction();
             if friction > 0.0 && links.len() > 1 {
                 let rates = joint_rates(&links, link, self.whole);
                 let torques = links[link].bent.torque_n_m.iter_mut().zip(rates);

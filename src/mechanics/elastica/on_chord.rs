@@ -143,7 +143,7 @@ impl LinkOnChord<'_> {
         pair: &FourierPair,
         chord: &ChordHistories,
     ) -> (Vec<f64>, Vec<f64>) {
-        let (inertia, friction) = (self.model.mesh().hub_inertia_kg_m2(), self.friction_n_m_s_rad);
+        let (inertia, friction) = (self.model.mesh().joint().inertia(), self.friction_n_m_s_rad);
         let torque: Vec<_> = answers.iter().map(|answer| answer.torque_n_m).collect();
         let mut torque_n_m = pair.samples(torque);
         let slopes = [0, 1, 2].map(|order| {

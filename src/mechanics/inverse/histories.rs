@@ -70,7 +70,7 @@ impl Histories {
         tail: Option<TailTerms>,
         (start_angle_rad, grid): (f64, TimeGrid),
     ) -> Result<Self, InversionError> {
-        let (period, per_length) = (&answer.period, 1.0 / model.mesh().length_m());
+        let (period, per_rigid_tip) = (&answer.period, 1.0 / model.mesh().rigid_tip());
         let whole_tip = &period.histories;
         let root_moment_n_m =
             cut(&period.spectrum.pair.samples(&answer.hub.root_moment_n_m), &grid);
@@ -79,10 +79,10 @@ impl Histories {
             velocity_m_s: cut(&whole_tip.velocity_m_s, &grid),
             acceleration_m_s2: cut(&whole_tip.acceleration_m_s2, &grid),
         };
-        let hub = HubMotion { period, tail, per_length };
+        let hub = HubMotion { period, tail, per_rigid_tip };
         let mut hub_angle_rad = hub.on(&grid, answer.excess(0), &tip.displacement_m, 0);
         let mut rigid_hub_angle_rad: Vec<f64> =
-            tip.displacement_m.iter().map(|v| v * per_length).collect();
+            tip.displacement_m.iter().map(|v| v * per_rigid_tip).collect();
         if start_angle_rad != 0.0 {
             for angle in hub_angle_rad.iter_mut().chain(&mut rigid_hub_angle_rad) {
                 *angle += start_angle_rad;
@@ -91,8 +91,8 @@ impl Histories {
         let hub_rate_rad_s = hub.on(&grid, answer.excess(1), &tip.velocity_m_s, 1);
         let joint = model.link().joint();
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);
-        hub.take_images_off(&grid, 1, joint.friction_n_m_s_rad, &mut torque_n_m);
-        if let Some([friction_n_m, ..]) = hub.friction(joint.friction_n_m_s_rad, &grid) {
+        hub.take_images_off(&grid, 1, joint.friction(), &mut torque_n_m);
+        if let Some([friction_n_m, ..]) = hub.friction(joint.friction(), &grid) {
             add(&friction_n_m, &mut torque_n_m);
         }
         let histories = Self {
@@ -111,9 +111,8 @@ impl Histories {
             tip,
             motor: None,
         };
-        let motor = joint
-            .drive
-            .map(|drive| histories.motor((&drive, joint.friction_n_m_s_rad), answer, &hub));
+        let drive = model.link().drive();
+        let motor = drive.map(|drive| histories.motor((drive, joint.friction()), answer, &hub));
         let motor = motor.transpose()?;
         Ok(Self { motor, ..histories })
     }
@@ -202,8 +201,8 @@ fn rigid_torque_n_m(
     tip: &TipMotionHistories,
     angle_rad: &[f64],
 ) -> Vec<f64> {
-    let inertia = link.rigid_inertia_kg_m2() / link.length_m();
-    let friction = link.joint().friction_n_m_s_rad / link.length_m();
+    let inertia = link.rigid_inertia_kg_m2() / link.rigid_tip();
+    let friction = link.joint().friction() / link.rigid_tip();
     let drag = inertia * law.mass_rate_per_s() + friction;
     let samples = tip.acceleration_m_s2.iter().zip(&tip.velocity_m_s);
     let moving = samples.map(|(a, v)| inertia * a + drag * v);
@@ -215,9 +214,13 @@ fn rigid_torque_n_m(
 
 /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m. The hub angle of the rigid link is `v_tip/L`,
 /// that of the flexible link θ.
-pub(super) fn tip_deflection_m(rigid_rad: &[f64], flexible_rad: &[f64], length_m: f64) -> Vec<f64> {
+pub(super) fn tip_deflection_m(
+    rigid_rad: &[f64],
+    flexible_rad: &[f64],
+    rigid_tip: f64,
+) -> Vec<f64> {
     let pairs = rigid_rad.iter().zip(flexible_rad);
-    pairs.map(|(rigid, flexible)| length_m * (rigid - flexible)).collect()
+    pairs.map(|(rigid, flexible)| rigid_tip * (rigid - flexible)).collect()
 }
 
 /// The samples of a period within `grid`.
@@ -251,8 +254,8 @@ pub(super) struct HubMotion<'a> {
     pub(super) period: &'a TipPeriod,
     /// Slow tail of the hub angle, with hysteretic damping.
     pub(super) tail: Option<TailTerms>,
-    /// One over the length, in 1/m.
-    pub(super) per_length: f64,
+    /// Position of the joint per displacement of the rigid link's tip.
+    pub(super) per_rigid_tip: f64,
 }
 
 impl HubMotion<'_> {
@@ -268,7 +271,7 @@ impl HubMotion<'_> {
         let mut motion = cut(excess, grid);
         self.take_images_off(grid, order, 1.0, &mut motion);
         for (excess, tip) in motion.iter_mut().zip(tip) {
-            *excess += tip * self.per_length;
+            *excess += tip * self.per_rigid_tip;
         }
         motion
     }
@@ -279,7 +282,7 @@ impl HubMotion<'_> {
         let (tip, spectrum) = (&self.period.histories, &self.period.spectrum);
         spectrum.mean_m_s2?;
         let jerk = spectrum.pair.samples(spectrum.derivative(&spectrum.acceleration_m_s2, 1));
-        let factor = friction_n_m_s_rad * self.per_length;
+        let factor = friction_n_m_s_rad * self.per_rigid_tip;
         let taken = [&tip.velocity_m_s, &tip.acceleration_m_s2, &jerk];
         Some(taken.map(|of_tip| cut(of_tip, grid).iter().map(|value| factor * value).collect()))
     }
@@ -330,7 +333,7 @@ impl SlowTails {
     pub(super) fn hub_tail(&self, model: &dyn Model) -> TailTerms {
         let tips = model.tip_transfers(&self.omegas_rad_s);
         let lags: Vec<Complex64> = tips.iter().map(|tip| tip.deflection_s2).collect();
-        self.tail(&lags).map(|s| s / model.mesh().length_m())
+        self.tail(&lags).map(|s| s / model.mesh().rigid_tip())
     }
 
     /// `S_m` of the deflection at these nodes.

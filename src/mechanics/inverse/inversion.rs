@@ -81,6 +81,10 @@ fn invert_link(
     let elements = mesh.elements().len();
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
+    let order = analysis.second_order_of(link);
+    if link.joint().slides() && order != SecondOrder::None {
+        return Err(InversionError::OnCarriage);
+    }
     let is_bent = link.has_weight() || analysis.second_order_of(link) != SecondOrder::None;
     let has_drag = coarsest.law().mass_rate_per_s() > 0.0;
     analysis.refuse_ends(motion.ends(), (is_bent, has_drag))?;

@@ -82,7 +82,7 @@ impl MeshAnswer {
                         let mode_errors = (model.kept_modes() != KeptModes::All).then(|| {
                             let all = model.unreduced()?;
                             let exact = solved(&all, &probes)?;
-                            let peaks = exact.peaks(period, all.mesh().length_m());
+                            let peaks = exact.peaks(period, all.mesh().rigid_tip());
                             Ok::<_, ModelError>(amplitudes.change_to(&exact, &peaks))
                         });
                         let mode_errors = mode_errors.transpose()?;
@@ -125,7 +125,7 @@ pub(super) fn uncertain(
     let Ok(of_beyond) = of_beyond else { return Ok(peaks.zip(peaks, |_, _| 1.0)) };
     let within = (&of_within, &within.spectrum);
     let beyond = (&of_beyond, &beyond.spectrum);
-    Ok(input_errors(within, beyond, peaks, model.mesh().length_m()))
+    Ok(input_errors(within, beyond, peaks, model.mesh().rigid_tip()))
 }
 
 /// Discretisation error of an answer, measured on halved elements, and the peaks there.
@@ -137,7 +137,7 @@ fn measured(
 ) -> Result<(PerQuantity<f64>, PerQuantity<f64>), InversionError> {
     let (answer, finer) =
         (answer.as_ref().map_err(Clone::clone)?, finer.as_ref().map_err(Clone::clone)?);
-    let peaks = finer.peaks(period, mesh.length_m());
+    let peaks = finer.peaks(period, mesh.rigid_tip());
     if !TORQUES_N_M.contains(&peaks.torque) {
         return Err(InversionError::OutOfRange { peak_n_m: peaks.torque });
     }
@@ -162,13 +162,13 @@ pub(super) fn input_errors(
     within: (&Amplitudes, &TipSpectrum),
     beyond: (&Amplitudes, &TipSpectrum),
     peaks: &PerQuantity<f64>,
-    length_m: f64,
+    rigid_tip: f64,
 ) -> PerQuantity<f64> {
-    let within = within.0.measured(within.1, length_m, &|amplitudes| {
+    let within = within.0.measured(within.1, rigid_tip, &|amplitudes| {
         let squares: f64 = amplitudes.iter().map(Complex64::norm_sqr).sum();
         PEAK * (2.0 * squares).sqrt()
     });
-    let beyond = beyond.0.measured(beyond.1, length_m, &|amplitudes| {
+    let beyond = beyond.0.measured(beyond.1, rigid_tip, &|amplitudes| {
         amplitudes.iter().map(|a| a.norm_sqr().sqrt()).sum()
     });
     let both = within.zip(&beyond, |within, beyond| within + LOBES * beyond);
@@ -177,7 +177,12 @@ pub(super) fn input_errors(
 
 impl Amplitudes {
     /// Size of each quantity over time, the tip's motion included.
-    fn measured(&self, tip: &TipSpectrum, length_m: f64, measure: Measure<'_>) -> PerQuantity<f64> {
+    fn measured(
+        &self,
+        tip: &TipSpectrum,
+        rigid_tip: f64,
+        measure: Measure<'_>,
+    ) -> PerQuantity<f64> {
         let bins = self.hub.torque_n_m.len();
         let tip_m: Vec<Complex64> = (0..bins)
             .map(|k| match k {
@@ -187,7 +192,7 @@ impl Amplitudes {
             })
             .collect();
         let with_rigid = |excess: &[Complex64], tip: &[Complex64]| {
-            let both: Vec<_> = excess.iter().zip(tip).map(|(e, tip)| e + tip / length_m).collect();
+            let both: Vec<_> = excess.iter().zip(tip).map(|(e, tip)| e + tip / rigid_tip).collect();
             measure(&both)
         };
         let of_all =

@@ -354,7 +354,7 @@ impl<'a> NodalTable<'a> {
         let turned_rad = if spectra.shape.is_none() {
             Cow::Borrowed(&solution.joints[0].angle_rad[..])
         } else {
-            let length_m = solution.links[0].mesh().length_m();
+            let length_m = solution.links[0].mesh().rigid_tip();
             solution.tip[0].displacement_m.iter().map(|m| m / length_m).collect()
         };
         let arms_m = None;
@@ -371,8 +371,8 @@ impl<'a> NodalTable<'a> {
     /// Turns deflections into total displacements: adds the rigid rotation.
     #[must_use]
     pub(crate) fn with_rotation(self) -> Self {
-        let nodes_m = self.plan.solution.links[0].mesh().nodes_m();
-        let arms_m = self.nodes().iter().map(|node| nodes_m[*node]).collect();
+        let mesh = self.plan.solution.links[0].mesh();
+        let arms_m = self.nodes().iter().map(|node| mesh.rigid(*node)[0]).collect();
         // A bent link turns along its chord and needs other samples.
         let whole = if self.plan.spectra.shape.is_some() { OnceLock::new() } else { self.whole };
         Self { plan: RowPlan { arms_m: Some(arms_m), ..self.plan }, whole, ..self }

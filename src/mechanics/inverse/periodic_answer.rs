@@ -87,8 +87,8 @@ impl PeriodicAnswer {
         tail: Option<&TailTerms>,
         peaks: &PerQuantity<f64>,
     ) -> PerQuantity<f64> {
-        let length_m = link.length_m();
-        let hub = self.hub_left(tail, length_m);
+        let rigid_tip = link.rigid_tip();
+        let hub = self.hub_left(tail, rigid_tip);
         let [hub_rad, hub_rad_s] = [0, 1].map(&hub);
         let moment = || self.left_of(&self.period.spectrum.pair.samples(&self.hub.root_moment_n_m));
         let motor_rate = link.drive().map(|drive| {
@@ -105,7 +105,7 @@ impl PeriodicAnswer {
             hub_acceleration: peaks.hub_acceleration.map(|peak| over(hub(2), peak)),
             // The tip stays at its wanted place, and the hub on its axis: the error of a node between them is at most
             // that of a rigid link turned like the hub.
-            displacement: peaks.displacement.map(|peak| over(hub_rad * length_m, peak)),
+            displacement: peaks.displacement.map(|peak| over(hub_rad * rigid_tip, peak)),
             bending_moment: peaks.bending_moment.map(|_| moment()),
             motor_torque: self.motor_n_m.as_deref().map(|samples| self.left_of(samples)),
             motor_rate: motor_rate.zip(peaks.motor_rate).map(|(left, peak)| over(left, peak)),
@@ -114,7 +114,7 @@ impl PeriodicAnswer {
 
     /// Remainder of the n-th derivative of the hub angle at the seam beyond the slow tail, in rad/sⁿ, as a function of
     /// n from 0 to 2.
-    fn hub_left(&self, tail: Option<&TailTerms>, length_m: f64) -> impl Fn(usize) -> f64 {
+    fn hub_left(&self, tail: Option<&TailTerms>, rigid_tip: f64) -> impl Fn(usize) -> f64 {
         let (places, spacing_s) = self.period.spectrum.around_seam();
         let excess_rad: Vec<f64> = places.iter().map(|(k, _)| self.excess(0)[*k]).collect();
         let left_rad = match tail {
@@ -123,7 +123,7 @@ impl PeriodicAnswer {
         };
         // The tail is smooth: its derivatives are differences over many samples.
         let tail_rad: Vec<f64> = excess_rad.iter().zip(&left_rad).map(|(e, l)| e - l).collect();
-        let angle_rad = self.rings().then(|| self.hub_angle_amplitudes_rad(length_m));
+        let angle_rad = self.rings().then(|| self.hub_angle_amplitudes_rad(rigid_tip));
         move |order| {
             let difference = |three: &[f64]| match order {
                 1 => 0.5 * (three[2] - three[0]) / spacing_s,
@@ -165,11 +165,11 @@ impl PeriodicAnswer {
     }
 
     /// Amplitudes of the hub angle in rad, 0 at zero frequency.
-    fn hub_angle_amplitudes_rad(&self, length_m: f64) -> Vec<Complex64> {
+    fn hub_angle_amplitudes_rad(&self, rigid_tip: f64) -> Vec<Complex64> {
         let spectrum = &self.period.spectrum;
         let tip = spectrum.acceleration_m_s2.iter().zip(&spectrum.omegas_rad_s);
         let bins = self.hub.excess_angle_rad.iter().zip(tip).skip(1);
-        let angles = bins.map(|(excess, (a, omega))| excess - a / (omega * omega * length_m));
+        let angles = bins.map(|(excess, (a, omega))| excess - a / (omega * omega * rigid_tip));
         std::iter::once(Complex64::ZERO).chain(angles).collect()
     }
 

@@ -178,9 +178,9 @@ impl<'a> LinkProblem<'a> {
         let model = &*answering.model;
         let fine = problem.answer_over(model, coarse.period.spectrum.period_s())?;
         let (window, grid) = (&histories.grid, problem.grid_over(&histories.grid));
-        let (tail, length_m) = (answering.hub_tail, model.mesh().length_m());
+        let (tail, rigid_tip) = (answering.hub_tail, model.mesh().rigid_tip());
         let finer = Histories::of(&fine, model, tail, (self.start_angle_rad(model.link())?, grid))?;
-        let hub = HubMotion { period: &fine.period, tail, per_length: 1.0 / length_m };
+        let hub = HubMotion { period: &fine.period, tail, per_rigid_tip: 1.0 / rigid_tip };
         let acceleration = hub.on(&grid, fine.excess(2), &finer.tip.acceleration_m_s2, 2);
         let coarse_hub = HubMotion { period: &coarse.period, ..hub };
         let coarse_tip_m_s2 = &histories.tip.acceleration_m_s2;
@@ -188,7 +188,7 @@ impl<'a> LinkProblem<'a> {
         let finer = finer.curves(acceleration);
         let apart = histories.curves(coarse_acceleration).apart_from_finer(&finer);
         // A turn of the hub moves a node by at most the turn times the length.
-        let turn_m = apart.hub_angle * length_m;
+        let turn_m = apart.hub_angle * rigid_tip;
         let displacement = apart.displacement.map(|tip_m| tip_m.max(turn_m));
         let sizes = finer.sizes(false, fine.period.histories.largest_travel_m());
         let apart = PerQuantity { displacement, ..apart };

@@ -290,8 +290,8 @@ impl Solution {
     pub fn acceleration_rad_s2(&self, joint: usize) -> Cow<'_, [f64]> {
         match (&self.joints[joint].acceleration_rad_s2, &self.spectra) {
             (None, Some(LinkSpectra { hub, period, hub_tail, .. })) => {
-                let per_length = 1.0 / self.links[0].mesh().length_m();
-                let motion = HubMotion { period, tail: *hub_tail, per_length };
+                let per_rigid_tip = 1.0 / self.links[0].mesh().rigid_tip();
+                let motion = HubMotion { period, tail: *hub_tail, per_rigid_tip };
                 let spectrum = &period.spectrum;
                 let excess = spectrum.pair.samples(spectrum.derivative(&hub.excess_angle_rad, 2));
                 motion.on(&self.grid, &excess, &self.tip[0].acceleration_m_s2, 2).into()
@@ -344,7 +344,7 @@ impl Solution {
             return tip.map_or_else(Vec::new, |tip| cut(tip, &self.grid));
         }
         let JointMotion { angle_rad, rigid_angle_rad, .. } = &self.joints[link];
-        tip_deflection_m(rigid_angle_rad, angle_rad, model.mesh().length_m())
+        tip_deflection_m(rigid_angle_rad, angle_rad, model.mesh().rigid_tip())
     }
 }
 

@@ -82,13 +82,13 @@ impl DrivenModel<'_> {
         let law = self.model.law();
         let (drag, compliance_factor) = (law.mass_rate_per_s(), law.compliance_factor());
         let mesh = self.model.mesh();
-        let length_m = mesh.length_m();
-        let friction = self.model.link().joint().friction_n_m_s_rad;
+        let rigid_tip = mesh.rigid_tip();
+        let friction = self.model.link().joint().friction();
         let spectrum = &self.period.spectrum;
         // Only a periodic velocity has a spectrum. Friction of any other velocity joins the torque over time.
         let moves = spectrum.mean_m_s2.is_some();
-        let (per_length, rigid_friction) =
-            (1.0 / length_m, if moves { 0.0 } else { friction / length_m });
+        let (per_rigid_tip, rigid_friction) =
+            (1.0 / rigid_tip, if moves { 0.0 } else { friction / rigid_tip });
         let rows = torque_n_m
             .par_chunks_mut(HUB_BLOCK)
             .zip(excess_angle_rad.par_chunks_mut(HUB_BLOCK))
@@ -101,7 +101,7 @@ impl DrivenModel<'_> {
             for (k, (omega, tip)) in omegas.iter().zip(&transfers).enumerate() {
                 let velocity = spectrum.velocity_m_s[first + k];
                 let damped = spectrum.acceleration_m_s2[first + k] + velocity * drag;
-                let excess_rad_s2_m = tip.deflection_s2 * compliance_factor(*omega) * per_length;
+                let excess_rad_s2_m = tip.deflection_s2 * compliance_factor(*omega) * per_rigid_tip;
                 let rate = Complex64::new(-omega * excess_rad_s2_m.im, omega * excess_rad_s2_m.re);
                 let inertia_kg_m = tip.inertia_kg_m + rate * friction;
                 torque[k] = inertia_kg_m * damped + velocity * rigid_friction;
@@ -129,17 +129,17 @@ impl DrivenModel<'_> {
     /// T̂_m = T̂/n + J φ̈
     /// ```
     pub(super) fn motor_spectra(&self, hub: &HubSpectra) -> Option<MotorSpectra> {
-        let drive = self.model.link().joint().drive?;
+        let drive = *self.model.link().drive()?;
         let Drive { joint_stiffness_n_m_rad, rotor_inertia_kg_m2, gear_ratio } = drive;
-        let per_length = 1.0 / self.model.mesh().length_m();
+        let per_rigid_tip = 1.0 / self.model.mesh().rigid_tip();
         let spectrum = &self.period.spectrum;
         let amplitudes = |(k, omega): (usize, &f64)| {
             let torque = hub.torque_n_m[k];
             let bending = hub.excess_angle_rad[k] + torque / joint_stiffness_n_m_rad;
             let [velocity, acceleration] =
                 [spectrum.velocity_m_s[k], spectrum.acceleration_m_s2[k]];
-            let rate = velocity * per_length + bending * Complex64::new(0.0, *omega);
-            let turning = acceleration * per_length - bending * (omega * omega);
+            let rate = velocity * per_rigid_tip + bending * Complex64::new(0.0, *omega);
+            let turning = acceleration * per_rigid_tip - bending * (omega * omega);
             let inertia = rotor_inertia_kg_m2 * gear_ratio;
             (torque / gear_ratio + turning * inertia, rate * gear_ratio)
         };
@@ -293,11 +293,11 @@ impl Amplitudes {
         let accelerations = || excess().map(|(e, omega)| -e * (omega * omega)).collect();
         let hub_acceleration_rad_s2 = tables.then(accelerations);
         let displacements = || {
-            let nodes_m = driven.model.mesh().nodes_m();
+            let mesh = driven.model.mesh();
             let mut rows = driven.nodal_spectra(&probes.nodes, NodalQuantity::Deflection);
             for (row, node) in rows.iter_mut().zip(&probes.nodes) {
                 for (deflection, angle) in row.iter_mut().zip(&hub.excess_angle_rad) {
-                    *deflection += angle * nodes_m[*node];
+                    *deflection += angle * mesh.rigid(*node)[0];
                 }
             }
             rows

@@ -76,6 +76,10 @@ impl Arm {
                 let must = "must be unique: an earlier link has this name";
                 return Err(ParameterError::new(at("name"), format!("{name:?}"), "", must));
             }
+            if link.joint().slides() {
+                let must = "must not be there: the joints of an arm turn";
+                return Err(ParameterError::new(at("carriage"), "a carriage", "", must));
+            }
             if link.gravity().is_some() {
                 let must = "must be that of the arm";
                 return Err(ParameterError::new(at("gravity"), "its own", "", must));

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::joint::Joint;
 use super::parts::{
-    Damping, Drive, Gravity, Hub, Joint, LumpedMass, POSITION_TOLERANCE, ParameterError, Payload,
-    not_negative,
+    Carriage, Damping, Drive, Gravity, Hub, LumpedMass, POSITION_TOLERANCE, ParameterError,
+    Payload, not_negative,
 };
 use super::segment::Segment;
 
@@ -30,8 +31,11 @@ pub struct LinkParts {
     pub title: String,
     /// Segments from the hub outward, at least one.
     pub segments: Vec<Segment>,
-    /// The hub.
+    /// The hub; the default beside a carriage.
     pub hub: Hub,
+    /// The carriage in place of a hub.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carriage: Option<Carriage>,
     /// Lumped masses, in any order.
     pub masses: Vec<LumpedMass>,
     /// The payload.
@@ -93,6 +97,13 @@ impl Link {
             }
         }
         parts.hub.check()?;
+        if let Some(carriage) = &parts.carriage {
+            carriage.check()?;
+            if parts.hub != Hub::default() {
+                let must = "must not be there beside a carriage, which takes the place of the hub";
+                return Err(ParameterError::new("hub", "a hub", "", must));
+            }
+        }
         let link = Self { parts: parts.clone() };
         for (index, mass) in parts.masses.iter().enumerate() {
             let path = |key: &str| format!("masses.{index}.{key}");
@@ -109,6 +120,13 @@ impl Link {
         parts.damping.check()?;
         parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
         parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
+        if parts.carriage.is_some() {
+            let must = "must not be there beside a carriage: the program does not compute it yet";
+            let absent = [("gravity", parts.gravity.is_some()), ("drive", parts.drive.is_some())];
+            if let Some((key, _)) = absent.into_iter().find(|(_, is_there)| *is_there) {
+                return Err(ParameterError::new(key, "set", "", must));
+            }
+        }
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         Ok(Self { parts })
@@ -120,8 +138,15 @@ impl Link {
         if inertia.is_finite() && inertia > 0.0 {
             return Ok(());
         }
-        let must = "the link with all that it carries must have a finite rotary inertia above 0";
-        Err(ParameterError::new("segments", format!("a total of {inertia}"), "kg m^2", must))
+        let (unit, must) = if self.joint().slides() {
+            ("kg", "the link with all that it carries must have a finite mass above 0")
+        } else {
+            (
+                "kg m^2",
+                "the link with all that it carries must have a finite rotary inertia above 0",
+            )
+        };
+        Err(ParameterError::new("segments", format!("a total of {inertia}"), unit, must))
     }
 
     /// Title for people, empty by default.
@@ -174,16 +199,21 @@ impl Link {
         self.gravity().is_some_and(Gravity::acts)
     }
 
-    /// Friction and drive at the axis.
+    /// The joint that moves the link.
     pub fn joint(&self) -> Joint {
-        let friction_n_m_s_rad = self.parts.hub.viscous_friction_n_m_s_rad;
-        Joint { friction_n_m_s_rad, drive: self.parts.drive }
+        self.parts.carriage.map_or(Joint::Revolute(self.parts.hub), Joint::Prismatic)
     }
 
     /// Distance L from the axis to the tip in m: hub radius and all segments.
     pub fn length_m(&self) -> f64 {
         let beam: f64 = self.parts.segments.iter().map(|s| s.length_m).sum();
         self.parts.hub.radius_m + beam
+    }
+
+    /// Displacement of the rigid link's tip per unit of the joint's position: the length L of a link that turns, 1 of
+    /// one that slides.
+    pub fn rigid_tip(&self) -> f64 {
+        self.joint().rigid(self.length_m())[0]
     }
 
     /// Checks that `at_m`, a distance from the axis in m, lies on the link.
@@ -194,7 +224,8 @@ impl Link {
         let (root_m, tip_m) = (self.hub().radius_m, self.length_m());
         let slack_m = POSITION_TOLERANCE * tip_m;
         let is_there = (root_m - slack_m..=tip_m + slack_m).contains(&at_m);
-        let must = format!("must lie on the link, from {root_m} m to {tip_m} m from the axis");
+        let from = if self.joint().slides() { "carriage" } else { "axis" };
+        let must = format!("must lie on the link, from {root_m} m to {tip_m} m from the {from}");
         is_there.then_some(()).ok_or_else(|| ParameterError::new(name, at_m, "m", must))
     }
 
@@ -211,12 +242,15 @@ impl Link {
         moment + masses.sum::<f64>() + mass_kg * (root_m + offset_m)
     }
 
-    /// Rotary inertia of the rigid link about the axis in kg m².
+    /// Inertia of the rigid link with its joint: about the axis of a hub in kg m², on a carriage the mass in kg.
     ///
     /// ```text
     /// I_rigid = I_H + ∫ m̄ x² dx + Σ (m x² + J) + m_t (L + c)² + J_t
     /// ```
     pub fn rigid_inertia_kg_m2(&self) -> f64 {
+        if let Some(carriage) = &self.parts.carriage {
+            return carriage.mass_kg + self.mass_kg();
+        }
         let Hub { inertia_kg_m2: mut inertia, radius_m: mut root_m, .. } = self.parts.hub;
         for segment in &self.parts.segments {
             let (l, m) = (segment.length_m, segment.mass_per_length_kg_m);
@@ -253,6 +287,12 @@ impl LinkParts {
     /// The hub: inertia, radius and friction.
     pub fn hub(mut self, hub: Hub) -> Self {
         self.hub = hub;
+        self
+    }
+
+    /// A carriage in place of the hub.
+    pub fn carriage(mut self, carriage: Carriage) -> Self {
+        self.carriage = Some(carriage);
         self
     }
 
@@ -430,6 +470,7 @@ mod tests {
             masses: vec![],
             payload: Payload { mass_kg: 0.25, ..Payload::default() },
             damping: Damping::Hysteretic { ratio: 0.02 },
+            carriage: None,
             drive: None,
             gravity: None,
         };

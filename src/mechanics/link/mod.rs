@@ -4,6 +4,7 @@
 //! parameter by its dotted path, and the reader of the file adds the line.
 
 mod arm;
+mod joint;
 #[expect(clippy::module_inception, reason = "the whole link")]
 mod link;
 mod parts;
@@ -11,9 +12,10 @@ mod segment;
 
 pub(crate) use arm::MOST_LINKS;
 pub use arm::{Arm, ArmLink, ArmParts, Elbow};
+pub use joint::Joint;
 pub use link::{Link, LinkParts};
 #[cfg(test)]
 pub(crate) use link::{uniform, uniform_segment};
-pub use parts::{Damping, Drive, Gravity, Hub, Joint, LumpedMass, ParameterError, Payload};
+pub use parts::{Carriage, Damping, Drive, Gravity, Hub, LumpedMass, ParameterError, Payload};
 pub(crate) use parts::{POSITION_TOLERANCE, in_unit_interval, not_negative, positive};
 pub use segment::{CrossSection, Section, Segment, Taper, Timoshenko};

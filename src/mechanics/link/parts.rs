@@ -84,13 +84,21 @@ impl Hub {
     }
 }
 
-/// Friction and drive at the axis, added to the dynamics of the link.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Joint {
-    /// Viscous friction b in N m s/rad.
-    pub friction_n_m_s_rad: f64,
-    /// Gear and elastic joint between motor and hub, if there is a drive.
-    pub drive: Option<Drive>,
+/// The carriage that a motor pushes across the link, in place of a hub.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Carriage {
+    /// Mass M in kg, without the link.
+    pub mass_kg: f64,
+    /// Viscous friction b of the guide in N s/m.
+    pub viscous_friction_n_s_m: f64,
+}
+
+impl Carriage {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        not_negative("carriage.mass", self.mass_kg, "kg")?;
+        not_negative("carriage.viscous_friction", self.viscous_friction_n_s_m, "N s/m")
+    }
 }
 
 /// Gear and elastic joint between motor and hub.

@@ -120,10 +120,10 @@ fn static_shape(mesh: &Mesh, rigid: &Shape) -> Shape {
     condense(mesh, 0.0, |index, step| gains[index] = step.gain());
     let per_lambda = mesh.per_lambda(0.0);
     let mut deflections: Vec<Vector2<f64>> = vec![Vector2::zeros()];
-    for ((element, gain), x_m) in mesh.elements().iter().zip(&gains).zip(mesh.nodes_m()) {
-        let e = deflections[deflections.len() - 1];
+    for (node, (element, gain)) in mesh.elements().iter().zip(&gains).enumerate() {
+        let (e, [v, phi]) = (deflections[node], mesh.rigid(node));
         // Per λ: the bending due to a constant acceleration.
-        let d = Vector2::new(gain.vv * x_m + gain.vp, gain.pv * x_m + gain.pp) * per_lambda;
+        let d = Vector2::new(gain.vv * v + gain.vp * phi, gain.pv * v + gain.pp * phi) * per_lambda;
         deflections.push(Vector2::new(e[0] + element.length_m * e[1], e[1]) + d);
     }
     // Inertia bends the link backwards; a unit torque turns it by 1/I = θ² of the rigid mode.
@@ -172,7 +172,6 @@ impl Deformations {
     ///
     /// with `C_j` the rigid inertia outboard of the element's outer node.
     fn of(mesh: &Mesh) -> (Self, Vec<f64>) {
-        let root = mesh.nodes_m()[0];
         let elements = mesh.relative_elements();
         let count = elements.len();
         let mut outer = mesh.tip_inertia().matrix();
@@ -187,11 +186,11 @@ impl Deformations {
                 outer += lumped.matrix();
             }
         }
-        let axis = Vector2::new(root, 1.0);
-        let inertia_kg_m2 = mesh.hub_inertia_kg_m2() + axis.dot(&(outer * axis));
+        let unit = Vector2::from(mesh.rigid(0));
+        let inertia_kg_m2 = mesh.joint().inertia() + unit.dot(&(outer * unit));
         let nodes_m = mesh.nodes_m();
         let coupling: Vec<Vector2<f64>> =
-            (0..count).map(|e| carried[e].transpose() * Vector2::new(nodes_m[e], 1.0)).collect();
+            (0..count).map(|e| carried[e].transpose() * Vector2::from(mesh.rigid(e))).collect();
         let factors: Vec<Matrix2<f64>> = elements.iter().map(|e| cholesky(&e.k_d)).collect();
         let size = 2 * count;
         let mut flexibility = vec![0.0; size * size];

@@ -230,7 +230,9 @@ pub(crate) fn second_order_share(
     let radius_m = link.hub().radius_m;
     let length_m = link.length_m() - radius_m;
     let clamped = held_frequencies(mesh, f64::INFINITY, 1).first().copied();
-    let rate_ratio = clamped.map_or(0.0, |clamped| rate_rad_s / clamped);
+    // A link that slides does not turn.
+    let [_, slope] = link.joint().rigid(length_m);
+    let rate_ratio = clamped.map_or(0.0, |clamped| slope * rate_rad_s / clamped);
     move |deflection_m, [a, b]| {
         let s = b * (1.0 + 8.0 * radius_m / length_m) * rate_ratio.powi(2);
         let by_deflection = a * (deflection_m / length_m).powi(2);
@@ -269,8 +271,8 @@ fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
 /// True if the hub's rotation alone moves mass, which adds a mode unless the hub is clamped.
 pub(crate) fn hub_moves_mass(mesh: &Mesh) -> bool {
     // The root only turns with the hub: a mass on it counts if the hub's radius is its lever arm.
-    let root = mesh.lumped_inertia(0).is_some_and(|body| body.about(mesh.nodes_m()[0]) > 0.0);
-    mesh.hub_inertia_kg_m2() > 0.0 || root || has_mass(&mesh.elements()[0])
+    let root = mesh.lumped_inertia(0).is_some_and(|body| body.along(mesh.rigid(0)) > 0.0);
+    mesh.joint().inertia() > 0.0 || root || has_mass(&mesh.elements()[0])
 }
 
 fn has_mass(element: &Element) -> bool {
@@ -404,7 +406,7 @@ fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
     }
     let rest = hub_response(mesh, 0.0);
     let lag_m_s2 = rest.tip_deflection_m * rest.per_lambda_s2;
-    let start = NEAR * (mesh.length_m() / lag_m_s2).sqrt();
+    let start = NEAR * (mesh.rigid_tip() / lag_m_s2).sqrt();
     let is_below = tip_displacement_m(mesh, -start * start) > 0.0;
     Some(start).filter(|start| start.is_finite() && is_below)
 }
@@ -482,7 +484,7 @@ mod tests {
         let root = condense(mesh, lambda, |_, step| {
             negative += step.pivots.iter().filter(|p| p.nearest().re < 0.0).count();
         });
-        let hub = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
+        let hub = root.along(mesh.rigid(0)) + mesh.joint().inertia();
         negative + usize::from(hub.nearest().re > 0.0)
     }
 

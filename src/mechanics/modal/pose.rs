@@ -64,7 +64,7 @@ pub fn pose_modes(
     let root_m = mesh.nodes_m()[0];
     let [mut mass, mut stiffness] =
         assembled(mesh, outward_m_s2).map(|full| with_root_on_hub(full, root_m));
-    mass[(0, 0)] += mesh.hub_inertia_kg_m2();
+    mass[(0, 0)] += mesh.joint().inertia();
     let is_clamped = hub == PoseHub::Spring(f64::INFINITY);
     match hub {
         PoseHub::Spring(spring_n_m_rad) if spring_n_m_rad.is_finite() => {

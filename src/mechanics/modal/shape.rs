@@ -42,8 +42,7 @@ impl Shape {
 
     /// Total displacements `v = w + xθ` of all nodes (Bayo 1987, eq 1).
     pub fn displacements(&self, mesh: &Mesh) -> Vec<f64> {
-        let nodes = self.deflections.iter().zip(mesh.nodes_m());
-        nodes.map(|(deflection, x_m)| deflection[0] + x_m * self.hub_angle).collect()
+        (0..self.deflections.len()).map(|node| self.displacement(mesh, node)).collect()
     }
 
     /// Total displacement `v = w + xθ` of a node (Bayo 1987, eq 1).
@@ -58,8 +57,7 @@ impl Shape {
 
     /// Total displacement and slope (v, φ) of a node.
     pub(crate) fn total(&self, mesh: &Mesh, node: usize) -> Vector2<f64> {
-        let angle = self.hub_angle;
-        self.deflections[node] + Vector2::new(mesh.nodes_m()[node] * angle, angle)
+        self.deflections[node] + Vector2::from(mesh.rigid(node)) * self.hub_angle
     }
 
     /// Deformation of an element: motion of its outer end relative to its inner end's tangent.
@@ -84,7 +82,7 @@ impl Shape {
         let bodies = lumped.chain([(mesh.tip_inertia(), last)]).map(|(inertia, node)| {
             self.total(mesh, node).dot(&(inertia.matrix() * other.total(mesh, node)))
         });
-        let hub = mesh.hub_inertia_kg_m2() * self.hub_angle * other.hub_angle;
+        let hub = mesh.joint().inertia() * self.hub_angle * other.hub_angle;
         hub + elements.sum::<f64>() + bodies.sum::<f64>()
     }
 

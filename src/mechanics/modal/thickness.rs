@@ -162,7 +162,7 @@ impl Thickness {
     /// of a symmetric problem: its exact derivative needs a second motion, under a force on the tip.
     fn slowing_of_zero(&self, mesh: &Mesh, zero_rad_s: f64) -> f64 {
         let motion = mode(mesh, zero_rad_s);
-        let hub = mesh.hub_inertia_kg_m2() * motion.shape.hub_angle.powi(2);
+        let hub = mesh.joint().inertia() * motion.shape.hub_angle.powi(2);
         self.slowing(mesh, &motion) / (1.0 - hub)
     }
 

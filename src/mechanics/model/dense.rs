@@ -58,7 +58,7 @@ impl Dense {
             mass[(at + 1, at + 1)] += pp;
         }
         let mut mass = held(mesh, &mass);
-        mass[(0, 0)] += mesh.hub_inertia_kg_m2();
+        mass[(0, 0)] += mesh.joint().inertia();
         let stiffness = held(mesh, &stiffness);
         let modes = damped_modes(&link, &mass)?;
         Some(Self { link, mass, stiffness, modes })
@@ -77,11 +77,11 @@ impl Dense {
 
     /// Two columns of loads on the unknowns: a unit torque at the hub, and loads on all nodes.
     fn torque_and_loads(&self, nodal: &[[Complex64; 2]]) -> Mat<Complex64> {
-        let root_m = self.mesh().nodes_m()[0];
+        let [v, phi] = self.mesh().rigid(0);
         Mat::from_fn(self.mass.nrows(), 2, |row, column| match (row, column) {
             (0, 0) => Complex64::ONE,
             (_, 0) => Complex64::ZERO,
-            (0, _) => nodal[0][1] + nodal[0][0] * root_m,
+            (0, _) => nodal[0][1] * phi + nodal[0][0] * v,
             _ => nodal[row.div_ceil(2)][(row + 1) % 2],
         })
     }
@@ -106,7 +106,7 @@ impl Dense {
 
     /// Accelerations (v, φ) of nodes 0 … n from the accelerations of the unknowns: the root sits on the hub.
     fn nodes(&self, unknowns: &[Complex64]) -> Vec<[Complex64; 2]> {
-        let root = [unknowns[0] * self.mesh().nodes_m()[0], unknowns[0]];
+        let root = self.mesh().rigid(0).map(|part| unknowns[0] * part);
         let outer = unknowns[1..].chunks(2).map(|node| [node[0], node[1]]);
         std::iter::once(root).chain(outer).collect()
     }
@@ -163,8 +163,8 @@ impl Model for Dense {
         if omega_rad_s == 0.0 {
             return nodal_transfer(self.mesh(), Complex64::ZERO);
         }
-        let (nodes_m, lambda) = (self.mesh().nodes_m(), self.law().lambda(omega_rad_s));
-        let torque = self.torque_and_loads(&vec![[Complex64::ZERO; 2]; nodes_m.len()]);
+        let (nodes, lambda) = (self.mesh().nodes_m().len(), self.law().lambda(omega_rad_s));
+        let torque = self.torque_and_loads(&vec![[Complex64::ZERO; 2]; nodes]);
         let accelerations = self.accelerations(omega_rad_s, &torque);
         // The tip's displacement is the second to last unknown.
         let inertia_kg_m = accelerations[(accelerations.nrows() - 2, 0)].inv();
@@ -172,9 +172,10 @@ impl Model for Dense {
         let angle_rad_m = per_tip[0];
         let nodes = self.nodes(&per_tip);
         let moments_kg_m = self.moments(&nodes);
-        let deflection_s2 =
-            |(v, x_m): (&[Complex64; 2], &f64)| (v[0] - angle_rad_m * *x_m) / lambda;
-        let deflections_s2: Vec<_> = nodes.iter().zip(nodes_m).map(deflection_s2).collect();
+        let deflection_s2 = |(node, v): (usize, &[Complex64; 2])| {
+            (v[0] - angle_rad_m * self.mesh().rigid(node)[0]) / lambda
+        };
+        let deflections_s2: Vec<_> = nodes.iter().enumerate().map(deflection_s2).collect();
         let tip = TipTransfer {
             inertia_kg_m,
             root_inertia_kg_m: moments_kg_m[0],
@@ -199,15 +200,15 @@ impl Model for Dense {
         let nodal: Vec<_> = loads.nodal.iter().zip(shifted_masses(mesh)).map(with_axis).collect();
         let moved = self.accelerations(omega_rad_s, &self.torque_and_loads(&nodal));
         let (tip, chord_rad_s2) = (moved.nrows() - 2, loads.chord_rad_s2);
-        let torque = (chord_rad_s2 * mesh.length_m() - moved[(tip, 1)]) / moved[(tip, 0)];
+        let torque = (chord_rad_s2 * mesh.rigid_tip() - moved[(tip, 1)]) / moved[(tip, 0)];
         let relative: Vec<_> =
             (0..moved.nrows()).map(|row| moved[(row, 0)] * torque + moved[(row, 1)]).collect();
         let per_square = -(omega_rad_s * omega_rad_s).recip();
-        let from_chord = |(x_m, [v, phi]): (&f64, [Complex64; 2])| {
-            [v - chord_rad_s2 * *x_m, phi - chord_rad_s2].map(|part| part * per_square)
+        let from_chord = |(node, moved): (usize, [Complex64; 2])| {
+            let rigid = mesh.rigid(node);
+            [0, 1].map(|part| (moved[part] - chord_rad_s2 * rigid[part]) * per_square)
         };
-        let nodes = mesh.nodes_m().iter().zip(self.nodes(&relative));
-        let deflections = nodes.map(from_chord).collect();
+        let deflections = self.nodes(&relative).into_iter().enumerate().map(from_chord).collect();
         let hub_slope_rad = (relative[0] - chord_rad_s2) * per_square;
         LoadedMotion { torque_n_m: torque * factors[0], hub_slope_rad, deflections }
     }
@@ -243,13 +244,17 @@ fn damped_modes(link: &LinkOnMesh, mass: &Mat<f64>) -> Option<Vec<(Col<f64>, f64
     Some(damped.collect())
 }
 
-/// Reduces a matrix on (v, φ) of all nodes to the unknowns: the root sits on the hub, `v_0 = x_0 θ`, `φ_0 = θ`.
+/// Reduces a matrix on (v, φ) of all nodes to the unknowns: the joint moves the root along its unit motion.
 fn held(mesh: &Mesh, free: &Mat<f64>) -> Mat<f64> {
-    let root_m = mesh.nodes_m()[0];
-    let arm_m = |index| if index == 0 { root_m } else { 0.0 };
-    let in_row = |row, column| free[(row + 1, column)] + arm_m(row) * free[(0, column)];
+    let [v, phi] = mesh.rigid(0);
+    let weights = |index| if index == 0 { [phi, v] } else { [1.0, 0.0] };
+    let in_row = |row, column| {
+        let [own, root] = weights(row);
+        own * free[(row + 1, column)] + root * free[(0, column)]
+    };
     Mat::from_fn(free.nrows() - 1, free.ncols() - 1, |row, column| {
-        in_row(row, column + 1) + arm_m(column) * in_row(row, 0)
+        let [own, root] = weights(column);
+        own * in_row(row, column + 1) + root * in_row(row, 0)
     })
 }
 
@@ -258,9 +263,10 @@ fn column(mesh: &Mesh, shape: &Shape) -> Col<f64> {
     Col::from_fn(2 * mesh.nodes_m().len() - 1, |row| {
         if row % 2 == 1 {
             shape.displacement(mesh, row.div_ceil(2))
+        } else if row == 0 {
+            shape.hub_angle
         } else {
-            // At the root the slope is θ.
-            shape.deflections[row / 2][1] + shape.hub_angle
+            shape.total(mesh, row / 2)[1]
         }
     })
 }

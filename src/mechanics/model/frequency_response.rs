@@ -68,7 +68,7 @@ impl FrequencyResponse {
 /// `T/a_tip` in kg m with friction and mass damping, `rate` being iω in 1/s.
 fn torque_kg_m(transfer: &TipTransfer, model: &dyn Model, rate: Complex64) -> Complex64 {
     transfer.inertia_kg_m * (1.0 + model.law().mass_rate_per_s() / rate)
-        + transfer.angle_rad_m * model.link().joint().friction_n_m_s_rad / rate
+        + transfer.angle_rad_m * model.link().joint().friction() / rate
 }
 
 /// Changes of the transfers of `rows` on halved elements: for each row the larger change of `T/a_tip` and `θ/v_tip`,

@@ -53,8 +53,8 @@ impl Share {
     /// Work of loads along the shape, including the inertia loads of an accelerated axis, with the factor `mass`.
     fn work(&self, mesh: &Mesh, loads: &Loads<Complex64>, mass: Complex64) -> Complex64 {
         let nodes = loads.nodal.iter().enumerate().map(|(k, [force, moment])| {
-            let displacement = self.deflections[k] + mesh.nodes_m()[k] * self.hub_angle;
-            force * displacement + moment * (self.slopes[k] + self.hub_angle)
+            let [v, phi] = mesh.rigid(k).map(|part| part * self.hub_angle);
+            force * (self.deflections[k] + v) + moment * (self.slopes[k] + phi)
         });
         nodes.sum::<Complex64>() - mass * loads.axis_m_s2 * self.force
     }
@@ -130,7 +130,7 @@ impl Superposition {
             inertia_kg_m,
             root_inertia_kg_m: self.acceleration(lambda, coordinates, |share| share.moments[0])
                 * inertia_kg_m,
-            angle_rad_m: (1.0 - lambda * deflection_s2) / self.mesh().length_m(),
+            angle_rad_m: (1.0 - lambda * deflection_s2) / self.mesh().rigid_tip(),
             deflection_s2,
         }
     }
@@ -209,7 +209,7 @@ impl Model for Superposition {
             coordinates.iter().map(|(q, share)| q * share.tip).sum()
         };
         let turned = self.rigid.work(mesh, loads, mass) * self.rigid.tip;
-        let wanted = loads.chord_rad_s2 * mesh.length_m() * mass;
+        let wanted = loads.chord_rad_s2 * mesh.rigid_tip() * mass;
         let left = wanted - turned + lambda * tip_of(&of_loads);
         let torque_n_m = left / self.acceleration(lambda, &per_torque, |share| share.tip);
         let compliance = stiffness.inv();
@@ -221,11 +221,11 @@ impl Model for Superposition {
         let sum = |of: &dyn Fn(&Share) -> f64| -> Complex64 {
             all.iter().map(|(q, share)| q * of(share)).sum()
         };
-        let hub_slope_rad = -sum(&Share::tip_deflection) / mesh.length_m();
-        let nodes = mesh.nodes_m().iter().enumerate();
-        let deflections = nodes.map(|(k, x_m)| {
+        let hub_slope_rad = -sum(&Share::tip_deflection) / mesh.rigid_tip();
+        let deflections = (0..mesh.nodes_m().len()).map(|k| {
             let [w, slope] = [sum(&|share| share.deflections[k]), sum(&|share| share.slopes[k])];
-            [w + hub_slope_rad * *x_m, slope + hub_slope_rad]
+            let [v, phi] = mesh.rigid(k).map(|part| hub_slope_rad * part);
+            [w + v, slope + phi]
         });
         LoadedMotion { torque_n_m, hub_slope_rad, deflections: deflections.collect() }
     }

@@ -324,6 +324,8 @@ impl Dimension {
     pub const BENDING_STIFFNESS: Self = Self::new(1, 3, -2);
     /// N m s, also per angle
     pub const VISCOUS_FRICTION: Self = Self::new(1, 2, -1);
+    /// Force per velocity.
+    pub const SLIDING_FRICTION: Self = Self::new(1, 0, -1);
     /// W
     pub const POWER: Self = Self::new(1, 2, -3);
 
@@ -367,6 +369,7 @@ impl Dimension {
             Self::TORQUE => ("a torque", "N m"),
             Self::BENDING_STIFFNESS => ("a bending stiffness", "N m^2"),
             Self::VISCOUS_FRICTION => ("a viscous friction", "N m s/rad"),
+            Self::SLIDING_FRICTION => ("a sliding friction", "N s/m"),
             Self::POWER => ("a power", "W"),
             _ => return None,
         })
@@ -685,7 +688,7 @@ mod tests {
             lengths.map(move |(length, time)| Dimension::new(mass, length, time))
         });
         let named: Vec<Dimension> = all.filter(|d| !d.si_unit().is_empty()).collect();
-        assert_eq!(named.len(), 19);
+        assert_eq!(named.len(), 20);
         for dimension in named {
             let unit = Unit::parse(dimension.si_unit()).unwrap();
             assert_eq!(unit.dimension(), dimension);

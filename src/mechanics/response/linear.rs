@@ -48,13 +48,13 @@ pub(super) fn play_modes(
     let record = Record::of(&equations, &driving, &grid, &start);
     let initial_tip_m = play.start_m(link);
     let from_rad = play.origin_rad(link).unwrap_or(0.0);
-    let offsets = [from_rad + initial_tip_m / mesh.length_m(), initial_tip_m];
+    let offsets = [from_rad + initial_tip_m / mesh.rigid_tip(), initial_tip_m];
     let observed = observed(&record, &equations, &driving, offsets, &grid)?;
     let [torque_n_m, angle_rad, rate_rad_s, acceleration_rad_s2, tip @ ..] = observed;
     let [displacement_m, velocity_m_s, acceleration_m_s2] = tip;
     let tip = TipMotionHistories { displacement_m, velocity_m_s, acceleration_m_s2 };
     let driven = play.input.grid().len;
-    let goal_m = play.goal_rad(link).map(|turn_rad| turn_rad * mesh.length_m());
+    let goal_m = play.goal_rad(link).map(|turn_rad| turn_rad * mesh.rigid_tip());
     let reading = Reading::new(&equations, goal_m);
     let (last, held) = (record.at(driven - 1), driving.held());
     let residual = play
@@ -65,7 +65,7 @@ pub(super) fn play_modes(
     let turning_rad_s = driving.turning_rad_s(if has_turning { grid.len } else { 0 });
     let deflection_m = deflection_m(&mesh, from_rad, &tip.displacement_m, &angle_rad);
     // The hub of a vibrating link swings faster than the link turns.
-    let turned = largest(&tip.velocity_m_s) / mesh.length_m();
+    let turned = largest(&tip.velocity_m_s) / mesh.rigid_tip();
     let share_of = second_order_share(&mesh, link, turned.min(largest(&rate_rad_s)));
     let bends_m = largest(&deflection_m);
     let vibrates_m = residual.map_or(0.0, |residual| residual.amplitude_m);

@@ -30,7 +30,7 @@ pub fn damping_ratios(
     hub: PoseHub,
     omega_rad_s: &[f64],
 ) -> Vec<f64> {
-    let friction_n_m_s_rad = link.joint().friction_n_m_s_rad;
+    let friction_n_m_s_rad = link.joint().friction();
     let at_hub = match hub {
         // The law already damps the modes of the free link.
         PoseHub::Free if friction_n_m_s_rad == 0.0 => return law.modal_ratios(omega_rad_s),

@@ -58,7 +58,7 @@ impl Linkage {
             joints.push(count);
             count += link.count;
         }
-        let frictions = arm.links().iter().map(|own| own.link.joint().friction_n_m_s_rad);
+        let frictions = arm.links().iter().map(|own| own.link.joint().friction());
         let mut linkage = Self {
             joints,
             friction_n_m_s_rad: frictions.collect(),

@@ -262,7 +262,7 @@ impl<'a> Play<'a> {
             Input::Torques(_) if self.is_started() => 0.0,
             Input::Torques(_) => self.initial_tip_m,
             Input::Angles(hubs) => {
-                (hubs[0].angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.length_m()
+                (hubs[0].angle_rad()[0] - self.origin_rad(link).unwrap_or(0.0)) * link.rigid_tip()
             }
         }
     }
@@ -301,7 +301,7 @@ impl<'a> Play<'a> {
 
     /// Friction and feedback at the joint of a link with this number.
     pub(super) fn reaction(&self, joint: usize, link: &Link) -> HubReaction {
-        let friction_n_m_s_rad = link.hub().viscous_friction_n_m_s_rad;
+        let friction_n_m_s_rad = link.joint().friction();
         let gain = |of: fn(&Feedback) -> f64| self.feedback.get(joint).map_or(0.0, of);
         HubReaction {
             stiffness_n_m_rad: gain(Feedback::stiffness_n_m_rad),
@@ -375,7 +375,7 @@ impl<'a> Play<'a> {
         driving: &Driving,
     ) -> Result<([Vec<f64>; 2], f64), SimulationError> {
         if let Some(turn_rad) = self.cycle_turn_rad {
-            let travel_m = turn_rad * link.length_m();
+            let travel_m = turn_rad * link.rigid_tip();
             let (grid, ends_m) = (self.input.grid(), [travel_m, self.initial_tip_m]);
             return Ok((of_cycle(equations, driving, (grid.step_s, grid.len), ends_m)?, 0.0));
         }

@@ -220,7 +220,7 @@ pub(super) fn deflection_m(
     hub_angle_rad: &[f64],
 ) -> Vec<f64> {
     let samples = tip_m.iter().zip(hub_angle_rad);
-    samples.map(|(v, theta)| v - mesh.length_m() * (theta - from_rad)).collect()
+    samples.map(|(v, theta)| v - mesh.rigid_tip() * (theta - from_rad)).collect()
 }
 
 impl ModalPlay {
@@ -237,10 +237,11 @@ impl ModalPlay {
             let nodes = 0..mesh.nodes_m().len();
             nodes.map(|node| own.total(mesh, node)[part]).collect()
         };
-        let turned = self.initial_tip_m / mesh.length_m();
+        let turned = self.initial_tip_m / mesh.rigid_tip();
         let nodes_m = mesh.nodes_m();
-        let moved = at(&all[0], 0).into_iter().zip(nodes_m).map(|(v, x)| v + x * turned);
-        let from_rad = self.from_rad + turned;
+        let moved = at(&all[0], 0).into_iter().enumerate();
+        let moved = moved.map(|(node, v)| v + mesh.rigid(node)[0] * turned);
+        let from_rad = self.from_rad + mesh.rigid(0)[1] * turned;
         LinkState {
             time_s,
             x_m: nodes_m.to_vec(),
@@ -256,7 +257,7 @@ impl ModalPlay {
         end_if_stopped();
         let at_node = |shape: &Shape| shape.displacement(mesh, node);
         let shapes: Vec<f64> = self.equations.shapes.iter().map(at_node).collect();
-        let rest = self.initial_tip_m / mesh.length_m() * mesh.nodes_m()[node];
+        let rest = self.initial_tip_m / mesh.rigid_tip() * mesh.rigid(node)[0];
         let rows = self.record.coordinates.chunks_exact(shapes.len()).step_by(every.get());
         rows.map(|q| rest + q.iter().zip(&shapes).map(|(q, v)| q * v).sum::<f64>()).collect()
     }

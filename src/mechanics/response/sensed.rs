@@ -49,7 +49,7 @@ pub(crate) fn sensed(
     }
     let law = DampingLaw::of(link, mesh)?;
     let modes = modes_below(mesh, PI / step_s).saturating_sub(1).clamp(1, MOST_MODES);
-    let friction = link.hub().viscous_friction_n_m_s_rad;
+    let friction = link.joint().friction();
     let reaction = HubReaction {
         damping_n_m_s_rad: friction,
         friction_n_m_s_rad: friction,
@@ -61,7 +61,7 @@ pub(crate) fn sensed(
     let root_n_m2 = link.segments()[0].bending_stiffness_n_m2.inner;
     let bends = || free.root_curvatures(mesh, modes, root_n_m2);
     let row = |equations: &Equations, bends: &[f64], sensor: &Sensor| {
-        Row::of(*sensor, equations, mesh.length_m(), bends)
+        Row::of(*sensor, equations, mesh.rigid_tip(), bends)
     };
     match driven {
         Driven::Torque(samples, interpolation) => {
@@ -94,14 +94,14 @@ struct Row {
 
 impl Row {
     /// `bends` is the curvature of each coordinate's shape at the root in 1/m.
-    fn of(sensor: Sensor, equations: &Equations, length_m: f64, bends: &[f64]) -> Self {
+    fn of(sensor: Sensor, equations: &Equations, rigid_tip: f64, bends: &[f64]) -> Self {
         let Equations { coordinates, reaction, .. } = equations;
         let row = |of: &dyn Fn(&Coordinate) -> f64| coordinates.iter().map(of).collect::<Vec<_>>();
         let nothing = || vec![0.0; coordinates.len()];
         let (on_coordinates, on_rates, on_input) = match sensor {
             Sensor::HubAngle => (row(&|c| c.hub_angle), nothing(), 0.0),
             Sensor::HubRate => (nothing(), row(&|c| c.hub_angle), 0.0),
-            Sensor::TipDeflection => (row(&|c| c.tip - length_m * c.hub_angle), nothing(), 0.0),
+            Sensor::TipDeflection => (row(&|c| c.tip - rigid_tip * c.hub_angle), nothing(), 0.0),
             Sensor::TipAcceleration => {
                 let on_input: f64 = coordinates.iter().map(|c| c.tip * c.drive).sum();
                 let friction = on_input * reaction.damping_n_m_s_rad;

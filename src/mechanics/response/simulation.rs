@@ -70,6 +70,9 @@ pub fn simulate(
         state.check(arm, play.is_bent(arm))?;
     }
     if play.is_bent(arm) {
+        if links[0].link.joint().slides() {
+            return Err(SimulationError::OnCarriage);
+        }
         return play_bent(arm, meshes, play, (tolerance, watch));
     }
     let (link, band_rad_s) = (&links[0].link, driven_rad_s(play)?);

@@ -85,12 +85,14 @@ impl LinkState {
             (self.velocity_m_s.as_ref().unwrap_or(&no), &self.slope_rate_rad_s, 0.0),
         ];
         lists.map(|(values, slopes, origin_rad)| {
-            let hub_angle = slopes[0] - origin_rad;
-            let node = |x_m: &f64| {
-                let [value, slope] = between(&self.x_m, values, slopes, origin_rad, *x_m);
-                Vector2::new(value - x_m * hub_angle, slope - hub_angle)
+            let at = |x_m| between(&self.x_m, values, slopes, origin_rad, x_m);
+            let root_m = values.first().copied().unwrap_or_default();
+            let hub_angle = mesh.joint().position([root_m, slopes[0] - origin_rad]);
+            let node = |node| {
+                Vector2::from(at(mesh.nodes_m()[node]))
+                    - Vector2::from(mesh.rigid(node)) * hub_angle
             };
-            Shape { hub_angle, deflections: mesh.nodes_m().iter().map(node).collect() }
+            Shape { hub_angle, deflections: (0..mesh.nodes_m().len()).map(node).collect() }
         })
     }
 

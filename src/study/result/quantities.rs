@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 use super::metrics::{JointMetrics, PlayedJoint};
 use super::peak::Peak;
 use crate::inverse::{MotorHistories, QuantityErrors, Solution};
+use crate::link::Joint;
 use crate::numeric::{Dimension, largest};
 use crate::text::{instant, significant};
 
@@ -209,6 +210,11 @@ impl JointQuantity {
         self.of_played.and_then(|of| of(joint))
     }
 
+    /// True for a number whose text is the same for a hub and for a carriage.
+    pub fn keeps_words(&self) -> bool {
+        self.is_of_motor || self.name == "peak_root_moment"
+    }
+
     /// Its column in a sweep, for a joint with its number from 1: `peak_torque2_n_m`.
     pub fn column(&self, joint: Option<usize>) -> String {
         let number = joint.map(|joint| joint.to_string()).unwrap_or_default();
@@ -217,8 +223,12 @@ impl JointQuantity {
 }
 
 /// The numbers of a joint by the keys of summary.json; `of` reads each number that there is, which may be null.
-pub(crate) fn by_name(of: impl Fn(&JointQuantity) -> Option<Value>) -> Map<String, Value> {
-    QUANTITIES.iter().filter_map(|own| Some((own.column(None), of(own)?))).collect()
+pub(crate) fn by_name(
+    joint: &Joint,
+    of: impl Fn(&JointQuantity) -> Option<Value>,
+) -> Map<String, Value> {
+    let named = |own: &JointQuantity| joint.named(&own.column(None));
+    QUANTITIES.iter().filter_map(|own| Some((named(own), of(own)?))).collect()
 }
 
 /// Measured errors of the values of a joint that have limits, in the units of the values.
@@ -229,7 +239,7 @@ pub(super) struct Errors {
     pub(super) torque_n_m: f64,
     pub(super) rate_rad_s: f64,
     pub(super) power_w: f64,
-    /// Error of the hub angle times the length.
+    /// Error of the joint's position times the rigid tip's displacement for a unit of it.
     pub(super) deflection_m: f64,
     pub(super) moment_n_m: f64,
     pub(super) motor_torque_n_m: f64,
@@ -265,13 +275,17 @@ impl Errors {
         let motor =
             metrics.motor.map(|motor| peaks([motor.peak_torque_n_m, motor.peak_rate_rad_s]));
         let [motor_n_m, motor_rad_s] = motor.unwrap_or_default();
+        // The moment at the root of a hub and its torque have one size.
+        let root_n_m = metrics.peak_root_moment_n_m.value;
+        let slides = solution.links[number].link().joint().slides();
+        let moment_n_m = if slides { root_n_m } else { peak_n_m.max(root_n_m) };
         Self {
             torque_n_m: torque * peak_n_m,
             rate_rad_s: rate * peak_rad_s,
             power_w: (torque + rate) * (peak_n_m * peak_rad_s),
             deflection_m: errors.hub_angle
-                * (solution.links[number].link().length_m() * turned_rad),
-            moment_n_m: torque * peak_n_m.max(metrics.peak_root_moment_n_m.value),
+                * (solution.links[number].link().rigid_tip() * turned_rad),
+            moment_n_m: torque * moment_n_m,
             motor_torque_n_m: motor_torque * motor_n_m,
             motor_rate_rad_s: motor_rate * motor_rad_s,
             motor_power_w: (motor_torque + motor_rate) * (motor_n_m * motor_rad_s),

@@ -13,7 +13,7 @@ use crate::beam::Mesh;
 use crate::compare::Table;
 use crate::elastica::SecondOrder;
 use crate::inverse::SolutionWarning;
-use crate::link::Link;
+use crate::link::{Arm, Link};
 use crate::modal::ThickLink;
 use crate::motion::{Prescribed, TipMotionHistories};
 use crate::numeric::largest;
@@ -198,6 +198,14 @@ impl Notice {
     /// A warning of a kind, with its text and a remedy.
     pub fn new(kind: &str, message: impl Display, hint: &str) -> Self {
         Self { kind: kind.to_owned(), message: message.to_string(), hint: hint.to_owned() }
+    }
+
+    /// The notice in the words of an arm's first joint.
+    #[must_use]
+    pub fn worded(self, arm: &Arm) -> Self {
+        let joint = arm.links()[0].link.joint();
+        let [message, hint] = [&self.message, &self.hint].map(|text| joint.worded(text));
+        Self { message, hint, ..self }
     }
 }
 

@@ -194,6 +194,11 @@ impl Kind {
         hint: "use a slower motion, or another limit",
     };
 
+    /// Its remedy.
+    pub(super) const fn hint(&self) -> &'static str {
+        self.hint
+    }
+
     /// The check with its number.
     pub(super) fn measured(&self, answer: &Answer, found: f64) -> Check {
         self.measured_to(found, (self.bound)(answer))

@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::beam::{ElementCount, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::inverse::{Quantity, QuantityErrors, Resources, Solution, invert_motion};
-use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts};
+use crate::link::{Arm, ArmLink, ArmParts, Damping, Joint, Link, LinkParts};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::motion::{Ends, Motion, TipMotion};
@@ -73,7 +73,25 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     let strays = answer.solution.tip_model_error;
     checks.extend(strays.map(|strays| Kind::MODEL.measured(answer, strays)));
     checks.extend(answer.reached().iter().map(|reached| within(answer, reached)));
+    let joint = answer.solution.arm.links()[0].link.joint();
+    if joint.slides() {
+        for check in &mut checks {
+            word(check, &joint);
+        }
+    }
     Ok(Verification { checks })
+}
+
+/// Gives a check the words of a joint.
+fn word(check: &mut Check, joint: &Joint) {
+    check.name = joint.named(&check.name);
+    for text in [&mut check.what, &mut check.of].into_iter().chain(&mut check.reason) {
+        *text = joint.worded(text);
+    }
+    if check.hint == Kind::MODEL.hint() {
+        check.what += ", estimated";
+        check.hint = "use a slower motion or a stiffer link";
+    }
 }
 
 impl Verification {

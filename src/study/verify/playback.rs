@@ -141,7 +141,7 @@ fn played_link(answer: &Answer, motion: &TipMotion) -> Result<PlayedChecks, Unpl
 
 /// Turn in rad of a cycle; `None` for a motion that does not repeat.
 fn turn_of_cycle_rad(link: &Link, motion: &TipMotion) -> Option<f64> {
-    (motion.ends() == Ends::Periodic).then(|| motion.travel_m() / link.length_m())
+    (motion.ends() == Ends::Periodic).then(|| motion.travel_m() / link.rigid_tip())
 }
 
 /// The check of a simulation's balance of energy.
@@ -278,7 +278,7 @@ fn torques_n_m(played: Played) -> Vec<Vec<f64>> {
 fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
     let (link, analysis) = (solution.links[0].link(), &solution.analysis);
     let peak = largest(&solution.hub().torque_n_m);
-    let acceleration = analysis.tolerance() * peak * link.length_m() / link.rigid_inertia_kg_m2();
+    let acceleration = analysis.tolerance() * peak * link.rigid_tip() / link.rigid_inertia_kg_m2();
     let driven_m = 0.5 * acceleration * solution.grid.duration_s().powi(2);
     let played = (driven_m + between_m) / solution.tip_travel_m();
     (Kind::TIP_ERROR.bound)(answer).min(analysis.tip_tolerance() + played)
@@ -286,7 +286,7 @@ fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f6
 
 /// The written torque less the hub's friction.
 fn net_torque(written_n_m: &[f64], solution: &Solution) -> Vec<f64> {
-    let friction = solution.links[0].link().joint().friction_n_m_s_rad;
+    let friction = solution.links[0].link().joint().friction();
     let samples = written_n_m.iter().zip(&solution.hub().rate_rad_s);
     samples.map(|(t, rate)| t - friction * rate).collect()
 }

@@ -46,7 +46,7 @@ impl Assembly {
             parts: parts.collect(),
             lumped: lumped.chain([(n, body(mesh.tip_inertia()))]).collect(),
             root_m: mesh.nodes_m()[0],
-            hub_inertia_kg_m2: mesh.hub_inertia_kg_m2(),
+            hub_inertia_kg_m2: mesh.joint().inertia(),
         }
     }
 

@@ -40,7 +40,7 @@ fn the_recursion_solves_the_papers_system() {
             for found in [found.tip, tip_transfer(&mesh, lambda)] {
                 close(found.inertia_kg_m * tip, c64::ONE, 1.0, "torque");
                 close(found.angle_rad_m * tip, theta, theta.norm(), "hub angle");
-                let root = c64::ONE - theta * mesh.hub_inertia_kg_m2();
+                let root = c64::ONE - theta * mesh.joint().inertia();
                 close(found.root_inertia_kg_m * tip, root, 1.0, "moment at the root");
                 close(found.deflection_s2 * lambda * tip, tip - theta * 1.5, tip.norm(), "lag");
             }

@@ -37,6 +37,7 @@ fn arm() -> LinkParts {
             segment(0.5, (8.0, 3.0), (0.5, 0.3)),
         ],
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.08, ..Hub::default() },
+        carriage: None,
         // At the root, within a segment, where two meet, at the tip.
         masses: vec![
             mass(0.08, 0.5, 2e-3),

@@ -4,7 +4,7 @@
 use std::fmt::{Display, Write as _};
 
 use crate::beam::Mesh;
-use crate::link::{Arm, Damping, Link};
+use crate::link::{Arm, Damping, Joint, Link};
 use crate::modal::DampingLaw;
 use crate::numeric::ThinnedGrid;
 use crate::result::{JointQuantity, Peak, QUANTITIES};
@@ -64,14 +64,16 @@ pub(super) fn in_columns(items: impl Iterator<Item = (String, String)>, end: &st
 pub(super) fn joint_line(
     label: &str,
     start: &str,
-    joint: Option<usize>,
+    (joint, number): (&Joint, Option<usize>),
     of: impl Fn(&JointQuantity) -> Option<f64>,
 ) -> String {
-    let whole = if joint.is_some() { "arm" } else { "link" };
+    let whole = if number.is_some() { "arm" } else { "link" };
     let part = |own: &JointQuantity| {
         let shown = own.shown.filter(|shown| shown.line == label)?;
         let number = (shown.number)(of(own)?);
-        Some(shown.text.replace("{link}", whole).replace("{}", &number))
+        let text = shown.text.replace("{link}", whole);
+        let text = if own.keeps_words() { text } else { joint.worded(&text) };
+        Some(text.replace("{}", &number))
     };
     let mut parts: Vec<String> = QUANTITIES.iter().filter_map(part).collect();
     // The part that opens the line has no separator.
@@ -107,7 +109,9 @@ pub(super) fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
 pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
     let [length, inertia] = four([link.length_m(), link.rigid_inertia_kg_m2()]);
     let elements = mesh.elements().len();
-    format!("{length} m, {elements} elements, rigid inertia {inertia} kg m²")
+    let rigid = if link.joint().slides() { "mass" } else { "inertia" };
+    let unit = if link.joint().slides() { "kg" } else { "kg m²" };
+    format!("{length} m, {elements} elements, rigid {rigid} {inertia} {unit}")
 }
 
 /// The damping law in words, and the damping ratios of the modes if they differ.

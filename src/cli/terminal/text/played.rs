@@ -3,7 +3,7 @@
 use super::lines::{
     LABEL, damping_line, four, gravity_line, joint_line, labelled, link_line, size_line, turned,
 };
-use crate::link::{Arm, ArmLink, Damping, Link};
+use crate::link::{Arm, ArmLink, Damping, Joint, Link};
 use crate::numeric::{TimeGrid, largest};
 use crate::response::{
     Input, Interpolation, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedModelError,
@@ -37,7 +37,8 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
         ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
     ];
     let is_held = arm.has_weight() && play.cycle_turn_rad.is_none();
-    let joints = metrics.joints.iter().flat_map(|joint| joint_lines(joint, is_held));
+    let joints = metrics.joints.iter().zip(arm.links());
+    let joints = joints.flat_map(|(own, link)| joint_lines(&link.link.joint(), own, is_held));
     let after = [
         ("after", residual_line(played)),
         ("decay", decay_line(played, play)),
@@ -53,13 +54,15 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
 }
 
 /// The lines of a hub, or the numbered ones of an arm's joint, which a torque holds at the start if it `is_held`.
-fn joint_lines(joint: &PlayedJoint, is_held: bool) -> Vec<(String, String)> {
-    let line =
-        |label, start: &str| joint_line(label, start, joint.joint, |own| own.played_by(joint));
+fn joint_lines(kind: &Joint, joint: &PlayedJoint, is_held: bool) -> Vec<(String, String)> {
+    let line = |label, start: &str| {
+        joint_line(label, start, (kind, joint.joint), |own| own.played_by(joint))
+    };
     let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
+    let turns = kind.worded(&turns);
     let Some(number) = joint.joint else {
         let lines = [("hub", line("hub", &turns)), ("bending", line("bending", ""))];
-        return lines.map(|(label, line)| (label.to_owned(), line)).to_vec();
+        return lines.map(|(label, line)| (kind.worded(label), line)).to_vec();
     };
     let holding_n_m = joint.holding_torque_n_m.unwrap_or_default();
     let [peak, holding] = four([joint.peak_torque_n_m.value, holding_n_m]);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::elastica::{Iteration, SecondOrder};
 use crate::inverse::{Quantity, QuantityErrors, Solution};
-use crate::link::Link;
+use crate::link::{Joint, Link};
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
 use crate::result::{JointMetrics, Metrics};
@@ -21,9 +21,15 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
         Motion::Tip(motion) => link_lines((solution, motion), metrics),
         Motion::Path(path) => arm_lines(solution, path),
     };
-    let joints = metrics.joints.iter().flat_map(|joint| match joint.joint {
-        None => joint_lines(joint).map(|(label, line)| (label.to_owned(), line)).to_vec(),
-        Some(number) => vec![(numbered("joint", number), below_each_other(joint))],
+    let joints = metrics.joints.iter().zip(solution.arm.links()).flat_map(|(metrics, own)| {
+        let joint = own.link.joint();
+        match metrics.joint {
+            None => {
+                let lines = joint_lines(&joint, metrics);
+                lines.map(|(label, line)| (joint.worded(label), line)).to_vec()
+            }
+            Some(number) => vec![(numbered("joint", number), below_each_other(&joint, metrics))],
+        }
     });
     let end = [("errors", solution_errors(solution)), ("written", written)];
     let end = end.map(|(label, line)| (label.to_owned(), line));
@@ -35,8 +41,8 @@ fn numbered(what: &str, number: usize) -> String {
 }
 
 /// The lines of an arm's joint. All but the motor's contain their subject.
-fn below_each_other(joint: &JointMetrics) -> String {
-    let lines = joint_lines(joint).into_iter().filter(|(_, line)| !line.is_empty());
+fn below_each_other(joint: &Joint, metrics: &JointMetrics) -> String {
+    let lines = joint_lines(joint, metrics).into_iter().filter(|(_, line)| !line.is_empty());
     let lines = lines.map(|(label, line)| match label {
         "motor" => format!("motor {line}"),
         _ => line,
@@ -114,12 +120,14 @@ pub(super) fn link_lines(
 }
 
 /// Lines of a joint, its link and its motor.
-pub(super) fn joint_lines(joint: &JointMetrics) -> [(&'static str, String); 5] {
-    let turns = turned(joint.joint.map(|_| joint.end_angles_rad), joint.peak_hub_angle_rad);
-    let line = |label, start| joint_line(label, start, joint.joint, |own| (own.of)(joint));
+pub(super) fn joint_lines(joint: &Joint, metrics: &JointMetrics) -> [(&'static str, String); 5] {
+    let turns = turned(metrics.joint.map(|_| metrics.end_angles_rad), metrics.peak_hub_angle_rad);
+    let turns = joint.worded(&turns);
+    let line =
+        |label, start| joint_line(label, start, (joint, metrics.joint), |own| (own.of)(metrics));
     [
         ("torque", line("torque", "")),
-        ("timing", timing_text(joint)),
+        ("timing", joint.worded(&timing_text(metrics))),
         ("hub", line("hub", &turns)),
         ("motor", line("motor", "")),
         ("bending", line("bending", "")),
@@ -285,8 +293,10 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
         let (joint, of_torque, quantity, error) = worst
             .reduce(|worst, own| if own.3 > worst.3 || own.3.is_nan() { own } else { worst })?;
         let of_joint = (errors.len() > 1).then(|| format!("joint {joint}"));
-        let other = (quantity != Quantity::Torque)
-            .then(|| quantity.name().replace("acceleration", "accel."));
+        let other = (quantity != Quantity::Torque).then(|| {
+            let joint = solution.arm.links()[0].link.joint();
+            joint.worded(quantity.name()).replace("acceleration", "accel.")
+        });
         let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");
         let of = if of.is_empty() { of } else { format!(" ({of})") };
         // The input affects derivatives most, but its effect on the torque is also needed.

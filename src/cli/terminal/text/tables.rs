@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::lines::{four, gravity_line, link_line, size_line, title};
-use crate::link::Arm;
+use crate::link::{Arm, Joint};
 use crate::response::SettledModes;
 use crate::result::{Check, Fit, LimitedValue, LinkZeros, ModesResult, Reached, Setting};
 use crate::text::{digits_beyond, given, significant};
@@ -23,7 +23,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     match &found.setting {
         Setting::Weightless => {
             let without = if link.drive().is_some() { ", without the rotor" } else { "" };
-            lines.push(format!("hub free{without}"));
+            lines.push(link.joint().worded(&format!("hub free{without}")));
         }
         Setting::Straight { angle_rad, outward_m_s2 } => {
             let [angle, pull] = four([*angle_rad, outward_m_s2.abs()]);
@@ -49,21 +49,21 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     let first = usize::from(!matches!(found.setting, Setting::Straight { .. }));
     lines.extend(mode_rows(found, &found.free, first));
     if found.setting == Setting::Weightless {
-        lines.extend(found.zeros.iter().flat_map(zero_rows));
+        lines.extend(found.zeros.iter().flat_map(|zeros| zero_rows(zeros, &link.joint())));
     }
-    lines.push(joints_held(arm));
+    lines.push(link.joint().worded(&joints_held(arm)));
     lines.extend(mode_rows(found, &found.held, 1));
     if matches!(found.setting, Setting::AtRest { .. }) {
         for (number, zeros) in found.zeros.iter().enumerate() {
             lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
-            lines.extend(zero_rows(zeros));
+            lines.extend(zero_rows(zeros, &link.joint()));
         }
     }
     title(arm.title()) + &lines.join("\n") + "\n"
 }
 
 /// A heading, then a row for each zero, and a line for each blocked frequency: no torque moves the tip there.
-fn zero_rows(found: &LinkZeros) -> Vec<String> {
+fn zero_rows(found: &LinkZeros, joint: &Joint) -> Vec<String> {
     let mut lines = vec![row(["zero", "±[1/s]", "lead to 1 % [s]", "", "", MESH_ERROR])];
     let zeros = found.zeros_per_s.iter().zip(found.leads_s()).zip(&found.mesh_errors);
     for (number, ((zero, lead), error)) in (1..).zip(zeros) {
@@ -74,7 +74,7 @@ fn zero_rows(found: &LinkZeros) -> Vec<String> {
         let hertz = significant(*hertz, 8);
         let error = share(*error);
         let error = if error.is_empty() { error } else { format!(" (mesh error {error})") };
-        lines.push(format!("at {hertz} Hz no torque moves the tip{error}"));
+        lines.push(joint.worded(&format!("at {hertz} Hz no torque moves the tip{error}")));
     }
     lines
 }

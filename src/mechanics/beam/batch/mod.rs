@@ -149,7 +149,7 @@ impl WithSimd for Counted<'_> {
                     }
                 },
             );
-            let at_axis = root.about(mesh.nodes_m()[0]) + mesh.hub_inertia_kg_m2();
+            let at_axis = root.along(mesh.rigid(0)) + mesh.joint().inertia();
             let (negative, hub) = (negative.lanes(), (lambda * at_axis).lanes());
             for (lane, found) in found.iter_mut().enumerate() {
                 *found = Pivots { negative: negative[lane] as usize, hub_n_m: hub[lane] };

@@ -159,7 +159,7 @@ fn rigid_torques_n_m(arm: &Arm, chords: &[AngleHistories]) -> Vec<Vec<f64>> {
             mass_kg: own.link.mass_kg(),
             moment_kg_m: own.link.mass_moment_kg_m(),
             inertia_kg_m2: own.link.rigid_inertia_kg_m2(),
-            friction_n_m_s_rad: own.link.joint().friction_n_m_s_rad,
+            friction_n_m_s_rad: own.link.joint().friction(),
         })
         .collect();
     let samples = chords[0][0].len();

@@ -1,0 +1,348 @@
+//! A link on a carriage against closed forms, assembled matrices over long periods, and a hub with a very long radius.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::f64::consts::TAU;
+
+use flexlink::beam::{ElementCount, Mesh, MeshPlan};
+use flexlink::inverse::{Analysis, Solution, invert};
+use flexlink::link::{Carriage, Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
+use flexlink::modal::{held_frequencies, natural_frequencies, real_frequency_zeros, torque_zeros};
+use flexlink::model::{Dense, FrequencyResponse, KeptModes, LinkOnMesh, Model, model_of};
+use flexlink::motion::{Ends, MotionColumns, TipMotion};
+use flexlink::response::{Play, Torque, simulate};
+use flexlink::result::Metrics;
+use num_complex::Complex64;
+use serde_json::Value;
+
+use crate::common::{accelerated, apart, mesh_of, peak, plan_of, sine};
+
+/// Bayo's link without its stiff root on a carriage of this mass.
+fn uniform(mass_kg: f64) -> LinkParts {
+    Link::builder()
+        .segment(Segment::uniform(1.5, 5.0, 0.8))
+        .carriage(Carriage { mass_kg, ..Carriage::default() })
+}
+
+/// √(EI/m̄)/L² of this link in 1/s.
+fn unit_per_s() -> f64 {
+    (5.0_f64 / 0.8).sqrt() / 1.5_f64.powi(2)
+}
+
+fn close(found: &[f64], exact: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), exact.len(), "{found:?}");
+    for (found, exact) in found.iter().zip(exact) {
+        assert!((found / exact - 1.0).abs() < tolerance, "{found} is not {exact}");
+    }
+}
+
+/// The tip of a uniform link stands still where `cos b + cosh b = 0` for b = z^½ (1 + i)/√2, whatever the masses at both
+/// ends: z = 2((k − ½)π)² in units of √(EI/m̄L⁴).
+#[test]
+fn zeros_are_those_of_the_closed_form_whatever_the_masses() {
+    for (carriage_kg, tip_kg) in [(0.0, 0.0), (1.0, 0.3), (50.0, 2.0)] {
+        let link = uniform(carriage_kg).payload_kg(tip_kg).build().unwrap();
+        let exact: Vec<f64> = (1..=4)
+            .map(|k| unit_per_s() * 2.0 * ((f64::from(k) - 0.5) * TAU / 2.0).powi(2))
+            .collect();
+        close(&torque_zeros(&mesh_of(&link, 600), 4), &exact, 1e-9);
+    }
+}
+
+#[test]
+fn frequencies_are_those_of_the_closed_forms() {
+    // Clamped at a heavy carriage: cos b cosh b = −1. On a carriage without mass: tan b + tanh b = 0.
+    let clamped = [1.875_104_068_711_961, 4.694_091_132_974_175, 7.854_757_438_237_613];
+    let sliding = [2.365_020_372_431_352, 5.497_803_919_000_836, 8.639_379_828_699_742];
+    let squares = |b: [f64; 3]| b.map(|b| b * b * unit_per_s());
+    let light = mesh_of(&uniform(0.0).build().unwrap(), 300);
+    close(&natural_frequencies(&light, 3), &squares(sliding), 1e-9);
+    close(&held_frequencies(&light, f64::INFINITY, 3), &squares(clamped), 1e-9);
+    let heavy = mesh_of(&uniform(1e12).build().unwrap(), 300);
+    close(&natural_frequencies(&heavy, 3), &squares(clamped), 1e-9);
+    let hertz = |mass_kg, tip_kg, count| -> Vec<f64> {
+        let link = uniform(mass_kg).payload_kg(tip_kg).build().unwrap();
+        natural_frequencies(&mesh_of(&link, 300), count).iter().map(|omega| omega / TAU).collect()
+    };
+    // Roots of the closed form, computed with fifty digits.
+    close(&hertz(1.0, 0.0, 4), &[0.761_305_525, 4.237_231_31, 11.273_837_9, 21.760_275_9], 5e-9);
+    close(&hertz(10.0, 0.0, 2), &[0.643_240_02, 3.939_339_47], 5e-9);
+    close(&hertz(1.0, 0.3, 3), &[0.560_339_807, 3.471_630_6, 9.727_040_77], 5e-9);
+}
+
+/// Position of the carriage per tip displacement, then force and moment of the carriage on the root per tip acceleration, of
+/// a uniform beam with the root's slope held at zero:
+///
+/// ```text
+/// u/v_tip = (1 + cos b cosh b)/(cos b + cosh b),    b = L (m̄ω²/(EI κ))^¼
+/// F/a_tip = M u/v_tip + m̄L (sin b cosh b + cos b sinh b)/(b (cos b + cosh b))
+/// M₀/a_tip = m̄L² sin b sinh b/(b² (cos b + cosh b))
+/// ```
+fn closed_form(mass_kg: f64, ratio: f64, frequency_hz: f64) -> [Complex64; 3] {
+    let omega = TAU * frequency_hz;
+    let kappa = Complex64::new(1.0, 2.0 * ratio);
+    let b = (0.8 * omega * omega / (5.0 * kappa)).sqrt().sqrt() * 1.5;
+    let (c, s, ch, sh) = (b.cos(), b.sin(), b.cosh(), b.sinh());
+    let position = (1.0 + c * ch) / (c + ch);
+    let force = mass_kg * position + 0.8 * 1.5 * (s * ch + c * sh) / (b * (c + ch));
+    [position, force, 0.8 * 1.5_f64.powi(2) * s * sh / (b * b * (c + ch))]
+}
+
+#[test]
+fn force_and_position_over_frequency_are_those_of_the_closed_form() {
+    let link = uniform(1.0).damping_ratio(0.02).build().unwrap();
+    let model = model_of(&link, mesh_of(&link, 1200), KeptModes::All).unwrap();
+    for frequency_hz in [0.01, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0] {
+        let found = FrequencyResponse::at(&*model, frequency_hz);
+        let [position, force, moment] = closed_form(1.0, 0.02, frequency_hz);
+        let root_inertia = model.tip_transfer(TAU * frequency_hz).root_inertia_kg_m;
+        let off = [
+            (found.torque_per_tip_acceleration_kg_m / force - 1.0).norm(),
+            (found.hub_angle_per_tip_displacement_rad_m / position - 1.0).norm(),
+            (root_inertia / moment - 1.0).norm(),
+        ];
+        assert!(off.iter().all(|off| *off < 2e-9), "{off:?} at {frequency_hz} Hz");
+    }
+    // Published beside the closed form.
+    let [_, force, _] = closed_form(1.0, 0.02, 2.0);
+    assert!((force - Complex64::new(-1.429_474_67, -0.004_409_163)).norm() < 1e-8, "{force}");
+}
+
+/// A link with all features that move a node, under each damping law.
+fn furnished(damping: Damping) -> Link {
+    let link = Link::builder()
+        .segment(Segment::uniform(0.5, 20.0, 0.9))
+        .segment(Segment::uniform(1.0, 5.0, 0.7))
+        .carriage(Carriage { mass_kg: 0.8, viscous_friction_n_s_m: 0.3 })
+        .mass(LumpedMass { at_m: 0.0, mass_kg: 0.1, inertia_kg_m2: 2e-3 })
+        .mass(LumpedMass { at_m: 0.8, mass_kg: 0.2, inertia_kg_m2: 1e-3 })
+        .payload(Payload { mass_kg: 0.2, inertia_kg_m2: 2e-3, offset_m: 0.04 })
+        .damping(damping);
+    link.build().unwrap()
+}
+
+#[test]
+fn recursion_and_modes_answer_as_the_assembled_matrices_do() {
+    for damping in [
+        Damping::None,
+        Damping::Hysteretic { ratio: 0.03 },
+        Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 2e-3 },
+        Damping::Modal { ratios: vec![0.05, 0.01] },
+    ] {
+        let link = furnished(damping);
+        let on_mesh = LinkOnMesh::new(&link, mesh_of(&link, 8)).unwrap();
+        let dense = Dense::assemble(on_mesh).unwrap();
+        let model = model_of(&link, mesh_of(&link, 8), KeptModes::All).unwrap();
+        for omega in [3.0, 17.0, 90.0] {
+            let [found, exact] =
+                [&*model, &dense as &dyn Model].map(|model| model.nodal_transfer(omega));
+            let numbers = |of: &flexlink::beam::NodalTransfer| {
+                let tip = of.tip;
+                let mut all = vec![tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m];
+                all.extend(&of.moments_kg_m);
+                all.extend(of.deflections_s2.iter().map(|deflection| deflection * omega * omega));
+                all
+            };
+            let size = numbers(&exact).iter().map(|x| x.norm()).fold(0.0, f64::max);
+            let pairs = numbers(&found).into_iter().zip(numbers(&exact));
+            let off = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size;
+            assert!(off < 1e-9, "{:?} at {omega}: {off:e}", link.damping());
+        }
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
+
+/// A reference case: its link, its motion and its numbers.
+fn case(name: &str) -> (Link, MeshPlan, TipMotion, Value) {
+    let all: Value = serde_json::from_str(include_str!("reference.json")).unwrap();
+    let case = all[name].clone();
+    let (of, number) = (&case["link"], |value: &Value| value.as_f64().unwrap_or(0.0));
+    let mut parts = Link::builder()
+        .carriage(Carriage { mass_kg: number(&of["mc"]), ..Carriage::default() })
+        .payload(Payload {
+            mass_kg: number(&of["mt"]),
+            inertia_kg_m2: number(&of["Jt"]),
+            offset_m: number(&of["c"]),
+        })
+        .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: number(&of["beta"]) });
+    let mut elements = Vec::new();
+    for own in of["segments"].as_array().unwrap() {
+        let [length_m, ei, mass] = ["L", "EI", "m"].map(|key| number(&own[key]));
+        parts = parts.segment(Segment::uniform(length_m, ei, mass));
+        elements.push(own["n"].as_u64().map(|count| usize::try_from(count).unwrap()));
+    }
+    for own in of["masses"].as_array().into_iter().flatten() {
+        let [at_m, mass_kg, inertia_kg_m2] = [0, 1, 2].map(|k| number(&own[k]));
+        parts = parts.mass(LumpedMass { at_m, mass_kg, inertia_kg_m2 });
+    }
+    let link = parts.build().unwrap();
+    let plan = MeshPlan::new(&link, &elements, None, 1e-6).unwrap();
+    let [distance_m, duration_s, step_s] =
+        ["distance", "duration", "step"].map(|key| number(&case["motion"][key]));
+    let count = (duration_s / step_s).round();
+    // The second derivative of 462 s⁶ − 1980 s⁷ + 3465 s⁸ − 3080 s⁹ + 1386 s¹⁰ − 252 s¹¹.
+    let factors = [13860.0, -83160.0, 194_040.0, -221_760.0, 124_740.0, -27720.0];
+    let acceleration = |s: f64| {
+        let sum = factors.iter().rev().fold(0.0, |sum, factor| sum * s + factor);
+        sum * s.powi(4) * distance_m / duration_s.powi(2)
+    };
+    let steps = (0..).take_while(|k| f64::from(*k) <= count);
+    let time_s = steps.clone().map(|k| f64::from(k) * step_s).collect();
+    let motion = accelerated(time_s, steps.map(|k| acceleration(f64::from(k) / count)).collect());
+    (link, plan, motion, case)
+}
+
+/// Largest distance of a history from the reference, whose times outside the window have next to nothing.
+fn distance(solution: &Solution, history: &[f64], case: &Value, key: &str) -> f64 {
+    let times_s = numbers(&case["time_s"]);
+    let off = times_s.iter().zip(numbers(&case[key])).map(|(time_s, exact)| {
+        let row = ((time_s - solution.grid.time_s(0)) / solution.grid.step_s).round();
+        let (first, last) = (history[0], history[history.len() - 1]);
+        let found = if row < 0.0 {
+            first
+        } else {
+            (0..).zip(history).find(|(k, _)| f64::from(*k) >= row).map_or(last, |(_, own)| *own)
+        };
+        (found - exact).abs()
+    });
+    off.fold(0.0, f64::max)
+}
+
+/// Reference: dense matrices over 25 durations with a quarter of the step; they move by at most 3.2e-7.
+#[test]
+fn force_and_carriage_follow_the_reference() {
+    for name in ["bayo", "mast", "slim"] {
+        let (link, plan, motion, case) = case(name);
+        let mesh = Mesh::new(&link, &plan).unwrap();
+        let hertz = |omegas: Vec<f64>| omegas.iter().map(|omega| omega / TAU).collect::<Vec<_>>();
+        close(&hertz(natural_frequencies(&mesh, 4)), &numbers(&case["free_hz"]), 1e-7);
+        close(&hertz(held_frequencies(&mesh, f64::INFINITY, 4)), &numbers(&case["held_hz"]), 1e-7);
+        close(&torque_zeros(&mesh, 3), &numbers(&case["zeros_per_s"]), 1e-7);
+        let blocked = hertz(real_frequency_zeros(&mesh, TAU * 40.0));
+        close(&blocked, &numbers(&case["blocked_hz"]), 1e-7);
+        let analysis = Analysis::default().with_tip_tolerance(1e-10).unwrap();
+        let solution = invert(&link, &plan, &motion, &analysis).unwrap();
+        let force = &solution.hub().torque_n_m;
+        let peak_n = case["peak_force_n"].as_f64().unwrap();
+        assert!((Metrics::of(&solution).hub().peak_torque_n_m.value / peak_n - 1.0).abs() < 3e-6);
+        let off = distance(&solution, force, &case, "force_n") / peak_n;
+        assert!(off < 3e-6, "{name}: the force is {off:e} off");
+        let travel_m = motion.travel_m();
+        let off = distance(&solution, &solution.hub().angle_rad, &case, "carriage_m") / travel_m;
+        assert!(off < 3e-6, "{name}: the carriage is {off:e} off");
+    }
+}
+
+#[test]
+fn a_hub_with_a_very_long_radius_is_a_carriage() {
+    let motion = sine(0.5, 0.88, 880);
+    let damping = Damping::Hysteretic { ratio: 0.02 };
+    let carriage = Carriage { mass_kg: 1.0, viscous_friction_n_s_m: 0.7 };
+    let slid = uniform(1.0).carriage(carriage).damping(damping.clone()).build().unwrap();
+    let analysis = Analysis::new(1e-6, Some(1.5), Some(1.5)).unwrap();
+    let on_carriage = invert(&slid, &plan_of(&slid, 40), &motion, &analysis).unwrap();
+    let mut before = f64::INFINITY;
+    for radius_m in [1e3, 1e4, 1e5] {
+        let turned = LinkParts {
+            carriage: None,
+            hub: Hub {
+                inertia_kg_m2: radius_m * radius_m,
+                radius_m,
+                viscous_friction_n_m_s_rad: 0.7 * radius_m * radius_m,
+            },
+            ..uniform(1.0).damping(damping.clone())
+        };
+        let turned = turned.build().unwrap();
+        let plan = MeshPlan::new(&turned, &[None], Some(ElementCount::Total(40)), 1e-4).unwrap();
+        let on_hub = invert(&turned, &plan, &motion, &analysis).unwrap();
+        let force: Vec<f64> = on_hub.hub().torque_n_m.iter().map(|t| t / radius_m).collect();
+        let place: Vec<f64> = on_hub.hub().angle_rad.iter().map(|a| a * radius_m).collect();
+        let off =
+            apart(&force, &on_carriage.hub().torque_n_m) / peak(&on_carriage.hub().torque_n_m);
+        let off_m = apart(&place, &on_carriage.hub().angle_rad) / 0.5;
+        assert!(off < 3.0 * 1.5 / radius_m && off_m < 3.0 * 1.5 / radius_m, "{off:e} {off_m:e}");
+        assert!(off < 0.2 * before, "{off:e} after {before:e}");
+        before = off;
+    }
+}
+
+/// Computed with dense matrices: the peak between samples, 0.06 s before the tip moves.
+#[test]
+fn the_papers_motion_takes_a_third_of_the_force_of_a_rigid_link() {
+    let link = uniform(1.0).damping_ratio(0.02).build().unwrap();
+    let motion = sine(0.5, 0.88, 880);
+    let solution = invert(&link, &plan_of(&link, 40), &motion, &Analysis::default()).unwrap();
+    let metrics = Metrics::of(&solution);
+    let hub = metrics.hub();
+    close(&[hub.peak_torque_n_m.value, hub.peak_rigid_torque_n_m.value], &[3.485_93, 8.925], 1e-5);
+    assert!((hub.peak_torque_n_m.time_s + 0.060).abs() < 1e-3, "{}", hub.peak_torque_n_m.time_s);
+    let [lead_s, lag_s] = [hub.lead_s.unwrap(), hub.lag_s.unwrap()];
+    assert!((lead_s - 0.781).abs() < 1e-3 && (lag_s - 0.797).abs() < 1e-3, "{lead_s} {lag_s}");
+}
+
+#[test]
+fn the_force_played_forward_brings_the_tip_along_the_motion() {
+    let link = furnished(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2e-3 });
+    let motion = sine(0.3, 1.2, 1200);
+    let plan = plan_of(&link, 12);
+    let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
+    let torque = Torque::new(
+        &(0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect::<Vec<_>>(),
+        solution.hub().torque_n_m.clone(),
+    )
+    .unwrap();
+    let played = simulate(&link.into(), &[plan], &Play::of(&torque), &|_| {}).unwrap();
+    let off = apart(&played.tip[0].displacement_m, &solution.tip[0].displacement_m) / 0.3;
+    assert!(off < 2e-6, "the tip is {off:e} of its travel off");
+    let off = apart(&played.hub().angle_rad, &solution.hub().angle_rad) / 0.3;
+    assert!(off < 2e-6, "the carriage is {off:e} of the travel off");
+}
+
+#[test]
+fn a_rigid_link_takes_the_force_of_its_mass() {
+    let link = Link::builder()
+        .segment(Segment::uniform(1.5, 5e9, 0.8))
+        .carriage(Carriage { mass_kg: 1.0, viscous_friction_n_s_m: 2.0 })
+        .payload_kg(0.3)
+        .build()
+        .unwrap();
+    let motion = sine(0.5, 0.88, 440);
+    let solution = invert(&link, &plan_of(&link, 4), &motion, &Analysis::default()).unwrap();
+    let tip = &solution.tip[0];
+    let exact: Vec<f64> = tip
+        .acceleration_m_s2
+        .iter()
+        .zip(&tip.velocity_m_s)
+        .map(|(a, v)| (1.0 + 1.2 + 0.3) * a + 2.0 * v)
+        .collect();
+    assert!(apart(&solution.hub().torque_n_m, &exact) < 1e-6 * peak(&exact));
+    assert!(apart(&solution.hub().rigid_torque_n_m, &exact) < 1e-12 * peak(&exact));
+    assert!(apart(&solution.hub().angle_rad, &tip.displacement_m) < 1e-8);
+}
+
+/// A tip that swings for ever takes the force of the closed form at its one frequency.
+#[test]
+fn a_cycle_takes_the_force_of_its_frequency() {
+    let (frequency_hz, steps) = (2.0, 100_u32);
+    let link = uniform(1.0).damping_ratio(0.02).build().unwrap();
+    let omega = TAU * frequency_hz;
+    let time_s: Vec<f64> =
+        (0..steps).map(|k| f64::from(k) / f64::from(steps) / frequency_hz).collect();
+    let acceleration = time_s.iter().map(|t| (omega * t).cos()).collect();
+    let columns = MotionColumns {
+        time_s: time_s.clone(),
+        acceleration_m_s2: Some(acceleration),
+        ..MotionColumns::default()
+    };
+    let motion = TipMotion::with_ends(columns, Ends::Periodic).unwrap();
+    let solution = invert(&link, &plan_of(&link, 100), &motion, &Analysis::default()).unwrap();
+    let [position, force, _] = closed_form(1.0, 0.02, frequency_hz);
+    let turned = |t: &f64| Complex64::new((omega * t).cos(), (omega * t).sin());
+    let exact: Vec<f64> = time_s.iter().map(|t| (force * turned(t)).re).collect();
+    assert!(apart(&solution.hub().torque_n_m, &exact) < 1e-6 * peak(&exact));
+    let exact: Vec<f64> = time_s.iter().map(|t| (position * turned(t)).im / omega).collect();
+    assert!(apart(&solution.hub().rate_rad_s, &exact) < 1e-6 * peak(&exact));
+}
