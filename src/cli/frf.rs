@@ -20,7 +20,7 @@ use crate::text::{given, significant};
 
 use super::modes::falling;
 use crate::cli::options::common::{angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_carriage, warn_of_gravity};
 use crate::cli::terminal::files::keep_files;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
@@ -117,7 +117,10 @@ impl Frf {
         if let Some(output) = &self.output {
             keep_files(output, &[&self.link.link])?;
         }
-        let specification = self.link.specification()?;
+        let (_, specification) = self.link.load_any()?;
+        if self.at.is_some() {
+            refuse_carriage(&specification.arm)?;
+        }
         let bar = StageBar::new();
         bar.at("computing responses");
         let Responses { columns, error, falls } = self.compute(&specification)?;
@@ -186,7 +189,7 @@ impl Frf {
         let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
         Ok(Responses {
             error: BandMeshError::of_errors(known, Refined::Elements),
-            columns: link_response(&rows, errors.as_deref()),
+            columns: link_response(&link.joint(), &rows, errors.as_deref()),
             falls: false,
         })
     }

@@ -59,6 +59,48 @@ fn modes_are_those_with_the_carriage_free_and_held() {
 }
 
 #[test]
+fn a_sweep_and_a_response_have_the_columns_of_a_carriage() {
+    let bench = bench();
+    bench.done(&format!("sweep {MAST} move.csv --vary payload.mass=40,80 -o sweep.csv"));
+    let text = bench.read("sweep.csv");
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    let at = rows[0].iter().position(|name| *name == "peak_force_n").unwrap();
+    let forces: Vec<f64> = rows[1..].iter().map(|row| row[at].parse().unwrap()).collect();
+    bench.done(&format!("solve {MAST} move.csv --set payload.mass=80 -o out"));
+    let alone = bench.number("out", "results/peak_force_n");
+    assert!((forces[1] / alone - 1.0).abs() < 1e-9, "{forces:?} {alone}");
+    assert!(!text.contains("torque") && !text.contains("hub"), "{text}");
+    assert!(stderr(&ended(3, bench.run("report sweep.csv"))).contains("is not read back yet"));
+    bench.done(&format!("frf {MAST} --from 0.01 --to 20 --points 3 -o frf.csv"));
+    // At rest the force moves the whole mass.
+    let inertia = column(&bench, "frf.csv", "force_per_tip_acceleration_kg_real");
+    let place = column(&bench, "frf.csv", "carriage_per_tip_displacement_real");
+    let mass_kg = bench.number("out", "link/rigid_mass_kg") - 40.0;
+    assert!((inertia[0] / mass_kg - 1.0).abs() < 1e-4, "{inertia:?} {mass_kg}");
+    assert!((place[0] - 1.0).abs() < 1e-4, "{place:?}");
+}
+
+#[test]
+fn limits_of_force_and_speed_are_checked() {
+    let bench = bench();
+    let solve =
+        |limits: &str| bench.run(&format!("solve {MAST} move.csv {limits} --strict -o out"));
+    succeeded(solve("--set limits.force=5000 --set limits.carriage_speed=2.2"));
+    assert!((bench.number("out", "limits/force_n") - 5e3).abs() < 1e-9);
+    let told = stderr(&ended(4, solve("--set limits.force=4000")));
+    assert!(told.contains("limits.force = 4000 N is exceeded at the carriage: 4848.6 N"), "{told}");
+    let told = stderr(&ended(4, solve("--set limits.carriage_speed=2")));
+    assert!(told.contains("limits.carriage_speed = 2 m/s is exceeded: 2.14"), "{told}");
+    let told = stderr(&ended(
+        3,
+        bench.run(
+            "solve specs/bayo1987_example1.toml trajectories/sine_0.88s.csv --set limits.force=2",
+        ),
+    ));
+    assert!(told.contains("limits.force must be torque for a link on a hub"), "{told}");
+}
+
+#[test]
 fn what_a_carriage_does_not_take_is_refused_in_words() {
     let bench = bench();
     let refused = |words: &str| stderr(&ended(3, bench.run(words)));
@@ -71,18 +113,15 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
         ),
         (format!("solve {MAST} move.csv --set gravity=[0,-9.81]"), "gravity = set, but must not"),
         (format!("solve {MAST} move.csv --set gravity=[0,0]"), "gravity = set, but must not"),
-        (format!("solve {MAST} move.csv --set limits.motor_rate=2"), "is a limit of a hub"),
+        (format!("solve {MAST} move.csv --set limits.motor_rate=2"), "must come with a [drive]"),
         (format!("solve {MAST} move.csv --set drive.gear_ratio=2"), "drive = set, but must not"),
-        (
-            format!("solve {MAST} move.csv --set limits.torque=2"),
-            "limits.torque is a limit of a hub",
-        ),
+        (format!("solve {MAST} move.csv --set limits.torque=2"), "limits.torque must be force"),
+        (format!("solve {MAST} move.csv --set limits.force=-2"), "limits.force = -2 N, but must"),
         (format!("solve {MAST} move.csv --report -o out"), "[carriage] is new"),
         (format!("solve {MAST} move.csv --write force.csv"), "[carriage] is new"),
         (format!("simulate {MAST} move.csv"), "[carriage] is new"),
-        (format!("frf {MAST}"), "[carriage] is new"),
+        (format!("frf {MAST} --at 0"), "[carriage] is new"),
         (format!("modes {MAST} --at 0"), "[carriage] is new"),
-        (format!("sweep {MAST} move.csv --vary payload.mass=1,2 -o s.csv"), "[carriage] is new"),
         (
             format!("trajectory septic --distance 2 --step 0.01 --link {MAST} --fit-limit power=1"),
             "is new",

@@ -32,12 +32,7 @@ pub(crate) struct LinkArgs {
 }
 
 impl LinkArgs {
-    /// Reads the content of the file, one link or an arm of several, and applies the changes.
-    pub(crate) fn specification(&self) -> Result<Specification, Failure> {
-        self.load().map(|(_, specification)| specification)
-    }
-
-    /// Like [`Self::specification`], but also returns the file.
+    /// Reads the file, one link or an arm of several, and applies the changes; refuses a link on a carriage.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
         let (file, specification) = self.load_any()?;
         refuse_carriage(&specification.arm)?;
@@ -87,14 +82,13 @@ pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specifica
     Ok(read)
 }
 
-/// Refuses a link on a carriage, which only `solve`, `verify` and `modes` take.
+/// Refuses a link on a carriage, where a command does not take it yet.
 pub fn refuse_carriage(arm: &Arm) -> Result<(), Failure> {
     if !arm.links()[0].link.joint().slides() {
         return Ok(());
     }
     let message = "a link on a carriage, but must be on a hub: [carriage] is new";
-    let hint =
-        "`solve` without --report and --write, `verify`, and `modes` without --at take a carriage";
+    let hint = "solve, verify, sweep, modes and frf take a carriage, without --report, --write, --torque and --at";
     Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 

@@ -18,6 +18,7 @@ use crate::cli::terminal::{Ending, Exit, Failure, PrintArgs, ThreadArgs, Warning
 use crate::cli::verify::refuse_failed;
 use crate::csv::InputFile;
 use crate::numeric::TimeGrid;
+use crate::result::Notice;
 use crate::store::{REPORT, Summary};
 use crate::text::shown_path;
 use run::{Page, Run, SolveOptions, SolvedRun};
@@ -223,7 +224,7 @@ impl Solve {
         let Solved { solution, metrics, exceeded, .. } = solved;
         // With --strict the first is an error, printed at the end.
         let limits = exceeded.iter().skip(usize::from(self.strict));
-        console::warnings(limits);
+        console::warnings(limits.map(|own| Notice::from(own).worded(&solution.arm)));
         let checks = verification.as_ref().map(verify_text).unwrap_or_default();
         let text = || {
             let written = self.written(&solution.grid, summary);
@@ -239,7 +240,8 @@ impl Solve {
         run.verification.as_ref().map_or(Ok(()), refuse_failed)?;
         let exceeded = &run.solved.exceeded;
         if let Some(limit) = exceeded.first().filter(|_| self.strict) {
-            return Err(Failure::new(Exit::NotSolvable, limit, Some(limit.hint())));
+            let limit = Notice::from(limit).worded(&run.solved.solution.arm);
+            return Err(Failure::new(Exit::NotSolvable, &limit.message, Some(&limit.hint)));
         }
         self.warnings.refuse(exceeded.len() + warned)?;
         Ok(Ending::Done)

@@ -132,7 +132,10 @@ impl<'a> Cases<'a> {
         motion_file.shown.clone_from(&motion_file.name);
         let first = first.named(&motion_file.name);
         let kind = match &torque_file {
-            Some((_, torques)) => SweepKind::Played { joints: torques.len() },
+            Some((_, torques)) => {
+                refuse_carriage(&first.arm)?;
+                SweepKind::Played { joints: torques.len() }
+            }
             None => SweepKind::of_links(&first.links()),
         };
         Ok(Self {
@@ -193,11 +196,17 @@ impl<'a> Cases<'a> {
     pub(crate) fn specification(&self, values: &CaseValues) -> Result<Specification, Failure> {
         let overrides = with_case(&self.overrides, values)?;
         let read = self.document.specification(&self.link_file.shown, &overrides)?;
-        refuse_carriage(&read.arm)?;
         let [links, must] = [&read.arm, &self.first.arm].map(|arm| arm.links().len());
         if links != must {
             let message =
                 format!("links = {links}, but must be {must}, as many as in the first case");
+            return Err(Failure::new(Exit::InputRefused, &message, None));
+        }
+        let [slides, first_slides] =
+            [&read.arm, &self.first.arm].map(|arm| arm.links()[0].link.joint().slides());
+        if slides != first_slides {
+            let message =
+                "the link changes between hub and carriage, but must keep that of the first case";
             return Err(Failure::new(Exit::InputRefused, &message, None));
         }
         let OutputsArgs { outputs, nodes, .. } = &self.shared.outputs;
@@ -351,7 +360,6 @@ impl First {
         file: &InputFile,
         (resample, read): (&ResampleArgs, &ReadArgs),
     ) -> Result<(Self, Reading), Failure> {
-        refuse_carriage(&arm)?;
         let (wanted, reading) = resample.motion_of(file, &arm, read)?;
         let periods = wanted.motion.tip().map(Periods::of);
         Ok((Self { arm, wanted, periods }, reading))

@@ -79,8 +79,10 @@ impl Cases<'_> {
             let outputs = self.shared.outputs.of_case(&solution.nodes_m())?;
             solved.write(inputs, &outputs, memory_bytes, || self.stage(&folder))?;
         }
-        let notices = solution.warnings.iter().map(Notice::from);
-        let notices = notices.chain(exceeded.iter().map(of_limit)).collect();
+        let notices = solution.warnings.iter();
+        let notices = notices.map(|own| Notice::from(own).worded(&solution.arm));
+        let limits = exceeded.iter().map(|own| of_limit(own).worded(&solution.arm));
+        let notices = notices.chain(limits).collect();
         // The tally alone does not need a link's modes above the first.
         let remarks = solved.remarks_on(Some(found.first_rad_s.as_slice()));
         Ok((numbers, notices, remarks))

@@ -1,14 +1,17 @@
 use serde::Deserialize;
 
 use super::error::{Fault, USUAL_RATIO, listed};
-use super::raw::{Model, RawAnalysis, RawDamping, RawSpecification, Theory};
+use super::raw::{
+    Model, OF_CARRIAGE, RawAnalysis, RawDamping, RawLimits, RawSpecification, Theory,
+};
 use super::segment::segment;
 use super::tree::Node;
 use super::value::{AlongAxes, Count, Elements, Si};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
 use crate::link::{
-    Carriage, Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, Payload, in_unit_interval,
+    Carriage, Damping, Drive, Gravity, Hub, Link, LinkParts, LumpedMass, ParameterError, Payload,
+    in_unit_interval,
 };
 use crate::result::{Limits, Remark};
 
@@ -107,16 +110,30 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
     let tolerance = raw.mesh.tolerance.unwrap_or(MeshPlan::DEFAULT_TOLERANCE);
     let mesh = MeshPlan::new(&link, &own_elements, count, tolerance)?;
     let analysis = analysis(&raw.analysis)?;
-    let limits = Limits::new(raw.limits.0.iter().copied())?;
-    let is_of_hub =
-        |key: &&str| key.contains("torque") || key.contains("rate") || key.contains("motor");
-    let mut keys = raw.limits.0.iter().map(|(key, _)| *key).filter(|_| link.joint().slides());
-    if let Some(key) = keys.find(is_of_hub) {
-        let message = "is a limit of a hub: the program does not check those of a carriage yet";
-        return Err(Fault::on(format!("limits.{key}"), message));
-    }
-    let limits = limits.check(link.drive())?;
+    let limits = limits(&raw.limits, &link)?;
     Ok(LinkKeys { link, mesh, analysis, limits, remarks })
+}
+
+/// The limits of a link by the keys of its joint.
+fn limits(raw: &RawLimits, link: &Link) -> Result<Limits, Fault> {
+    let joint = link.joint();
+    let of_joint = |(key, limit): &(&'static str, f64)| {
+        let pair = OF_CARRIAGE.iter().find(|(own, of_hub, _)| own == key || of_hub == key);
+        let Some((own, of_hub, _)) = pair else { return Ok((*key, *limit)) };
+        let must = if joint.slides() { own } else { of_hub };
+        if must == key {
+            return Ok((*of_hub, *limit));
+        }
+        let joint = if joint.slides() { "a carriage" } else { "a hub" };
+        Err(Fault::on(format!("limits.{key}"), format!("must be {must} for a link on {joint}")))
+    };
+    let limits = raw.0.iter().map(of_joint).collect::<Result<Vec<_>, _>>()?;
+    let worded = |error: ParameterError| {
+        let [parameter, found] = [&error.parameter, &error.found].map(|text| joint.worded(text));
+        ParameterError { parameter, found, ..error }
+    };
+    let limits = Limits::new(limits).and_then(|limits| limits.check(link.drive()));
+    Ok(limits.map_err(worded)?)
 }
 
 fn analysis(raw: &RawAnalysis) -> Result<Analysis, Fault> {

@@ -17,6 +17,8 @@ use super::value::{
     quantity, tables,
 };
 use crate::elastica::SecondOrder;
+use crate::link::{Carriage, Joint};
+use crate::numeric::Dimension;
 use crate::result::JointQuantity;
 
 /// Link file of flexlink.
@@ -241,14 +243,33 @@ pub(super) struct RawDrive {
     pub(super) gear_ratio: Option<f64>,
 }
 
-/// `[limits]`: the keys of [`QUANTITIES`](crate::result::QUANTITIES) with their values in SI.
+/// Limits of a carriage, with the key of a hub's limit in their place and their dimension.
+pub(super) const OF_CARRIAGE: [(&str, &str, Dimension); 3] = [
+    ("force", "torque", Dimension::FORCE),
+    ("rms_force", "rms_torque", Dimension::FORCE),
+    ("carriage_speed", "hub_rate", Dimension::VELOCITY),
+];
+
+/// Keys of `[limits]`, each with its dimension and its meaning: those of [`QUANTITIES`](crate::result::QUANTITIES), then those
+/// of a carriage.
+fn limit_keys() -> impl Iterator<Item = (&'static str, Dimension, String)> {
+    let carriage = Joint::Prismatic(Carriage::default());
+    let what = move |of_hub| JointQuantity::of_limit(of_hub).map_or("", |own| own.what);
+    let of_carriage = OF_CARRIAGE.into_iter();
+    let of_carriage = of_carriage
+        .map(move |(key, of_hub, dimension)| (key, dimension, carriage.worded(what(of_hub))));
+    let of_joint = JointQuantity::with_limit();
+    of_joint.map(|(key, of)| (key, of.unit.dimension, of.what.to_owned())).chain(of_carriage)
+}
+
+/// `[limits]`: keys with their values in SI.
 #[derive(Debug, Default)]
 pub(super) struct RawLimits(pub(super) Vec<(&'static str, f64)>);
 
 impl<'de> Deserialize<'de> for RawLimits {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         static KEYS: LazyLock<Vec<&str>> =
-            LazyLock::new(|| JointQuantity::with_limit().map(|(key, _)| key).collect());
+            LazyLock::new(|| limit_keys().map(|(key, ..)| key).collect());
         struct Table;
         impl<'de> Visitor<'de> for Table {
             type Value = RawLimits;
@@ -260,10 +281,10 @@ impl<'de> Deserialize<'de> for RawLimits {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawLimits, A::Error> {
                 let mut limits = Vec::new();
                 while let Some(written) = map.next_key::<String>()? {
-                    let known = JointQuantity::with_limit().find(|(key, _)| *key == written);
-                    let (key, of) =
+                    let known = limit_keys().find(|(key, ..)| *key == written);
+                    let (key, dimension, _) =
                         known.ok_or_else(|| A::Error::unknown_field(&written, &KEYS))?;
-                    let quantity = Ends { dimension: of.unit.dimension, takes_two: false };
+                    let quantity = Ends { dimension, takes_two: false };
                     limits.push((key, map.next_value_seed(quantity)?.inner));
                 }
                 Ok(RawLimits(limits))
@@ -279,10 +300,10 @@ impl JsonSchema for RawLimits {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let keys = JointQuantity::with_limit().map(|(key, of)| {
-            let mut schema = quantity(of.unit.dimension);
+        let keys = limit_keys().map(|(key, dimension, what)| {
+            let mut schema = quantity(dimension);
             above_zero(&mut schema);
-            schema.insert("description".into(), of.what.into());
+            schema.insert("description".into(), what.into());
             (key.to_owned(), schema.into())
         });
         let keys: Map<String, Value> = keys.collect();

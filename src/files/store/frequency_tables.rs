@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 use super::folder::{FolderError, OutputFolder};
 use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
+use crate::link::Joint;
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
 use crate::response::{ArmResponses, ArmShapes, PoseMode, SettledModes};
@@ -179,16 +180,27 @@ fn parts_of(name: &str, transfer: impl Iterator<Item = Complex64>) -> ResponseCo
 }
 
 /// The columns of a link's frequency response: frequency, then each transfer, and their relative error due to the
-/// mesh.
-pub fn link_response(rows: &[FrequencyResponse], mesh_errors: Option<&[f64]>) -> ResponseColumns {
+/// mesh. Of a carriage they are force, position and tip per force.
+pub fn link_response(
+    joint: &Joint,
+    rows: &[FrequencyResponse],
+    mesh_errors: Option<&[f64]>,
+) -> ResponseColumns {
     let frequencies = rows.iter().map(|row| row.frequency_hz).collect();
     let mut columns = vec![("frequency_hz".to_owned(), frequencies)];
-    let transfers: [(&str, Transfer); 3] = [
-        ("torque_per_tip_acceleration_kg_m", |row| row.torque_per_tip_acceleration_kg_m),
-        ("hub_angle_per_tip_displacement_rad_m", |row| row.hub_angle_per_tip_displacement_rad_m),
-        ("tip_displacement_per_torque_1_n", |row| row.tip_displacement_per_torque_1_n),
+    let transfers: [([&str; 2], Transfer); 3] = [
+        (["torque_per_tip_acceleration_kg_m", "force_per_tip_acceleration_kg"], |row| {
+            row.torque_per_tip_acceleration_kg_m
+        }),
+        (["hub_angle_per_tip_displacement_rad_m", "carriage_per_tip_displacement"], |row| {
+            row.hub_angle_per_tip_displacement_rad_m
+        }),
+        (["tip_displacement_per_torque_1_n", "tip_displacement_per_force_m_n"], |row| {
+            row.tip_displacement_per_torque_1_n
+        }),
     ];
-    for (name, transfer) in transfers {
+    for (names, transfer) in transfers {
+        let name = names[usize::from(joint.slides())];
         columns.extend(parts_of(name, rows.iter().map(transfer)));
     }
     columns.push(("mesh_error".to_owned(), mesh_errors.unwrap_or_default().to_vec()));

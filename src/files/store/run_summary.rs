@@ -106,6 +106,9 @@ impl Summary {
             values["second_order"] = second_order_record(solution, found);
         }
         store_limits(&mut values, findings.limits);
+        if let Some(of_hub) = values.get_mut("limits").filter(|_| link.joint().slides()) {
+            *of_hub = renamed(&link.joint(), of_hub.take());
+        }
         let summary = if solution.links.len() == 1 {
             if link.has_weight() {
                 values["frequencies_without_gravity"] = json!(true);

@@ -15,7 +15,7 @@ const NAMES: [(&str, &str); 8] = [
 ];
 
 /// Words and units of a hub in texts, and those of a carriage in their place; longer ones stand first.
-const WORDS: [(&str, &str); 17] = [
+const WORDS: [(&str, &str); 18] = [
     ("use analysis.second_order = \"full\", a slower motion", "use a slower motion"),
     ("T/a_tip of the paper's dense H", "F/a_tip by assembled matrices"),
     ("T/a_tip", "F/a_tip"),
@@ -28,6 +28,7 @@ const WORDS: [(&str, &str); 17] = [
     ("rad", "m"),
     ("hub angle", "carriage travel"),
     ("hub rate", "carriage speed"),
+    ("hub_rate", "carriage_speed"),
     ("hub accel.", "accel."),
     ("hub", "carriage"),
     ("torques", "forces"),

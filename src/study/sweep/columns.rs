@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::inverse::Solution;
-use crate::link::Link;
+use crate::link::{Carriage, Hub, Joint, Link};
 use crate::modal::torque_zeros;
 use crate::response::{Played, PlayedLink, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
@@ -117,6 +117,8 @@ pub enum SweepKind {
         joints: usize,
         /// With those of motors.
         is_driven: bool,
+        /// Of a link on a carriage.
+        slides: bool,
     },
     /// The torques of one table, played on every case.
     Played {
@@ -139,12 +141,13 @@ impl SweepKind {
     /// The kind of sweep that solves these links.
     pub fn of_links(links: &[&Link]) -> Self {
         let is_driven = links.iter().any(|link| link.drive().is_some());
-        Self::Solved { joints: links.len(), is_driven }
+        let slides = links.iter().any(|link| link.joint().slides());
+        Self::Solved { joints: links.len(), is_driven, slides }
     }
 
     fn columns(self) -> Vec<Column> {
         let (joints, is_driven) = match self {
-            Self::Solved { joints, is_driven } => (joints, is_driven),
+            Self::Solved { joints, is_driven, .. } => (joints, is_driven),
             Self::Played { joints } => return Self::played_columns(joints),
         };
         let of_joint =
@@ -175,11 +178,15 @@ impl SweepKind {
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
         let (Self::Solved { joints, .. } | Self::Played { joints }) = self;
+        let of = match self {
+            Self::Solved { slides: true, .. } => Joint::Prismatic(Carriage::default()),
+            _ => Joint::Revolute(Hub::default()),
+        };
         let name = |column| match column {
             Column::Solved((name, _)) | Column::Played((name, _)) => name.to_owned(),
             Column::Joint(joint, own) => own.column((joints > 1).then_some(joint + 1)),
         };
-        self.columns().into_iter().map(name).collect()
+        self.columns().into_iter().map(name).map(|name| of.named(&name)).collect()
     }
 
     /// The numbers of a solved case. A sweep that plays has none here.

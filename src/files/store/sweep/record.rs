@@ -161,7 +161,12 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
     let joints = joints_of(names);
-    let solved = |joints| [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven });
+    if names.contains(&"peak_force_n") {
+        return Err(place.refuse_whole("a sweep of a link on a carriage is not read back yet"));
+    }
+    let solved = |joints| {
+        [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven, slides: false })
+    };
     let played = |joints| [SweepKind::Played { joints }];
     let kinds = [&solved(1)[..], &played(1), &solved(joints), &played(joints)].concat();
     let names_of =
