@@ -84,7 +84,7 @@ pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specifica
 
 /// Refuses a link on a carriage, where a command does not take it yet.
 pub fn refuse_carriage(arm: &Arm) -> Result<(), Failure> {
-    if !arm.links()[0].link.joint().slides() {
+    if !arm.joint().slides() {
         return Ok(());
     }
     let message = "a link on a carriage, but must be on a hub: [carriage] is new";

@@ -202,8 +202,7 @@ impl<'a> Cases<'a> {
                 format!("links = {links}, but must be {must}, as many as in the first case");
             return Err(Failure::new(Exit::InputRefused, &message, None));
         }
-        let [slides, first_slides] =
-            [&read.arm, &self.first.arm].map(|arm| arm.links()[0].link.joint().slides());
+        let [slides, first_slides] = [&read.arm, &self.first.arm].map(|arm| arm.joint().slides());
         if slides != first_slides {
             let message =
                 "the link changes between hub and carriage, but must keep that of the first case";

@@ -20,7 +20,7 @@ pub const REPORT: &str = "report.html";
 /// Names for a link on a hub, for an arm and for a link on a carriage; empty without such a file or column.
 type Name = [&'static str; 3];
 
-/// What the names of files and columns depend on.
+/// The joints of a run, as the names of its files and columns show them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     /// A link on a hub.
@@ -98,11 +98,8 @@ pub(super) static RIGID_TORQUE: JointFile = JointFile {
     columns: &[["rigid_torque_n_m", "rigid_torque#_n_m", "rigid_force_n"]],
     shares_decimals: true,
 };
-/// True for columns that only a solution has: those of rigid links, and the moment at the root.
-pub(super) fn is_of_solution(column: &str) -> bool {
-    column.starts_with("rigid_") || column.starts_with("root_")
-}
-
+/// Beginning of the names of columns for rigid links, which only a solution has.
+pub(super) const RIGID: &str = "rigid_";
 /// Angles of the hub or of the joints. A simulation writes the first three columns.
 pub(super) static ANGLE: JointFile = JointFile::new(
     ["hub_angle.csv", "joint_angles.csv", "carriage.csv"],

@@ -9,8 +9,8 @@ use serde_json::Value;
 use super::json::newer;
 use super::names::RunOutputs;
 use super::names::{
-    ANGLE, DEFLECTIONS, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID_TORQUE,
-    SUMMARY, TIP, TORQUE, is_of_solution,
+    ANGLE, DEFLECTIONS, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID,
+    RIGID_TORQUE, SUMMARY, TIP, TORQUE,
 };
 use super::read_tables::{
     RunFolder, TIME, Table, check_window, deflections, read_nodal, read_nodes, times_s,
@@ -114,7 +114,7 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     ] {
         if is_there {
             let mut columns = file.columns(form, joints);
-            columns.retain(|name| is_solved || !is_of_solution(name));
+            columns.retain(|name| is_solved || !name.starts_with(RIGID));
             let table = Table::of(&folder.file(file.name(form))?, &columns)?;
             table.check_times(times, 1)?;
             tables.push((file, columns, table));

@@ -105,10 +105,7 @@ impl Summary {
         if let Some(found) = &solution.second_order {
             values["second_order"] = second_order_record(solution, found);
         }
-        store_limits(&mut values, findings.limits);
-        if let Some(of_hub) = values.get_mut("limits").filter(|_| link.joint().slides()) {
-            *of_hub = renamed(&link.joint(), of_hub.take());
-        }
+        store_limits(&mut values, findings.limits, arm);
         let summary = if solution.links.len() == 1 {
             if link.has_weight() {
                 values["frequencies_without_gravity"] = json!(true);
@@ -118,25 +115,17 @@ impl Summary {
         } else {
             Self::titled("solve", inputs, arm.title())
         };
-        let warnings = solution.warnings.iter().map(Notice::from).collect();
-        let files = outputs.files(arm.links().iter().map(|own| &own.link));
-        let summary = Self { values, ..summary }.with_findings(warnings, findings, files);
-        let worded = |notices: Vec<Notice>| -> Vec<Notice> {
-            notices.into_iter().map(|own| own.worded(arm)).collect()
-        };
-        let remarks = summary.remarks.map(worded);
-        Self { warnings: worded(summary.warnings), remarks, ..summary }
-    }
-
-    /// The summary with limits, checks and remarks of its solution.
-    fn with_findings(self, warnings: Vec<Notice>, findings: &Findings, files: Vec<&str>) -> Self {
         let exceeded = findings.exceeded.iter().map(Notice::from);
+        let warnings = solution.warnings.iter().map(Notice::from).chain(exceeded);
+        let remarks = findings.remarks.iter().map(Notice::from);
+        let files = outputs.files(arm.links().iter().map(|own| &own.link)).into_iter();
         Self {
+            values,
             verification: Some(findings.verification.map(|own| own.checks.clone())),
-            warnings: warnings.into_iter().chain(exceeded).collect(),
-            remarks: Some(findings.remarks.iter().map(Notice::from).collect()),
-            files: files.into_iter().map(str::to_owned).collect(),
-            ..self
+            warnings: warnings.map(|own| own.worded(arm)).collect(),
+            remarks: Some(remarks.map(|own| own.worded(arm)).collect()),
+            files: files.map(str::to_owned).collect(),
+            ..summary
         }
     }
 
@@ -184,7 +173,7 @@ impl Summary {
             });
             (values, Self::titled("simulate", inputs, arm.title()))
         };
-        store_limits(&mut values, limits);
+        store_limits(&mut values, limits, arm);
         match &played.by {
             PlayedBy::Modes(ModalPlay { selection, residual, .. }) => {
                 values["modes"] = json!({
@@ -240,7 +229,7 @@ fn solution_values(solution: &Solution, metrics: &Metrics) -> Value {
     }
     values["analysis"] = analysis_values(solution);
     values["results"] = match &metrics.joints[..] {
-        [hub] => joint_record(&arm.links()[0].link.joint(), hub).into(),
+        [hub] => joint_record(&arm.joint(), hub).into(),
         joints => json!({
             "farthest_m": solution.tip_travel_m(),
             "joints": joints.iter().zip(arm.links()).map(|(own, link)| joint_record(&link.link.joint(), own)).collect::<Vec<_>>(),
@@ -250,7 +239,7 @@ fn solution_values(solution: &Solution, metrics: &Metrics) -> Value {
     values["errors"] = match &joints[..] {
         [hub] => {
             let errors = ErrorsRecord { tip, tip_model: *tip_model_error, hub: &hub.errors };
-            renamed(&arm.links()[0].link.joint(), json!(errors))
+            renamed(&arm.joint(), json!(errors))
         }
         joints => {
             let joints: Vec<_> = joints.iter().map(|joint| &joint.errors).collect();
@@ -312,10 +301,10 @@ fn link_errors(run: &Simulated) -> Value {
 }
 
 /// Stores the limits of a single link, or of each joint, if there are any.
-fn store_limits(values: &mut Value, limits: &[Limits]) {
+fn store_limits(values: &mut Value, limits: &[Limits], arm: &Arm) {
     let stored: Vec<Option<Value>> = limits.iter().map(Limits::stored).collect();
     match &stored[..] {
-        [Some(own)] => values["limits"] = own.clone(),
+        [Some(own)] => values["limits"] = renamed(&arm.joint(), own.clone()),
         several if several.iter().any(Option::is_some) => values["limits"] = json!(several),
         _ => {}
     }

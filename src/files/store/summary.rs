@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, newer, parsed};
-use super::names::Form;
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::elastica::SecondOrder;
 use crate::link::{
@@ -175,17 +174,6 @@ impl Summary {
             title: title.to_owned(),
             inputs,
             ..Self::default()
-        }
-    }
-
-    /// Form of the names of files and columns.
-    pub(super) fn form(&self) -> Form {
-        if self.is_of_arm() {
-            Form::Arm
-        } else if self.link.carriage.is_some() {
-            Form::Carriage
-        } else {
-            Form::Hub
         }
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::json;
 
-use super::names::TORQUE;
+use super::names::{Form, TORQUE};
 use super::run_summary::tip_numbers;
 use super::summary::Summary;
 use crate::csv::{Column, ColumnGroup, Digits, NumberFormat, sha256, time_format, write_csv};
@@ -137,7 +137,9 @@ impl TorqueFile<'_> {
 
     fn write_csv(&self, out: &mut (dyn Write + Send)) -> io::Result<()> {
         let columns = self.table.torques_n_m();
-        let name = |k: usize| TORQUE.column(self.summary.form(), k, 0);
+        // A force on a carriage has no such table.
+        let form = if columns.len() > 1 { Form::Arm } else { Form::Hub };
+        let name = |k: usize| TORQUE.column(form, k, 0);
         let columns =
             columns.iter().enumerate().map(|(k, values)| Column { name: name(k), values });
         let group = ColumnGroup { columns: columns.collect() };

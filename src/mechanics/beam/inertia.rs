@@ -32,12 +32,6 @@ impl<S: Scalar> Inertia<S> {
         self.pp * (phi * phi) + (self.vp * (phi + phi) + self.vv * v) * v
     }
 
-    /// Moment per acceleration of such a joint.
-    #[inline(always)]
-    pub fn moment_along(&self, [v, phi]: [f64; 2]) -> S {
-        self.vp * v + self.pp * phi
-    }
-
     #[inline(always)]
     pub(super) fn plus(self, other: Inertia<f64>) -> Self {
         Self { vv: self.vv + other.vv, vp: self.vp + other.vp, pp: self.pp + other.pp }

@@ -120,10 +120,10 @@ impl<S: Scalar> HubResponse<S> {
         (root, largest_gain): (Inertia<S>, S::Size),
         tip_deflection_m: S,
     ) -> Self {
-        let unit = mesh.rigid(0);
+        let [v, phi] = mesh.rigid(0);
         Self {
-            inertia_kg_m2: root.along(unit) + mesh.joint().inertia(),
-            root_inertia_kg_m2: root.moment_along(unit),
+            inertia_kg_m2: root.along([v, phi]) + mesh.joint().inertia(),
+            root_inertia_kg_m2: root.vp * v + root.pp * phi,
             tip_deflection_m,
             per_lambda_s2: mesh.per_lambda(lambda),
             largest_gain,

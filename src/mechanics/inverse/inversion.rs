@@ -49,9 +49,9 @@ pub fn invert(
 /// Finds the torques of all joints for the motion of an arm, or of one link; `plans` has one for each link.
 ///
 /// # Errors
-/// [`InversionError`]: impossible damping, an arm that cannot follow its path, a torque that is not finite, an automatic
-/// mesh that does not converge, second-order terms that do not converge, a window too long to transform, or more memory
-/// than `resources` allow.
+/// [`InversionError`]: impossible damping, an arm that cannot follow its path, or a torque that is not finite. An automatic
+/// mesh or second-order terms may not converge. A window may be too long to transform, or need more memory than
+/// `resources` allow.
 pub fn invert_motion(
     arm: &Arm,
     plans: &[MeshPlan],
@@ -85,7 +85,7 @@ fn invert_link(
     if link.joint().slides() && order != SecondOrder::None {
         return Err(InversionError::OnCarriage);
     }
-    let is_bent = link.has_weight() || analysis.second_order_of(link) != SecondOrder::None;
+    let is_bent = link.has_weight() || order != SecondOrder::None;
     let has_drag = coarsest.law().mass_rate_per_s() > 0.0;
     analysis.refuse_ends(motion.ends(), (is_bent, has_drag))?;
     let turns = motion.travel_m() / (TAU * link.length_m());

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::joint::Joint;
 use super::link::Link;
 use super::parts::{Gravity, ParameterError};
 
@@ -96,6 +97,11 @@ impl Arm {
     /// The links, the inner one first.
     pub fn links(&self) -> &[ArmLink] {
         &self.parts.links
+    }
+
+    /// The joint between ground and the first link.
+    pub fn joint(&self) -> Joint {
+        self.parts.links[0].link.joint()
     }
 
     /// Gravity in m/s² along the plane's x and y axes.

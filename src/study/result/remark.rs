@@ -377,7 +377,7 @@ impl Remark {
     /// Remarks on a motion that moves the tip by `travel_m`; the tip may stray by the share `tolerance` of it.
     pub fn on_motion(arm: &Arm, motion: &Motion, travel_m: f64, tolerance: f64) -> Vec<Self> {
         let length_m = arm.length_m();
-        let slides = arm.links()[0].link.joint().slides();
+        let slides = arm.joint().slides();
         let duration = Self::on_duration(motion);
         let travel = (travel_m > MOST_TRAVEL * length_m && !slides)
             .then_some(Self::Travel { travel_m, length_m });

@@ -185,6 +185,12 @@ impl Kind {
         bound: |_| STRAYS,
         hint: "use analysis.second_order = \"full\", a slower motion or a stiffer link",
     };
+    /// On a carriage all terms are estimated, and there is no order of terms to choose.
+    pub(super) const MODEL_ON_CARRIAGE: Self = Self {
+        what: "tip with all terms, estimated",
+        hint: "use a slower motion or a stiffer link",
+        ..Self::MODEL
+    };
     /// Check of a limit by its key in the link file.
     pub(super) const LIMIT: Self = Self {
         name: "limit",
@@ -193,11 +199,6 @@ impl Kind {
         bound: |_| 1.0,
         hint: "use a slower motion, or another limit",
     };
-
-    /// Its remedy.
-    pub(super) const fn hint(&self) -> &'static str {
-        self.hint
-    }
 
     /// The check with its number.
     pub(super) fn measured(&self, answer: &Answer, found: f64) -> Check {

@@ -71,9 +71,10 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     };
     checks.extend([model, energy]);
     let strays = answer.solution.tip_model_error;
-    checks.extend(strays.map(|strays| Kind::MODEL.measured(answer, strays)));
+    let joint = answer.solution.arm.joint();
+    let model = if joint.slides() { Kind::MODEL_ON_CARRIAGE } else { Kind::MODEL };
+    checks.extend(strays.map(|strays| model.measured(answer, strays)));
     checks.extend(answer.reached().iter().map(|reached| within(answer, reached)));
-    let joint = answer.solution.arm.links()[0].link.joint();
     if joint.slides() {
         for check in &mut checks {
             word(check, &joint);
@@ -87,10 +88,6 @@ fn word(check: &mut Check, joint: &Joint) {
     check.name = joint.named(&check.name);
     for text in [&mut check.what, &mut check.of].into_iter().chain(&mut check.reason) {
         *text = joint.worded(text);
-    }
-    if check.hint == Kind::MODEL.hint() {
-        check.what += ", estimated";
-        check.hint = "use a slower motion or a stiffer link";
     }
 }
 

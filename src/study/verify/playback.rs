@@ -272,9 +272,8 @@ fn torques_n_m(played: Played) -> Vec<Vec<f64>> {
 
 /// Allowed error of the played tip over its travel, at most 1e-3 or the tolerance.
 ///
-/// It adds three parts: the distance by which a constant torque of the tolerance times the peak drives the rigid link
-/// over the window; the difference `between_m` of cubics and straight lines through the samples; the tip tolerance of
-/// the analysis.
+/// It has three parts. A constant torque of the tolerance times the peak drives the rigid link over the window. Cubics and
+/// straight lines through the samples differ by `between_m`. The analysis has a tolerance of the tip.
 fn allowed_tip_error(answer: &Answer, solution: &Solution, between_m: f64) -> f64 {
     let (link, analysis) = (solution.links[0].link(), &solution.analysis);
     let peak = largest(&solution.hub().torque_n_m);

@@ -109,8 +109,7 @@ pub(super) fn four<const N: usize>(numbers: [f64; N]) -> [String; N] {
 pub(super) fn link_line(link: &Link, mesh: &Mesh) -> String {
     let [length, inertia] = four([link.length_m(), link.rigid_inertia_kg_m2()]);
     let elements = mesh.elements().len();
-    let rigid = if link.joint().slides() { "mass" } else { "inertia" };
-    let unit = if link.joint().slides() { "kg" } else { "kg m²" };
+    let [rigid, unit] = if link.joint().slides() { ["mass", "kg"] } else { ["inertia", "kg m²"] };
     format!("{length} m, {elements} elements, rigid {rigid} {inertia} {unit}")
 }
 

@@ -294,7 +294,7 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
             .reduce(|worst, own| if own.3 > worst.3 || own.3.is_nan() { own } else { worst })?;
         let of_joint = (errors.len() > 1).then(|| format!("joint {joint}"));
         let other = (quantity != Quantity::Torque).then(|| {
-            let joint = solution.arm.links()[0].link.joint();
+            let joint = solution.arm.joint();
             joint.worded(quantity.name()).replace("acceleration", "accel.")
         });
         let of = other.into_iter().chain(of_joint).collect::<Vec<_>>().join(", ");
