@@ -22,6 +22,7 @@ pub fn any_link(u: &mut Unstructured) -> Result<LinkParts> {
         segments,
         hub,
         carriage: None,
+        root_stiffness_n_m_rad: None,
         payload: Payload {
             mass_kg: any_or_none(u, 30)?,
             inertia_kg_m2: any_or_none(u, 30)?,

@@ -158,7 +158,8 @@ fn moments(run: Single, nodes: &StoredNodes, intervals: &[Interval], a: &[f64]) 
     let tip = a.len() - 1;
     // φ̈ of the chord inboard of a node.
     let turning = |k: usize| {
-        let outer = k.max(1);
+        let springs = run.arc.mesh.springs();
+        let outer = k.max(1 + springs);
         (a[outer] - a[outer - 1]) / intervals[outer - 1].length_m
     };
     let mut force = payload.mass_kg * (a[tip] + payload.offset_m * turning(tip));

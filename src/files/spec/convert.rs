@@ -66,6 +66,9 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
         let message = "must not be there beside [carriage], which takes the place of the hub";
         return Err(Fault::on("hub", message));
     }
+    let of_hub = raw.hub.as_ref().and_then(|hub| hub.root_stiffness.as_ref());
+    let of_carriage = raw.carriage.as_ref().and_then(|own| own.root_stiffness.as_ref());
+    let root_stiffness_n_m_rad = of_hub.or(of_carriage).map(|stiffness| stiffness.0.si());
     let segments = raw.segments.into_iter().enumerate();
     let link = Link::new(LinkParts {
         title: raw.title.unwrap_or_default(),
@@ -81,6 +84,7 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
             mass_kg: carriage.mass.si(),
             viscous_friction_n_s_m: carriage.viscous_friction.si(),
         }),
+        root_stiffness_n_m_rad: root_stiffness_n_m_rad.filter(|own| *own != f64::INFINITY),
         masses: raw
             .masses
             .iter()

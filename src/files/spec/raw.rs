@@ -158,6 +158,9 @@ pub(super) struct RawHub {
     /// Viscous friction of the joint.
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) viscous_friction: ViscousFriction,
+    /// Stiffness of a rotational spring between hub and link; inf, the default, clamps the root.
+    #[schemars(transform = above_zero)]
+    pub(super) root_stiffness: Option<Unbounded>,
 }
 
 /// `[carriage]`
@@ -170,6 +173,9 @@ pub(super) struct RawCarriage {
     /// Viscous friction of the guide.
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) viscous_friction: SlidingFriction,
+    /// Stiffness of a rotational spring between carriage and link; inf, the default, clamps the root.
+    #[schemars(transform = above_zero)]
+    pub(super) root_stiffness: Option<Unbounded>,
 }
 
 /// `[[masses]]`

@@ -152,6 +152,8 @@ pub(super) struct LinkRecord {
     hub: Option<Hub>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     carriage: Option<Carriage>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    root_stiffness_n_m_rad: Option<f64>,
     masses: Vec<LumpedMass>,
     payload: Payload,
     damping: Damping,
@@ -352,6 +354,7 @@ impl LinkRecord {
             segments: self.segments,
             hub,
             carriage: self.carriage,
+            root_stiffness_n_m_rad: self.root_stiffness_n_m_rad,
             masses: self.masses,
             payload: self.payload,
             damping: self.damping,
@@ -398,6 +401,7 @@ impl LinkRecord {
             segments: link.segments().iter().map(without_section).collect(),
             hub,
             carriage,
+            root_stiffness_n_m_rad: link.root_stiffness_n_m_rad(),
             masses: link.masses().to_vec(),
             payload: *link.payload(),
             damping: link.damping().clone(),

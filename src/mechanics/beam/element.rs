@@ -2,15 +2,15 @@ use nalgebra::{Matrix2, Matrix4, RowVector2, Vector2, Vector4};
 
 use crate::link::{Taper, Timoshenko};
 
-/// One Hermite cubic element with linearly tapered stiffness and mass (Bayo 1987, eqs 8-10).
+/// One Hermite cubic element with linearly tapered stiffness and mass (Bayo 1987, eqs 8-10), or the spring of the root.
 ///
 /// Inner end i, outer end j; degrees of freedom `(v_i, φ_i, v_j, φ_j)` with φ = dv/dx; with shear, φ is the
 /// rotation of the cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
-    /// Length l in m.
+    /// Length l in m; 0 for a rotational spring without mass.
     pub length_m: f64,
-    /// Bending stiffness EI in N m².
+    /// Bending stiffness EI in N m²; the stiffness k of a spring in N m/rad.
     pub bending_stiffness_n_m2: Taper,
     /// Mass per length m̄ in kg/m.
     pub mass_per_length_kg_m: Taper,
@@ -18,9 +18,31 @@ pub struct Element {
     pub timoshenko: Option<Timoshenko>,
 }
 
+/// Stiffness across a spring over k in 1/m²: no number of a link is as large, so that its ends stay together.
+const RIGID_PER_M2: f64 = (1_u128 << 100) as f64;
+
 impl Element {
-    /// Stiffness, 4×4, symmetric, rank 2. Rows: `v_i` (N), `φ_i` (N m), `v_j`, `φ_j`.
+    /// A rotational spring without length and mass.
+    pub fn spring(stiffness_n_m_rad: f64) -> Self {
+        Self {
+            length_m: 0.0,
+            bending_stiffness_n_m2: Taper::constant(stiffness_n_m_rad),
+            mass_per_length_kg_m: Taper::constant(0.0),
+            timoshenko: None,
+        }
+    }
+
+    /// True for a rotational spring.
+    pub fn is_spring(&self) -> bool {
+        self.length_m == 0.0
+    }
+
+    /// Stiffness, 4×4, symmetric, rank 2; of a spring on the slopes alone. Rows: `v_i` (N), `φ_i` (N m), `v_j`, `φ_j`.
     pub fn stiffness(&self) -> Matrix4<f64> {
+        if self.is_spring() {
+            let slopes = Vector4::new(0.0, -1.0, 0.0, 1.0);
+            return slopes * slopes.transpose() * self.bending_stiffness_n_m2.inner;
+        }
         if self.timoshenko.is_none() {
             return self.bending_stiffness();
         }
@@ -111,12 +133,18 @@ impl Element {
     /// This element in relative coordinates.
     pub fn relative(&self) -> RelativeElement {
         let l = self.length_m;
-        let (stiffness, mass) = (self.bending_stiffness(), self.translational_mass());
+        let mass = self.translational_mass();
+        let k_d = if self.is_spring() {
+            Matrix2::from_diagonal(&Vector2::new(RIGID_PER_M2, 1.0))
+                * self.bending_stiffness_n_m2.inner
+        } else {
+            self.bending_stiffness().fixed_view::<2, 2>(2, 2).into()
+        };
         let Taper { inner: p, outer: q } = self.mass_per_length_kg_m;
         let (l2, l3) = (l * l, l * l * l);
         let slender = RelativeElement {
             length_m: l,
-            k_d: stiffness.fixed_view::<2, 2>(2, 2).into(),
+            k_d,
             m_dd: mass.fixed_view::<2, 2>(2, 2).into(),
             // M_ij + Rᵀ M_jj, summed by hand to avoid cancellation.
             m_ud: Matrix2::new(

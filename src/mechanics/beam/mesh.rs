@@ -17,6 +17,8 @@ const MOST_ELEMENTS: usize = 8192;
 
 /// The finite-element link: n elements between n + 1 nodes, node 0 at the root, node n at the tip.
 ///
+/// A spring between joint and root is element 0, without length; both its nodes are at the root.
+///
 /// Total displacement of node i: `v_i = x_i θ + w_i`, with `w_0 = 0` (Bayo 1987, eq 1). The degrees of freedom are θ
 /// and (w, w') of nodes 1 … n, 2n + 1 in all.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +57,9 @@ impl Mesh {
 
     /// [`Mesh::new`] with a plan that is known to fit the link.
     pub(super) fn planned(link: &Link, plan: &MeshPlan) -> Self {
-        let (mut elements, mut segments) = (Vec::new(), Vec::new());
+        let spring = link.root_stiffness_n_m_rad().map(Element::spring);
+        let mut elements: Vec<_> = spring.into_iter().collect();
+        let mut segments = vec![0; elements.len()];
         for (piece, count) in plan.shares() {
             let segment = &link.segments()[piece.segment];
             for k in 0..*count {
@@ -71,7 +75,7 @@ impl Mesh {
             }
         }
         let nodes_m = node_positions(link.hub().radius_m, &elements);
-        let bodies = Bodies::of(link, &nodes_m);
+        let bodies = Bodies::of(link, &nodes_m, usize::from(spring.is_some()));
         Self::assemble(elements, segments, nodes_m, bodies)
     }
 
@@ -88,17 +92,30 @@ impl Mesh {
         Self { elements, relative, segments, nodes_m, bodies, rigid_lambda }
     }
 
-    /// The mesh with every element halved.
+    /// Number of springs at the root, 0 or 1: the first node of the link itself.
+    pub fn springs(&self) -> usize {
+        usize::from(self.elements[0].is_spring())
+    }
+
+    /// The mesh with every element halved, except the spring of the root.
     #[must_use]
     pub fn refined(&self) -> Self {
-        let elements: Vec<Element> = self.elements.iter().flat_map(Element::halves).collect();
+        let springs = self.springs();
+        let (spring, beam) = self.elements.split_at(springs);
+        let halves = beam.iter().flat_map(Element::halves);
+        let elements: Vec<Element> = spring.iter().copied().chain(halves).collect();
         let mut lumped = vec![None; elements.len() + 1];
-        for (node, inertia) in self.bodies.lumped.iter().enumerate() {
-            lumped[2 * node] = *inertia;
+        for (node, inertia) in self.bodies.lumped.iter().enumerate().skip(springs) {
+            lumped[self.refined_node(node)] = *inertia;
         }
-        let segments = self.segments.iter().flat_map(|s| [*s, *s]).collect();
+        let segments = self.segments.iter().flat_map(|s| [*s, *s]).skip(springs).collect();
         let nodes_m = node_positions(self.nodes_m[0], &elements);
         Self::assemble(elements, segments, nodes_m, Bodies { lumped, ..self.bodies })
+    }
+
+    /// Number of a node of this mesh in [`Self::refined`].
+    pub fn refined_node(&self, node: usize) -> usize {
+        (2 * node).saturating_sub(self.springs())
     }
 
     /// Halves all elements until natural frequencies up to `omega_rad_s` are exact to `tolerance`, or the mesh has
@@ -223,11 +240,12 @@ impl Mesh {
 }
 
 impl Bodies {
-    fn of(link: &Link, nodes_m: &[f64]) -> Self {
+    fn of(link: &Link, nodes_m: &[f64], springs: usize) -> Self {
         let mut lumped: Vec<Option<Inertia<f64>>> = vec![None; nodes_m.len()];
         for mass in link.masses() {
             // The plan puts a node at or next to every lumped mass.
-            let there = &mut lumped[nearest_node(nodes_m, mass.at_m)];
+            let node = springs + nearest_node(&nodes_m[springs..], mass.at_m);
+            let there = &mut lumped[node];
             let there = there.get_or_insert(Inertia::rigid(0.0, 0.0, 0.0));
             there.vv += mass.mass_kg;
             there.pp += mass.inertia_kg_m2;
@@ -293,7 +311,9 @@ fn rigid_lambda<'a>(
             let Taper { inner, outer } = own.shear_stiffness_n;
             element.length_m / (inner.min(outer) * length_m.powi(2))
         });
-        element.length_m / inner.min(outer) + shear
+        // A spring turns by M/k, a beam by M l/EI.
+        let length_m = if element.is_spring() { 1.0 } else { element.length_m };
+        length_m / inner.min(outer) + shear
     };
     let beam = relative.iter().map(|element| {
         let mass = element.m_uu;
@@ -353,7 +373,7 @@ impl MeshPlan {
         nodes_m: &[f64],
         stations_m: &[f64],
     ) -> Result<Self, ParameterError> {
-        let mut inner = 0;
+        let mut inner = usize::from(link.root_stiffness_n_m_rad().is_some());
         let mut shares = Vec::new();
         let whole = pieces(link).into_iter().map(|piece| (piece, 1)).collect();
         let divided = Self::shared(whole).with_nodes_at(link, stations_m)?;

@@ -85,6 +85,9 @@ fn invert_link(
     if link.joint().slides() && order != SecondOrder::None {
         return Err(InversionError::OnCarriage);
     }
+    if link.root_stiffness_n_m_rad().is_some() && order != SecondOrder::None {
+        return Err(InversionError::OnSpring);
+    }
     let is_bent = link.has_weight() || order != SecondOrder::None;
     let has_drag = coarsest.law().mass_rate_per_s() > 0.0;
     analysis.refuse_ends(motion.ends(), (is_bent, has_drag))?;

@@ -68,7 +68,7 @@ impl MeshAnswer {
         loop {
             let elements = model.mesh().elements().len();
             let finer = model.refined()?;
-            let finer_probes = probes.refined();
+            let finer_probes = probes.refined(model.mesh());
             let finer_answer = solved(&finer, &finer_probes);
             let may_refine = plan.is_automatic() && 4 * elements <= finer.most_elements();
             match measured(&answer, &finer_answer, period, model.mesh()) {

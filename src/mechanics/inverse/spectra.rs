@@ -240,9 +240,9 @@ impl Probes {
         Self { nodes, tables, moments: analysis.measures_moments() }
     }
 
-    /// The same places on the mesh whose elements are half as long.
-    pub(super) fn refined(&self) -> Self {
-        Self { nodes: self.nodes.iter().map(|node| 2 * node).collect(), ..*self }
+    /// The same places of this mesh on the one whose elements are half as long.
+    pub(super) fn refined(&self, mesh: &Mesh) -> Self {
+        Self { nodes: self.nodes.iter().map(|node| mesh.refined_node(*node)).collect(), ..*self }
     }
 
     /// The same quantities at other nodes.

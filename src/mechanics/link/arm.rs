@@ -81,6 +81,11 @@ impl Arm {
                 let must = "must not be there: the joints of an arm turn";
                 return Err(ParameterError::new(at("carriage"), "a carriage", "", must));
             }
+            if link.root_stiffness_n_m_rad().is_some() {
+                let must = "must not be there: the program does not compute it yet for arms";
+                let found = "a spring at the root";
+                return Err(ParameterError::new(at("hub.root_stiffness"), found, "", must));
+            }
             if link.gravity().is_some() {
                 let must = "must be that of the arm";
                 return Err(ParameterError::new(at("gravity"), "its own", "", must));

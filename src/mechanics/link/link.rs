@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::joint::Joint;
 use super::parts::{
     Carriage, Damping, Drive, Gravity, Hub, LumpedMass, POSITION_TOLERANCE, ParameterError,
-    Payload, not_negative,
+    Payload, not_negative, positive,
 };
 use super::segment::Segment;
 
@@ -36,6 +36,9 @@ pub struct LinkParts {
     /// The carriage in place of a hub.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub carriage: Option<Carriage>,
+    /// Stiffness k of the rotational spring between the joint and the root in N m/rad; `None` for a clamped root.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub root_stiffness_n_m_rad: Option<f64>,
     /// Lumped masses, in any order.
     pub masses: Vec<LumpedMass>,
     /// The payload.
@@ -104,6 +107,10 @@ impl Link {
                 return Err(ParameterError::new("hub", "a hub", "", must));
             }
         }
+        if let Some(stiffness) = parts.root_stiffness_n_m_rad {
+            let key = if parts.carriage.is_some() { "carriage" } else { "hub" };
+            positive(&format!("{key}.root_stiffness"), stiffness, "N m/rad")?;
+        }
         let link = Self { parts: parts.clone() };
         for (index, mass) in parts.masses.iter().enumerate() {
             let path = |key: &str| format!("masses.{index}.{key}");
@@ -126,6 +133,11 @@ impl Link {
             if let Some((key, _)) = absent.into_iter().find(|(_, is_there)| *is_there) {
                 return Err(ParameterError::new(key, "set", "", must));
             }
+        }
+        if parts.root_stiffness_n_m_rad.is_some() && parts.gravity.is_some() {
+            let must =
+                "must not be there beside root_stiffness: the program does not compute it yet";
+            return Err(ParameterError::new("gravity", "set", "", must));
         }
         link.check_movable()?;
         parts.masses.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
@@ -202,6 +214,11 @@ impl Link {
     /// The joint that moves the link.
     pub fn joint(&self) -> Joint {
         self.parts.carriage.map_or(Joint::Revolute(self.parts.hub), Joint::Prismatic)
+    }
+
+    /// Stiffness k of the rotational spring between the joint and the root in N m/rad; `None` for a clamped root.
+    pub fn root_stiffness_n_m_rad(&self) -> Option<f64> {
+        self.parts.root_stiffness_n_m_rad
     }
 
     /// Distance L from the axis to the tip in m: hub radius and all segments.
@@ -293,6 +310,12 @@ impl LinkParts {
     /// A carriage in place of the hub.
     pub fn carriage(mut self, carriage: Carriage) -> Self {
         self.carriage = Some(carriage);
+        self
+    }
+
+    /// A rotational spring between the joint and the root, its stiffness in N m/rad.
+    pub fn root_stiffness_n_m_rad(mut self, stiffness_n_m_rad: f64) -> Self {
+        self.root_stiffness_n_m_rad = Some(stiffness_n_m_rad);
         self
     }
 
@@ -471,6 +494,7 @@ mod tests {
             payload: Payload { mass_kg: 0.25, ..Payload::default() },
             damping: Damping::Hysteretic { ratio: 0.02 },
             carriage: None,
+            root_stiffness_n_m_rad: None,
             drive: None,
             gravity: None,
         };

@@ -263,6 +263,10 @@ fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
     let at_node = |node: usize| {
         let beam = has_mass(&elements[node - 1]) || elements.get(node).is_some_and(has_mass);
         let body = if node == last { Some(mesh.tip_inertia()) } else { mesh.lumped_inertia(node) };
+        if elements[node - 1].is_spring() {
+            // The node only turns.
+            return usize::from(beam || body.is_some_and(|body| body.pp > 0.0));
+        }
         if beam { 2 } else { body.as_ref().map_or(0, rank) }
     };
     (1..=last).map(at_node).sum()
@@ -270,9 +274,13 @@ fn outboard_degrees_of_freedom(mesh: &Mesh) -> usize {
 
 /// True if the hub's rotation alone moves mass, which adds a mode unless the hub is clamped.
 pub(crate) fn hub_moves_mass(mesh: &Mesh) -> bool {
-    // The root only turns with the hub: a mass on it counts if the hub's radius is its lever arm.
-    let root = mesh.lumped_inertia(0).is_some_and(|body| body.along(mesh.rigid(0)) > 0.0);
-    mesh.joint().inertia() > 0.0 || root || has_mass(&mesh.elements()[0])
+    // The root only turns with the hub: a mass on it counts if the hub's radius is its lever arm. A spring turns alone.
+    let root = mesh.springs();
+    let [v, phi] = mesh.rigid(root);
+    let unit = [v, if root == 0 { phi } else { 0.0 }];
+    let lumped = mesh.lumped_inertia(root).is_some_and(|body| body.along(unit) > 0.0);
+    let beam = has_mass(&mesh.elements()[root]) && unit != [0.0; 2];
+    mesh.joint().inertia() > 0.0 || lumped || beam
 }
 
 fn has_mass(element: &Element) -> bool {

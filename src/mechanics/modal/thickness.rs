@@ -138,7 +138,7 @@ impl Thickness {
         let Mode { omega_rad_s, shape } = mode;
         let forces = shape.shear_forces(mesh);
         let (mut rotary, mut shear) = (0.0, 0.0);
-        for (k, element) in mesh.elements().iter().enumerate() {
+        for (k, element) in mesh.elements().iter().enumerate().skip(mesh.springs()) {
             let segment = mesh.element_segments()[k];
             let Some(section) = self.sections.get(segment).copied().flatten() else { continue };
             let square_m2 = section.radius_of_gyration_m.mean().powi(2);

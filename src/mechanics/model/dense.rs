@@ -59,7 +59,11 @@ impl Dense {
         }
         let mut mass = held(mesh, &mass);
         mass[(0, 0)] += mesh.joint().inertia();
-        let stiffness = held(mesh, &stiffness);
+        let mut stiffness = held(mesh, &stiffness);
+        if mesh.springs() == 1 {
+            // The outer end of a spring moves with the joint: its place among the unknowns stays 0.
+            stiffness[(1, 1)] = stiffness[(2, 2)];
+        }
         let modes = damped_modes(&link, &mass)?;
         Some(Self { link, mass, stiffness, modes })
     }
@@ -81,7 +85,12 @@ impl Dense {
         Mat::from_fn(self.mass.nrows(), 2, |row, column| match (row, column) {
             (0, 0) => Complex64::ONE,
             (_, 0) => Complex64::ZERO,
-            (0, _) => nodal[0][1] * phi + nodal[0][0] * v,
+            (0, _) => {
+                nodal[0][1] * phi
+                    + nodal[..=self.mesh().springs()].iter().map(|load| load[0]).sum::<Complex64>()
+                        * v
+            }
+            (1, _) if self.mesh().springs() == 1 => Complex64::ZERO,
             _ => nodal[row.div_ceil(2)][(row + 1) % 2],
         })
     }
@@ -108,7 +117,11 @@ impl Dense {
     fn nodes(&self, unknowns: &[Complex64]) -> Vec<[Complex64; 2]> {
         let root = self.mesh().rigid(0).map(|part| unknowns[0] * part);
         let outer = unknowns[1..].chunks(2).map(|node| [node[0], node[1]]);
-        std::iter::once(root).chain(outer).collect()
+        let mut nodes: Vec<_> = std::iter::once(root).chain(outer).collect();
+        if self.mesh().springs() == 1 {
+            nodes[1][0] = root[0];
+        }
+        nodes
     }
 
     /// Moments at nodes 0 … n from the part outboard of each, for accelerations (v, φ) of the nodes.
@@ -247,14 +260,20 @@ fn damped_modes(link: &LinkOnMesh, mass: &Mat<f64>) -> Option<Vec<(Col<f64>, f64
 /// Reduces a matrix on (v, φ) of all nodes to the unknowns: the joint moves the root along its unit motion.
 fn held(mesh: &Mesh, free: &Mat<f64>) -> Mat<f64> {
     let [v, phi] = mesh.rigid(0);
-    let weights = |index| if index == 0 { [phi, v] } else { [1.0, 0.0] };
+    let springs = mesh.springs();
+    // Weights of the unknown's own place, of the root, and of the outer end of a spring at the root.
+    let weights = |index| match index {
+        0 => [phi, v, v * springs as f64],
+        1 if springs == 1 => [0.0; 3],
+        _ => [1.0, 0.0, 0.0],
+    };
     let in_row = |row, column| {
-        let [own, root] = weights(row);
-        own * free[(row + 1, column)] + root * free[(0, column)]
+        let [own, root, outer] = weights(row);
+        own * free[(row + 1, column)] + root * free[(0, column)] + outer * free[(2, column)]
     };
     Mat::from_fn(free.nrows() - 1, free.ncols() - 1, |row, column| {
-        let [own, root] = weights(column);
-        own * in_row(row, column + 1) + root * in_row(row, 0)
+        let [own, root, outer] = weights(column);
+        own * in_row(row, column + 1) + root * in_row(row, 0) + outer * in_row(row, 2)
     })
 }
 
@@ -262,7 +281,8 @@ fn held(mesh: &Mesh, free: &Mat<f64>) -> Mat<f64> {
 fn column(mesh: &Mesh, shape: &Shape) -> Col<f64> {
     Col::from_fn(2 * mesh.nodes_m().len() - 1, |row| {
         if row % 2 == 1 {
-            shape.displacement(mesh, row.div_ceil(2))
+            let is_of_spring = row == 1 && mesh.springs() == 1;
+            if is_of_spring { 0.0 } else { shape.displacement(mesh, row.div_ceil(2)) }
         } else if row == 0 {
             shape.hub_angle
         } else {

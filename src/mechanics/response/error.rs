@@ -27,6 +27,9 @@ pub enum SimulationError {
     /// Large angles of a link on a carriage.
     #[error("large angles are not computed yet for a link on a carriage")]
     OnCarriage,
+    /// Large angles of a link on a spring.
+    #[error("large angles are not computed yet for a link with root_stiffness")]
+    OnSpring,
     /// A link without equations for weight or large angles.
     #[error("{what}, but weight and second-order terms need a link {known}")]
     NotDerived {
@@ -149,7 +152,7 @@ impl SimulationError {
             Self::State { .. } => "use a state that --save-state of this link wrote",
             Self::NoRest => "use a stiffer link, or another start_angle",
             Self::MasslessHub => "set hub.inertia above 0, however small",
-            Self::OnCarriage => "leave the option of large angles out",
+            Self::OnCarriage | Self::OnSpring => "leave the option of large angles out",
             Self::NoTorque | Self::NoTurn => return None,
         })
     }

@@ -73,6 +73,9 @@ pub fn simulate(
         if links[0].link.joint().slides() {
             return Err(SimulationError::OnCarriage);
         }
+        if links.iter().any(|own| own.link.root_stiffness_n_m_rad().is_some()) {
+            return Err(SimulationError::OnSpring);
+        }
         return play_bent(arm, meshes, play, (tolerance, watch));
     }
     let (link, band_rad_s) = (&links[0].link, driven_rad_s(play)?);

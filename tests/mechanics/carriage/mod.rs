@@ -108,46 +108,105 @@ fn force_and_position_over_frequency_are_those_of_the_closed_form() {
     assert!((force - Complex64::new(-1.429_474_67, -0.004_409_163)).norm() < 1e-8, "{force}");
 }
 
-/// A link with all features that move a node, under each damping law.
-fn furnished(damping: Damping) -> Link {
-    let link = Link::builder()
+/// A link with all features that move a node.
+fn furnished(damping: Damping) -> LinkParts {
+    Link::builder()
         .segment(Segment::uniform(0.5, 20.0, 0.9))
         .segment(Segment::uniform(1.0, 5.0, 0.7))
         .carriage(Carriage { mass_kg: 0.8, viscous_friction_n_s_m: 0.3 })
         .mass(LumpedMass { at_m: 0.0, mass_kg: 0.1, inertia_kg_m2: 2e-3 })
         .mass(LumpedMass { at_m: 0.8, mass_kg: 0.2, inertia_kg_m2: 1e-3 })
         .payload(Payload { mass_kg: 0.2, inertia_kg_m2: 2e-3, offset_m: 0.04 })
-        .damping(damping);
-    link.build().unwrap()
+        .damping(damping)
 }
 
 #[test]
 fn recursion_and_modes_answer_as_the_assembled_matrices_do() {
-    for damping in [
+    let laws = [
         Damping::None,
         Damping::Hysteretic { ratio: 0.03 },
         Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 2e-3 },
         Damping::Modal { ratios: vec![0.05, 0.01] },
-    ] {
-        let link = furnished(damping);
-        let on_mesh = LinkOnMesh::new(&link, mesh_of(&link, 8)).unwrap();
-        let dense = Dense::assemble(on_mesh).unwrap();
-        let model = model_of(&link, mesh_of(&link, 8), KeptModes::All).unwrap();
-        for omega in [3.0, 17.0, 90.0] {
-            let [found, exact] =
-                [&*model, &dense as &dyn Model].map(|model| model.nodal_transfer(omega));
-            let numbers = |of: &flexlink::beam::NodalTransfer| {
-                let tip = of.tip;
-                let mut all = vec![tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m];
-                all.extend(&of.moments_kg_m);
-                all.extend(of.deflections_s2.iter().map(|deflection| deflection * omega * omega));
-                all
-            };
-            let size = numbers(&exact).iter().map(|x| x.norm()).fold(0.0, f64::max);
-            let pairs = numbers(&found).into_iter().zip(numbers(&exact));
-            let off = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size;
-            assert!(off < 1e-9, "{:?} at {omega}: {off:e}", link.damping());
+    ];
+    let on_hub = |parts: LinkParts| LinkParts {
+        carriage: None,
+        hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.05, ..Hub::default() },
+        masses: vec![LumpedMass { at_m: 0.05, mass_kg: 0.1, inertia_kg_m2: 2e-3 }],
+        ..parts
+    };
+    for damping in laws {
+        let sprung = furnished(damping.clone()).root_stiffness_n_m_rad(30.0);
+        for parts in [furnished(damping), sprung.clone(), on_hub(sprung)] {
+            let link = parts.build().unwrap();
+            let on_mesh = LinkOnMesh::new(&link, mesh_of(&link, 8)).unwrap();
+            let dense = Dense::assemble(on_mesh).unwrap();
+            let model = model_of(&link, mesh_of(&link, 8), KeptModes::All).unwrap();
+            for omega in [3.0, 17.0, 90.0] {
+                let [found, exact] =
+                    [&*model, &dense as &dyn Model].map(|model| model.nodal_transfer(omega));
+                let numbers = |of: &flexlink::beam::NodalTransfer| {
+                    let tip = of.tip;
+                    let mut all = vec![tip.inertia_kg_m, tip.root_inertia_kg_m, tip.angle_rad_m];
+                    all.extend(&of.moments_kg_m);
+                    all.extend(
+                        of.deflections_s2.iter().map(|deflection| deflection * omega * omega),
+                    );
+                    all
+                };
+                let size = numbers(&exact).iter().map(|x| x.norm()).fold(0.0, f64::max);
+                let pairs = numbers(&found).into_iter().zip(numbers(&exact));
+                let off = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size;
+                assert!(off < 1e-9, "{:?} at {omega}: {off:e}", link.damping());
+            }
         }
+    }
+}
+
+/// A beam on a rotational spring k, its joint held: `1 + cos b cosh b = EI b/(kL) (sin b cosh b − cos b sinh b)`.
+#[test]
+fn a_held_link_on_a_spring_has_the_frequencies_of_the_closed_form() {
+    for (stiffness, carriage_kg) in [(0.5, Some(1.0)), (20.0, None), (1e5, Some(0.0))] {
+        let parts = uniform(1.0).root_stiffness_n_m_rad(stiffness);
+        let carriage = carriage_kg.map(|mass_kg| Carriage { mass_kg, ..Carriage::default() });
+        let link = LinkParts { carriage, ..parts }.build().unwrap();
+        let mesh = mesh_of(&link, 300);
+        let surplus = |b: f64| {
+            let bent = 5.0 * b / (stiffness * 1.5) * (b.sin() * b.cosh() - b.cos() * b.sinh());
+            (1.0 + b.cos() * b.cosh() - bent) / b.cosh()
+        };
+        for omega in held_frequencies(&mesh, f64::INFINITY, 3) {
+            let b = (omega / unit_per_s()).sqrt();
+            let (before, after) = (surplus(b * (1.0 - 1e-9)), surplus(b * (1.0 + 1e-9)));
+            assert!(before * after < 0.0, "{stiffness} N m/rad, b = {b}: {before:e} {after:e}");
+        }
+        // Without the hub's own inertia it is the spring of a drive.
+        let clamped = LinkParts { carriage: None, ..uniform(0.0) }.build().unwrap();
+        let by_drive = held_frequencies(&mesh_of(&clamped, 300), stiffness, 3);
+        close(&held_frequencies(&mesh, f64::INFINITY, 3), &by_drive, 1e-10);
+    }
+}
+
+/// A stiff short segment at the root bends as a spring of 3EI/l does about its end, and turns as one of EI/l.
+#[test]
+fn a_spring_of_the_root_is_the_limit_of_a_short_soft_segment() {
+    let motion = sine(0.5, 0.88, 440);
+    let damping = Damping::Hysteretic { ratio: 0.02 };
+    let sprung = uniform(1.0).damping(damping.clone()).root_stiffness_n_m_rad(12.0);
+    let sprung = sprung.build().unwrap();
+    let exact = invert(&sprung, &plan_of(&sprung, 30), &motion, &Analysis::default()).unwrap();
+    let mut before = f64::INFINITY;
+    for length_m in [1e-3, 1e-4] {
+        let mut parts = uniform(1.0).damping(damping.clone());
+        parts.segments.insert(0, Segment::uniform(length_m, 12.0 * length_m, 0.0));
+        let link = parts.build().unwrap();
+        let plan = MeshPlan::new(&link, &[Some(1), Some(30)], None, 1e-6).unwrap();
+        let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
+        let off = (Metrics::of(&solution).hub().peak_torque_n_m.value
+            / Metrics::of(&exact).hub().peak_torque_n_m.value
+            - 1.0)
+            .abs();
+        assert!(off < 3.0 * length_m && off < 0.2 * before, "{off:e}");
+        before = off;
     }
 }
 
@@ -168,6 +227,7 @@ fn case(name: &str) -> (Link, MeshPlan, TipMotion, Value) {
             offset_m: number(&of["c"]),
         })
         .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: number(&of["beta"]) });
+    parts.root_stiffness_n_m_rad = of["kroot"].as_f64();
     let mut elements = Vec::new();
     for own in of["segments"].as_array().unwrap() {
         let [length_m, ei, mass] = ["L", "EI", "m"].map(|key| number(&own[key]));
@@ -214,7 +274,7 @@ fn distance(solution: &Solution, history: &[f64], case: &Value, key: &str) -> f6
 /// Reference: dense matrices over 25 durations with a quarter of the step; they move by at most 3.2e-7.
 #[test]
 fn force_and_carriage_follow_the_reference() {
-    for name in ["bayo", "mast", "slim"] {
+    for name in ["bayo", "mast", "slim", "slim_spring"] {
         let (link, plan, motion, case) = case(name);
         let mesh = Mesh::new(&link, &plan).unwrap();
         let hertz = |omegas: Vec<f64>| omegas.iter().map(|omega| omega / TAU).collect::<Vec<_>>();
@@ -285,7 +345,8 @@ fn the_papers_motion_takes_a_third_of_the_force_of_a_rigid_link() {
 
 #[test]
 fn the_force_played_forward_brings_the_tip_along_the_motion() {
-    let link = furnished(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2e-3 });
+    let damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2e-3 };
+    let link = furnished(damping).root_stiffness_n_m_rad(60.0).build().unwrap();
     let motion = sine(0.3, 1.2, 1200);
     let plan = plan_of(&link, 12);
     let solution = invert(&link, &plan, &motion, &Analysis::default()).unwrap();
