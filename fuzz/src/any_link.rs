@@ -23,6 +23,7 @@ pub fn any_link(u: &mut Unstructured) -> Result<LinkParts> {
         hub,
         carriage: None,
         root_stiffness_n_m_rad: None,
+        output_m: None,
         payload: Payload {
             mass_kg: any_or_none(u, 30)?,
             inertia_kg_m2: any_or_none(u, 30)?,

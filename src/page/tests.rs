@@ -38,6 +38,7 @@ pub(super) fn link(viscous_friction_n_m_s_rad: f64) -> Link {
         hub: Hub { inertia_kg_m2: 0.1, viscous_friction_n_m_s_rad, ..Hub::default() },
         carriage: None,
         root_stiffness_n_m_rad: None,
+        output_m: None,
         masses: vec![LumpedMass { at_m: 0.75, mass_kg: 0.05, inertia_kg_m2: 0.0 }],
         payload: Payload { mass_kg: 0.05, ..Payload::default() },
         damping: Damping::Hysteretic { ratio: 0.02 },

@@ -111,10 +111,8 @@ impl From<InversionError> for Failure {
 impl From<SimulationError> for Failure {
     fn from(error: SimulationError) -> Self {
         let is_of_memory = matches!(error, SimulationError::TooMuchMemory { .. });
-        let is_of_input = matches!(
-            error,
-            SimulationError::NoStartAngle | SimulationError::OnCarriage | SimulationError::OnSpring
-        );
+        let is_of_input =
+            matches!(error, SimulationError::NoStartAngle | SimulationError::OnlyLinear(_));
         let exit = if is_of_input { Exit::InputRefused } else { Exit::NotSolvable };
         Self { is_of_memory, ..Self::new(exit, &error, error.hint()) }
     }

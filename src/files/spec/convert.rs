@@ -85,6 +85,7 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
             viscous_friction_n_s_m: carriage.viscous_friction.si(),
         }),
         root_stiffness_n_m_rad: root_stiffness_n_m_rad.filter(|own| *own != f64::INFINITY),
+        output_m: raw.output.at.map(Si::si),
         masses: raw
             .masses
             .iter()

@@ -49,6 +49,9 @@ pub(super) struct RawSpecification {
     pub(super) hub: Option<RawHub>,
     /// Carriage, which the motor pushes across the link, in place of a hub.
     pub(super) carriage: Option<RawCarriage>,
+    /// Place on the link whose motion is given.
+    #[serde(default)]
+    pub(super) output: RawOutput,
     /// Masses lumped on the link, any number.
     #[serde(deserialize_with = "tables")]
     pub(super) masses: Vec<RawMass>,
@@ -161,6 +164,15 @@ pub(super) struct RawHub {
     /// Stiffness of a rotational spring between hub and link; inf, the default, clamps the root.
     #[schemars(transform = above_zero)]
     pub(super) root_stiffness: Option<Unbounded>,
+}
+
+/// `[output]`
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
+pub(super) struct RawOutput {
+    /// Place whose motion is given, from the axis or the carriage; a node is placed there. The default is the tip.
+    #[schemars(transform = above_zero)]
+    pub(super) at: Option<Length>,
 }
 
 /// `[carriage]`

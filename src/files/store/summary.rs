@@ -154,6 +154,8 @@ pub(super) struct LinkRecord {
     carriage: Option<Carriage>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     root_stiffness_n_m_rad: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    output_m: Option<f64>,
     masses: Vec<LumpedMass>,
     payload: Payload,
     damping: Damping,
@@ -355,6 +357,7 @@ impl LinkRecord {
             hub,
             carriage: self.carriage,
             root_stiffness_n_m_rad: self.root_stiffness_n_m_rad,
+            output_m: self.output_m,
             masses: self.masses,
             payload: self.payload,
             damping: self.damping,
@@ -402,6 +405,7 @@ impl LinkRecord {
             hub,
             carriage,
             root_stiffness_n_m_rad: link.root_stiffness_n_m_rad(),
+            output_m: link.has_station().then(|| link.output_m()),
             masses: link.masses().to_vec(),
             payload: *link.payload(),
             damping: link.damping().clone(),

@@ -30,6 +30,8 @@ pub struct Mesh {
     /// Distance of each node from the axis in m.
     nodes_m: Vec<f64>,
     bodies: Bodies,
+    /// Number of the node whose motion is prescribed.
+    output: usize,
     /// λ in 1/s² up to which the link is rigid to the last digit.
     pub(super) rigid_lambda: f64,
 }
@@ -76,20 +78,22 @@ impl Mesh {
         }
         let nodes_m = node_positions(link.hub().radius_m, &elements);
         let bodies = Bodies::of(link, &nodes_m, usize::from(spring.is_some()));
-        Self::assemble(elements, segments, nodes_m, bodies)
+        let springs = usize::from(spring.is_some());
+        let output = springs + nearest_node(&nodes_m[springs..], link.output_m());
+        Self::assemble((elements, segments), nodes_m, bodies, output)
     }
 
     fn assemble(
-        elements: Vec<Element>,
-        segments: Vec<usize>,
+        (elements, segments): (Vec<Element>, Vec<usize>),
         nodes_m: Vec<f64>,
         bodies: Bodies,
+        output: usize,
     ) -> Self {
         let mut relative: Vec<_> = elements.iter().map(Element::relative).collect();
         let lumped = bodies.lumped.iter().flatten().chain([&bodies.tip]);
         let rigid_lambda = rigid_lambda((&elements, &relative), lumped, nodes_m[nodes_m.len() - 1]);
         limit_stiffness(&mut relative, rigid_lambda);
-        Self { elements, relative, segments, nodes_m, bodies, rigid_lambda }
+        Self { elements, relative, segments, nodes_m, bodies, output, rigid_lambda }
     }
 
     /// Number of springs at the root, 0 or 1: the first node of the link itself.
@@ -110,7 +114,8 @@ impl Mesh {
         }
         let segments = self.segments.iter().flat_map(|s| [*s, *s]).skip(springs).collect();
         let nodes_m = node_positions(self.nodes_m[0], &elements);
-        Self::assemble(elements, segments, nodes_m, Bodies { lumped, ..self.bodies })
+        let bodies = Bodies { lumped, ..self.bodies };
+        Self::assemble((elements, segments), nodes_m, bodies, self.refined_node(self.output))
     }
 
     /// Number of a node of this mesh in [`Self::refined`].
@@ -195,10 +200,16 @@ impl Mesh {
         self.bodies.joint.rigid(self.nodes_m[node])
     }
 
-    /// Displacement of the rigid link's tip per unit of the joint's position: the length L of a link that turns, 1 of
-    /// one that slides.
+    /// Number of the node whose motion is prescribed: the tip, or that of a station on the link.
+    #[inline(always)]
+    pub fn output(&self) -> usize {
+        self.output
+    }
+
+    /// Displacement of the rigid link's output per unit of the joint's position: of the tip, the length L of a link that
+    /// turns, 1 of one that slides.
     pub fn rigid_tip(&self) -> f64 {
-        self.bodies.joint.rigid(self.length_m())[0]
+        self.rigid(self.output)[0]
     }
 
     /// A mass in kg of the order of the link's mass, for comparing forces with motions.

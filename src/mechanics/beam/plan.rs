@@ -74,7 +74,9 @@ impl MeshPlan {
         for (segment, (of_segment, count)) in of_segments() {
             let needed = of_segment.len();
             if let Some(count) = count.filter(|c| *c < needed) {
-                let must = format!("must be at least {needed}: lumped masses divide the segment");
+                let must = format!(
+                    "must be at least {needed}: lumped masses or the output divide the segment"
+                );
                 let parameter = format!("segments.{segment}.elements");
                 return Err(ParameterError::new(parameter, count, "", must));
             }
@@ -196,23 +198,22 @@ pub(super) fn root_m(link: &Link, segment: usize) -> f64 {
     before.fold(link.hub().radius_m, |sum, segment| sum + segment.length_m)
 }
 
-/// Segments divided at the lumped masses inside them.
+/// Segments divided at the lumped masses and at the output inside them.
 pub(super) fn pieces(link: &Link) -> Vec<Piece> {
     let slack_m = POSITION_TOLERANCE * link.length_m();
+    let mut places_m: Vec<f64> = link.masses().iter().map(|mass| mass.at_m).collect();
+    places_m.push(link.output_m());
+    places_m.sort_by(f64::total_cmp);
     let mut pieces = Vec::new();
     let mut root_m = link.hub().radius_m;
     for (index, segment) in link.segments().iter().enumerate() {
         let tip_m = root_m + segment.length_m;
         let mut from_m = root_m;
         let fraction = |x_m: f64| (x_m - root_m) / segment.length_m;
-        for mass in link.masses() {
-            if mass.at_m > from_m + slack_m && mass.at_m < tip_m - slack_m {
-                pieces.push(Piece {
-                    segment: index,
-                    from: fraction(from_m),
-                    to: fraction(mass.at_m),
-                });
-                from_m = mass.at_m;
+        for at_m in &places_m {
+            if *at_m > from_m + slack_m && *at_m < tip_m - slack_m {
+                pieces.push(Piece { segment: index, from: fraction(from_m), to: fraction(*at_m) });
+                from_m = *at_m;
             }
         }
         pieces.push(Piece { segment: index, from: fraction(from_m), to: 1.0 });
@@ -343,7 +344,7 @@ mod tests {
         let divided = link(&[5.0], &[0.1, 0.2]);
         assert_eq!(
             MeshPlan::new(&divided, &[Some(2)], None, 1e-6).unwrap_err().to_string(),
-            "segments.0.elements = 2, but must be at least 3: lumped masses divide the segment"
+            "segments.0.elements = 2, but must be at least 3: lumped masses or the output divide the segment"
         );
     }
 }

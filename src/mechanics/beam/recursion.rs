@@ -137,11 +137,12 @@ impl<S: Scalar> HubResponse<S> {
     }
 }
 
-/// Response to a unit hub angle by the recursion alone. It carries the tip's deflection inward from node to node,
-/// beside the apparent inertia.
+/// Response to a unit hub angle by the recursion alone. It carries the output's deflection inward from node to node,
+/// beside the apparent inertia; the output is the tip, or a station on the link.
 #[inline(always)]
 pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
-    let (one, link_m) = (lambda.lift(1.0).size(), mesh.length_m());
+    let (one, link_m, output) = (lambda.lift(1.0).size(), mesh.length_m(), mesh.output());
+    let output_m = mesh.nodes_m()[output];
     // Tip displacement per motion (v, φ) of the node, without its rigid part (1, L − x).
     let [mut e_v, mut e_phi] = [lambda.lift(0.0); 2];
     let mut largest_gain = lambda.lift(0.0).size();
@@ -150,11 +151,14 @@ pub fn hub_response<S: Scalar>(mesh: &Mesh, lambda: S) -> HubResponse<S> {
         lambda,
         #[inline(always)]
         |index, step| {
+            largest_gain = largest_gain.larger(step.eliminated.size(one, link_m));
+            if index >= output {
+                return;
+            }
             let rigid = [e_v, e_v * mesh.relative_elements()[index].length_m + e_phi];
-            let arm_m = link_m - mesh.nodes_m()[index + 1];
+            let arm_m = output_m - mesh.nodes_m()[index + 1];
             let bent = step.eliminated.along([e_v + 1.0, e_phi + arm_m]);
             [e_v, e_phi] = [rigid[0] + bent[0], rigid[1] + bent[1]];
-            largest_gain = largest_gain.larger(step.eliminated.size(one, link_m));
         },
     );
     let [v, phi] = mesh.rigid(0);
@@ -175,6 +179,9 @@ pub fn tip_displacement_m<S: Scalar>(mesh: &Mesh, lambda: S) -> S {
         lambda,
         #[inline(always)]
         |index, step| {
+            if index >= mesh.output() {
+                return;
+            }
             let rigid = [t_v, t_v * mesh.relative_elements()[index].length_m + t_phi];
             let bent = step.eliminated.along([t_v, t_phi]);
             [t_v, t_phi] = [rigid[0] + bent[0], rigid[1] + bent[1]];

@@ -119,7 +119,9 @@ where
     S: Scalar<Size = f64> + Into<Complex64>,
 {
     let elements = mesh.elements().len();
-    let mut ends = Checkpoint::of_mesh(mesh, lambda, &[0, elements]);
+    let mut nodes = vec![0, mesh.output(), elements];
+    nodes.dedup();
+    let mut ends = Checkpoint::of_mesh(mesh, lambda, &nodes);
     let mut nodes = NodalRecursion::new(&(0..elements), lambda, NodalQuantity::Moment);
     let gain = nodes.run(mesh, lambda, NodalQuantity::Deflection, &mut ends);
     if !is_trusted(gain) {
@@ -133,7 +135,8 @@ where
     Some(NodalTransfer { tip: complex(TipTransfer::of(&hub, mesh)), deflections_s2, moments_kg_m })
 }
 
-/// Response at the hub after both passes between root and tip; `gain` is their bound of |G|.
+/// Response at the hub after both passes between root and tip, with the output among the ends; `gain` is their bound of
+/// |G|.
 #[inline(always)]
 pub(super) fn response_between<S: Scalar>(
     mesh: &Mesh,
@@ -141,7 +144,9 @@ pub(super) fn response_between<S: Scalar>(
     ends: &[Checkpoint<S>],
     gain: S::Size,
 ) -> HubResponse<S> {
-    let [tip_deflection_m, _] = ends[ends.len() - 1].deflection;
+    let of_output = |end: &&Checkpoint<S>| end.node == mesh.output();
+    let output = ends.iter().find(of_output).unwrap_or(&ends[ends.len() - 1]);
+    let [tip_deflection_m, _] = output.deflection;
     HubResponse::at_axis(mesh, lambda, (ends[0].inertia, gain), tip_deflection_m)
 }
 
@@ -163,9 +168,9 @@ pub(super) fn pivoted_transfer(mesh: &Mesh, lambda: Complex64) -> NodalTransfer 
 
 fn driven_transfer<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -> NodalTransfer {
     let motion = driven_motion(mesh, lambda);
-    let last = motion.deflections.len() - 1;
+    let output = mesh.output();
     let tip_displacement =
-        motion.theta * S::from_real(mesh.rigid_tip()) + motion.deflections[last][0];
+        motion.theta * S::from_real(mesh.rigid_tip()) + motion.deflections[output][0];
     let deflection = |e: &Vector2<S>| (e[0] / (lambda * tip_displacement)).into();
     let moment = |q: &Vector2<S>| (q[1] / tip_displacement).into();
     NodalTransfer {
@@ -173,7 +178,7 @@ fn driven_transfer<S: PivotedScalar + Into<Complex64>>(mesh: &Mesh, lambda: S) -
             inertia_kg_m: (motion.torque / tip_displacement).into(),
             root_inertia_kg_m: moment(&motion.reactions[0]),
             angle_rad_m: (motion.theta / tip_displacement).into(),
-            deflection_s2: deflection(&motion.deflections[last]),
+            deflection_s2: deflection(&motion.deflections[output]),
         },
         deflections_s2: motion.deflections.iter().map(deflection).collect(),
         moments_kg_m: motion.reactions.iter().map(moment).collect(),

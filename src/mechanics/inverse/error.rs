@@ -45,12 +45,9 @@ pub enum InversionError {
         /// The tolerance of the mesh.
         tolerance: f64,
     },
-    /// Second-order terms of a link on a carriage.
-    #[error("second-order terms are not computed yet for a link on a carriage")]
-    OnCarriage,
-    /// Second-order terms of a link on a spring.
-    #[error("second-order terms are not computed yet for a link with root_stiffness")]
-    OnSpring,
+    /// Second-order terms of a link with this part.
+    #[error("second-order terms are not computed yet for {0}")]
+    OnlyLinear(&'static str),
     /// A link with gravity but without a direction.
     #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
@@ -205,10 +202,7 @@ fn counted(samples: usize) -> String {
 impl InversionError {
     /// True if a file or an option causes the error, whatever the link.
     pub fn is_of_input(&self) -> bool {
-        matches!(
-            self,
-            Self::NoStartAngle | Self::OnCarriage | Self::OnSpring | Self::Ends(RefusedEnds::Edges)
-        )
+        matches!(self, Self::NoStartAngle | Self::OnlyLinear(_) | Self::Ends(RefusedEnds::Edges))
     }
 
     /// Number of the path's sample that causes the error, from 0, where one does.
@@ -244,7 +238,7 @@ impl InversionError {
             Self::OutOfRange { .. } => {
                 "check the units of motion and link, and their powers of ten"
             }
-            Self::OnCarriage | Self::OnSpring => "use analysis.second_order = \"none\"",
+            Self::OnlyLinear(_) => "use analysis.second_order = \"none\"",
             Self::NoStartAngle => {
                 "set start_angle in the link file, the direction of the link before the motion, or write the motion \
                  as angles"

@@ -82,11 +82,8 @@ fn invert_link(
     check_size(link, 2 * elements, 2)?;
     let coarsest = model_of(link, mesh, analysis.kept_modes())?;
     let order = analysis.second_order_of(link);
-    if link.joint().slides() && order != SecondOrder::None {
-        return Err(InversionError::OnCarriage);
-    }
-    if link.root_stiffness_n_m_rad().is_some() && order != SecondOrder::None {
-        return Err(InversionError::OnSpring);
+    if let Some(part) = link.linear_part().filter(|_| order != SecondOrder::None) {
+        return Err(InversionError::OnlyLinear(part));
     }
     let is_bent = link.has_weight() || order != SecondOrder::None;
     let has_drag = coarsest.law().mass_rate_per_s() > 0.0;

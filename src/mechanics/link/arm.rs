@@ -86,6 +86,10 @@ impl Arm {
                 let found = "a spring at the root";
                 return Err(ParameterError::new(at("hub.root_stiffness"), found, "", must));
             }
+            if link.has_station() {
+                let must = "must not be there: the path of an arm is that of its tip";
+                return Err(ParameterError::new(at("output"), "a station", "", must));
+            }
             if link.gravity().is_some() {
                 let must = "must be that of the arm";
                 return Err(ParameterError::new(at("gravity"), "its own", "", must));

@@ -39,6 +39,9 @@ pub struct LinkParts {
     /// Stiffness k of the rotational spring between the joint and the root in N m/rad; `None` for a clamped root.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub root_stiffness_n_m_rad: Option<f64>,
+    /// Place of the output, whose motion is prescribed, in m from the axis or the carriage; `None` for the tip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output_m: Option<f64>,
     /// Lumped masses, in any order.
     pub masses: Vec<LumpedMass>,
     /// The payload.
@@ -112,6 +115,16 @@ impl Link {
             positive(&format!("{key}.root_stiffness"), stiffness, "N m/rad")?;
         }
         let link = Self { parts: parts.clone() };
+        if let Some(at_m) = parts.output_m {
+            link.check_place("output.at", at_m)?;
+            let [root_m, tip_m] = [parts.hub.radius_m, link.length_m()];
+            if at_m <= root_m + POSITION_TOLERANCE * tip_m {
+                let must = format!("must lie beyond the root, at {root_m} m");
+                return Err(ParameterError::new("output.at", at_m, "m", must));
+            }
+            // An output at the tip is the default.
+            parts.output_m = (at_m < tip_m * (1.0 - POSITION_TOLERANCE)).then_some(at_m);
+        }
         for (index, mass) in parts.masses.iter().enumerate() {
             let path = |key: &str| format!("masses.{index}.{key}");
             link.check_place(&path("at"), mass.at_m)?;
@@ -127,16 +140,12 @@ impl Link {
         parts.damping.check()?;
         parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
         parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
-        if parts.carriage.is_some() {
+        if parts.carriage.is_some() && parts.drive.is_some() {
             let must = "must not be there beside a carriage: the program does not compute it yet";
-            let absent = [("gravity", parts.gravity.is_some()), ("drive", parts.drive.is_some())];
-            if let Some((key, _)) = absent.into_iter().find(|(_, is_there)| *is_there) {
-                return Err(ParameterError::new(key, "set", "", must));
-            }
+            return Err(ParameterError::new("drive", "set", "", must));
         }
-        if parts.root_stiffness_n_m_rad.is_some() && parts.gravity.is_some() {
-            let must =
-                "must not be there beside root_stiffness: the program does not compute it yet";
+        if let Some(part) = link.linear_part().filter(|_| parts.gravity.is_some()) {
+            let must = format!("must not be there: the program does not compute it yet for {part}");
             return Err(ParameterError::new("gravity", "set", "", must));
         }
         link.check_movable()?;
@@ -227,10 +236,31 @@ impl Link {
         self.parts.hub.radius_m + beam
     }
 
-    /// Displacement of the rigid link's tip per unit of the joint's position: the length L of a link that turns, 1 of
-    /// one that slides.
+    /// A part for which weight and second-order terms are not computed yet, in words.
+    pub(crate) fn linear_part(&self) -> Option<&'static str> {
+        let parts = [
+            (self.joint().slides(), "a link on a carriage"),
+            (self.root_stiffness_n_m_rad().is_some(), "a link with root_stiffness"),
+            (self.has_station(), "an output inboard of the tip"),
+        ];
+        parts.into_iter().find(|(is_there, _)| *is_there).map(|(_, part)| part)
+    }
+
+    /// Distance in m from the axis, or from the carriage, to the output whose motion is prescribed: the tip, or a
+    /// station on the link.
+    pub fn output_m(&self) -> f64 {
+        self.parts.output_m.unwrap_or_else(|| self.length_m())
+    }
+
+    /// True if the output is a station on the link instead of its tip.
+    pub fn has_station(&self) -> bool {
+        self.parts.output_m.is_some()
+    }
+
+    /// Displacement of the rigid link's output per unit of the joint's position: of the tip, the length L of a link that
+    /// turns, 1 of one that slides.
     pub fn rigid_tip(&self) -> f64 {
-        self.joint().rigid(self.length_m())[0]
+        self.joint().rigid(self.output_m())[0]
     }
 
     /// Checks that `at_m`, a distance from the axis in m, lies on the link.
@@ -316,6 +346,12 @@ impl LinkParts {
     /// A rotational spring between the joint and the root, its stiffness in N m/rad.
     pub fn root_stiffness_n_m_rad(mut self, stiffness_n_m_rad: f64) -> Self {
         self.root_stiffness_n_m_rad = Some(stiffness_n_m_rad);
+        self
+    }
+
+    /// The output, whose motion is prescribed, at this distance in m from the axis or the carriage.
+    pub fn output_m(mut self, at_m: f64) -> Self {
+        self.output_m = Some(at_m);
         self
     }
 
@@ -495,6 +531,7 @@ mod tests {
             damping: Damping::Hysteretic { ratio: 0.02 },
             carriage: None,
             root_stiffness_n_m_rad: None,
+            output_m: None,
             drive: None,
             gravity: None,
         };

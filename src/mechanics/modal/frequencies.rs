@@ -245,10 +245,15 @@ pub(crate) fn second_order_share(
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
 /// True if zeros of torque → tip may leave the real axis. A lumped rotary inertia outboard of the hub, an offset
-/// payload, or a beam with shear and rotary inertia can move them; with point masses on slender beams they stay real.
+/// payload, a beam with shear and rotary inertia, or an output inboard of the tip can move them; with point masses on
+/// slender beams they stay real.
 fn zeros_may_leave_the_real_axis(mesh: &Mesh) -> bool {
     let lumped = (0..mesh.elements().len()).filter_map(|node| mesh.lumped_inertia(node));
-    mesh.tip_inertia().pp > 0.0 || lumped.into_iter().any(|body| body.pp > 0.0) || mesh.has_shear()
+    let is_inboard = mesh.output() < mesh.elements().len();
+    is_inboard
+        || mesh.tip_inertia().pp > 0.0
+        || lumped.into_iter().any(|body| body.pp > 0.0)
+        || mesh.has_shear()
 }
 
 /// Number of flexible modes of the link on its free hub.

@@ -50,9 +50,9 @@ impl Shape {
         self.total(mesh, node)[0]
     }
 
-    /// Total displacement of the tip.
+    /// Total displacement of the output: the tip, or a station on the link.
     pub(crate) fn tip_displacement(&self, mesh: &Mesh) -> f64 {
-        self.displacement(mesh, self.deflections.len() - 1)
+        self.displacement(mesh, mesh.output())
     }
 
     /// Total displacement and slope (v, φ) of a node.

@@ -179,8 +179,7 @@ impl Model for Dense {
         let (nodes, lambda) = (self.mesh().nodes_m().len(), self.law().lambda(omega_rad_s));
         let torque = self.torque_and_loads(&vec![[Complex64::ZERO; 2]; nodes]);
         let accelerations = self.accelerations(omega_rad_s, &torque);
-        // The tip's displacement is the second to last unknown.
-        let inertia_kg_m = accelerations[(accelerations.nrows() - 2, 0)].inv();
+        let inertia_kg_m = accelerations[(2 * self.mesh().output() - 1, 0)].inv();
         let per_tip: Vec<_> = accelerations.col(0).iter().map(|a| a * inertia_kg_m).collect();
         let angle_rad_m = per_tip[0];
         let nodes = self.nodes(&per_tip);
@@ -193,7 +192,7 @@ impl Model for Dense {
             inertia_kg_m,
             root_inertia_kg_m: moments_kg_m[0],
             angle_rad_m,
-            deflection_s2: deflections_s2[deflections_s2.len() - 1],
+            deflection_s2: deflections_s2[self.mesh().output()],
         };
         NodalTransfer { tip, deflections_s2, moments_kg_m }
     }
@@ -212,7 +211,7 @@ impl Model for Dense {
         };
         let nodal: Vec<_> = loads.nodal.iter().zip(shifted_masses(mesh)).map(with_axis).collect();
         let moved = self.accelerations(omega_rad_s, &self.torque_and_loads(&nodal));
-        let (tip, chord_rad_s2) = (moved.nrows() - 2, loads.chord_rad_s2);
+        let (tip, chord_rad_s2) = (2 * mesh.output() - 1, loads.chord_rad_s2);
         let torque = (chord_rad_s2 * mesh.rigid_tip() - moved[(tip, 1)]) / moved[(tip, 0)];
         let relative: Vec<_> =
             (0..moved.nrows()).map(|row| moved[(row, 0)] * torque + moved[(row, 1)]).collect();

@@ -28,6 +28,7 @@ struct Share {
     /// Hub angle p; the torque acts on it.
     hub_angle: f64,
     tip: f64,
+    tip_deflection: f64,
     /// Deflections from the hub's tangent line.
     deflections: Vec<f64>,
     /// Slopes from the hub's tangent line.
@@ -43,6 +44,7 @@ impl Share {
         Self {
             hub_angle: shape.hub_angle,
             tip: shape.tip_displacement(mesh),
+            tip_deflection: shape.deflections[mesh.output()][0],
             deflections: shape.deflections.iter().map(|w| w[0]).collect(),
             slopes: shape.deflections.iter().map(|w| w[1]).collect(),
             force: shape.force(mesh),
@@ -57,10 +59,6 @@ impl Share {
             force * (self.deflections[k] + v) + moment * (self.slopes[k] + phi)
         });
         nodes.sum::<Complex64>() - mass * loads.axis_m_s2 * self.force
-    }
-
-    fn tip_deflection(&self) -> f64 {
-        self.deflections[self.deflections.len() - 1]
     }
 }
 
@@ -124,7 +122,7 @@ impl Superposition {
     fn tip_of(&self, omega_rad_s: f64, coordinates: &[(Complex64, &Share)]) -> TipTransfer {
         let lambda = self.law().lambda(omega_rad_s);
         let inertia_kg_m = self.acceleration(lambda, coordinates, |share| share.tip).inv();
-        let deflection: Complex64 = coordinates.iter().map(|(q, s)| q * s.tip_deflection()).sum();
+        let deflection: Complex64 = coordinates.iter().map(|(q, s)| q * s.tip_deflection).sum();
         let deflection_s2 = -deflection * inertia_kg_m;
         TipTransfer {
             inertia_kg_m,
@@ -221,7 +219,7 @@ impl Model for Superposition {
         let sum = |of: &dyn Fn(&Share) -> f64| -> Complex64 {
             all.iter().map(|(q, share)| q * of(share)).sum()
         };
-        let hub_slope_rad = -sum(&Share::tip_deflection) / mesh.rigid_tip();
+        let hub_slope_rad = -sum(&|share: &Share| share.tip_deflection) / mesh.rigid_tip();
         let deflections = (0..mesh.nodes_m().len()).map(|k| {
             let [w, slope] = [sum(&|share| share.deflections[k]), sum(&|share| share.slopes[k])];
             let [v, phi] = mesh.rigid(k).map(|part| hub_slope_rad * part);

@@ -70,11 +70,8 @@ pub fn simulate(
         state.check(arm, play.is_bent(arm))?;
     }
     if play.is_bent(arm) {
-        if links[0].link.joint().slides() {
-            return Err(SimulationError::OnCarriage);
-        }
-        if links.iter().any(|own| own.link.root_stiffness_n_m_rad().is_some()) {
-            return Err(SimulationError::OnSpring);
+        if let Some(part) = links.iter().find_map(|own| own.link.linear_part()) {
+            return Err(SimulationError::OnlyLinear(part));
         }
         return play_bent(arm, meshes, play, (tolerance, watch));
     }

@@ -136,7 +136,9 @@ fn recursion_and_modes_answer_as_the_assembled_matrices_do() {
     };
     for damping in laws {
         let sprung = furnished(damping.clone()).root_stiffness_n_m_rad(30.0);
-        for parts in [furnished(damping), sprung.clone(), on_hub(sprung)] {
+        let inboard = furnished(damping.clone()).output_m(1.1);
+        let both = on_hub(sprung.clone()).output_m(0.9);
+        for parts in [furnished(damping), sprung.clone(), on_hub(sprung), inboard, both] {
             let link = parts.build().unwrap();
             let on_mesh = LinkOnMesh::new(&link, mesh_of(&link, 8)).unwrap();
             let dense = Dense::assemble(on_mesh).unwrap();
@@ -186,6 +188,48 @@ fn a_held_link_on_a_spring_has_the_frequencies_of_the_closed_form() {
     }
 }
 
+/// A uniform link under an effort at its root alone, with v = 0 there on a hub and v' = 0 on a carriage, and its free end at
+/// ξ = 1, moves as `v = p cos bξ + q sin bξ + r cosh bξ + t sinh bξ`. A zero of effort → output is a root of v at the output:
+/// b real for a zero at a real frequency, b along (1 + i)/√2 for a real zero.
+#[test]
+fn zeros_of_a_station_are_those_of_the_closed_form_on_both_axes() {
+    let displacement = |slides: bool, share: f64, b: Complex64| {
+        let (c, s, ch, sh) = (b.cos(), b.sin(), b.cosh(), b.sinh());
+        let one = Complex64::ONE;
+        let [p, q, r, t] = if slides {
+            let per_det = -(c * sh + ch * s).inv();
+            [(s * sh - c * ch - one) * per_det, one, -(one + c * ch + s * sh) * per_det, -one]
+        } else {
+            let per_det = (sh * c - s * ch).inv();
+            [one, (one + c * ch + s * sh) * per_det, -one, (one + c * ch - s * sh) * per_det]
+        };
+        let x = b * share;
+        p * x.cos() + q * x.sin() + r * x.cosh() + t * x.sinh()
+    };
+    for (slides, at_m) in [(true, 1.0), (true, 0.6), (false, 1.2), (false, 0.8)] {
+        let carriage = slides.then(|| Carriage { mass_kg: 0.7, ..Carriage::default() });
+        let link = LinkParts { carriage, ..uniform(0.0) }.output_m(at_m).build().unwrap();
+        let mesh = mesh_of(&link, 600);
+        let real = torque_zeros(&mesh, 2);
+        let blocked = real_frequency_zeros(&mesh, 600.0);
+        assert!(!real.is_empty() && !blocked.is_empty(), "{real:?} {blocked:?}");
+        let turned = Complex64::new(0.5_f64.sqrt(), 0.5_f64.sqrt());
+        let places =
+            real.iter().map(|z| (*z, turned)).chain(blocked.iter().map(|w| (*w, Complex64::ONE)));
+        for (place, direction) in places {
+            let b = direction * (place / unit_per_s()).sqrt();
+            // Newton's step from the zero that was found.
+            let at = |b: Complex64| displacement(slides, at_m / 1.5, b);
+            let h = 1e-6;
+            let slope = (at(b * (1.0 + h)) - at(b * (1.0 - h))) / (2.0 * h);
+            let off = (at(b) / slope).norm();
+            // The error of the elements grows with the square of the frequency.
+            let allowed = 1e-9 * (1.0 + (place / 100.0).powi(2));
+            assert!(off < allowed, "slides: {slides}, at {at_m} m, {place}: {off:e}");
+        }
+    }
+}
+
 /// A stiff short segment at the root bends as a spring of 3EI/l does about its end, and turns as one of EI/l.
 #[test]
 fn a_spring_of_the_root_is_the_limit_of_a_short_soft_segment() {
@@ -228,6 +272,7 @@ fn case(name: &str) -> (Link, MeshPlan, TipMotion, Value) {
         })
         .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: number(&of["beta"]) });
     parts.root_stiffness_n_m_rad = of["kroot"].as_f64();
+    parts.output_m = of["station"].as_f64();
     let mut elements = Vec::new();
     for own in of["segments"].as_array().unwrap() {
         let [length_m, ei, mass] = ["L", "EI", "m"].map(|key| number(&own[key]));
@@ -274,20 +319,22 @@ fn distance(solution: &Solution, history: &[f64], case: &Value, key: &str) -> f6
 /// Reference: dense matrices over 25 durations with a quarter of the step; they move by at most 3.2e-7.
 #[test]
 fn force_and_carriage_follow_the_reference() {
-    for name in ["bayo", "mast", "slim", "slim_spring"] {
+    for name in ["bayo", "mast", "slim", "slim_spring", "mast_station"] {
         let (link, plan, motion, case) = case(name);
         let mesh = Mesh::new(&link, &plan).unwrap();
         let hertz = |omegas: Vec<f64>| omegas.iter().map(|omega| omega / TAU).collect::<Vec<_>>();
         close(&hertz(natural_frequencies(&mesh, 4)), &numbers(&case["free_hz"]), 1e-7);
         close(&hertz(held_frequencies(&mesh, f64::INFINITY, 4)), &numbers(&case["held_hz"]), 1e-7);
         close(&torque_zeros(&mesh, 3), &numbers(&case["zeros_per_s"]), 1e-7);
-        let blocked = hertz(real_frequency_zeros(&mesh, TAU * 40.0));
+        let blocked = hertz(real_frequency_zeros(&mesh, TAU * 80.0));
         close(&blocked, &numbers(&case["blocked_hz"]), 1e-7);
         let analysis = Analysis::default().with_tip_tolerance(1e-10).unwrap();
         let solution = invert(&link, &plan, &motion, &analysis).unwrap();
         let force = &solution.hub().torque_n_m;
         let peak_n = case["peak_force_n"].as_f64().unwrap();
-        assert!((Metrics::of(&solution).hub().peak_torque_n_m.value / peak_n - 1.0).abs() < 3e-6);
+        // The reference has the largest sample.
+        let peak_found_n = peak(force);
+        assert!((peak_found_n / peak_n - 1.0).abs() < 3e-6, "{name}: {peak_found_n} N of {peak_n}");
         let off = distance(&solution, force, &case, "force_n") / peak_n;
         assert!(off < 3e-6, "{name}: the force is {off:e} off");
         let travel_m = motion.travel_m();

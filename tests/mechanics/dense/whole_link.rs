@@ -39,6 +39,7 @@ fn arm() -> LinkParts {
         hub: Hub { inertia_kg_m2: 0.1, radius_m: 0.08, ..Hub::default() },
         carriage: None,
         root_stiffness_n_m_rad: None,
+        output_m: None,
         // At the root, within a segment, where two meet, at the tip.
         masses: vec![
             mass(0.08, 0.5, 2e-3),

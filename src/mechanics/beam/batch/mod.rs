@@ -207,7 +207,7 @@ impl Checkpoints {
     pub fn of<'a>(mesh: &Mesh, further: impl IntoIterator<Item = &'a [usize]>) -> Self {
         let mut nodes: Vec<usize> = further.into_iter().filter_map(ends_of).flatten().collect();
         let keeps = !nodes.is_empty();
-        nodes.extend([0, mesh.elements().len()]);
+        nodes.extend([0, mesh.output(), mesh.elements().len()]);
         nodes.sort_unstable();
         nodes.dedup();
         Self { nodes, rows: vec![], per_tip: vec![], alone: vec![], keeps }
@@ -215,7 +215,7 @@ impl Checkpoints {
 
     /// Upper bound of memory in bytes for each λ, with this number of further groups.
     pub const fn bytes(further: usize) -> usize {
-        if further == 0 { 0 } else { 2 * (further + 1) * ROWS * size_of::<Complex64>() }
+        if further == 0 { 0 } else { (2 * further + 3) * ROWS * size_of::<Complex64>() }
     }
 
     fn row(&mut self, checkpoint: usize, row: usize) -> &mut [Complex64] {
