@@ -39,7 +39,7 @@ impl Simulation {
         let Specification { arm, meshes, .. } = &specification;
         let play = moves.play();
         let played = simulate(arm, meshes, &play, &|_| {}).map_err(|error| {
-            let (message, hint) = refusal(&error, arm.links().len() > 1);
+            let (message, hint) = refusal(&error, arm);
             let hint = hint.map(str::to_owned);
             Failure { message, hint, ..Failure::from(error) }
         })?;

@@ -162,7 +162,7 @@ impl Fit {
                 "records are of the link with its hysteretic ratio as the viscous ratio of each mode",
             );
         }
-        let of_gravity = if problem.is_arm() { 0 } else { warn_of_gravity(problem.own.link()) };
+        let of_gravity = problem.own.arm.alone().map_or(0, warn_of_gravity);
         let (replaced, written) = self.write(&problem, &outcome)?;
         let warnings = of_gravity + tell(&outcome, &replaced, &written)?;
         self.warnings.refuse(warnings)
@@ -313,19 +313,15 @@ impl Problem {
                 LinkFitError::Link(error) => error.hint(),
                 LinkFitError::Plan(_) | LinkFitError::NoModel => None,
                 LinkFitError::Pose(error) => error.hint(),
-                LinkFitError::NoMode(_) if self.is_arm() => Some(
+                LinkFitError::NoMode(_) => Some(self.own.arm.pick(
+                    "number the modes from 1, the rigid rotation left out",
                     "number the modes as `flexlink modes --at` does: with free joints the first ones, as many as links, \
                      are swings",
-                ),
-                LinkFitError::NoMode(_) => {
-                    Some("number the modes from 1, the rigid rotation left out")
-                }
-                LinkFitError::NoVibration(_) if self.is_arm() => {
-                    Some("`flexlink modes --at` lists the modes of the file's arm")
-                }
-                LinkFitError::NoVibration(_) => {
-                    Some("`flexlink modes` lists the modes of the link")
-                }
+                )),
+                LinkFitError::NoVibration(_) => Some(self.own.arm.pick(
+                    "`flexlink modes` lists the modes of the link",
+                    "`flexlink modes --at` lists the modes of the file's arm",
+                )),
                 LinkFitError::Distant { .. } => {
                     Some("check its unit, mode, hub or pose, and the units of the link file")
                 }
@@ -340,15 +336,11 @@ impl Problem {
         })
     }
 
-    fn is_arm(&self) -> bool {
-        self.own.arm.links().len() > 1
-    }
-
     /// True if a record needs a play of a link with hysteretic damping.
     fn plays_as_viscous(&self) -> bool {
         let damping = self.own.link().damping();
         let is_hysteretic = matches!(damping, Damping::Hysteretic { ratio } if *ratio > 0.0);
-        !self.is_arm() && is_hysteretic && !self.measured.records().is_empty()
+        is_hysteretic && !self.measured.records().is_empty()
     }
 
     /// The changes of the command line, then the factors on the free values.

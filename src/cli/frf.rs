@@ -137,10 +137,9 @@ impl Frf {
 
     /// The response of a link without gravity, or of a link or an arm in a pose.
     pub fn compute(&self, specification: &Specification) -> Result<Responses, Failure> {
-        if self.at.is_none() && specification.arm.links().len() == 1 {
-            self.compute_level(specification)
-        } else {
-            self.compute_in_pose(specification)
+        match specification.arm.alone().filter(|_| self.at.is_none()) {
+            Some(_) => self.compute_level(specification),
+            None => self.compute_in_pose(specification),
         }
     }
 

@@ -306,8 +306,7 @@ fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, 
 
 /// Message of a link or an arm that falls from a pose with its hub, or joints, in a state.
 pub(crate) fn falling(arm: &Arm, state: &str) -> String {
-    let (what, joints) =
-        if arm.links().len() == 1 { ("link", "hub is") } else { ("arm", "joints are") };
+    let (what, joints) = arm.pick(("link", "hub is"), ("arm", "joints are"));
     format!("the {what} falls from this pose if its {joints} {state}")
 }
 

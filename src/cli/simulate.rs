@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::csv::{Digits, InputFile};
 use crate::elastica::SecondOrder;
+use crate::link::Arm;
 use crate::response::{CycleError, Play, SimulationError, simulate};
 use crate::result::{Comparison, FollowedTarget, TargetError};
 use crate::spec::Specification;
@@ -228,7 +229,7 @@ impl Simulate {
             | SimulationError::TooMuchMemory { .. }
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };
-        let (message, hint) = refusal(error, inputs.specification.arm.links().len() > 1);
+        let (message, hint) = refusal(error, &inputs.specification.arm);
         Failure::new(exit, &format!("{place}{message}"), hint)
     }
 
@@ -282,9 +283,9 @@ impl Inputs {
 }
 
 /// Reason of a failed simulation, and the remedy, which names the files of an arm.
-pub fn refusal(error: &SimulationError, is_arm: bool) -> (String, Option<&'static str>) {
+pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<&'static str>) {
     let hint = match error {
-        _ if !is_arm => error.hint(),
+        _ if arm.alone().is_some() => error.hint(),
         SimulationError::OtherTimes { .. } => {
             Some("take joint_angles.csv and torques.csv of one run of solve")
         }

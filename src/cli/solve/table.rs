@@ -167,7 +167,7 @@ impl WriteArgs {
         if self.write.is_none() {
             return Ok(None);
         }
-        let words = if solution.joints.len() > 1 { &OF_ARM } else { &OF_LINK };
+        let words = solution.arm.pick(&OF_LINK, &OF_ARM);
         let has_motor = solution.joints.iter().any(|joint| joint.motor.is_some());
         let table = self.shaped(TorqueTable::of(solution), solution.motion.ends());
         let error = if self.hold.is_some() || self.window.is_some() {

@@ -220,10 +220,10 @@ impl<'a> Cases<'a> {
     pub(crate) fn remarks(&self, case: usize) -> Vec<Remark> {
         let values = self.plan.case(case);
         let Ok(own) = self.specification(&values) else { return Vec::new() };
-        let (remarks, is_link) = (own.remarks.clone(), own.arm.links().len() == 1);
+        let remarks = own.remarks.clone();
         let Ok(mesh) = Mesh::new(own.link(), own.mesh()) else { return remarks };
-        let of_modes = || Remark::on_modes(own.link(), &mesh, &natural_frequencies(&mesh, 1));
-        let of_modes = if is_link { of_modes() } else { Vec::new() };
+        let of_modes = |link| Remark::on_modes(link, &mesh, &natural_frequencies(&mesh, 1));
+        let of_modes = own.arm.alone().map(of_modes).unwrap_or_default();
         let of_motion = self.motion_of(&own.arm, values.motion).map(|Wanted { motion, .. }| {
             let tolerance = own.analysis.tip_tolerance();
             Remark::on_motion(&own.arm, &motion, motion.largest_travel_m(), tolerance)
@@ -326,7 +326,7 @@ fn refuse_without_effect(
         if read(case).is_some_and(|second| second == first) {
             let changes = variation.changes();
             let shown: Vec<_> = changes[..2].iter().map(|change| excerpt(change)).collect();
-            let what = if first.arm.links().len() == 1 { "link" } else { "arm" };
+            let what = first.arm.pick("link", "arm");
             let message = format!("--vary: {} give the same {what}", shown.join(" and "));
             let hint = "a later --vary may set the same value under another name";
             return Err(Failure::new(Exit::Usage, &message, Some(hint)));

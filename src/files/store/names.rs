@@ -20,6 +20,9 @@ pub const REPORT: &str = "report.html";
 /// Names for a link on a hub, for an arm and for a link on a carriage; empty without such a file or column.
 type Name = [&'static str; 3];
 
+/// Lists of names in the order of [`Name`].
+type Names = [&'static [&'static str]; 3];
+
 /// The joints of a run, as the names of its files and columns show them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
@@ -40,11 +43,6 @@ impl Form {
             (Some(link), None) if link.joint().slides() => Self::Carriage,
             _ => Self::Hub,
         }
-    }
-
-    /// Whether names belong to an arm.
-    pub(super) const fn is_arm(self) -> bool {
-        matches!(self, Self::Arm)
     }
 }
 
@@ -84,8 +82,8 @@ impl JointFile {
     }
 }
 
-const fn pick(name: Name, form: Form) -> &'static str {
-    name[form as usize]
+const fn pick<T: Copy>(of: [T; 3], form: Form) -> T {
+    of[form as usize]
 }
 
 pub(super) static TORQUE: JointFile = JointFile {
@@ -160,8 +158,8 @@ pub(super) static TIP_ERROR: JointFile = JointFile::new(
 #[derive(Debug)]
 pub(super) struct NodalFile {
     file: Name,
-    /// First letters of a node's columns, for a link and for an arm.
-    letters: [&'static [&'static str]; 2],
+    /// First letters of a node's columns.
+    letters: Names,
     pub(super) unit: &'static str,
 }
 
@@ -173,36 +171,40 @@ impl NodalFile {
 
     /// Letters of a node's columns.
     pub(super) const fn letters(&self, form: Form) -> &'static [&'static str] {
-        self.letters[form.is_arm() as usize]
+        pick(self.letters, form)
     }
 
     /// Name of a column of a node.
     pub(super) fn column(&self, form: Form, link: usize, letter: usize, node: usize) -> String {
         let (letter, unit) = (self.letters(form)[letter], self.unit);
-        let link = if form.is_arm() { format!("{}_", link + 1) } else { String::new() };
+        let link = pick(LINK_OF_NODE, form).replace('#', &(link + 1).to_string());
         format!("{letter}{link}{node}_{unit}")
     }
 }
 
+/// Number of the link in the column of a node.
+const LINK_OF_NODE: Name = ["", "#_", ""];
+
 /// Displacements of a link's nodes, places of an arm's.
 pub(super) static PLACES: NodalFile = NodalFile {
     file: ["nodal_displacements.csv", "nodal_positions.csv", "nodal_displacements.csv"],
-    letters: [&["v"], &["x", "y"]],
+    letters: [&["v"], &["x", "y"], &["v"]],
     unit: "m",
 };
 /// Deflections from the hub's tangent line, of an arm's links from their chords.
 pub(super) static DEFLECTIONS: NodalFile =
-    NodalFile { file: ["nodal_deflections.csv"; 3], letters: [&["w"]; 2], unit: "m" };
+    NodalFile { file: ["nodal_deflections.csv"; 3], letters: [&["w"]; 3], unit: "m" };
 pub(super) static MOMENTS: NodalFile =
-    NodalFile { file: ["bending_moments.csv"; 3], letters: [&["m"]; 2], unit: "n_m" };
+    NodalFile { file: ["bending_moments.csv"; 3], letters: [&["m"]; 3], unit: "n_m" };
 
 /// Distances of the nodes along the link, or along each link.
 pub(super) const NODES: &str = "nodes.csv";
-const NODE_COLUMNS: [&[&str]; 2] = [&["node", "x_m", "segment"], &["link", "node", "x_m", "name"]];
+const NODE_COLUMNS: Names =
+    [&["node", "x_m", "segment"], &["link", "node", "x_m", "name"], &["node", "x_m", "segment"]];
 
 /// Columns of [`NODES`].
 pub(super) const fn node_columns(form: Form) -> &'static [&'static str] {
-    NODE_COLUMNS[form.is_arm() as usize]
+    pick(NODE_COLUMNS, form)
 }
 
 /// Files of a solution in the order of its summary.
@@ -316,10 +318,10 @@ impl RunOutputs {
         files.filter(|name| self.has(name, form)).chain([SUMMARY]).collect()
     }
 
-    /// False for a file that a golden folder lacks.
+    /// False for a file without a name in this form, and for one that a golden folder lacks.
     pub(super) fn has(&self, name: &str, form: Form) -> bool {
-        !self.golden
-            || [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE].iter().all(|file| file.name(form) != name)
+        let left_out = [&RIGID_TORQUE, &MOTOR, &CHORD, &FORCE];
+        !name.is_empty() && (!self.golden || left_out.iter().all(|file| file.name(form) != name))
     }
 
     /// The rows of tables over time.

@@ -366,11 +366,11 @@ pub(super) fn read_nodes(file: &InputFile, form: Form) -> Result<Vec<Vec<f64>>, 
         // A single link has no number.
         let numbered = fields.len() - 2;
         let (numbers, x_m) = (&fields[..numbered], fields[numbered]);
-        if nodes_m.is_empty() || (form.is_arm() && numbers[1] == "0") {
+        if nodes_m.is_empty() || numbers.get(1) == Some(&"0") {
             nodes_m.push(Vec::new());
         }
         let next = [nodes_m.len(), nodes_m.last().map_or(0, Vec::len)].map(|own| own.to_string());
-        let next = &next[usize::from(!form.is_arm())..];
+        let next = &next[next.len() - numbered..];
         for ((name, found), must) in names.iter().zip(numbers).zip(next) {
             if found != must {
                 return Err(at(line).refuse(*name, quoted(found), format!("must be {must}")));

@@ -9,9 +9,9 @@ use super::names::{Form, RunOutputs, played_files};
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
 use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
-use crate::link::{Arm, Joint};
+use crate::link::{Arm, Joint, Link};
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
-use crate::motion::{Ends, Motion, Prescribed};
+use crate::motion::Ends;
 use crate::response::{
     Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink, SimulationError,
 };
@@ -100,32 +100,25 @@ impl Summary {
         findings: &Findings,
         outputs: &RunOutputs,
     ) -> Self {
-        let (arm, link) = (&solution.arm, solution.links[0].link());
+        let arm = &solution.arm;
         let mut values = solution_values(solution, metrics);
         if let Some(found) = &solution.second_order {
             values["second_order"] = second_order_record(solution, found);
         }
         store_limits(&mut values, findings.limits, arm);
-        let summary = if solution.links.len() == 1 {
-            if link.has_weight() {
-                values["frequencies_without_gravity"] = json!(true);
-            }
-            let drive = Some(link.drive().copied());
-            Self { drive, ..Self::of("solve", inputs, link, solution.links[0].law()) }
-        } else {
-            Self::titled("solve", inputs, arm.title())
-        };
+        store_gravity(&mut values, arm);
         let exceeded = findings.exceeded.iter().map(Notice::from);
         let warnings = solution.warnings.iter().map(Notice::from).chain(exceeded);
         let remarks = findings.remarks.iter().map(Notice::from);
         let files = outputs.files(arm.links().iter().map(|own| &own.link)).into_iter();
         Self {
             values,
+            drive: arm.alone().map(|link| link.drive().copied()),
             verification: Some(findings.verification.map(|own| own.checks.clone())),
             warnings: warnings.map(|own| own.worded(arm)).collect(),
             remarks: Some(remarks.map(|own| own.worded(arm)).collect()),
             files: files.map(str::to_owned).collect(),
-            ..summary
+            ..Self::of("solve", inputs, arm, solution.links[0].law())
         }
     }
 
@@ -134,19 +127,16 @@ impl Summary {
         let PlayedRun { arm, play, limits, result } = *run;
         let Simulated { played, metrics, target, comparison, .. } = result;
         let tip_error = target.as_ref().map(|target| tip_numbers(&target.tip_error));
-        let is_link = arm.links().len() == 1;
         let input = match play.input {
             Input::Torques(_) => "torque",
-            Input::Angles(_) if is_link => "hub_angle",
-            Input::Angles(_) => "joint_angles",
+            Input::Angles(_) => arm.pick("hub_angle", "joint_angles"),
         };
         let input = (input, input_values(play, played));
-        let (mut values, summary) = if is_link {
-            let PlayedLink { mesh, law, natural_frequencies_rad_s } = &played.links[0];
-            let link = &arm.links()[0].link;
+        let PlayedLink { mesh, law, natural_frequencies_rad_s } = &played.links[0];
+        let mut values = if let Some(link) = arm.alone() {
             let periods_s: Vec<f64> =
                 natural_frequencies_rad_s.iter().map(|omega| TAU / omega).collect();
-            let values = json!({
+            json!({
                 "mesh": mesh_values(mesh),
                 input.0: input.1,
                 "feedback": play.feedback.first().map(gains),
@@ -155,12 +145,11 @@ impl Summary {
                 "results": played_results(metrics, arm),
                 "errors": renamed(&link.joint(), link_errors(result)),
                 "tip_error": tip_error,
-            });
-            (values, Self::of("simulate", inputs, link, law))
+            })
         } else {
             let elements = played.links.iter().map(|link| link.mesh.elements().len());
             let [tip_m, joint_rad] = played.change();
-            let values = json!({
+            json!({
                 "arm": arm_record(arm, elements),
                 input.0: input.1,
                 "feedback": play.feedback.iter().map(gains).collect::<Vec<_>>(),
@@ -170,8 +159,7 @@ impl Summary {
                     "energy": played.imbalance(),
                 },
                 "tip_error": tip_error,
-            });
-            (values, Self::titled("simulate", inputs, arm.title()))
+            })
         };
         store_limits(&mut values, limits, arm);
         match &played.by {
@@ -188,15 +176,13 @@ impl Summary {
             }
             PlayedBy::Elastica(bent) => {
                 let mut elastica = json!({ "angles": bent.angles, "steps_per_sample": bent.steps });
-                if is_link {
+                if arm.alone().is_some() {
                     elastica["holding_torque_n_m"] = json!(played.hub().holding_n_m);
                 }
                 values["elastica"] = elastica;
             }
         }
-        if is_link && arm.has_weight() {
-            values["frequencies_without_gravity"] = json!(true);
-        }
+        store_gravity(&mut values, arm);
         let files =
             played_files(Form::of(arm.links().iter().map(|own| &own.link)), target.is_some());
         Self {
@@ -204,7 +190,7 @@ impl Summary {
             measured: comparison.clone(),
             warnings: run.notices(|limit| Notice::from(limit)),
             files: files.into_iter().map(str::to_owned).collect(),
-            ..summary
+            ..Self::of("simulate", inputs, arm, law)
         }
     }
 }
@@ -300,6 +286,13 @@ fn link_errors(run: &Simulated) -> Value {
     errors
 }
 
+/// Notes that gravity acts on a single link, whose frequencies are without it.
+fn store_gravity(values: &mut Value, arm: &Arm) {
+    if arm.alone().is_some_and(Link::has_weight) {
+        values["frequencies_without_gravity"] = json!(true);
+    }
+}
+
 /// Stores the limits of a single link, or of each joint, if there are any.
 fn store_limits(values: &mut Value, limits: &[Limits], arm: &Arm) {
     let stored: Vec<Option<Value>> = limits.iter().map(Limits::stored).collect();
@@ -360,14 +353,8 @@ fn mesh_values(mesh: &Mesh) -> Value {
 fn motion_values(solution: &Solution, metrics: &Metrics) -> Value {
     let motion = &solution.motion;
     let (grid, (from, until)) = (motion.grid(), motion.moving_samples());
-    let given = match motion {
-        Motion::Tip(tip) if tip.is_from_displacement() => "displacement",
-        Motion::Tip(_) => "acceleration",
-        Motion::Path(path) if path.prescribed() == Prescribed::Tip => "tip",
-        Motion::Path(_) => "angles",
-    };
     let mut values = json!({
-        "given": given,
+        "given": motion.given(),
         "samples": grid.len,
         "step_s": grid.step_s,
         "start_s": grid.time_s(0),

@@ -237,8 +237,7 @@ impl<'a> RunTables<'a> {
             order_of(tip, |own| &own.acceleration_m_s2),
         ]
         .concat();
-        let chords = played.bent().filter(|_| arm.links().len() > 1);
-        let chords = chords.map_or(&[][..], |bent| &bent.chords_rad);
+        let chords = played.bent().map_or(&[][..], |bent| &bent.chords_rad);
         let files = [
             (&TORQUE, torques),
             (&TIP, vec![tip]),
@@ -413,7 +412,8 @@ impl RunOutputs {
 /// them.
 fn write_nodes(out: &mut (dyn Write + Send), links: &[LinkNodes]) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
-    table.write_record(node_columns(Form::of(links.iter().map(|own| own.link))))?;
+    let columns = node_columns(Form::of(links.iter().map(|own| own.link)));
+    table.write_record(columns)?;
     let format = Digits::Full.for_peak(links.iter().filter_map(|link| link.nodes_m.last()).sum());
     for (number, link) in (1..=links.len()).zip(links) {
         for (node, (x_m, name)) in link.nodes_m.iter().zip(&link.names).enumerate() {
@@ -421,7 +421,7 @@ fn write_nodes(out: &mut (dyn Write + Send), links: &[LinkNodes]) -> io::Result<
             format.write(&mut position, *x_m);
             let (node, number) = (node.to_string(), number.to_string());
             let fields = [number.as_bytes(), node.as_bytes(), &position, name.as_bytes()];
-            table.write_record(&fields[usize::from(links.len() == 1)..])?;
+            table.write_record(&fields[fields.len() - columns.len()..])?;
         }
     }
     table.flush()

@@ -8,8 +8,8 @@ use super::json::{FORMAT, Fingerprint, Head, as_written, check_format, json, new
 use crate::csv::{InputFile, Place, TableError, quoted};
 use crate::elastica::SecondOrder;
 use crate::link::{
-    Carriage, Damping, Drive, Gravity, Hub, Joint, Link, LinkParts, LumpedMass, ParameterError,
-    Payload, Segment,
+    Arm, Carriage, Damping, Drive, Gravity, Hub, Joint, Link, LinkParts, LumpedMass,
+    ParameterError, Payload, Segment,
 };
 use crate::modal::DampingLaw;
 use crate::result::{Check, Comparison, Limits, Notice, Origin};
@@ -165,18 +165,14 @@ pub(super) struct LinkRecord {
 
 impl Summary {
     /// A summary with the common keys of both commands.
-    pub(super) fn of(command: &str, inputs: RunInputs, link: &Link, law: &DampingLaw) -> Self {
-        Self { link: LinkRecord::of(link, law), ..Self::titled(command, inputs, link.title()) }
-    }
-
-    /// A summary with the common keys of all results.
-    pub(super) fn titled(command: &str, inputs: RunInputs, title: &str) -> Self {
+    pub(super) fn of(command: &str, inputs: RunInputs, arm: &Arm, law: &DampingLaw) -> Self {
         Self {
             format: FORMAT,
             flexlink: env!("CARGO_PKG_VERSION").to_owned(),
             command: command.to_owned(),
-            title: title.to_owned(),
+            title: arm.title().to_owned(),
             inputs,
+            link: arm.alone().map(|link| LinkRecord::of(link, law)).unwrap_or_default(),
             ..Self::default()
         }
     }

@@ -272,11 +272,6 @@ impl Solution {
         self.links.iter().filter_map(|link| link.shape.as_ref())
     }
 
-    /// Number of a joint in metrics, limits and remarks, from 0. `None` for one link, whose joint is its hub.
-    pub fn number_of(&self, joint: usize) -> Option<usize> {
-        (self.joints.len() > 1).then_some(joint)
-    }
-
     /// Angle of a joint in rad; for a tip that moves before its motion and after it, only during the motion.
     pub(crate) fn followed_rad(&self, joint: usize) -> &[f64] {
         let (first, last) = self.moving;

@@ -113,6 +113,24 @@ impl Arm {
         self.parts.links[0].link.joint()
     }
 
+    /// The link of an arm of one link.
+    pub fn alone(&self) -> Option<&Link> {
+        match self.links() {
+            [own] => Some(&own.link),
+            _ => None,
+        }
+    }
+
+    /// The first alternative for one link, the second for several.
+    pub fn pick<T>(&self, of_link: T, of_arm: T) -> T {
+        if self.alone().is_some() { of_link } else { of_arm }
+    }
+
+    /// Number of a joint in metrics, limits and remarks, from 0. `None` for one link, whose joint is its hub.
+    pub fn number_of(&self, joint: usize) -> Option<usize> {
+        self.pick(None, Some(joint))
+    }
+
     /// Gravity in m/s² along the plane's x and y axes.
     pub fn gravity_m_s2(&self) -> [f64; 2] {
         self.parts.gravity_m_s2

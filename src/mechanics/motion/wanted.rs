@@ -1,7 +1,7 @@
 //! The wanted motion, of the tip of one link or of an arm.
 
 use super::error::MotionError;
-use super::path::ArmPath;
+use super::path::{ArmPath, Prescribed};
 use super::recording::Recording;
 use super::samples::Ends;
 use super::scale::MotionScale;
@@ -31,6 +31,16 @@ impl Motion {
         match self {
             Self::Tip(motion) => Some(motion),
             Self::Path(_) => None,
+        }
+    }
+
+    /// Name of the quantity that the samples prescribe.
+    pub fn given(&self) -> &'static str {
+        match self {
+            Self::Tip(tip) if tip.is_from_displacement() => "displacement",
+            Self::Tip(_) => "acceleration",
+            Self::Path(path) if path.prescribed() == Prescribed::Tip => "tip",
+            Self::Path(_) => "angles",
         }
     }
 

@@ -276,7 +276,7 @@ fn of_torques(
     let mut warnings = Vec::new();
     for (number, (torque, holding_n_m)) in torques.iter().zip(holding).enumerate() {
         let samples_n_m = torque.torque_n_m();
-        let joint = (torques.len() > 1).then_some(number + 1);
+        let joint = arm.number_of(number).map(|number| number + 1);
         let torque_n_m = samples_n_m[0];
         let share = (torque_n_m - holding_n_m).abs() / size;
         if starts_at_rest && share > STEP_SHARE {

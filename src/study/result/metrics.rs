@@ -126,7 +126,7 @@ impl JointMetrics {
         let power_w: Vec<f64> =
             torque.iter().zip(&joint.rate_rad_s).map(|(torque, rate)| torque * rate).collect();
         Self {
-            joint: solution.number_of(number),
+            joint: solution.arm.number_of(number),
             peak_torque_n_m,
             rms_torque_n_m: acting.rms(torque),
             peak_rigid_torque_n_m,
