@@ -188,7 +188,7 @@ impl Frf {
         let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
         Ok(Responses {
             error: BandMeshError::of_errors(known, Refined::Elements),
-            columns: link_response(&link.joint(), &rows, errors.as_deref()),
+            columns: link_response(link, &rows, errors.as_deref()),
             falls: false,
         })
     }

@@ -139,3 +139,51 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
     bench.done(&format!("solve {MAST} move.csv -o run"));
     assert!(refused("report run").contains("is not read back yet"));
 }
+
+#[test]
+fn a_station_names_the_output_and_tells_where_the_tip_goes() {
+    let bench = bench();
+    let solved = succeeded(bench.run(&format!("solve {MAST} move.csv --set output.at=4 -o out")));
+    let (text, warned) = (stdout(&solved), stderr(&solved));
+    for words in ["output deflects by up to ", "free end strays by up to ", "model (output)"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(!text.contains("tip") && !warned.contains("tip"), "{text} {warned}");
+    let output_m = column(&bench, "out/output.csv", "output_displacement_m");
+    let (first, last) = (output_m[0], output_m[output_m.len() - 1]);
+    assert!(first.abs() < 1e-5 && (last - 2.0).abs() < 1e-5, "{first} {last}");
+    assert!(!bench.read("out/summary.json").contains("tip.csv"));
+    // The tip is the last node; a rigid mast carries it as far as the output.
+    let nodes = bench.read("out/nodal_displacements.csv");
+    let tip = nodes.lines().next().unwrap().rsplit(',').next().unwrap().to_owned();
+    let tip_m = column(&bench, "out/nodal_displacements.csv", &tip);
+    let apart_m = tip_m.iter().zip(&output_m).map(|(tip, output)| (tip - output).abs());
+    let told_m = bench.number("out", "results/peak_tip_from_rigid_m");
+    let apart_m = apart_m.fold(0.0, f64::max);
+    assert!((apart_m / told_m - 1.0).abs() < 1e-3, "{apart_m} {told_m}");
+    let text = stdout(&succeeded(bench.run(&format!("modes {MAST} --set output.at=4"))));
+    assert!(text.contains(" Hz no force moves the output"), "{text}");
+    let text = stdout(&succeeded(bench.run(&format!("verify {MAST} move.csv --set output.at=4"))));
+    assert!(text.contains("F/a_output") && !text.contains("tip"), "{text}");
+    // An output at the tip is the default, and a place off the link is refused.
+    bench.done(&format!("solve {MAST} move.csv --set output.at=6 -o tip"));
+    bench.done(&format!("solve {MAST} move.csv -o default"));
+    assert_eq!(bench.read("tip/force.csv"), bench.read("default/force.csv"));
+    let refused = stderr(&ended(3, bench.run(&format!("solve {MAST} move.csv --set output.at=0"))));
+    assert!(refused.contains("output.at = 0 m, but must lie beyond the root"), "{refused}");
+}
+
+#[test]
+fn a_spring_at_the_root_stands_in_all_results_of_hub_and_carriage() {
+    let bench = bench();
+    bench.done(&format!("solve {MAST} move.csv --set carriage.root_stiffness=2e7 -o out"));
+    assert_eq!(bench.number("out", "link/root_stiffness_n_m_rad"), 2e7);
+    let clamped = stdout(&succeeded(bench.run(&format!("modes {MAST} --count 1"))));
+    let spring = "--set carriage.root_stiffness=inf --count 1";
+    assert_eq!(stdout(&succeeded(bench.run(&format!("modes {MAST} {spring}")))), clamped);
+    let text = stderr(&ended(
+        3,
+        bench.run(&format!("solve {MAST} move.csv --set carriage.root_stiffness=0")),
+    ));
+    assert!(text.contains("carriage.root_stiffness = 0 N m/rad, but must be"), "{text}");
+}

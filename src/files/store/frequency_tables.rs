@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use super::folder::{FolderError, OutputFolder};
 use super::json::json as as_text;
 use crate::csv::{Digits, write_columns};
-use crate::link::Joint;
+use crate::link::Link;
 use crate::model::FrequencyResponse;
 use crate::numeric::magnitude;
 use crate::response::{ArmResponses, ArmShapes, PoseMode, SettledModes};
@@ -182,7 +182,7 @@ fn parts_of(name: &str, transfer: impl Iterator<Item = Complex64>) -> ResponseCo
 /// The columns of a link's frequency response: frequency, then each transfer, and their relative error due to the
 /// mesh. Of a carriage they are force, position and tip per force.
 pub fn link_response(
-    joint: &Joint,
+    link: &Link,
     rows: &[FrequencyResponse],
     mesh_errors: Option<&[f64]>,
 ) -> ResponseColumns {
@@ -200,8 +200,10 @@ pub fn link_response(
         }),
     ];
     for (names, transfer) in transfers {
-        let name = names[usize::from(joint.slides())];
-        columns.extend(parts_of(name, rows.iter().map(transfer)));
+        let name = names[usize::from(link.joint().slides())];
+        let name =
+            if link.has_station() { name.replace("tip_", "output_") } else { name.to_owned() };
+        columns.extend(parts_of(&name, rows.iter().map(transfer)));
     }
     columns.push(("mesh_error".to_owned(), mesh_errors.unwrap_or_default().to_vec()));
     columns

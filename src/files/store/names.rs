@@ -32,16 +32,44 @@ pub(super) enum Form {
     Arm,
     /// A link on a carriage.
     Carriage,
+    /// A link on a hub with its output inboard of the tip.
+    HubStation,
+    /// A link on a carriage with its output inboard of the tip.
+    CarriageStation,
 }
 
 impl Form {
+    const ALL: [Self; 5] =
+        [Self::Hub, Self::Arm, Self::Carriage, Self::HubStation, Self::CarriageStation];
+
     /// The form of the names of these links.
     pub(super) fn of<'a>(links: impl IntoIterator<Item = &'a Link>) -> Self {
         let mut links = links.into_iter();
-        match (links.next(), links.next()) {
-            (_, Some(_)) => Self::Arm,
-            (Some(link), None) if link.joint().slides() => Self::Carriage,
-            _ => Self::Hub,
+        let (Some(link), None) = (links.next(), links.next()) else { return Self::Arm };
+        match (link.joint().slides(), link.has_station()) {
+            (false, false) => Self::Hub,
+            (true, false) => Self::Carriage,
+            (false, true) => Self::HubStation,
+            (true, true) => Self::CarriageStation,
+        }
+    }
+
+    /// Place of the form's names in a [`Name`].
+    const fn place(self) -> usize {
+        match self {
+            Self::Hub | Self::HubStation => 0,
+            Self::Arm => 1,
+            Self::Carriage | Self::CarriageStation => 2,
+        }
+    }
+
+    /// The name of a file in this form, from its name where the output is the tip.
+    fn file(self, name: Name) -> &'static str {
+        let name = pick(name, self);
+        match (self, name) {
+            (Self::HubStation | Self::CarriageStation, "tip.csv") => "output.csv",
+            (Self::HubStation | Self::CarriageStation, "tip_error.csv") => "output_error.csv",
+            _ => name,
         }
     }
 }
@@ -62,13 +90,17 @@ impl JointFile {
     }
 
     /// Name of the file in this form.
-    pub(super) const fn name(&self, form: Form) -> &'static str {
-        pick(self.file, form)
+    pub(super) fn name(&self, form: Form) -> &'static str {
+        form.file(self.file)
     }
 
     /// Name of a joint's column; empty if there is no such column.
     pub(super) fn column(&self, form: Form, joint: usize, column: usize) -> String {
-        pick(self.columns[column], form).replace('#', &(joint + 1).to_string())
+        let name = pick(self.columns[column], form).replace('#', &(joint + 1).to_string());
+        match form {
+            Form::HubStation | Form::CarriageStation => name.replace("tip_", "output_"),
+            _ => name,
+        }
     }
 
     /// Names of all columns of these joints.
@@ -83,7 +115,7 @@ impl JointFile {
 }
 
 const fn pick<T: Copy>(of: [T; 3], form: Form) -> T {
-    of[form as usize]
+    of[form.place()]
 }
 
 pub(super) static TORQUE: JointFile = JointFile {
@@ -228,7 +260,7 @@ const PLAYED: [Name; 7] =
 
 /// Names in a list in this form.
 fn names_in(list: &'static [Name], form: Form) -> impl Iterator<Item = &'static str> {
-    list.iter().map(move |name| pick(*name, form)).filter(|name| !name.is_empty())
+    list.iter().map(move |name| form.file(*name)).filter(|name| !name.is_empty())
 }
 
 /// Files of a solution in this form.
@@ -248,8 +280,7 @@ pub(super) fn played_files(form: Form, has_target: bool) -> Vec<&'static str> {
 pub(super) fn result_files() -> Vec<&'static str> {
     let mut names = vec![REPORT];
     for list in [&SOLVED[..], &PLAYED] {
-        let all = [Form::Hub, Form::Arm, Form::Carriage].into_iter();
-        all.flat_map(|form| names_in(list, form)).for_each(|name| {
+        Form::ALL.into_iter().flat_map(|form| names_in(list, form)).for_each(|name| {
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -66,7 +66,7 @@ impl LinearModelError {
         let (joint, flexible_m) =
             (model.link().joint(), length_m - model.link().joint().radius_m());
         let shortened = if joint.slides() { ON_CARRIAGE } else { SHORTENED };
-        let square = (deflection_m / flexible_m).powi(2);
+        let square = (model.link().tip_per_output() * deflection_m / flexible_m).powi(2);
         let torque = of(beyond_rigid, peaks.torque) + shortened * square;
         let hub_rate = excess(1, peaks.hub_rate);
         let of_deflection = share_of(deflection_m, DEFLECTION_WEIGHTS) * deflection_m
@@ -114,7 +114,7 @@ impl LinkProblem<'_> {
     ) -> LinearModelError {
         let estimate = LinearModelError::estimated(answering, answer, histories);
         let is_small = estimate.tip <= ESTIMATED_TIP && estimate.errors.torque <= ESTIMATED_TORQUE;
-        if is_small || self.resources.is_trial || answering.model.link().joint().slides() {
+        if is_small || self.resources.is_trial || answering.model.link().linear_part().is_some() {
             return estimate;
         }
         let counted = self.with_all_terms(answering, answer, histories);

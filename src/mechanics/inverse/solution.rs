@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use super::accuracy::{PerQuantity, QuantityErrors, size};
@@ -323,6 +324,19 @@ impl Solution {
     /// Reference of a history's errors: its peak or, with gravity, its largest value less its smallest.
     pub fn size_of(&self, history: &[f64]) -> f64 {
         size(history, self.arm.has_weight())
+    }
+
+    /// Displacement of the tip less that of the tip of a rigid link whose output moves alike, in m. `None` where the output
+    /// is the tip.
+    pub fn tip_from_rigid_m(&self) -> Option<Vec<f64>> {
+        let mesh = self.links[0].mesh();
+        let nodes = [mesh.output(), mesh.nodes_m().len() - 1];
+        let is_inboard = nodes[0] < nodes[1];
+        let table = is_inboard.then(|| self.displacements(&nodes, NonZeroUsize::MIN).ok())??;
+        let samples = table.histories().samples;
+        let share = mesh.rigid(nodes[1])[0] / mesh.rigid_tip();
+        let pairs = samples[1].iter().zip(&samples[0]);
+        Some(pairs.map(|(tip, output)| tip - share * output).collect())
     }
 
     /// Deflection of a link's tip from the tangent line of its joint in m; for one link `v_tip − Lθ`.

@@ -126,6 +126,11 @@ impl Arm {
         if self.alone().is_some() { of_link } else { of_arm }
     }
 
+    /// A text for this arm, from the text for one whose output is the tip.
+    pub fn of_output(&self, text: String) -> String {
+        self.links()[0].link.of_output(text)
+    }
+
     /// Number of a joint in metrics, limits and remarks, from 0. `None` for one link, whose joint is its hub.
     pub fn number_of(&self, joint: usize) -> Option<usize> {
         self.pick(None, Some(joint))

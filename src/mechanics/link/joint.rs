@@ -15,8 +15,7 @@ const NAMES: [(&str, &str); 8] = [
 ];
 
 /// Words and units of a hub in texts, and those of a carriage in their place; longer ones stand first.
-const WORDS: [(&str, &str); 18] = [
-    ("use analysis.second_order = \"full\", a slower motion", "use a slower motion"),
+const WORDS: [(&str, &str); 17] = [
     ("T/a_tip of the paper's dense H", "F/a_tip by assembled matrices"),
     ("T/a_tip", "F/a_tip"),
     ("large deflections and centrifugal stiffening", "large deflections"),
@@ -111,7 +110,7 @@ impl Joint {
 }
 
 /// Replaces a phrase where it stands between signs that are no letters, digits or exponents.
-fn replaced(text: &str, phrase: &str, by: &str) -> String {
+pub(super) fn replaced(text: &str, phrase: &str, by: &str) -> String {
     let is_of_word = |sign: char| sign.is_alphanumeric() || sign == '²' || sign == '/';
     let mut whole = String::new();
     let mut rest = text;

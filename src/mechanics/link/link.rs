@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::joint::Joint;
+use super::joint::{Joint, replaced};
 use super::parts::{
     Carriage, Damping, Drive, Gravity, Hub, LumpedMass, POSITION_TOLERANCE, ParameterError,
     Payload, not_negative, positive,
@@ -255,6 +255,28 @@ impl Link {
     /// True if the output is a station on the link instead of its tip.
     pub fn has_station(&self) -> bool {
         self.parts.output_m.is_some()
+    }
+
+    /// Estimate of the tip's deflection over that of the output: both grow with the square of the distance from the root.
+    pub(crate) fn tip_per_output(&self) -> f64 {
+        let root_m = self.hub().radius_m;
+        ((self.length_m() - root_m) / (self.output_m() - root_m)).powi(2)
+    }
+
+    /// A text for this link, from the text for a link whose output is the tip and that may bend as far as it likes.
+    pub fn of_output(&self, mut text: String) -> String {
+        if self.linear_part().is_some() {
+            for condition in ["", " if the damping allows it"] {
+                text =
+                    text.replace(&format!("analysis.second_order = \"full\"{condition}, a"), "a");
+            }
+        }
+        if self.has_station() {
+            text =
+                text.replace("(rotary inertia, shear or payload)", "(the link beyond it swings)");
+            text = replaced(&text, "tip", "output");
+        }
+        text
     }
 
     /// Displacement of the rigid link's output per unit of the joint's position: of the tip, the length L of a link that

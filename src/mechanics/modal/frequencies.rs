@@ -218,7 +218,7 @@ pub(crate) const DEFLECTION_WEIGHTS: [f64; 2] = [0.3, 0.1];
 /// a (d/l)² + s/(1 + s),    s = b (1 + 8 r/l) (Ω/ω₁)²
 /// ```
 ///
-/// d is the tip's largest deflection from the hub's tangent line, l the length that bends, r the hub's radius, Ω the
+/// d is the tip's largest deflection from the hub's tangent line, estimated from that of an output inboard of it, l the length that bends, r the hub's radius, Ω the
 /// hub's largest rate `rate_rad_s`, and ω₁ the first natural frequency of the link clamped at the hub. s stands
 /// for the relative growth of ω₁² by centrifugal forces: for a uniform cantilever that turns in its plane, ω₁² grows by
 /// `0.19 (1 + 8 r/l) Ω²` (R. Southwell's coefficients).
@@ -227,7 +227,7 @@ pub(crate) fn second_order_share(
     link: &Link,
     rate_rad_s: f64,
 ) -> impl Fn(f64, [f64; 2]) -> f64 + use<> {
-    let radius_m = link.hub().radius_m;
+    let (radius_m, tip_per_output) = (link.hub().radius_m, link.tip_per_output());
     let length_m = link.length_m() - radius_m;
     let clamped = held_frequencies(mesh, f64::INFINITY, 1).first().copied();
     // A link that slides does not turn.
@@ -235,7 +235,7 @@ pub(crate) fn second_order_share(
     let rate_ratio = clamped.map_or(0.0, |clamped| slope * rate_rad_s / clamped);
     move |deflection_m, [a, b]| {
         let s = b * (1.0 + 8.0 * radius_m / length_m) * rate_ratio.powi(2);
-        let by_deflection = a * (deflection_m / length_m).powi(2);
+        let by_deflection = a * (tip_per_output * deflection_m / length_m).powi(2);
         // s/(1 + s) in a form that is 1 for an infinite rate.
         (by_deflection + 1.0 - (1.0 + s).recip()).min(1.0)
     }

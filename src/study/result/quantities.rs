@@ -74,7 +74,7 @@ const THREE: fn(f64) -> String = |number| significant(number, 3);
 const FOUR: fn(f64) -> String = |number| significant(number, 4);
 
 /// All quantities of a joint, in the order of summary.json.
-pub const QUANTITIES: [JointQuantity; 18] = [
+pub const QUANTITIES: [JointQuantity; 19] = [
     of_joint("peak_torque", TORQUE, |own| Some(own.peak_torque_n_m.value))
         .is("Peak torque at the hub, on the link's side of a drive.")
         .limited("torque", |own| own.torque_n_m)
@@ -121,6 +121,10 @@ pub const QUANTITIES: [JointQuantity; 18] = [
         .limited("deflection", |own| own.deflection_m)
         .shown(("bending", "tip deflects by up to {} m"), FOUR)
         .played(|own| own.peak_deflection_m.map(|peak| peak.value)),
+    of_joint("peak_tip_from_rigid", LENGTH, |own| Some(own.peak_tip_from_rigid_m?.value))
+        .is("With an output inboard of the tip: largest distance of the tip from its place on a rigid link.")
+        .shown(("bending", ", free end strays by up to {} m"), FOUR)
+        .not_swept(),
     of_joint("rms_power", POWER, |own| Some(own.rms_power_w))
         .is("Root mean square of the mechanical power at the hub while the torque acts.")
         .limited("rms_power", |own| own.power_w)

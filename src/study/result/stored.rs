@@ -204,7 +204,8 @@ impl Notice {
     #[must_use]
     pub fn worded(self, arm: &Arm) -> Self {
         let joint = arm.joint();
-        let [message, hint] = [&self.message, &self.hint].map(|text| joint.worded(text));
+        let [message, hint] =
+            [&self.message, &self.hint].map(|text| arm.of_output(joint.worded(text)));
         Self { message, hint, ..self }
     }
 }

@@ -185,8 +185,8 @@ impl Kind {
         bound: |_| STRAYS,
         hint: "use analysis.second_order = \"full\", a slower motion or a stiffer link",
     };
-    /// On a carriage all terms are estimated, and there is no order of terms to choose.
-    pub(super) const MODEL_ON_CARRIAGE: Self = Self {
+    /// All terms are estimated, where there is no order of terms to choose.
+    pub(super) const MODEL_ESTIMATED: Self = Self {
         what: "tip with all terms, estimated",
         hint: "use a slower motion or a stiffer link",
         ..Self::MODEL

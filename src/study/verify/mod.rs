@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::beam::{ElementCount, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::inverse::{Quantity, QuantityErrors, Resources, Solution, invert_motion};
-use crate::link::{Arm, ArmLink, ArmParts, Damping, Joint, Link, LinkParts};
+use crate::link::{Arm, ArmLink, ArmParts, Damping, Link, LinkParts};
 use crate::modal::REPORTED_MODES;
 use crate::model::{Dense, KeptModes, MOST_ELEMENTS_OF_DENSE_SOLVE, Model};
 use crate::motion::{Ends, Motion, TipMotion};
@@ -71,23 +71,22 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
     };
     checks.extend([model, energy]);
     let strays = answer.solution.tip_model_error;
-    let joint = answer.solution.arm.joint();
-    let model = if joint.slides() { Kind::MODEL_ON_CARRIAGE } else { Kind::MODEL };
+    let is_estimated = answer.solution.links[0].link().linear_part().is_some();
+    let model = if is_estimated { Kind::MODEL_ESTIMATED } else { Kind::MODEL };
     checks.extend(strays.map(|strays| model.measured(answer, strays)));
     checks.extend(answer.reached().iter().map(|reached| within(answer, reached)));
-    if joint.slides() {
-        for check in &mut checks {
-            word(check, &joint);
-        }
+    for check in &mut checks {
+        word(check, &answer.solution.arm);
     }
     Ok(Verification { checks })
 }
 
-/// Gives a check the words of a joint.
-fn word(check: &mut Check, joint: &Joint) {
+/// Gives a check the words of the joint and the output.
+fn word(check: &mut Check, arm: &Arm) {
+    let joint = arm.joint();
     check.name = joint.named(&check.name);
     for text in [&mut check.what, &mut check.of].into_iter().chain(&mut check.reason) {
-        *text = joint.worded(text);
+        *text = arm.of_output(joint.worded(text));
     }
 }
 

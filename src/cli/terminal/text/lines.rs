@@ -84,12 +84,13 @@ pub(super) fn joint_line(
 
 /// A title, then a line for each label with content.
 pub(super) fn labelled<L: Display>(
-    titled: &str,
+    arm: &Arm,
     lines: impl IntoIterator<Item = (L, String)>,
 ) -> String {
-    let mut text = title(titled);
+    let mut text = title(arm.title());
     for (label, content) in lines.into_iter().filter(|(_, content)| !content.is_empty()) {
         // Writing to a string cannot fail.
+        let [label, content] = [label.to_string(), content].map(|text| arm.of_output(text));
         let _ = writeln!(text, "{label:<8} {content}");
     }
     text

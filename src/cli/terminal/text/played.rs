@@ -50,7 +50,7 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
     ];
     let own = |(label, line): (&str, String)| (label.to_owned(), line);
     let lines = before.map(own).into_iter().chain(joints).chain(after.map(own));
-    labelled(arm.title(), lines)
+    labelled(arm, lines)
 }
 
 /// The lines of a hub, or the numbered ones of an arm's joint, which a torque holds at the start if it `is_held`.

@@ -33,7 +33,8 @@ pub(crate) fn solve_text(solution: &Solution, metrics: &Metrics, written: String
     });
     let end = [("errors", solution_errors(solution)), ("written", written)];
     let end = end.map(|(label, line)| (label.to_owned(), line));
-    labelled(solution.arm.title(), before.into_iter().chain(joints).chain(end))
+    let lines = before.into_iter().chain(joints).chain(end);
+    labelled(&solution.arm, lines)
 }
 
 fn numbered(what: &str, number: usize) -> String {

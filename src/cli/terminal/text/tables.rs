@@ -49,7 +49,8 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     let first = usize::from(!matches!(found.setting, Setting::Straight { .. }));
     lines.extend(mode_rows(found, &found.free, first));
     if found.setting == Setting::Weightless {
-        lines.extend(found.zeros.iter().flat_map(|zeros| zero_rows(zeros, &link.joint())));
+        let rows = found.zeros.iter().flat_map(|zeros| zero_rows(zeros, &link.joint()));
+        lines.extend(rows.map(|line| arm.of_output(line)));
     }
     lines.push(link.joint().worded(&joints_held(arm)));
     lines.extend(mode_rows(found, &found.held, 1));
@@ -157,15 +158,17 @@ fn row([number, a, b, c, d, e]: [&str; 6]) -> String {
 
 /// A line for each check.
 pub(crate) fn verify_text(verification: &Verification) -> String {
-    let header = format!("{:<34} {:>9}   {:>9}   of", "check", "found", "at most");
-    let lines = verification.checks.iter().map(check_line);
+    let longest = verification.checks.iter().map(|check| check.what.chars().count()).max();
+    let width = longest.unwrap_or_default().max(34);
+    let header = format!("{:<width$} {:>9}   {:>9}   of", "check", "found", "at most");
+    let lines = verification.checks.iter().map(|check| check_line(check, width));
     std::iter::once(header).chain(lines).map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
 /// Size below which numbers are round-off, which differs between machines.
 const ROUND_OFF: f64 = 1e-9;
 
-fn check_line(check: &Check) -> String {
+fn check_line(check: &Check, width: usize) -> String {
     let what = &check.what;
     match check.found.zip(check.bound) {
         Some((found, bound)) => {
@@ -178,9 +181,9 @@ fn check_line(check: &Check) -> String {
                 // The column has no room for more decimals.
                 format!("{found:.0$e}", digits_beyond(found, bound) - 1)
             };
-            format!("{what:<34} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
+            format!("{what:<width$} {found:>9}   {bound:>9.1e}   {}{verdict}", check.of)
         }
-        None => format!("{what:<34} not made: {}", check.reason.as_deref().unwrap_or_default()),
+        None => format!("{what:<width$} not made: {}", check.reason.as_deref().unwrap_or_default()),
     }
 }
 
