@@ -1,7 +1,7 @@
 //! A link or an arm, and its file or keywords.
 
 use flexlink::cli::options::inputs::specification;
-use flexlink::csv::InputFile;
+use flexlink::csv::{InputFile, Joints};
 use flexlink::link::Link as OneLink;
 use flexlink::spec::{LinkDocument, Override, Specification};
 
@@ -83,6 +83,7 @@ fn without_line(failure: Failure) -> Failure {
 /// files`).
 ///
 /// From a file by :meth:`Link.read`, or from keywords that are the keys of such a file. Numbers are SI, texts have units.
+/// ``carriage={"mass": 800}`` in place of ``hub`` makes a link on a carriage, which a force moves.
 /// ``flexlink.Arm`` is another name of this class: a link is an arm of one link.
 ///
 /// >>> import flexlink
@@ -112,9 +113,14 @@ impl Link {
         Self::of(Source::unpickled(source))
     }
 
+    /// The joints.
+    pub(crate) fn kind(&self) -> Joints {
+        Joints::from(&self.specification.arm)
+    }
+
     /// Number of links.
     pub(crate) fn links(&self) -> usize {
-        self.specification.arm.links().len()
+        self.kind().links
     }
 
     /// The first link.
@@ -156,10 +162,10 @@ impl Link {
         self.specification.arm.title()
     }
 
-    /// Distance of the tip of one link from the axis in m.
+    /// Distance of the tip of one link from the axis, or from the carriage, in m.
     #[getter]
     fn length(&self) -> PyResult<f64> {
-        check("length", self.links())?;
+        check("length", self.kind())?;
         Ok(self.first().length_m())
     }
 
@@ -172,7 +178,14 @@ impl Link {
     /// Inertia about the axis in kg m² of one rigid link.
     #[getter]
     fn rigid_inertia(&self) -> PyResult<f64> {
-        check("rigid_inertia", self.links())?;
+        check("rigid_inertia", self.kind())?;
+        Ok(self.first().rigid_inertia_kg_m2())
+    }
+
+    /// Mass in kg of one link with its carriage.
+    #[getter]
+    fn rigid_mass(&self) -> PyResult<f64> {
+        check("rigid_mass", self.kind())?;
         Ok(self.first().rigid_inertia_kg_m2())
     }
 

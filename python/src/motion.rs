@@ -124,7 +124,7 @@ impl Motion {
         let wanted = options.scale.scaled(&options.resample.motion_in(table, arm)?)?;
         let Some(tip) = wanted.motion.into_tip() else { return Err(usage(&"no motion", None)) };
         let arcs_of = link.filter(|_| is_of_angle);
-        let arcs_of = arcs_of.map(|link| (link.length_m(), link.gravity().copied()));
+        let arcs_of = arcs_of.map(|link| (link.output_m(), link.gravity().copied()));
         let (samples, periods) = (Arc::new(samples), Arc::new(Periods::of(&tip)));
         Ok(Self { samples, arguments, reading, tip, periods, link: pickled, arcs_of })
     }
@@ -132,7 +132,7 @@ impl Motion {
     /// Refuses a link of another length or gravity if the motion is angles of a link.
     pub(crate) fn refuse_other(&self, link: &OneLink) -> Fails<()> {
         let Some((length_m, gravity)) = &self.arcs_of else { return Ok(()) };
-        let is_same = length_m.total_cmp(&link.length_m()).is_eq();
+        let is_same = length_m.total_cmp(&link.output_m()).is_eq();
         if is_same && gravity.as_ref() == link.gravity() {
             return Ok(());
         }

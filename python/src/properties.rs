@@ -5,32 +5,47 @@ use pyo3::exceptions::PyAttributeError;
 use pyo3::pyclass::boolean_struct::True;
 use pyo3::types::PyCFunction;
 
+use flexlink::csv::Joints;
+
 use crate::arrays::{rows, view};
 use crate::prelude::*;
 
-/// Number of links for which a name exists.
+/// Kinds of links and arms for which a name exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Links {
     Any,
     One,
     Several,
+    /// One link on a hub.
+    Hub,
+    /// A link on a hub, or an arm.
+    Turning,
+    /// A link on a carriage.
+    Carriage,
 }
 
 impl Links {
-    /// True if this many links have the name.
-    pub(crate) fn holds(self, links: usize) -> bool {
+    /// True if links with these joints have the name.
+    pub(crate) fn holds(self, Joints { links, slides }: Joints) -> bool {
         match self {
             Self::Any => true,
             Self::One => links == 1,
             Self::Several => links > 1,
+            Self::Hub => links == 1 && !slides,
+            Self::Turning => !slides,
+            Self::Carriage => slides,
         }
     }
 
-    /// Refuses a name that one link or an arm lacks.
-    pub(crate) fn refusal(self, name: &str) -> String {
+    /// Refuses a name that links with these joints lack.
+    pub(crate) fn refusal(self, name: &str, joints: Joints) -> String {
         match self {
-            Self::One | Self::Any => format!("{name} is for one link, and the arm has several"),
             Self::Several => format!("{name} is for an arm, and this is one link"),
+            Self::Hub | Self::Turning if joints.slides => {
+                format!("{name} is for a hub, and this link is on a carriage")
+            }
+            Self::Carriage => format!("{name} is for a carriage, and this link is on a hub"),
+            _ => format!("{name} is for one link, and the arm has several"),
         }
     }
 }
@@ -48,18 +63,30 @@ names! {
     Any time,
     /// Torque in N m at the hub, or of each joint: it turns its link, and the link before in the opposite direction. That
     /// of a simulation includes the feedback.
-    Any torque,
+    Turning torque,
+    /// Force in N on the carriage. That of a simulation includes the feedback.
+    Carriage force,
     /// Torque in N m that the hub of a rigid link, or each joint of a rigid arm, would need. None for a simulation.
-    Any rigid_torque,
+    Turning rigid_torque,
+    /// Force in N that the carriage of a rigid link would need. None for a simulation.
+    Carriage rigid_force,
     /// Hub angle in rad.
-    One hub_angle,
+    Hub hub_angle,
     /// Hub rate in rad/s.
-    One hub_rate,
+    Hub hub_rate,
     /// Hub acceleration in rad/s².
-    One hub_acceleration,
+    Hub hub_acceleration,
     /// Hub angle in rad of the rigid link.
-    One rigid_hub_angle,
-    /// Moment in N m that the hub exerts on the link's root.
+    Hub rigid_hub_angle,
+    /// Position of the carriage in m.
+    Carriage carriage,
+    /// Velocity of the carriage in m/s.
+    Carriage carriage_velocity,
+    /// Acceleration of the carriage in m/s².
+    Carriage carriage_acceleration,
+    /// Position in m of the carriage of the rigid link.
+    Carriage rigid_carriage,
+    /// Moment in N m that the hub, or the carriage, exerts on the link's root.
     One root_moment,
     /// Angle in rad of each joint: of the first against x, of the others from the tip of the link before to the root of
     /// their link.
@@ -115,13 +142,16 @@ names! {
     Several positions,
     One written_nodes,
     One length,
-    One rigid_inertia,
+    Hub rigid_inertia,
+    Carriage rigid_mass,
 }
 
-/// Raises AttributeError if this many links lack the name.
-pub(crate) fn check(name: &str, links: usize) -> PyResult<()> {
+/// Raises AttributeError if links with these joints lack the name.
+pub(crate) fn check(name: &str, joints: Joints) -> PyResult<()> {
     match NAMES.iter().find(|(known, ..)| *known == name) {
-        Some((_, of, _)) if !of.holds(links) => Err(PyAttributeError::new_err(of.refusal(name))),
+        Some((_, of, _)) if !of.holds(joints) => {
+            Err(PyAttributeError::new_err(of.refusal(name, joints)))
+        }
         _ => Ok(()),
     }
 }
@@ -145,13 +175,18 @@ pub(crate) fn slices<'a>(histories: impl Iterator<Item = &'a Vec<f64>>) -> Vec<&
 
 /// A result of one link or an arm.
 pub(crate) trait Properties: PyClass<Frozen = True> + Sync + Sized + 'static {
-    /// Its properties by name; a blank separates the name for one link from that for arms.
+    /// Its properties by name; blanks separate the names for hubs, arms and carriages.
     const PROPERTIES: &'static [(&'static str, Value<Self>)];
-    /// Columns of its data frame, for one link and for arms, with blanks between.
+    /// Columns of its data frame, for hubs, arms and carriages, with blanks between.
     const FRAME: &'static str;
 
+    /// Its joints.
+    fn kind(&self) -> Joints;
+
     /// Number of its links.
-    fn links(&self) -> usize;
+    fn links(&self) -> usize {
+        self.kind().links
+    }
 }
 
 /// Adds the properties to the class.
@@ -178,7 +213,7 @@ fn read<'py, T: Properties>(
     value: &Value<T>,
 ) -> PyResult<Any<'py>> {
     let py = of.py();
-    check(name, of.get().links())?;
+    check(name, of.get().kind())?;
     Ok(match value {
         Value::Stored(stored) => match &stored(of.get())[..] {
             [] => py.None().into_bound(py),

@@ -2,7 +2,7 @@
 
 use flexlink::cli::options::moves::{AtRest, Begins, Moves, Moving};
 use flexlink::cli::options::play::feedback;
-use flexlink::csv::InputFile;
+use flexlink::csv::{InputFile, Joints};
 use flexlink::elastica::SecondOrder;
 use flexlink::motion::TipTarget;
 use flexlink::numeric::TimeGrid;
@@ -21,11 +21,10 @@ use crate::simulation::Simulation;
 use crate::threads::until_pressed;
 
 /// The keywords of one link and of arms, with blanks between.
-const KEYWORDS: [(Links, &str); 3] = [
-    (
-        Links::Any,
-        "torque hub_angle hub_rate hold until periodic feedback reference reference_rate target state",
-    ),
+const KEYWORDS: [(Links, &str); 5] = [
+    (Links::Turning, "torque hub_angle hub_rate"),
+    (Links::Carriage, "force carriage carriage_velocity"),
+    (Links::Any, "hold until periodic feedback reference reference_rate target state"),
     (Links::One, "initial_tip"),
     (Links::Several, "at"),
 ];
@@ -44,7 +43,8 @@ const HALF_A_FEEDBACK: &str =
 /// Arrays over ``time`` in s, evenly spaced: ``torque`` in N m; or ``hub_angle`` in rad, and ``hub_rate`` if it is known.
 /// Other keywords: ``hold``, the torque between its samples, ``"cubic"``, ``"linear"`` or ``"zero"``; ``until`` in s;
 /// ``periodic``. ``feedback`` is a pair of gains in N m/rad and N m s/rad, around ``reference`` in rad with
-/// ``reference_rate``. ``target`` is the wanted :class:`Motion` with which the tip is compared. The link starts where the
+/// ``reference_rate``. A link on a carriage takes ``force`` in N, or ``carriage`` in m and ``carriage_velocity``, and gains
+/// in N/m and N s/m. ``target`` is the wanted :class:`Motion` with which the tip is compared. The link starts where the
 /// target or the reference does, or with its tip at ``initial_tip`` in m, or from ``state``: an earlier simulation, or the
 /// file that its ``save_state`` wrote.
 ///
@@ -84,7 +84,7 @@ pub(crate) fn simulate(
 /// Takes the input of a play out of the keywords of a call.
 fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> {
     let links = link.links();
-    refuse_others(keywords, links)?;
+    refuse_others(keywords, link.kind())?;
     let of_joints = |name: &str| {
         let read = |values| match links {
             1 => Ok(vec![column(name, &values)?]),
@@ -93,8 +93,13 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         take(keywords, name)?.map(read).transpose()
     };
     let number = |name: &str| take(keywords, name)?.map(|value| value.extract()).transpose();
-    let input = [of_joints("torque")?, of_joints("hub_angle")?, of_joints("hub_rate")?];
-    let moving = moving(links, time_s, input)?;
+    let names = if link.kind().slides {
+        ["force", "carriage", "carriage_velocity"]
+    } else {
+        ["torque", "hub_angle", "hub_rate"]
+    };
+    let input = [of_joints(names[0])?, of_joints(names[1])?, of_joints(names[2])?];
+    let moving = moving((links, names), time_s, input)?;
     let hold = take(keywords, "hold")?.map(|value| interpolation(&value)).transpose()?;
     let gains = take(keywords, "feedback")?.map(|value| value.extract::<OneOrEach<[f64; 2]>>());
     let gains = gains.transpose().map_err(|_| usage(&NO_GAINS, None))?;
@@ -104,15 +109,16 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
         (Some(_), Some(angles), rates) => hubs(time_s, angles, rates)?,
         _ => return Err(usage(&HALF_A_FEEDBACK, None).into()),
     };
-    let feedback = feedback(gains.as_deref(), references, links)?;
+    let feedback = feedback(gains.as_deref(), references, &link.specification.arm)?;
     let grid = match &moving {
         Moving::Torques(torques) => torques[0].grid(),
         Moving::Angles(hubs) => {
-            let hint = "a hub that moves as prescribed needs neither";
+            let [effort, position, _] = names;
+            let hint = "a joint that moves as prescribed needs neither";
             for (name, is_there) in [("hold", hold.is_some()), ("feedback", !feedback.is_empty())] {
                 if is_there {
                     let message =
-                        format!("{name} stands beside hub_angle, but must come with torque");
+                        format!("{name} stands beside {position}, but must come with {effort}");
                     return Err(usage(&message, Some(hint)).into());
                 }
             }
@@ -160,17 +166,17 @@ fn moves(link: &Link, time_s: &[f64], keywords: &Keywords<'_>) -> Raises<Moves> 
     })
 }
 
-/// Refuses a keyword outside the known ones, or one for another number of links.
-fn refuse_others(keywords: &Keywords<'_>, links: usize) -> Raises<()> {
+/// Refuses a keyword outside the known ones, or one for other joints.
+fn refuse_others(keywords: &Keywords<'_>, joints: Joints) -> Raises<()> {
     let known =
         || KEYWORDS.iter().flat_map(|(of, names)| names.split(' ').map(move |name| (of, name)));
     for key in keywords.keys() {
         let key: String = key.extract()?;
         match known().find(|(_, name)| *name == key) {
-            Some((of, _)) if of.holds(links) => {}
-            Some((of, _)) => return Err(usage(&of.refusal(&key), None).into()),
+            Some((of, _)) if of.holds(joints) => {}
+            Some((of, _)) => return Err(usage(&of.refusal(&key, joints), None).into()),
             None => {
-                let known = known().filter(|(of, _)| of.holds(links)).map(|(_, name)| name);
+                let known = known().filter(|(of, _)| of.holds(joints)).map(|(_, name)| name);
                 return Err(unknown(&key, known).into());
             }
         }
@@ -178,9 +184,9 @@ fn refuse_others(keywords: &Keywords<'_>, links: usize) -> Raises<()> {
     Ok(())
 }
 
-/// The input: torques of the joints, or angles of the hub with or without rates.
+/// The input: torques of the joints, or angles of the hub with or without rates; of a carriage force, position, velocity.
 fn moving(
-    links: usize,
+    (links, [effort, position, rate_of]): (usize, [&str; 3]),
     time_s: &[f64],
     [torque, angle, rate]: [Option<Vec<Vec<f64>>>; 3],
 ) -> Fails<Moving> {
@@ -194,7 +200,7 @@ fn moving(
             Err(usage(&"torque is missing: an arm needs a column for each joint", None))
         }
         _ => {
-            let must = "must be torque alone, or hub_angle with or without hub_rate";
+            let must = format!("must be {effort} alone, or {position} with or without {rate_of}");
             Err(usage(&format!("the input {must}"), None))
         }
     }

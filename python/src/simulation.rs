@@ -5,6 +5,7 @@ use pyo3::sync::PyOnceLock;
 use flexlink::cli::options::moves::Moves;
 use flexlink::cli::simulate::refusal;
 use flexlink::cli::terminal::{console, memory};
+use flexlink::csv::Joints;
 use flexlink::response::{BentPlay, JointMotion, Played, simulate};
 use flexlink::result::FollowedTarget;
 use flexlink::spec::Specification;
@@ -40,7 +41,6 @@ impl Simulation {
         let play = moves.play();
         let played = simulate(arm, meshes, &play, &|_| {}).map_err(|error| {
             let (message, hint) = refusal(&error, arm);
-            let hint = hint.map(str::to_owned);
             Failure { message, hint, ..Failure::from(error) }
         })?;
         let compared = moves.target.as_ref().map(|target| FollowedTarget::of(&played, target));
@@ -94,11 +94,14 @@ impl Simulation {
 impl Properties for Simulation {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Computed(|own| times(&own.played().grid))),
-        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
+        ("torque force", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
+        ("hub_angle joint_angle carriage", Stored(|own| own.joints(|joint| &joint.angle_rad))),
         (
-            "hub_acceleration joint_acceleration",
+            "hub_rate joint_rate carriage_velocity",
+            Stored(|own| own.joints(|joint| &joint.rate_rad_s)),
+        ),
+        (
+            "hub_acceleration joint_acceleration carriage_acceleration",
             Stored(|own| own.joints(|joint| &joint.acceleration_rad_s2)),
         ),
         ("chord_angle", Stored(|own| slices(own.bent().flat_map(|bent| &bent.chords_rad)))),
@@ -115,10 +118,10 @@ impl Properties for Simulation {
         ("tip_error", Entry),
         ("warnings", Notices(|own| own.warnings.clone())),
     ];
-    const FRAME: &'static str = "torque hub_angle joint_angle hub_rate joint_rate hub_acceleration chord_angle tip_displacement tip_velocity tip_acceleration tip";
+    const FRAME: &'static str = "torque force hub_angle joint_angle carriage hub_rate joint_rate carriage_velocity hub_acceleration carriage_acceleration chord_angle tip_displacement tip_velocity tip_acceleration tip";
 
-    fn links(&self) -> usize {
-        self.specification.arm.links().len()
+    fn kind(&self) -> Joints {
+        Joints::from(&self.specification.arm)
     }
 }
 
@@ -127,7 +130,7 @@ impl Simulation {
     /// Displacements of the nodes of one link in m, as those of a solution.
     #[pyo3(signature = (nodes=None, every=Every::ALL))]
     fn displacements<'py>(&self, py: Python<'py>, nodes: Nodes, every: Every) -> Table<'py> {
-        check("displacements", self.links())?;
+        check("displacements", self.kind())?;
         let samples = self.played().grid.thinned(every.0).len();
         let nodes = checked(nodes, self.played().mesh().nodes_m().len(), samples)?;
         let histories =
@@ -139,7 +142,7 @@ impl Simulation {
     /// and axis.
     #[pyo3(signature = (link, every=Every::ALL))]
     fn positions<'py>(&self, py: Python<'py>, link: usize, every: Every) -> Places<'py> {
-        check("positions", self.links())?;
+        check("positions", self.kind())?;
         let nodes = self.played().nodes_m().into_iter().map(|nodes_m| (0..nodes_m.len()).collect());
         let nodes: Vec<Vec<usize>> = nodes.collect();
         let places_m = py.detach(|| Ok::<_, Failure>(self.played().places_m(&nodes, every.0)?))?;
@@ -156,7 +159,8 @@ impl Simulation {
             return self.summary(py)?.get_item("errors").map(Some);
         }
         let Some(error) = &self.result.error else { return Ok(None) };
-        let errors = [("tip", error.tip), ("hub_angle", error.hub_angle)];
+        let joint = self.specification.arm.joint().named("hub_angle");
+        let errors = [("tip".to_owned(), error.tip), (joint, error.hub_angle)];
         Ok(Some(errors.into_py_dict(py)?.into_any()))
     }
 

@@ -6,6 +6,7 @@ use flexlink::beam::NodalHistories;
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::terminal::memory;
+use flexlink::csv::Joints;
 use flexlink::inverse::{JointMotion, MotorHistories, Resources, Solution as Inverse};
 use flexlink::link::ParameterError;
 use flexlink::store::{OutputFolder, RunInputs};
@@ -61,7 +62,8 @@ impl Solution {
     ) -> Fails<Self> {
         let solved = problem.solved_within(resources)?;
         let limits = solved.exceeded.iter().map(Notice::from);
-        let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits).collect();
+        let warnings = solved.solution.warnings.iter().map(Notice::from).chain(limits);
+        let warnings = warnings.map(|own| own.worded(&solved.solution.arm)).collect();
         Ok(Self {
             source,
             samples,
@@ -89,7 +91,9 @@ impl Solution {
 
     /// Remarks on the motion's file and on unusual input.
     fn notices(&self) -> Vec<Notice> {
-        self.reading.iter().cloned().chain(self.solved.remarks().iter().map(Notice::from)).collect()
+        let remarks = self.solved.remarks().iter().map(Notice::from);
+        let remarks = remarks.map(|own| own.worded(&self.inverse().arm));
+        self.reading.iter().cloned().chain(remarks).collect()
     }
 
     /// The options of the call and of writing.
@@ -118,6 +122,13 @@ impl Solution {
         self.solved.write(inputs, &outputs, memory::available(), stage)
     }
 
+    /// Acceleration of the joint of one link, by its name.
+    fn acceleration<'py>(&self, py: Python<'py>, name: &str) -> Raises<Bound<'py, PyArray1<f64>>> {
+        check(name, self.kind())?;
+        let find = || Ok(self.inverse().acceleration_rad_s2(0).into_owned());
+        Ok(PyArray1::from_vec(py, without_python(py, find)?))
+    }
+
     /// A quantity of this name at nodes, all by default, of every `every`-th sample.
     fn nodal<'py>(
         &self,
@@ -126,7 +137,7 @@ impl Solution {
         (nodes, every): (Nodes, Every),
         find: impl FnOnce(&Inverse, &[usize]) -> Result<NodalHistories, ParameterError> + Send,
     ) -> Table<'py> {
-        check(name, self.links())?;
+        check(name, self.kind())?;
         let solution = self.inverse();
         let samples = solution.grid.thinned(every.0).len();
         let nodes = checked(nodes, solution.links[0].mesh().nodes_m().len(), samples)?;
@@ -138,11 +149,17 @@ impl Solution {
 impl Properties for Solution {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Computed(|own| times(&own.inverse().grid))),
-        ("torque", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
-        ("rigid_torque", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| &joint.angle_rad))),
-        ("hub_rate joint_rate", Stored(|own| own.joints(|joint| &joint.rate_rad_s))),
-        ("rigid_hub_angle", Stored(|own| own.joints(|joint| &joint.rigid_angle_rad))),
+        ("torque force", Stored(|own| own.joints(|joint| &joint.torque_n_m))),
+        ("rigid_torque rigid_force", Stored(|own| own.joints(|joint| &joint.rigid_torque_n_m))),
+        ("hub_angle joint_angle carriage", Stored(|own| own.joints(|joint| &joint.angle_rad))),
+        (
+            "hub_rate joint_rate carriage_velocity",
+            Stored(|own| own.joints(|joint| &joint.rate_rad_s)),
+        ),
+        (
+            "rigid_hub_angle rigid_carriage",
+            Stored(|own| own.joints(|joint| &joint.rigid_angle_rad)),
+        ),
         ("root_moment", Stored(|own| vec![&own.inverse().links[0].root_moment_n_m])),
         ("chord_angle", Stored(|own| slices(own.inverse().shapes().map(|own| &own.chord[0])))),
         ("tip_displacement", Stored(|own| vec![&own.inverse().tip[0].displacement_m])),
@@ -158,10 +175,10 @@ impl Properties for Solution {
         ("warnings", Notices(|own| own.warnings.clone())),
         ("remarks", Notices(Self::notices)),
     ];
-    const FRAME: &'static str = "torque rigid_torque hub_angle joint_angle hub_rate joint_rate hub_acceleration tip_displacement tip_velocity tip_acceleration tip_deflection tip";
+    const FRAME: &'static str = "torque force rigid_torque rigid_force hub_angle joint_angle carriage hub_rate joint_rate carriage_velocity hub_acceleration carriage_acceleration tip_displacement tip_velocity tip_acceleration tip_deflection tip";
 
-    fn links(&self) -> usize {
-        self.inverse().links.len()
+    fn kind(&self) -> Joints {
+        Joints::from(&self.inverse().arm)
     }
 }
 
@@ -182,9 +199,13 @@ impl Solution {
     /// Hub acceleration in rad/s², computed by each call.
     #[getter]
     fn hub_acceleration<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
-        check("hub_acceleration", self.links())?;
-        let find = || Ok(self.inverse().acceleration_rad_s2(0).into_owned());
-        Ok(PyArray1::from_vec(py, without_python(py, find)?))
+        self.acceleration(py, "hub_acceleration")
+    }
+
+    /// Acceleration of the carriage in m/s², computed by each call.
+    #[getter]
+    fn carriage_acceleration<'py>(&self, py: Python<'py>) -> Raises<Bound<'py, PyArray1<f64>>> {
+        self.acceleration(py, "carriage_acceleration")
     }
 
     /// Displacements of the nodes of one link in m, numbered from 0 at the root, all by default: a row for each sample, or
@@ -214,7 +235,7 @@ impl Solution {
 
     /// x and y in m of the nodes of an arm's link, numbered from 0: an array over time, node and axis.
     fn positions<'py>(&self, py: Python<'py>, link: usize) -> Places<'py> {
-        check("positions", self.links())?;
+        check("positions", self.kind())?;
         let shape = self.inverse().shapes().nth(link);
         let shape = shape.ok_or_else(|| no_link(link, self.links()))?;
         Ok(places_of_nodes(py, &shape.positions_m, self.inverse().grid.len)?)
@@ -258,7 +279,10 @@ impl Solution {
 
     fn __repr__(&self) -> String {
         let joints_or_peak = match &self.solved.metrics.joints[..] {
-            [hub] => format!("peak_torque={:.6}", hub.peak_torque_n_m.value),
+            [hub] => {
+                let name = self.inverse().arm.joint().named("peak_torque");
+                format!("{name}={:.6}", hub.peak_torque_n_m.value)
+            }
             joints => format!("joints={}", joints.len()),
         };
         format!("Solution(samples={}, {joints_or_peak})", self.inverse().grid.len)
@@ -278,7 +302,8 @@ pub(crate) fn no_link(link: usize, links: usize) -> Failure {
 /// ``flexlink solve``: ``resample``, ``noise``, ``lowpass``, ``periodic``, ``moving_ends``,
 /// ``scale_distance``, ``scale_duration``, ``moments``, ``stations``; for a file ``columns``, ``time_unit``, ``unit``, ``scale``,
 /// ``skip``, ``delimiter``, ``decimal``, ``drop_outliers``. An arm takes ``x`` and ``y`` of its tip in m, or the directions ``angle1``,
-/// ``angle2``, … of its links in rad.
+/// ``angle2``, … of its links in rad. A link on a carriage takes the motion of a link except ``angle``; its solution has
+/// ``force`` and ``carriage``.
 ///
 /// >>> import flexlink, numpy
 /// >>> link = flexlink.Link(

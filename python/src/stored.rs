@@ -1,6 +1,7 @@
 //! Results read back.
 
 use flexlink::compare::Cell;
+use flexlink::csv::Joints;
 use flexlink::result::{StoredArc, StoredJoint, StoredNodes, StoredResult, StoredRun, StoredSweep};
 use flexlink::store::read_result;
 
@@ -87,7 +88,7 @@ impl Run {
         (name, stored, hint): (&str, Option<&StoredNodes>, &str),
         (nodes, is_total): (Option<Vec<usize>>, bool),
     ) -> Table<'py> {
-        check(name, self.links())?;
+        check(name, self.kind())?;
         let (Some(stored), Some(StoredArc { origin_rad, mesh, .. })) = (stored, &self.0.arc) else {
             let message = format!("{name} is missing: the run did not write it");
             return Err(Failure::new(Exit::InputRefused, &message, Some(hint)).into());
@@ -107,8 +108,8 @@ impl Run {
                 let must = format!("must be one that was written: {}", all.join(", "));
                 return Err(usage(&format!("nodes = {node}, but {must}"), None));
             };
-            let (x_m, history) = (mesh.nodes_m()[node], stored.histories[at].iter());
-            let total = |(value, angle_rad): (&f64, &f64)| value + x_m * angle_rad;
+            let (rigid, history) = (mesh.rigid(node)[0], stored.histories[at].iter());
+            let total = |(value, angle_rad): (&f64, &f64)| value + rigid * angle_rad;
             let arcs = history.clone().zip(&turned).map(total);
             Ok(if is_total { arcs.collect() } else { history.copied().collect() })
         };
@@ -121,9 +122,15 @@ impl Run {
 impl Properties for Run {
     const PROPERTIES: &'static [(&'static str, Value<Self>)] = &[
         ("time", Stored(|own| vec![&own.0.times_s])),
-        ("torque", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
-        ("rigid_torque", Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref()))),
-        ("hub_angle joint_angle", Stored(|own| own.joints(|joint| Some(&joint.angle_rad)))),
+        ("torque force", Stored(|own| own.joints(|joint| Some(&joint.torque_n_m)))),
+        (
+            "rigid_torque rigid_force",
+            Stored(|own| own.joints(|joint| joint.rigid_torque_n_m.as_ref())),
+        ),
+        (
+            "hub_angle joint_angle carriage",
+            Stored(|own| own.joints(|joint| Some(&joint.angle_rad))),
+        ),
         ("tip_displacement", Stored(|own| own.arc(|arc| &arc.tip.displacement_m))),
         ("tip_velocity", Stored(|own| own.arc(|arc| &arc.tip.velocity_m_s))),
         ("tip_acceleration", Stored(|own| own.arc(|arc| &arc.tip.acceleration_m_s2))),
@@ -132,11 +139,11 @@ impl Properties for Run {
         ("nodal_time", Stored(|own| vec![own.nodal().map_or(&[], |nodes| &nodes.times_s)])),
         ("warnings", Notices(|own| own.0.warnings.clone())),
     ];
-    const FRAME: &'static str =
-        "torque hub_angle joint_angle tip_displacement tip_velocity tip_acceleration tip";
+    const FRAME: &'static str = "torque force hub_angle joint_angle carriage tip_displacement tip_velocity tip_acceleration tip";
 
-    fn links(&self) -> usize {
-        self.0.joints.len()
+    fn kind(&self) -> Joints {
+        let slides = self.0.links[0].link.joint().slides();
+        Joints { links: self.0.joints.len(), slides }
     }
 }
 
@@ -157,7 +164,7 @@ impl Run {
     /// Numbers of the nodes that were written, from 0 at the root.
     #[getter]
     fn written_nodes(&self) -> PyResult<Vec<usize>> {
-        check("written_nodes", self.links())?;
+        check("written_nodes", self.kind())?;
         Ok(self.nodal().map(|stored| stored.nodes.clone()).unwrap_or_default())
     }
 

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use flexlink::cli::options::inputs::{Wanted, are_read_alike, refuse_carriage, scale_arguments};
+use flexlink::cli::options::inputs::{Wanted, are_read_alike, scale_arguments};
 use flexlink::cli::problem::{Problem, Solved};
 use flexlink::cli::solve::run::SolveOptions;
 use flexlink::cli::sweep::tally::{Tally, of_limit};
@@ -264,7 +264,6 @@ impl Shared {
     fn outcome(&self, number: usize, case: &Case) -> Row {
         let overrides = self.source.overrides(&case.link)?;
         let specification = self.document.specification(&self.source.file.shown, &overrides)?;
-        refuse_carriage(&specification.arm)?;
         let wanted = self.wanted_of(&specification, case)?;
         let folder = self.folder_of(number);
         let mut specification = meshed(specification, &self.options)?;

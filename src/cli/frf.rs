@@ -20,7 +20,7 @@ use crate::text::{given, significant};
 
 use super::modes::falling;
 use crate::cli::options::common::{angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, refuse_carriage, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::keep_files;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
 
@@ -117,9 +117,9 @@ impl Frf {
         if let Some(output) = &self.output {
             keep_files(output, &[&self.link.link])?;
         }
-        let (_, specification) = self.link.load_any()?;
+        let (_, specification) = self.link.load()?;
         if self.at.is_some() {
-            refuse_carriage(&specification.arm)?;
+            refuse_direction(&specification.arm)?;
         }
         let bar = StageBar::new();
         bar.at("computing responses");

@@ -18,7 +18,7 @@ use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, refuse_carriage, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -101,10 +101,10 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
-        let (_, specification) = self.link.load_any()?;
+        let (_, specification) = self.link.load()?;
         let arm = &specification.arm;
         if self.at.is_some() {
-            refuse_carriage(arm)?;
+            refuse_direction(arm)?;
         }
         let bar = StageBar::new();
         bar.at("finding modes and zeros");

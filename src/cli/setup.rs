@@ -11,7 +11,7 @@ use crate::csv::{Digits, write_path, write_trajectory};
 use crate::motion::{Curve, PathColumns, Profile};
 use crate::spec::link_file_schema;
 use crate::store::OutputFolder;
-use crate::text::shown_path;
+use crate::text::{plain, shown_path};
 
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::{Exit, Failure, console};
@@ -20,6 +20,8 @@ const INIT_EXAMPLE: &str = "\
 Example:
   flexlink init arm
   flexlink solve arm/link.toml arm/motion.csv -o arm/out
+  flexlink init --carriage mast
+  flexlink solve mast/link.toml mast/motion.csv -o mast/out
   flexlink init --arm robot
   flexlink solve robot/arm.toml robot/path.csv -o robot/out";
 
@@ -34,6 +36,10 @@ pub(crate) struct Init {
     /// Write an arm of two links, arm.toml, and path.csv of its tip instead.
     #[arg(long)]
     arm: bool,
+
+    /// Write a link on a carriage instead: a mast, which a force moves.
+    #[arg(long, conflicts_with = "arm")]
+    carriage: bool,
 
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -52,7 +58,11 @@ impl Init {
             let hint = "name another folder: flexlink init DIR";
             return Err(Failure::new(Exit::CannotWrite, &message, Some(hint)));
         }
-        let (text, samples) = if self.arm { (ARM, path()?) } else { (LINK, motion()?) };
+        let (text, samples) = match (self.arm, self.carriage) {
+            (true, _) => (ARM, path()?),
+            (_, true) => (CARRIAGE, motion(2.0, 2000)?),
+            _ => (LINK, motion(0.5, 1000)?),
+        };
         let folder = OutputFolder::stage(&self.folder, &console::waiting)?;
         folder.file(names[0], |out| out.write_all(text.as_bytes()))?;
         folder.file(names[1], |out| out.write_all(&samples))?;
@@ -69,13 +79,18 @@ impl Init {
 /// A commented link file.
 const LINK: &str = include_str!("templates/link.toml");
 
+/// A commented file of a link on a carriage.
+const CARRIAGE: &str = include_str!("templates/carriage.toml");
+
 /// A commented arm file.
 const ARM: &str = include_str!("templates/arm.toml");
 
-/// A tip motion: smooth enough for a torque that needs few frequencies.
-fn motion() -> Result<Vec<u8>, Failure> {
-    let mut text = b"# Tip travels 0.5 m in 1 s, seventh degree (s, m/s^2)\n".to_vec();
-    let columns = Profile::Septic.sampled(0.5, 1e-3, 1000, [0, 0]);
+/// A tip motion over a distance, of this many steps of 1 ms: smooth enough for a torque that needs few frequencies.
+fn motion(distance_m: f64, steps: usize) -> Result<Vec<u8>, Failure> {
+    let (distance, duration) = (plain(distance_m), plain(1e-3 * steps as f64));
+    let title = format!("# Tip travels {distance} m in {duration} s, seventh degree (s, m/s^2)\n");
+    let mut text = title.into_bytes();
+    let columns = Profile::Septic.sampled(distance_m, 1e-3, steps, [0, 0]);
     write_trajectory(&mut text, &columns, Digits::default())
         .map_err(|error| Failure::new(Exit::CannotWrite, &error, None))?;
     Ok(text)
@@ -190,8 +205,11 @@ mod tests {
     fn what_it_writes_is_read() {
         let read = read_specification("link.toml", LINK, &[]).expect("a link file");
         assert!(read.mesh().is_automatic());
-        let table =
-            read_motion_table("motion.csv", &motion().expect("a motion"), read.link().length_m());
+        let table = read_motion_table(
+            "motion.csv",
+            &motion(0.5, 1000).expect("a motion"),
+            read.link().length_m(),
+        );
         let motion = table.and_then(crate::csv::MotionTable::into_motion);
         let motion = motion.expect("a motion").into_tip().expect("of a tip");
         assert!((motion.travel_m() - 0.5).abs() < 1e-5);
@@ -210,6 +228,8 @@ mod tests {
         let read = read_specification("link.toml", &uncommented(LINK), &[]).expect("a link file");
         assert_eq!(read.link().masses().len(), 1);
         assert!(read.link().drive().is_some() && read.limits[0].of("torque").is_some());
+        let mast = read_specification("link.toml", &uncommented(CARRIAGE), &[]).expect("a mast");
+        assert!(mast.link().joint().slides() && mast.limits[0].of("hub_rate").is_some());
         let arm = read_specification("arm.toml", &uncommented(ARM), &[]).expect("an arm");
         assert_eq!(arm.arm.links().len(), 2);
         assert!(arm.limits.iter().all(|limits| limits.of("torque").is_some()));

@@ -38,6 +38,8 @@ Example:
       --save-state state.json
   flexlink simulate link.toml second.csv \\
       --state state.json
+  flexlink simulate mast.toml out/force.csv \\
+      --feedback 5e4,2e3 --reference out/carriage.csv
   flexlink simulate arm.toml out/torques.csv \\
       --feedback 50,1 --reference out/joint_angles.csv
 
@@ -60,6 +62,9 @@ One of the files may be `-`, standard input.";
 /// An arm of several links is played with all terms: TORQUE has `torque1`, `torque2`, …, as torques.csv of
 /// solve. It writes torques.csv, joint_angles.csv, chord_angles.csv, tip.csv, nodal_positions.csv, nodes.csv and
 /// summary.json, with --target tip_error.csv, too. Under gravity most poses fall without --feedback.
+///
+/// On a carriage TORQUE is a force, as force.csv of solve, or with --input carriage the motion of the carriage.
+/// Force and motion are in force.csv and carriage.csv.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct Simulate {
@@ -230,7 +235,7 @@ impl Simulate {
             | SimulationError::NotFinite { .. } => (Exit::NotSolvable, String::new()),
         };
         let (message, hint) = refusal(error, &inputs.specification.arm);
-        Failure::new(exit, &format!("{place}{message}"), hint)
+        Failure::new(exit, &format!("{place}{message}"), hint.as_deref())
     }
 
     /// The failure of a target in this file that does not suit the simulation.
@@ -255,8 +260,8 @@ impl Simulate {
             reference: reference_file.as_ref(),
             state: state_file.as_ref(),
         };
-        let is_torque = run.play.input.is_torque();
-        let record = RunInputs::of_simulate(&inputs.file, &files, is_torque, self.arguments());
+        let kind = (run.play.input.is_torque(), run.arm.joint().slides());
+        let record = RunInputs::of_simulate(&inputs.file, &files, kind, self.arguments());
         let outputs = self.nodes.outputs(self.digits);
         let summary = run.write(record, &outputs, || self.sync.stage(&self.output))?;
         if let Some(path) = &self.play.save_state {
@@ -282,8 +287,9 @@ impl Inputs {
     }
 }
 
-/// Reason of a failed simulation, and the remedy, which names the files of an arm.
-pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<&'static str>) {
+/// Reason of a failed simulation, and the remedy, which names the files of an arm or of a link on a carriage.
+pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<String>) {
+    let worded = |text: &str| arm.of_output(arm.joint().worded(text));
     let hint = match error {
         _ if arm.alone().is_some() => error.hint(),
         SimulationError::OtherTimes { .. } => {
@@ -292,7 +298,7 @@ pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<&'static s
         SimulationError::NoRest => {
             let message = "the arm has no shape at rest where it starts";
             let hint = "use a place within reach, stiffer links, or another pose: --at";
-            return (message.to_owned(), Some(hint));
+            return (message.to_owned(), Some(hint.to_owned()));
         }
         SimulationError::NotConverged { .. } => Some(
             "use rayleigh damping of the links, such as beta = 1e-3, torques that are smaller or have a shorter \
@@ -301,5 +307,5 @@ pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<&'static s
         SimulationError::State { .. } => Some("use a state that --save-state of this arm wrote"),
         _ => error.hint(),
     };
-    (error.to_string(), hint)
+    (worded(&error.to_string()), hint.map(worded))
 }

@@ -67,7 +67,7 @@ impl Verify {
     pub(crate) fn run(self) -> Result<(), Failure> {
         self.threads.start()?;
         read_once(&[&self.link.link, &self.motion])?;
-        let (file, specification) = self.link.load_any()?;
+        let (file, specification) = self.link.load()?;
         let motion = InputFile::read(&self.motion)?;
         let how = (&self.read, &self.resample, &self.scale);
         let problem = Problem::read((&file, specification), &motion, how)?;

@@ -80,9 +80,9 @@ pub(super) fn transfer(run: Single) -> Result<Figure, String> {
         .collect();
     let flexible =
         |f: &f64| magnitude(FrequencyResponse::at(&*model, *f).torque_per_tip_acceleration_kg_m);
-    let (length_m, friction) = (run.link.length_m(), run.link.joint().friction());
+    let (rigid_tip, friction) = (run.link.rigid_tip(), run.link.joint().friction());
     let rigid =
-        |f: &f64| libm::hypot(run.link.rigid_inertia_kg_m2(), friction / (TAU * f)) / length_m;
+        |f: &f64| libm::hypot(run.link.rigid_inertia_kg_m2(), friction / (TAU * f)) / rigid_tip;
     let sizes: Vec<f64> = hertz.iter().map(flexible).collect();
     let rigid: Vec<f64> = hertz.iter().map(rigid).collect();
     let finite = || sizes.iter().chain(&rigid).copied().filter(|s| s.is_finite() && *s > 0.0);
@@ -217,7 +217,7 @@ mod tests {
         let run = run();
         let run = view(&run).link.unwrap();
         let figure = transfer(run).unwrap();
-        let rigid = run.link.rigid_inertia_kg_m2() / run.link.length_m();
+        let rigid = run.link.rigid_inertia_kg_m2() / run.link.rigid_tip();
         let points = &figure.curves[0].points;
         assert!((points[0].1 / rigid - 1.0).abs() < 0.02, "{} of {rigid}", points[0].1);
         let modes = figure.marks.iter().filter(|mark| mark.class == "mode");
@@ -236,13 +236,13 @@ mod tests {
         let run = view(&run).link.unwrap();
         let figure = transfer(run).unwrap();
         let model = model_of(run.link, run.arc.mesh.clone(), KeptModes::All).unwrap();
-        let inertia = run.link.rigid_inertia_kg_m2() / run.link.length_m();
+        let inertia = run.link.rigid_inertia_kg_m2() / run.link.rigid_tip();
         for k in (0..POINTS).step_by(37) {
             let (f, size) = figure.curves[0].points[k];
             let exact = FrequencyResponse::at(&*model, f).torque_per_tip_acceleration_kg_m;
             let exact = (exact.re * exact.re + exact.im * exact.im).sqrt();
             assert!((size / exact - 1.0).abs() < 1e-12, "{size} of {exact} at {f} Hz");
-            let drag = 2.0 / run.link.length_m() / (TAU * f);
+            let drag = 2.0 / run.link.rigid_tip() / (TAU * f);
             let rigid = (inertia * inertia + drag * drag).sqrt();
             assert!((figure.curves[1].points[k].1 / rigid - 1.0).abs() < 1e-12, "rigid at {f} Hz");
         }

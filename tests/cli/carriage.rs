@@ -3,6 +3,7 @@
 use super::{Bench, column, ended, stderr, stdout, succeeded};
 
 const MAST: &str = "specs/carriages/stacker_mast.toml";
+const HUB: &str = "specs/bayo1987_example1.toml";
 
 /// A bench with the motion of the mast.
 fn bench() -> Bench {
@@ -70,7 +71,6 @@ fn a_sweep_and_a_response_have_the_columns_of_a_carriage() {
     let alone = bench.number("out", "results/peak_force_n");
     assert!((forces[1] / alone - 1.0).abs() < 1e-9, "{forces:?} {alone}");
     assert!(!text.contains("torque") && !text.contains("hub"), "{text}");
-    assert!(stderr(&ended(3, bench.run("report sweep.csv"))).contains("is not read back yet"));
     bench.done(&format!("frf {MAST} --from 0.01 --to 20 --points 3 -o frf.csv"));
     // At rest the force moves the whole mass.
     let inertia = column(&bench, "frf.csv", "force_per_tip_acceleration_kg_real");
@@ -117,15 +117,11 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
         (format!("solve {MAST} move.csv --set drive.gear_ratio=2"), "drive = set, but must not"),
         (format!("solve {MAST} move.csv --set limits.torque=2"), "limits.torque must be force"),
         (format!("solve {MAST} move.csv --set limits.force=-2"), "limits.force = -2 N, but must"),
-        (format!("solve {MAST} move.csv --report -o out"), "[carriage] is new"),
-        (format!("solve {MAST} move.csv --write force.csv"), "[carriage] is new"),
-        (format!("simulate {MAST} move.csv"), "[carriage] is new"),
-        (format!("frf {MAST} --at 0"), "[carriage] is new"),
-        (format!("modes {MAST} --at 0"), "[carriage] is new"),
-        (
-            format!("trajectory septic --distance 2 --step 0.01 --link {MAST} --fit-limit power=1"),
-            "is new",
-        ),
+        (format!("solve {MAST} move.csv --set limits.hub_angle=2"), "must be carriage_travel"),
+        (format!("simulate {MAST} move.csv"), "must include force"),
+        (format!("simulate {MAST} angle.csv --input carriage"), "must include carriage"),
+        (format!("frf {MAST} --at 0"), "a carriage does not take yet"),
+        (format!("modes {MAST} --at 0"), "a carriage does not take yet"),
     ];
     for (words, expected) in cases {
         let told = refused(&words);
@@ -137,7 +133,165 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
     let mass = format!("solve specs/bayo1987_example1.toml {} --set hub.mass=2", super::MOTION);
     assert!(refused(&mass).contains("hint: a hub that slides is a [carriage]"));
     bench.done(&format!("solve {MAST} move.csv -o run"));
-    assert!(refused("report run").contains("is not read back yet"));
+    let order = "--set analysis.second_order=\"full\"";
+    let told = refused(&format!("simulate {MAST} run/force.csv {order}"));
+    assert!(told.contains("large angles are not computed yet"), "{told}");
+    let told = refused(&format!("simulate {MAST} run/force.csv --target angle.csv"));
+    assert!(told.contains("angle.csv: angle, but a link on a carriage"), "{told}");
+    let usage = |words: &str| stderr(&ended(2, bench.run(words)));
+    let kinds = [
+        (format!("simulate {MAST} run/force.csv --input torque"), "must be force or carriage"),
+        (format!("simulate {HUB} run/force.csv --input carriage"), "must be torque or hub-angle"),
+        (
+            format!("simulate {MAST} run/carriage.csv --input carriage --hold zero"),
+            "--input = carriage, but must be force with --hold",
+        ),
+        (
+            format!("simulate {MAST} run/force.csv --feedback=-1,0 --reference run/carriage.csv"),
+            "KP = -1 N/m",
+        ),
+        (
+            format!(
+                "trajectory septic --distance 9deg --step 0.01 --link {MAST} --fit-limit force=9"
+            ),
+            "must be a length on a carriage",
+        ),
+    ];
+    for (words, expected) in kinds {
+        let told = usage(&words);
+        assert!(told.contains(expected), "{words}: {told}");
+    }
+}
+
+/// The mast with a damping that has an equation in time.
+fn viscous(bench: &Bench) {
+    let mast = std::fs::read_to_string(super::repository(MAST)).unwrap();
+    bench.write("mast.toml", &mast.replace("ratio = 0.01", "model = \"rayleigh\"\nbeta = 7e-4"));
+}
+
+#[test]
+fn a_run_is_compared_repeated_and_kept_as_golden() {
+    let bench = bench();
+    bench.done(&format!("solve {MAST} move.csv -o run"));
+    bench.done(&format!("solve --repeat run {MAST} move.csv"));
+    bench.done(&format!("solve {MAST} move.csv --golden -o gold"));
+    bench.done("compare gold gold");
+    bench.done(&format!("solve {MAST} move.csv --set payload.mass=41 -o heavier"));
+    let told = stdout(&ended(1, bench.run("compare run heavier")));
+    assert!(
+        told.contains("differs  force.csv") && told.contains("differs  carriage.csv"),
+        "{told}"
+    );
+    assert!(
+        bench.read("gold/carriage.csv").starts_with("time_s,carriage_m,carriage_velocity_m_s,")
+    );
+    for page in ["report run -o run.html", "report gold -o gold.html"] {
+        let is_whole = page.contains("run");
+        ended(if is_whole { 0 } else { 3 }, bench.run(page));
+    }
+}
+
+#[test]
+fn force_and_motion_of_the_carriage_bring_the_tip_where_it_was_to_be() {
+    let bench = bench();
+    viscous(&bench);
+    bench.done("solve mast.toml move.csv -o run --digits full");
+    let plays = [
+        ("run/force.csv --input force", "carriage.csv", 3e-6),
+        ("run/carriage.csv --input carriage", "force.csv", 3e-6),
+        ("run/force.csv --feedback 5e4,2e3 --reference run/carriage.csv", "carriage.csv", 3e-6),
+    ];
+    for (play, measured, within) in plays {
+        let words = format!(
+            "simulate mast.toml {play} --target run/tip.csv --measured run/{measured} -o sim"
+        );
+        let text = stdout(&succeeded(bench.run(&words)));
+        for word in ["torque", "hub", "rad/s"] {
+            assert!(!text.contains(word), "{word}: {text}");
+        }
+        let share = bench.number("sim", "tip_error/share");
+        assert!(share < within, "{play}: {share:e}");
+        let share = bench.number("sim", "measured/channels/0/share");
+        assert!(share < 1e-4, "{play}: {share:e}");
+        assert!(bench.read("sim/force.csv").starts_with("time_s,force_n\n"));
+        let head = "time_s,carriage_m,carriage_velocity_m_s,carriage_acceleration_m_s2\n";
+        assert!(bench.read("sim/carriage.csv").starts_with(head));
+    }
+    assert!((bench.number("sim", "feedback/stiffness_n_m") - 5e4).abs() < 1e-9);
+    assert!((bench.number("sim", "feedback/damping_n_s_m") - 2e3).abs() < 1e-9);
+    bench.done("report sim -o sim.html");
+}
+
+#[test]
+fn a_table_of_the_force_moves_the_tip_as_wanted() {
+    let bench = bench();
+    viscous(&bench);
+    bench.done("solve mast.toml move.csv --write lift.csv");
+    assert!(bench.read("lift.csv").starts_with("time_s,force_n\n"));
+    bench.done("sweep mast.toml move.csv --torque lift.csv --vary payload.mass=40,80 -o s.csv");
+    let off = bench.numbers("s.csv", "tip_error_share");
+    assert!(off[0] < 1e-5 && off[1] > 1e-3, "{off:?}");
+    assert!(!bench.read("s.csv").contains("hub"));
+    let text = stdout(&succeeded(bench.run("solve mast.toml move.csv --write lift.h --hold zero")));
+    assert!(text.contains("values for a converter"), "{text}");
+    let header = bench.read("lift.h");
+    for words in ["Force on the carriage in N", "static const double lift_n[LIFT_LENGTH]"] {
+        assert!(header.contains(words), "{words}");
+    }
+    bench.done("solve mast.toml move.csv --write lift.m");
+    let script = bench.read("lift.m");
+    assert!(script.contains("timeseries(lift_n, lift_time_s") && script.contains("Units = 'N';"));
+}
+
+#[test]
+fn limits_of_travel_and_acceleration_are_those_of_the_rail() {
+    let bench = bench();
+    let limits = "--set limits={carriage_travel=1.9,carriage_acceleration=3,bending_moment=6000}";
+    bench.done(&format!("solve {MAST} move.csv {limits} -o out"));
+    let warned = bench.read("out/summary.json");
+    for words in [
+        "limits.carriage_travel = 1.9 m is exceeded: 2.0000 m",
+        "limits.carriage_acceleration = 3 m/s² is exceeded: 3.6192 m/s²",
+        "limits.bending_moment = 6000 N m is exceeded: 6324.4 N m",
+    ] {
+        assert!(warned.contains(words), "{words}: {warned}");
+    }
+    let of = |name: &str| column(&bench, "out/carriage.csv", name);
+    let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    let sampled = largest(&of("carriage_acceleration_m_s2"));
+    let peak = bench.number("out", "results/peak_carriage_acceleration_m_s2");
+    assert!((1.0..1.0001).contains(&(peak / sampled)), "{peak} {sampled}");
+    assert!((bench.number("out", "limits/carriage_travel_m") - 1.9).abs() < 1e-12);
+}
+
+#[test]
+fn the_shortest_move_within_the_limits_of_a_carriage_is_found() {
+    let bench = bench();
+    let fit = "--fit-limit force=9000 --fit-limit carriage_speed=2.5";
+    let words =
+        format!("trajectory septic --distance 2 --step 0.02 --link {MAST} {fit} -o fast.csv");
+    let told = stderr(&succeeded(bench.run(&words)));
+    assert!(told.contains("within force=9000 N, carriage_speed=2.5 m/s; limits."), "{told}");
+    let limits = "--set limits={force=9000,carriage_speed=2.5} --strict";
+    bench.done(&format!("solve {MAST} fast.csv {limits} -o out"));
+    let text = bench.read("fast.csv");
+    let (last_s, _) = text.lines().last().unwrap().split_once(',').unwrap();
+    let shorter_s = last_s.parse::<f64>().unwrap() - 0.02;
+    let shorter = format!("trajectory septic --distance 2 --step 0.02 --duration {shorter_s:.2}");
+    bench.done(&format!("{shorter} -o shorter.csv"));
+    ended(4, bench.run(&format!("solve {MAST} shorter.csv {limits} -o out")));
+    let cycle =
+        format!("trajectory septic --distance 2 --duration 2 --step 0.01 --cycle --link {MAST}");
+    let told = stderr(&succeeded(bench.run(&format!("{cycle} -o cycle.csv"))));
+    assert!(told.contains(" s takes a force of ") && told.contains(" N rms"), "{told}");
+}
+
+#[test]
+fn a_template_of_a_mast_is_solved() {
+    let bench = Bench::new();
+    bench.done("init --carriage mast");
+    let output = bench.run("solve mast/link.toml mast/motion.csv -o out --deny-warnings");
+    assert!(stdout(&succeeded(output)).contains("force    peak 2293 N"));
 }
 
 #[test]

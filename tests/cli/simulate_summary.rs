@@ -31,7 +31,8 @@ fn every_documented_key_is_there() {
             ("/modes", "highest_hz kept of_mesh torque_band_hz"),
             (
                 "/results",
-                "farthest_m final_tip_velocity_m_s peak_deflection_m peak_hub_angle_rad \
+                "farthest_m final_tip_velocity_m_s peak_deflection_m \
+                 peak_hub_acceleration_rad_s2 peak_hub_angle_rad \
                  peak_hub_rate_rad_s peak_power_w peak_torque_n_m travel_m",
             ),
             ("/errors", "deflection hub_angle tip"),

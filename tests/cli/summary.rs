@@ -44,7 +44,8 @@ fn every_documented_key_is_there() {
             ("/link", "damping hub length_m masses payload rigid_inertia_kg_m2 segments"),
             (
                 "/results",
-                "lag_s lead_s peak_deflection_m peak_hub_angle_rad peak_hub_rate_rad_s peak_power_w \
+                "lag_s lead_s peak_deflection_m peak_hub_acceleration_rad_s2 peak_hub_angle_rad \
+                 peak_hub_rate_rad_s peak_power_w \
                  peak_rigid_torque_n_m peak_root_moment_n_m peak_torque_n_m peak_torque_time_s \
                  rms_power_w rms_torque_n_m torque_ratio",
             ),

@@ -37,7 +37,7 @@ fn refusals_are_those_of_the_snapshot() {
         let format = if column.is_some() { TableFormat::default() } else { format_of(words) };
         let motion = || read_motion_table_as(name, input.as_bytes(), &[1.5], &format);
         let refused: Option<TableError> = match kind {
-            "Torques" => read_torque_table_as(name, input.as_bytes(), column, &format).err(),
+            "Torques" => read_torque_table_as(name, input.as_bytes(), 1, column, &format).err(),
             "Motions" => motion().err(),
             "Samples that are no motion" => motion().and_then(MotionTable::into_motion).err(),
             "Motions of the hub" => read_hub_reference(name, input.as_bytes()).err(),

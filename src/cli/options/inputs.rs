@@ -32,17 +32,10 @@ pub(crate) struct LinkArgs {
 }
 
 impl LinkArgs {
-    /// Reads the file, one link or an arm of several, and applies the changes; refuses a link on a carriage.
+    /// Reads the file, one link or an arm of several, and applies the changes.
     pub(crate) fn load(&self) -> Result<(InputFile, Specification), Failure> {
-        let (file, specification) = self.load_any()?;
-        refuse_carriage(&specification.arm)?;
-        Ok((file, specification))
-    }
-
-    /// Like [`Self::load`], also of a link on a carriage.
-    pub(crate) fn load_any(&self) -> Result<(InputFile, Specification), Failure> {
         let file = InputFile::read_toml(&self.link)?;
-        let specification = any_specification(&file, &self.changes.overrides()?)?;
+        let specification = specification(&file, &self.changes.overrides()?)?;
         Ok((file, specification))
     }
 }
@@ -75,34 +68,23 @@ impl ChangeArgs {
     }
 }
 
-/// Reads the content of a file, one link or an arm of several, with some changes; refuses a link on a carriage.
+/// Reads the content of a file, one link or an arm of several, with some changes.
 pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specification, Failure> {
-    let read = any_specification(file, changes)?;
-    refuse_carriage(&read.arm)?;
-    Ok(read)
-}
-
-/// Refuses a link on a carriage, where a command does not take it yet.
-pub fn refuse_carriage(arm: &Arm) -> Result<(), Failure> {
-    if !arm.joint().slides() {
-        return Ok(());
-    }
-    let message = "a link on a carriage, but must be on a hub: [carriage] is new";
-    let hint = "solve, verify, sweep, modes and frf take a carriage, without --report, --write, --torque and --at";
-    Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
-}
-
-/// [`specification`], also of a link on a carriage.
-pub(crate) fn any_specification(
-    file: &InputFile,
-    changes: &[Override],
-) -> Result<Specification, Failure> {
     read_specification(&file.shown, file.text()?, changes).map_err(|error| {
         let extension = Path::new(&file.name).extension();
         let is_table = extension.is_some_and(|extension| extension == "csv");
         let order = is_table.then_some("LINK, a TOML file, comes before MOTION or TORQUE");
         Failure::new(Exit::InputRefused, &error, file.disguise().or(error.hint()).or(order))
     })
+}
+
+/// Refuses a direction of a link on a carriage, which has no weight yet.
+pub(crate) fn refuse_direction(arm: &Arm) -> Result<(), Failure> {
+    if !arm.joint().slides() {
+        return Ok(());
+    }
+    let message = "--at is the direction of a link with weight, which a carriage does not take yet";
+    Err(Failure::new(Exit::InputRefused, &message, Some("leave --at out")))
 }
 
 /// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.
@@ -224,15 +206,8 @@ impl ResampleArgs {
     /// The motion of a table; without an arm, of a link without gravity.
     pub fn motion_in(&self, table: MotionTable, arm: Option<&Arm>) -> Result<Wanted, Failure> {
         let link = arm.and_then(|arm| arm.links().first()).map(|own| &own.link);
-        if table.is_of_angle() && link.is_some_and(|link| link.joint().slides()) {
-            let message = format!(
-                "{}: angle, but a link on a carriage takes displacement, velocity or acceleration",
-                table.rows().name()
-            );
-            return Err(Failure::new(Exit::InputRefused, &message, None));
-        }
-        let table = match link.and_then(|link| Some((link.gravity()?, link.length_m()))) {
-            Some((gravity, length_m)) => table.with_gravity(gravity, length_m)?,
+        let table = match link {
+            Some(link) => table.of_link(link)?,
             None => table,
         };
         let table = table.with_ends(self.ends());

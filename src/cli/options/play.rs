@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::csv::{
-    InputFile, Reading, TableFormat, read_joint_references, read_joint_torques, read_recording,
-    read_recording_as, read_target, read_tip_places, read_torque_table_as,
+    InputFile, Joints, Reading, TableFormat, read_joint_references, read_joint_torques,
+    read_recording, read_recording_as, read_target, read_tip_places, read_torque_table_as,
 };
 use crate::link::{Arm, ParameterError};
 use crate::response::{Feedback, HubReference, Interpolation, Torque};
@@ -18,11 +18,25 @@ use super::inputs::{ReadArgs, tell};
 use super::moves::{AtRest, Begins, Moves, Moving};
 use crate::cli::terminal::{Exit, Failure};
 
-/// Quantity that moves the link.
+/// Quantity that moves the link: of a hub, or of a carriage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum InputKind {
     Torque,
     HubAngle,
+    Force,
+    Carriage,
+}
+
+impl InputKind {
+    /// True for the motion of the joint, false for the effort that drives it.
+    fn is_motion(self) -> bool {
+        matches!(self, Self::HubAngle | Self::Carriage)
+    }
+
+    /// Its name as an option's value.
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |own| own.get_name().to_owned())
+    }
 }
 
 /// The torque between its samples.
@@ -81,16 +95,18 @@ impl HoldArgs {
 #[derive(Debug, Args)]
 pub(crate) struct PlayArgs {
     /// Torque at the hub (CSV): `time` and `torque`; with --input hub-angle `time` and `hub_angle`. Of an arm `time` and
-    /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, …
+    /// `torque1`, `torque2`, …; with --input hub-angle `time` and `joint1`, `joint2`, … On a carriage `time` and
+    /// `force`; with --input carriage `time` and `carriage`.
     #[arg(value_name = "TORQUE")]
     pub(crate) file: PathBuf,
 
     /// Quantity in TORQUE: the torque, or the hub angle (for an arm the angles of its joints), which the hub follows
-    /// exactly while the torque is computed. The hub rests before the first sample and keeps its rate after the last.
-    #[arg(long, value_name = "KIND", value_enum, default_value_t = InputKind::Torque)]
-    input: InputKind,
+    /// exactly while the torque is computed. The hub rests before the first sample and keeps its rate after the last. On a
+    /// carriage the force, or the position of the carriage [default: torque or force].
+    #[arg(long, value_name = "KIND", value_enum)]
+    input: Option<InputKind>,
 
-    /// Column of TORQUE to play [default: `torque`].
+    /// Column of TORQUE to play [default: `torque` or `force`].
     #[arg(long, value_name = "NAME")]
     column: Option<String>,
 
@@ -104,13 +120,15 @@ pub(crate) struct PlayArgs {
     hold: HoldArgs,
 
     /// Tip motion to compare with (CSV): `time` and `displacement`, as `tip.csv` of solve. The
-    /// link starts at its first displacement, but with --input hub-angle where its hub points.
+    /// link starts at its first displacement, but with --input hub-angle where its hub points, and with --input carriage
+    /// where the carriage stands.
     #[arg(long, value_name = "FILE")]
     target: Option<PathBuf>,
 
     /// Recording to compare with, channel by channel (CSV): `time` and any of `hub_angle`, `hub_rate`, `tip`,
-    /// `velocity`, `acceleration`, `tip_deflection` and `torque`; of an arm any of `x`, `y`, `joint1`, `joint1_rate`,
-    /// `torque1`, `joint2`, …; at any times.
+    /// `velocity`, `acceleration`, `tip_deflection` and `torque`; on a carriage `carriage`, `carriage_velocity` and `force`
+    /// in place of those of the hub; of an arm any of `x`, `y`, `joint1`, `joint1_rate`, `torque1`, `joint2`, …; at any
+    /// times.
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
 
@@ -128,14 +146,15 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) save_state: Option<PathBuf>,
 
-    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad; for an arm one pair for all joints,
-    /// or a pair for each.
+    /// Feedback at the hub around the reference: gains in N m/rad and N m s/rad, at a carriage in N/m and N s/m; for an arm
+    /// one pair for all joints, or a pair for each.
     #[arg(long, value_name = "KP,KD", requires = "reference")]
     #[arg(value_parser = gains, allow_hyphen_values = true)]
     feedback: Option<Gains>,
 
     /// Hub angle that the feedback follows (CSV), as `hub_angle.csv` of solve, or the joints of an arm, as its
-    /// `joint_angles.csv`, at the times of TORQUE. The link starts at its first angle.
+    /// `joint_angles.csv`, or the position of the carriage, as `carriage.csv`, at the times of TORQUE. The link starts at
+    /// its first angle or position.
     #[arg(long, value_name = "FILE", requires = "feedback")]
     reference: Option<PathBuf>,
 
@@ -175,23 +194,20 @@ impl PlayArgs {
         read: &ReadArgs,
     ) -> Result<Playing, Failure> {
         self.check(arm)?;
-        let links = arm.links().len();
+        let (links, joints) = (arm.links().len(), Joints::from(arm));
         let link = arm.links().first().filter(|_| links == 1).map(|own| &own.link);
         let file = InputFile::read(&self.file)?;
         let open = |path: &Option<PathBuf>| path.as_deref().map(InputFile::read).transpose();
         let [target_file, measured, reference_file] =
             [open(&self.target)?, open(&self.measured)?, open(&self.reference)?];
         let InputFile { shown, bytes, .. } = &file;
-        let (moving, reading) = match self.input {
-            InputKind::Torque => {
-                let how = (self.column.as_deref(), &read.format());
-                let (torques, reading) = read_torques(&file, links, how)?;
-                (Moving::Torques(torques), reading)
-            }
-            InputKind::HubAngle => {
-                let (hubs, reading) = read_joint_references(shown, bytes, links, &read.format())?;
-                (Moving::Angles(hubs), reading)
-            }
+        let (moving, reading) = if self.is_moved() {
+            let (hubs, reading) = read_joint_references(shown, bytes, joints, &read.format())?;
+            (Moving::Angles(hubs), reading)
+        } else {
+            let how = (self.column.as_deref(), &read.format());
+            let (torques, reading) = read_torques(&file, joints, how)?;
+            (Moving::Torques(torques), reading)
         };
         self.hold.refuse_jitter(&file, &reading)?;
         tell(shown, &reading);
@@ -200,9 +216,7 @@ impl PlayArgs {
         let target = target_file.as_ref().map(|file| -> Result<TipPlaces, Failure> {
             let (target, reading) = match link {
                 Some(link) => {
-                    let (length_m, gravity) = (link.length_m(), link.gravity());
-                    let (target, reading) =
-                        read_target(&file.shown, &file.bytes, length_m, gravity)?;
+                    let (target, reading) = read_target(&file.shown, &file.bytes, link)?;
                     start_angle_rad = target.start_angle_rad();
                     (TipPlaces::from(&target), reading)
                 }
@@ -215,9 +229,9 @@ impl PlayArgs {
         let measured = measured.map(|file| -> Result<_, Failure> {
             let (recording, reading) = if file.bytes == *bytes {
                 // The options assign the columns of this table.
-                read_recording_as(&file.shown, &file.bytes, links, &read.format())?
+                read_recording_as(&file.shown, &file.bytes, joints, &read.format())?
             } else {
-                read_recording(&file.shown, &file.bytes, links)?
+                read_recording(&file.shown, &file.bytes, joints)?
             };
             tell(&file.shown, &reading);
             Ok((file, recording))
@@ -226,7 +240,7 @@ impl PlayArgs {
         let references = reference_file.as_ref().map(|file| -> Result<_, Failure> {
             let form = TableFormat::default();
             let (references, reading) =
-                read_joint_references(&file.shown, &file.bytes, links, &form)?;
+                read_joint_references(&file.shown, &file.bytes, joints, &form)?;
             tell(&file.shown, &reading);
             Ok(references)
         });
@@ -234,10 +248,10 @@ impl PlayArgs {
         let state_file = open(&self.state)?;
         let state = state_file.as_ref();
         let state = state.map(|file| read_state(&file.shown, &file.bytes, links)).transpose()?;
-        let feedback = feedback(self.feedback.as_deref(), references, links)?;
+        let feedback = feedback(self.feedback.as_deref(), references, arm)?;
         let begins = Begins {
             state: state.is_some(),
-            moved: self.input == InputKind::HubAngle,
+            moved: self.is_moved(),
             at: self.at.as_deref(),
             tip_m: None,
         };
@@ -258,13 +272,33 @@ impl PlayArgs {
     }
 
     /// The failure of gains outside the range of a feedback.
-    fn gains_refused(error: &ParameterError) -> Failure {
-        Failure::new(Exit::Usage, &format!("--feedback: {error}"), None)
+    fn gains_refused(error: &ParameterError, arm: &Arm) -> Failure {
+        let message = arm.joint().worded(&format!("--feedback: {error}"));
+        Failure::new(Exit::Usage, &message, None)
     }
 
-    /// Refuses options of arms for one link, and those of a torque beside a hub angle.
+    /// True where the motion of the joints is the input.
+    fn is_moved(&self) -> bool {
+        self.input.is_some_and(InputKind::is_motion)
+    }
+
+    /// Refuses an input of the other kind of joint, options of arms for one link, and those of a torque beside a hub
+    /// angle.
     fn check(&self, arm: &Arm) -> Result<(), Failure> {
-        self.check_input()?;
+        let slides = arm.joint().slides();
+        if let Some(input) = self.input {
+            let of_carriage = [InputKind::Force, InputKind::Carriage];
+            if of_carriage.contains(&input) != slides {
+                let (kinds, of) = if slides {
+                    ("force or carriage", "a link on a carriage")
+                } else {
+                    ("torque or hub-angle", "a hub")
+                };
+                let message = format!("--input = {}, but must be {kinds} for {of}", input.name());
+                return Err(Failure::new(Exit::Usage, &message, None));
+            }
+        }
+        self.check_input(arm)?;
         if self.at.is_some() && arm.links().len() == 1 {
             let message =
                 "--at sets the directions of an arm, but one link starts at its start_angle";
@@ -274,10 +308,8 @@ impl PlayArgs {
     }
 
     /// Refuses options of a torque beside a hub angle.
-    fn check_input(&self) -> Result<(), Failure> {
-        if self.input == InputKind::Torque {
-            return Ok(());
-        }
+    fn check_input(&self, arm: &Arm) -> Result<(), Failure> {
+        let Some(input) = self.input.filter(|own| own.is_motion()) else { return Ok(()) };
         let given = [
             ("--column", self.column.is_some()),
             ("--hold", self.hold.hold != Hold::Cubic),
@@ -288,19 +320,25 @@ impl PlayArgs {
         let Some((name, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
             return Ok(());
         };
-        let message = format!("--input = hub-angle, but must be torque with {name}");
+        let joint = arm.joint();
+        let must = joint.worded(&format!("must be torque with {name}"));
+        let message = format!("--input = {}, but {must}", input.name());
         let hint = match name {
+            "--column" if joint.slides() => {
+                "--columns carriage=COLUMN chooses the column of the carriage"
+            }
             "--column" => "--columns hub_angle=COLUMN chooses the column of the hub angle",
             "--feedback" => "a hub that moves as prescribed needs no feedback",
             "--at" => "the first angles are where it starts",
             _ => "the hub angle is a smooth curve through its samples",
         };
-        Err(Failure::new(Exit::Usage, &message, Some(hint)))
+        Err(Failure::new(Exit::Usage, &message, Some(&joint.worded(hint))))
     }
 
     /// Arguments for the record.
     pub(crate) fn arguments(&self) -> Vec<String> {
-        let input = (self.input == InputKind::HubAngle).then(|| option("--input", "hub-angle"));
+        let input = self.input.filter(|own| own.is_motion());
+        let input = input.map(|own| option("--input", own.name()));
         let column = self.column.iter().map(|column| option("--column", column));
         let until = self.until.map(|until| option("--until", until));
         let hold = Some(self.hold.arguments());
@@ -327,23 +365,24 @@ fn gains(text: &str) -> Result<Gains, String> {
     pairs.ok_or_else(|| "must be two numbers, KP,KD, or a pair for each joint of an arm".into())
 }
 
-/// Reads the torque of a link, in a column of the user if he names one, or the torques of an arm.
+/// Reads the torque of a link or the force on its carriage, in a column of the user if he names one, or the torques of an
+/// arm.
 pub(crate) fn read_torques(
     file: &InputFile,
-    links: usize,
+    joints: Joints,
     (column, format): (Option<&str>, &TableFormat),
 ) -> Result<(Vec<Torque>, Reading), Failure> {
     let InputFile { shown, bytes, .. } = file;
     match column {
-        None => Ok(read_joint_torques(shown, bytes, links, format)?),
-        Some(_) if links > 1 => {
+        None => Ok(read_joint_torques(shown, bytes, joints, format)?),
+        Some(_) if joints.links > 1 => {
             let message =
                 "--column names one column, but the torques of an arm are torque1, torque2, …";
             let hint = "rename the columns in the file";
             Err(Failure::new(Exit::Usage, &message, Some(hint)))
         }
         column => {
-            let (torque, reading) = read_torque_table_as(shown, bytes, column, format)?;
+            let (torque, reading) = read_torque_table_as(shown, bytes, joints, column, format)?;
             Ok((vec![torque], reading))
         }
     }
@@ -354,8 +393,9 @@ pub(crate) fn read_torques(
 pub fn feedback(
     gains: Option<&[(f64, f64)]>,
     references: Vec<HubReference>,
-    links: usize,
+    arm: &Arm,
 ) -> Result<Vec<Feedback>, Failure> {
+    let links = arm.links().len();
     let gains = match gains {
         None => Vec::new(),
         Some([one]) => vec![*one; links],
@@ -373,5 +413,5 @@ pub fn feedback(
     };
     let of_joints = gains.into_iter().zip(references);
     let of_joints = of_joints.map(|((kp, kd), reference)| Feedback::new(kp, kd, reference));
-    of_joints.collect::<Result<_, _>>().map_err(|error| PlayArgs::gains_refused(&error))
+    of_joints.collect::<Result<_, _>>().map_err(|error| PlayArgs::gains_refused(&error, arm))
 }

@@ -10,7 +10,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use crate::cli::options::common::SyncArgs;
-use crate::cli::options::inputs::{LINK, MOTION, refuse_carriage};
+use crate::cli::options::inputs::{LINK, MOTION};
 use crate::cli::problem::Solved;
 use crate::cli::terminal::files::{keep, read_once};
 use crate::cli::terminal::text::{rows_text, solve_text, verify_text};
@@ -104,9 +104,6 @@ impl Solve {
         self.check()?;
         let output = self.output.as_deref();
         let run = self.load()?;
-        if self.report || self.table.is_asked() {
-            refuse_carriage(&run.problem.specification.arm)?;
-        }
         let is_arm = run.problem.plans().len() > 1;
         if let Some(option) = self.options.nodes.chosen().filter(|_| self.report && is_arm) {
             let message =

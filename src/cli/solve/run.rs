@@ -13,7 +13,7 @@ use crate::verify::Verification;
 
 use crate::cli::options::common::{NodeArgs, digits_arguments};
 use crate::cli::options::inputs::ReadArgs;
-use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, any_specification};
+use crate::cli::options::inputs::{ChangeArgs, ResampleArgs, ScaleArgs, specification};
 use crate::cli::problem::{Problem, Solved};
 use crate::cli::terminal::text::memory_text;
 use crate::cli::terminal::{Failure, StageBar, console, memory};
@@ -149,7 +149,7 @@ impl<'a> Run<'a> {
         motion_file: impl FnOnce() -> Result<InputFile, Failure>,
     ) -> Result<Self, Failure> {
         let changes = options.changes.overrides()?;
-        let specification = options.nodes.meshed(any_specification(&link_file, &changes)?)?;
+        let specification = options.nodes.meshed(specification(&link_file, &changes)?)?;
         let motion_file = motion_file()?;
         let how = (&options.read, &options.resample, &options.scale);
         let problem = Problem::read((&link_file, specification), &motion_file, how)?;

@@ -32,7 +32,7 @@ const TIME: f64 = 1e-3;
 /// The torque in a file of its own.
 #[derive(Debug, Args)]
 pub(super) struct WriteArgs {
-    /// Write only the torque at the hub, or the joints; results go to a folder only with -o. The ending chooses the
+    /// Write only the torque at the hub, or the joints, or the force on a carriage; results go to a folder only with -o. The ending chooses the
     /// form: .csv, .h for C, .m for MATLAB and Simulink. `-` prints CSV, and no summary.
     #[arg(long, value_name = "FILE")]
     pub(super) write: Option<PathBuf>,
@@ -77,11 +77,6 @@ struct Recorded {
 }
 
 impl WriteArgs {
-    /// True if a table is to be written.
-    pub(super) fn is_asked(&self) -> bool {
-        self.write.is_some()
-    }
-
     /// Returns an error if FILE has an ending without a form, or would replace an input or a result.
     pub(super) fn check(&self, inputs: &[&Path], output: Option<&Path>) -> Result<(), Failure> {
         let Some(file) = self.write.as_deref().filter(|file| !is_standard_output(file)) else {
@@ -178,7 +173,13 @@ impl WriteArgs {
         };
         let motor = has_motor.then(|| words.motor.to_owned());
         let tip_tolerance = solution.analysis.tip_tolerance();
-        Ok(Some(self.written((table, error), tip_tolerance, words, motor)))
+        let written = self.written((table, error), tip_tolerance, words, motor);
+        let joint = solution.arm.joint();
+        Ok(Some(WrittenTable {
+            notes: written.notes.iter().map(|line| joint.worded(line)).collect(),
+            warning: written.warning.map(|own| own.worded(&solution.arm)),
+            ..written
+        }))
     }
 
     /// A table with the effects of the options, except its start.

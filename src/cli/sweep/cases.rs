@@ -8,12 +8,11 @@ use clap::Args;
 use crate::beam::Mesh;
 use crate::cli::options::common::{NodeArgs, SyncArgs, digits_arguments, option};
 use crate::cli::options::inputs::{
-    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, refuse_carriage,
-    scale_arguments, tell,
+    ChangeArgs, ReadArgs, ResampleArgs, ScaleArgs, Wanted, are_read_alike, scale_arguments, tell,
 };
 use crate::cli::options::play::{HoldArgs, read_torques};
 use crate::cli::terminal::{Exit, Failure, memory};
-use crate::csv::{Digits, InputFile, Reading, TableFormat};
+use crate::csv::{Digits, InputFile, Joints, Reading, TableFormat};
 use crate::link::{Arm, Link};
 use crate::modal::natural_frequencies;
 use crate::motion::{MotionScale, Periods};
@@ -124,7 +123,7 @@ impl<'a> Cases<'a> {
             plan.single_changes().find_map(|case| read(case).ok()).ok_or(failure)
         })?;
         shared.scale.scaled(&first.wanted)?;
-        let torque_file = shared.torque.read(first.arm.links().len())?;
+        let torque_file = shared.torque.read(&first.arm)?;
         tell(&motion_file.shown, &reading);
         refuse_without_effect(|case| described(case).ok(), &plan)?;
         // From here on errors are for the table, whose text must not depend on the place of the files.
@@ -133,8 +132,7 @@ impl<'a> Cases<'a> {
         let first = first.named(&motion_file.name);
         let kind = match &torque_file {
             Some((_, torques)) => {
-                refuse_carriage(&first.arm)?;
-                SweepKind::Played { joints: torques.len() }
+                SweepKind::Played { joints: torques.len(), slides: first.arm.joint().slides() }
             }
             None => SweepKind::of_links(&first.links()),
         };
@@ -264,11 +262,11 @@ impl TorqueArgs {
         column.chain(self.hold.arguments()).collect()
     }
 
-    fn read(&self, links: usize) -> Result<Option<(InputFile, Vec<Torque>)>, Failure> {
+    fn read(&self, arm: &Arm) -> Result<Option<(InputFile, Vec<Torque>)>, Failure> {
         let Some(path) = &self.torque else { return Ok(None) };
         let file = InputFile::read(path)?;
         let how = (self.column.as_deref(), &TableFormat::default());
-        let (torques, reading) = read_torques(&file, links, how)?;
+        let (torques, reading) = read_torques(&file, Joints::from(arm), how)?;
         tell(&file.shown, &reading);
         self.hold.refuse_jitter(&file, &reading)?;
         Ok(Some((file, torques)))

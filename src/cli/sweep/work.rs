@@ -145,7 +145,8 @@ impl Cases<'_> {
                 reference: None,
                 state: None,
             };
-            let inputs = RunInputs::of_simulate(&self.link_file, &files, true, arguments);
+            let kind = (true, arm.joint().slides());
+            let inputs = RunInputs::of_simulate(&self.link_file, &files, kind, arguments);
             let outputs = self.shared.outputs.of_case(&played.nodes_m())?;
             memory::check_nodes(outputs.simulation_bytes(played), memory_bytes)?;
             run.write(inputs, &outputs, || self.stage(&folder))?;

@@ -8,8 +8,8 @@ use crate::cli::terminal::{Exit, Failure, StageBar, console, memory};
 use crate::inverse::{Resources, Solution, SolutionWarning, invert_motion};
 use crate::motion::{Course, CurveError, Ends, Motion, Profile, TipMotion};
 use crate::result::{
-    Along, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, OpenMotion, Peak, Remark,
-    shortest_fit,
+    Along, Fit, FitError, FitProblem, LimitedValue, Limits, Metrics, Notice, OpenMotion, Peak,
+    Remark, shortest_fit,
 };
 use crate::spec::{Override, SpecError, Specification};
 use crate::text::{excerpt, plain, significant, visible};
@@ -82,12 +82,13 @@ impl Search {
         let metrics = Metrics::of(&solution);
         if is_cycle {
             let cycle_s = plain(self.time_s(solution.grid.len));
-            console::note(&cycle_text(&cycle_s, &metrics));
+            console::note(&solution.arm.joint().worded(&cycle_text(&cycle_s, &metrics)));
         }
-        console::warnings(&solution.warnings);
-        console::remarks(Remark::on_jumps(&solution).as_slice());
+        let worded = |own: Notice| own.worded(&solution.arm);
+        console::warnings(solution.warnings.iter().map(|own| worded(own.into())));
+        console::remarks(Remark::on_jumps(&solution).map(|own| worded(own.into())));
         let exceeded = metrics.exceeded(&arm.limits);
-        console::warnings(&exceeded);
+        console::warnings(exceeded.iter().map(|own| worded(own.into())));
         Ok(Found { warnings: solution.warnings.len() + exceeded.len(), ..found })
     }
 

@@ -75,7 +75,7 @@ pub struct Trajectory {
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     duration: Option<f64>,
 
-    /// Limit beside those of the link file, torque=5 or 'power="20 W"', or in place of the one with the same key;
+    /// Limit beside those of the link file, torque=5, force=5000 or 'power="20 W"', or in place of the one with the same key;
     /// repeatable. Finds the shortest duration that keeps all limits. Keys as in [limits]; with --path for all
     /// joints, or for one, fore.torque=5. Tries every shorter duration or, if there are very many, about a thousand,
     /// and prints how many.
@@ -338,7 +338,12 @@ fn displacement_m(
 ) -> Result<f64, Failure> {
     let distance_m = match (travel, specification) {
         (Travel::Length(length_m), _) => length_m,
-        (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link().length_m(),
+        (Travel::Angle(angle_rad), Some(own)) if own.link().joint().slides() => {
+            let angle = given(angle_rad);
+            let message = format!("{option} = {angle} rad, but must be a length on a carriage");
+            return Err(Failure::new(Exit::Usage, &message, None));
+        }
+        (Travel::Angle(angle_rad), Some(own)) => angle_rad * own.link().rigid_tip(),
         (Travel::Angle(angle_rad), None) => {
             let angle = given(angle_rad);
             let message = format!("{option} = {angle} rad, but must be a length without --link");

@@ -68,6 +68,12 @@ pub(super) const HUB_ANGLE: Quantity =
     quantity("hub_angle", "_rad", Dimension::NONE, ["rad", "deg"]);
 pub(super) const HUB_RATE: Quantity =
     quantity("hub_rate", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]);
+/// Force on a carriage, and its position and velocity.
+pub(super) const FORCE: Quantity =
+    quantity("force", "_n", Dimension::FORCE, ["N", "kN"]).or(&["kraft"]);
+pub(super) const CARRIAGE: Quantity = quantity("carriage", "_m", Dimension::LENGTH, ["m", "mm"]);
+pub(super) const CARRIAGE_VELOCITY: Quantity =
+    quantity("carriage_velocity", "_m_s", Dimension::VELOCITY, ["m/s", "mm/s"]);
 
 /// Displacement of the tip besides other channels of a recording.
 pub(super) const TIP: Quantity = quantity("tip", "_m", Dimension::LENGTH, ["m", "cm"]);
@@ -123,7 +129,7 @@ pub(super) const fn joined<const N: usize>(lists: &[&[Quantity]]) -> [Quantity; 
 }
 
 /// All quantities that an option may name, besides [`ANGLES`].
-pub(super) const QUANTITIES: [Quantity; 13] = [
+pub(super) const QUANTITIES: [Quantity; 16] = [
     TIME,
     ACCELERATION,
     VELOCITY,
@@ -132,6 +138,9 @@ pub(super) const QUANTITIES: [Quantity; 13] = [
     TORQUE,
     HUB_ANGLE,
     HUB_RATE,
+    FORCE,
+    CARRIAGE,
+    CARRIAGE_VELOCITY,
     DEFLECTION,
     ROOT_STRAIN,
     VOLTAGE,

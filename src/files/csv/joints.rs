@@ -3,13 +3,15 @@
 use super::columns::{Beside, Columns, Header};
 use super::format::{Reading, TableFormat};
 use super::heading::{
-    HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, PATH_X, PATH_Y, Quantity, Spelling, TIME, TORQUE,
-    Vocabulary, joined, names, nearest, nine, quantity, unread_unit,
+    CARRIAGE, CARRIAGE_VELOCITY, FORCE, HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, PATH_X,
+    PATH_Y, Quantity, Spelling, TIME, TORQUE, Vocabulary, joined, names, nearest, nine, quantity,
+    unread_unit,
 };
 use super::input::{Place, TableError, quoted};
 use super::quality::doubt;
 use super::samples::Samples;
 use super::unit_name::{parse_unit, split_any_unit, split_unit};
+use crate::link::Arm;
 use crate::numeric::Dimension;
 use crate::response::{HubReference, Torque};
 use crate::result::TipPlaces;
@@ -35,21 +37,82 @@ pub(super) const JOINT_RATES: [Quantity; 9] = nine(
     quantity("", "_rad_s", Dimension::RATE, ["rad/s", "deg/s"]),
 );
 
-/// Names of a torque at the hub.
-const RECORDING: Vocabulary = Vocabulary {
-    quantities: &[TIME, TORQUE],
-    prefix: "hub_",
-    example: "time,torque",
-    choice: Some("rename one of them, or choose a torque with --column"),
-    by_option: "--columns time=1,torque=2 names the columns",
+/// The joints of a table: their number, and whether the joint of one link slides. A number alone means hubs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Joints {
+    /// Number of links.
+    pub links: usize,
+    /// True for a link on a carriage.
+    pub slides: bool,
+}
+
+impl From<usize> for Joints {
+    fn from(links: usize) -> Self {
+        Self { links, slides: false }
+    }
+}
+
+impl From<&Arm> for Joints {
+    fn from(arm: &Arm) -> Self {
+        Self { links: arm.links().len(), slides: arm.joint().slides() }
+    }
+}
+
+/// Columns of one link's joint.
+struct OfJoint {
+    effort: Quantity,
+    /// Names of the effort.
+    recording: Vocabulary,
+    /// Position and rate.
+    motion: [Quantity; 2],
+    /// Names of the motion.
+    moving: Vocabulary,
+    /// File of `solve` with the motion.
+    file: &'static str,
+}
+
+const OF_HUB: OfJoint = OfJoint {
+    effort: TORQUE,
+    recording: Vocabulary {
+        quantities: &[TIME, TORQUE],
+        prefix: "hub_",
+        example: "time,torque",
+        choice: Some("rename one of them, or choose a torque with --column"),
+        by_option: "--columns time=1,torque=2 names the columns",
+    },
+    motion: [HUB_ANGLE, HUB_RATE],
+    moving: Vocabulary {
+        quantities: &[TIME, HUB_ANGLE, HUB_RATE],
+        example: "time,hub_angle",
+        ..Vocabulary::NONE
+    },
+    file: "hub_angle.csv",
 };
 
-/// Names of the hub's motion.
-const HUB_MOTION: Vocabulary = Vocabulary {
-    quantities: &[TIME, HUB_ANGLE, HUB_RATE],
-    example: "time,hub_angle",
-    ..Vocabulary::NONE
+const OF_CARRIAGE: OfJoint = OfJoint {
+    effort: FORCE,
+    recording: Vocabulary {
+        quantities: &[TIME, FORCE],
+        prefix: "carriage_",
+        example: "time,force",
+        choice: Some("rename one of them, or choose a force with --column"),
+        by_option: "--columns time=1,force=2 names the columns",
+    },
+    motion: [CARRIAGE, CARRIAGE_VELOCITY],
+    moving: Vocabulary {
+        quantities: &[TIME, CARRIAGE, CARRIAGE_VELOCITY],
+        example: "time,carriage",
+        ..Vocabulary::NONE
+    },
+    file: "carriage.csv",
 };
+
+impl Joints {
+    /// Columns of the joint of one link.
+    fn own(self) -> &'static OfJoint {
+        if self.slides { &OF_CARRIAGE } else { &OF_HUB }
+    }
+}
 
 /// Names of an arm's torques.
 const TORQUES: Vocabulary = Vocabulary {
@@ -95,23 +158,26 @@ pub fn read_torque_table(
     bytes: &[u8],
     column: Option<&str>,
 ) -> Result<Torque, TableError> {
-    let read = read_torque_table_as(name, bytes, column, &TableFormat::default());
+    let read = read_torque_table_as(name, bytes, 1, column, &TableFormat::default());
     read.map(|(torque, _)| torque)
 }
 
-/// Reads a torque from a table with the user's options for its form; also returns its deviations from the standard
-/// form.
+/// Reads the torque of one link, or the force on its carriage, from a table with the user's options for its form; also
+/// returns its deviations from the standard form.
 ///
 /// # Errors
 /// Those of [`read_torque_table`]; also options that do not fit the table.
 pub fn read_torque_table_as(
     name: &str,
     bytes: &[u8],
+    joints: impl Into<Joints>,
     column: Option<&str>,
     format: &TableFormat,
 ) -> Result<(Torque, Reading), TableError> {
-    let columns = |header: Header| torque_columns(header, column);
-    let (mut torques, reading) = torques(Samples::read(name, bytes, format, columns)?, &[TORQUE])?;
+    let own = joints.into().own();
+    let columns = |header: Header| torque_columns(header, own, column);
+    let samples = Samples::read(name, bytes, format, columns)?;
+    let (mut torques, reading) = torques(samples, &[own.effort])?;
     Ok((torques.remove(0), reading))
 }
 
@@ -131,11 +197,13 @@ pub fn read_torque_table_as(
 pub fn read_joint_torques(
     name: &str,
     bytes: &[u8],
-    links: usize,
+    joints: impl Into<Joints>,
     format: &TableFormat,
 ) -> Result<(Vec<Torque>, Reading), TableError> {
+    let joints = joints.into();
+    let links = joints.links;
     if links == 1 {
-        let (torque, reading) = read_torque_table_as(name, bytes, None, format)?;
+        let (torque, reading) = read_torque_table_as(name, bytes, joints, None, format)?;
         return Ok((vec![torque], reading));
     }
     let hint = "torques.csv of `flexlink solve` holds them";
@@ -151,7 +219,7 @@ fn torques(
     doubt(&mut samples);
     let (time_s, columns) = samples.take_uniform(quantities);
     let torques = columns.into_iter().map(|n_m| Torque::new(&time_s, n_m.unwrap_or_default()));
-    let torques = samples.history(torques.collect())?;
+    let torques = samples.history(quantities[0], torques.collect())?;
     Ok((torques, samples.reading))
 }
 
@@ -175,31 +243,33 @@ pub fn read_hub_reference(name: &str, bytes: &[u8]) -> Result<HubReference, Tabl
 }
 
 /// Reads the motion of an arm's joints, for a feedback or as an input: `time`, `joint1`, `joint2`, … up to `links`, and
-/// optionally `joint1_rate`, …, as in `joint_angles.csv` of `solve`; of one link that of [`read_hub_reference`]. Also
-/// returns the table's deviations from the standard form. Other columns are ignored.
+/// optionally `joint1_rate`, …, as in `joint_angles.csv` of `solve`; of one link that of [`read_hub_reference`], or of a
+/// carriage `carriage` and `carriage_velocity`. Also returns the table's deviations from the standard form. Other columns
+/// are ignored.
 ///
 /// # Errors
 /// Those of [`read_joint_torques`].
 pub fn read_joint_references(
     name: &str,
     bytes: &[u8],
-    links: usize,
+    joints: impl Into<Joints>,
     format: &TableFormat,
 ) -> Result<(Vec<HubReference>, Reading), TableError> {
+    let joints = joints.into();
+    let (links, own) = (joints.links, joints.own());
     let columns = |header: Header| {
         if links > 1 {
             let hint = "joint_angles.csv of `flexlink solve` holds them";
             return columns(&JOINT_MOTION, &JOINTS, (header, links), hint);
         }
-        let columns = Columns::find(&HUB_MOTION, header, Beside::Time)?;
+        let columns = Columns::find(&own.moving, header, Beside::Time)?;
         columns.require(TIME, header)?;
-        let hint = || "hub_angle.csv of `flexlink solve` holds it".to_owned();
-        columns.require(HUB_ANGLE, header).map_err(|error| error.or_hint(hint()))?;
+        let hint = || format!("{} of `flexlink solve` holds it", own.file);
+        columns.require(own.motion[0], header).map_err(|error| error.or_hint(hint()))?;
         Ok(columns)
     };
     let samples = Samples::read(name, bytes, format, columns)?;
-    let of_joint =
-        |joint| if links > 1 { [JOINTS[joint], JOINT_RATES[joint]] } else { [HUB_ANGLE, HUB_RATE] };
+    let of_joint = |joint| if links > 1 { [JOINTS[joint], JOINT_RATES[joint]] } else { own.motion };
     references(samples, &(0..links).map(of_joint).collect::<Vec<_>>())
 }
 
@@ -214,7 +284,7 @@ fn references(
         let angle_rad = motion[0].clone().unwrap_or_default();
         HubReference::new(&time_s, angle_rad, motion[1].clone())
     });
-    let references = samples.history(references.collect())?;
+    let references = samples.history(motions[0][0], references.collect())?;
     Ok((references, samples.reading))
 }
 
@@ -258,58 +328,69 @@ fn columns(
     Ok(columns)
 }
 
-const IN_BRACKETS: &str = "a unit follows in brackets: torque [N cm]";
-
-/// Finds the time and the torque named `column` or, without it, `torque`.
-fn torque_columns(header: Header, column: Option<&str>) -> Result<Columns, TableError> {
+/// Finds the time and the torque, or the force, named `column` or, without it, by its own name.
+fn torque_columns(
+    header: Header,
+    own: &OfJoint,
+    column: Option<&str>,
+) -> Result<Columns, TableError> {
     let Header { fields, place, .. } = header;
+    let (recording, effort) = (&own.recording, own.effort);
     let Some(column) = column else {
-        let columns = Columns::find(&RECORDING, header, Beside::Time)?;
-        let by_option = || RECORDING.by_option.to_owned();
+        let columns = Columns::find(recording, header, Beside::Time)?;
+        let by_option = || recording.by_option.to_owned();
         columns.require(TIME, header).map_err(|error| error.or_hint(by_option()))?;
-        columns.require(TORQUE, header).map_err(|error| error.or_hint(where_torque_is(fields)))?;
+        let hint = || where_effort_is(fields, effort);
+        columns.require(effort, header).map_err(|error| error.or_hint(hint()))?;
         return Ok(columns);
     };
-    RECORDING.check_names(fields, place)?;
-    let torque = chosen_torque(header, column)?;
-    let columns = Columns::find(&RECORDING, header, Beside::Column(torque))?;
+    recording.check_names(fields, place)?;
+    let torque = chosen_torque(header, own, column)?;
+    let columns = Columns::find(recording, header, Beside::Column(torque))?;
     columns.require(TIME, header)?;
     Ok(columns)
 }
 
-/// Hint for choosing the torque in a table without a column of its name.
-fn where_torque_is(fields: &[&str]) -> String {
-    match fields.iter().find(|field| field.to_lowercase().contains(TORQUE.word)) {
-        Some(field) if unread_unit(field, TORQUE).is_some() => IN_BRACKETS.to_owned(),
-        Some(field) => format!("choose the torque with --column {}", quoted(split_unit(field).0)),
-        None => "choose the torque with --column NAME".to_owned(),
+/// Hint at the form of a unit.
+fn in_brackets(effort: Quantity) -> String {
+    format!("a unit follows in brackets: {} [{}]", effort.word, effort.units[1])
+}
+
+/// Hint for choosing the torque, or the force, in a table without a column of its name.
+fn where_effort_is(fields: &[&str], effort: Quantity) -> String {
+    let word = effort.word;
+    match fields.iter().find(|field| field.to_lowercase().contains(word)) {
+        Some(field) if unread_unit(field, effort).is_some() => in_brackets(effort),
+        Some(field) => format!("choose the {word} with --column {}", quoted(split_unit(field).0)),
+        None => format!("choose the {word} with --column NAME"),
     }
 }
 
-/// Heading of the torque named `column`.
-fn chosen_torque(header: Header, column: &str) -> Result<Heading, TableError> {
+/// Heading of the torque, or of the force, named `column`.
+fn chosen_torque(header: Header, own: &OfJoint, column: &str) -> Result<Heading, TableError> {
     let Header { fields, format, place } = header;
+    let (effort, word) = (own.effort, own.effort.word);
     let refuse = |found: String, must| Err(place.refuse("--column", found, must));
-    if format.columns.iter().any(|choice| choice.quantity == TORQUE) {
-        return refuse(quoted(column), "must not be given with --columns torque");
+    if format.columns.iter().any(|choice| choice.quantity == effort) {
+        return refuse(quoted(column), format!("must not be given with --columns {word}"));
     }
     let index = chosen_index(fields, column, place)?;
     let field = fields[index];
-    if matches!(RECORDING.spelling(field, TIME), Some(Spelling::Exact | Spelling::Suffixed)) {
-        return refuse(quoted(column), "must be a torque, not the time");
+    if matches!(own.recording.spelling(field, TIME), Some(Spelling::Exact | Spelling::Suffixed)) {
+        return refuse(quoted(column), format!("must be a {word}, not the time"));
     }
-    let measure = format.measure(TORQUE);
-    let unread = unread_unit(field, TORQUE).filter(|_| measure.unit.is_none());
+    let measure = format.measure(effort);
+    let unread = unread_unit(field, effort).filter(|_| measure.unit.is_none());
     let round = split_any_unit(field).1.filter(|_| split_unit(field).1.is_none());
     let is_unit = round.is_some_and(|unit| parse_unit(unit).is_ok());
     if let (Some(word), false) = (unread, is_unit) {
         let must = format!("must have its unit in brackets: {} reads like one", quoted(word));
-        return Err(place.refuse_column(index, field, must).with_hint(IN_BRACKETS.to_owned()));
+        return Err(place.refuse_column(index, field, must).with_hint(in_brackets(effort)));
     }
     // Parentheses may also contain a remark.
     let field = if round.is_some() && !is_unit { split_any_unit(field).0 } else { field };
-    let suffixed = TORQUE.is_suffixed(split_unit(field).0);
-    Heading::of(index, field, TORQUE, suffixed, measure, place)
+    let suffixed = effort.is_suffixed(split_unit(field).0);
+    Heading::of(index, field, effort, suffixed, measure, place)
 }
 
 /// Index of the only column with the heading `column`, with or without its unit.

@@ -22,7 +22,7 @@ pub(crate) use heading::{check_separator, refuse_missing};
 pub use input::{InputError, InputFile, TableError, system_words};
 pub(crate) use input::{Place, quoted, sha256};
 pub use joints::{
-    read_hub_reference, read_joint_references, read_joint_torques, read_tip_places,
+    Joints, read_hub_reference, read_joint_references, read_joint_torques, read_tip_places,
     read_torque_table, read_torque_table_as,
 };
 pub use motion::{

@@ -16,7 +16,7 @@ use super::quality::{Judged, digits_of, settle};
 use super::samples::{MIN_SAMPLES, Uniform, whole_steps};
 use super::samples::{Samples, grid_of, refuse_samples};
 use super::table::{Column, ColumnGroup, group, write_over_time};
-use crate::link::Gravity;
+use crate::link::Link;
 use crate::motion::{
     Ends, MotionColumns, PathColumn, PathColumns, Recording, TipTarget, Uncertainty, refuse_jump,
 };
@@ -326,19 +326,15 @@ fn tip_samples(
 /// uniform grid are interpolated like those of a motion. With gravity angles are absolute.
 ///
 /// # Errors
-/// Those of [`read_motion_table`], [`MotionTable::with_gravity`] and [`MotionTable::into_target`].
+/// Those of [`read_motion_table`], [`MotionTable::of_link`] and [`MotionTable::into_target`].
 pub fn read_target(
     name: &str,
     bytes: &[u8],
-    link_length_m: f64,
-    gravity: Option<&Gravity>,
+    link: &Link,
 ) -> Result<(TipTarget, Reading), TableError> {
-    let table = read_motion_table(name, bytes, link_length_m)
-        .map_err(|error| error.of_named_file(BY_HEADINGS))?;
-    let table = match gravity {
-        Some(gravity) => table.with_gravity(gravity, link_length_m)?,
-        None => table,
-    };
+    let table = read_motion_table(name, bytes, link.output_m())
+        .map_err(|error| error.of_named_file(BY_HEADINGS))?
+        .of_link(link)?;
     let mut reading = table.reading.clone();
     let Sampled::Tip { columns, recording, .. } = &table.sampled else {
         return Ok((table.into_target()?, reading));

@@ -3,12 +3,12 @@
 use super::columns::{Beside, Columns, Header};
 use super::format::{ColumnScale, Reading, TableFormat};
 use super::heading::{
-    ACCELERATION, DEFLECTION, DISPLACEMENT, HUB_ANGLE, HUB_RATE, Heading, JOINT_TORQUES, Measure,
-    PATH_X, PATH_Y, Quantity, ROOT_STRAIN, Spelling, TIME, TIP, TORQUE, VELOCITY, VOLTAGE,
-    Vocabulary, joined, names, quantity, refuse_missing,
+    ACCELERATION, CARRIAGE, CARRIAGE_VELOCITY, DEFLECTION, DISPLACEMENT, FORCE, HUB_ANGLE,
+    HUB_RATE, Heading, JOINT_TORQUES, Measure, PATH_X, PATH_Y, Quantity, ROOT_STRAIN, Spelling,
+    TIME, TIP, TORQUE, VELOCITY, VOLTAGE, Vocabulary, joined, names, quantity, refuse_missing,
 };
 use super::input::{BY_HEADINGS, Place, TableError};
-use super::joints::{JOINT_RATES, JOINTS};
+use super::joints::{JOINT_RATES, JOINTS, Joints};
 use super::motion_columns::unread;
 use super::quality::{Judged, doubt};
 use super::samples::MIN_SAMPLES;
@@ -150,6 +150,23 @@ const CHANNELS: Vocabulary = Vocabulary {
     ..Vocabulary::NONE
 };
 
+/// Names of all quantities that the simulation of a link on a carriage yields.
+const CARRIAGE_CHANNELS: Vocabulary = Vocabulary {
+    quantities: &[
+        TIME,
+        CARRIAGE,
+        CARRIAGE_VELOCITY,
+        TIP,
+        DISPLACEMENT,
+        VELOCITY,
+        ACCELERATION,
+        DEFLECTION,
+        FORCE,
+    ],
+    example: "time,carriage",
+    ..CHANNELS
+};
+
 /// Names of all quantities that the simulation of an arm yields.
 const ARM_CHANNELS: Vocabulary = Vocabulary {
     quantities: &joined::<30>(&[&[TIME, PATH_X, PATH_Y], &JOINTS, &JOINT_RATES, &JOINT_TORQUES]),
@@ -168,8 +185,9 @@ fn channel_of(quantity: Quantity) -> Option<SimulatedChannel> {
 }
 
 /// Reads a recording of one link: `time`, and any of `hub_angle`, `hub_rate`, `tip` or `displacement`, `velocity` and
-/// `acceleration` of the tip, `tip_deflection` and `torque`. A recording of an arm has any of `x` and `y` of the tip,
-/// `joint1`, `joint1_rate`, `torque1`, `joint2`, … Times must increase, but need not be uniform.
+/// `acceleration` of the tip, `tip_deflection` and `torque`; on a carriage `carriage`, `carriage_velocity` and `force` in
+/// place of those of the hub. A recording of an arm has any of `x` and `y` of the tip, `joint1`, `joint1_rate`, `torque1`,
+/// `joint2`, … Times must increase, but need not be uniform.
 ///
 /// ```
 /// use flexlink::csv::read_recording;
@@ -186,9 +204,9 @@ fn channel_of(quantity: Quantity) -> Option<SimulatedChannel> {
 pub fn read_recording(
     name: &str,
     bytes: &[u8],
-    links: usize,
+    joints: impl Into<Joints>,
 ) -> Result<(ChannelRecording, Reading), TableError> {
-    read_recording_as(name, bytes, links, &TableFormat::default())
+    read_recording_as(name, bytes, joints, &TableFormat::default())
         .map_err(|error| error.of_named_file(BY_HEADINGS))
 }
 
@@ -200,10 +218,15 @@ pub fn read_recording(
 pub fn read_recording_as(
     name: &str,
     bytes: &[u8],
-    links: usize,
+    joints: impl Into<Joints>,
     format: &TableFormat,
 ) -> Result<(ChannelRecording, Reading), TableError> {
-    let vocabulary = if links == 1 { &CHANNELS } else { &ARM_CHANNELS };
+    let Joints { links, slides } = joints.into();
+    let vocabulary = match links {
+        1 if slides => &CARRIAGE_CHANNELS,
+        1 => &CHANNELS,
+        _ => &ARM_CHANNELS,
+    };
     let columns = |header: Header| channel_columns(header, vocabulary, links);
     let mut samples = Samples::read(name, bytes, format, columns)?;
     doubt(&mut samples);

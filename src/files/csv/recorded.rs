@@ -6,7 +6,7 @@ use super::input::{Place, TableError};
 use super::motion::{MotionTable, Sampled};
 use super::quality;
 use super::samples::Uniform;
-use crate::link::Gravity;
+use crate::link::Link;
 use crate::motion::{
     ArmPath, Ends, Motion, MotionColumns, PathColumn, Recording, TipMotion, Uncertainty, wrapped,
 };
@@ -30,15 +30,20 @@ impl MotionTable {
     /// 0.
     ///
     /// # Errors
-    /// [`TableError`] if the link has another start angle.
-    pub fn with_gravity(
-        mut self,
-        gravity: &Gravity,
-        link_length_m: f64,
-    ) -> Result<Self, TableError> {
+    /// [`TableError`] if the link has another start angle, and for angles of a link on a carriage, which does not turn.
+    pub fn of_link(mut self, link: &Link) -> Result<Self, TableError> {
         let Sampled::Tip { columns, recording, first_angle_rad: Some(first_rad) } =
             &mut self.sampled
         else {
+            return Ok(self);
+        };
+        if link.joint().slides() {
+            let place = Place { file: &self.rows.name, line: None };
+            let why =
+                "angle, but a link on a carriage takes displacement, velocity or acceleration";
+            return Err(place.refuse_whole(why));
+        }
+        let (Some(gravity), link_length_m) = (link.gravity(), link.length_m()) else {
             return Ok(self);
         };
         let first_rad = *first_rad;

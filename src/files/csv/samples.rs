@@ -154,8 +154,15 @@ impl Samples {
     }
 
     /// A history of the samples, or its error with the file and the line.
-    pub(super) fn history<T>(&self, made: Result<T, HistoryError>) -> Result<T, TableError> {
-        made.map_err(|error| {
+    pub(super) fn history<T>(
+        &self,
+        of: Quantity,
+        made: Result<T, HistoryError>,
+    ) -> Result<T, TableError> {
+        made.map_err(|mut error| {
+            if let HistoryError::Shape { column, .. } = &mut error {
+                *column = of.word;
+            }
             refuse_samples(&self.file, &self.lines, error.sample(), &error, error.hint())
         })
     }

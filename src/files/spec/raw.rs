@@ -262,10 +262,12 @@ pub(super) struct RawDrive {
 }
 
 /// Limits of a carriage, with the key of a hub's limit in their place and their dimension.
-pub(super) const OF_CARRIAGE: [(&str, &str, Dimension); 3] = [
+pub(super) const OF_CARRIAGE: [(&str, &str, Dimension); 5] = [
     ("force", "torque", Dimension::FORCE),
     ("rms_force", "rms_torque", Dimension::FORCE),
+    ("carriage_travel", "hub_angle", Dimension::LENGTH),
     ("carriage_speed", "hub_rate", Dimension::VELOCITY),
+    ("carriage_acceleration", "hub_acceleration", Dimension::ACCELERATION),
 ];
 
 /// Keys of `[limits]`, each with its dimension and its meaning: those of [`QUANTITIES`](crate::result::QUANTITIES), then those

@@ -130,6 +130,8 @@ pub(super) static RIGID_TORQUE: JointFile = JointFile {
 };
 /// Beginning of the names of columns for rigid links, which only a solution has.
 pub(super) const RIGID: &str = "rigid_";
+/// Column of the moment at the root of a link on a carriage, which only a solution has.
+pub(super) const ROOT_MOMENT: &str = "root_moment_n_m";
 /// Angles of the hub or of the joints. A simulation writes the first three columns.
 pub(super) static ANGLE: JointFile = JointFile::new(
     ["hub_angle.csv", "joint_angles.csv", "carriage.csv"],
@@ -138,7 +140,7 @@ pub(super) static ANGLE: JointFile = JointFile::new(
         ["hub_rate_rad_s", "joint#_rate_rad_s", "carriage_velocity_m_s"],
         ["hub_acceleration_rad_s2", "joint#_acceleration_rad_s2", "carriage_acceleration_m_s2"],
         ["rigid_hub_angle_rad", "rigid_joint#_rad", "rigid_carriage_m"],
-        ["", "", "root_moment_n_m"],
+        ["", "", ROOT_MOMENT],
     ],
 );
 /// Motors of joints with a drive.

@@ -10,7 +10,7 @@ use super::json::newer;
 use super::names::RunOutputs;
 use super::names::{
     ANGLE, DEFLECTIONS, Form, JointFile, MOMENTS, MOTOR, NODES, NodalFile, PLACES, RIGID,
-    RIGID_TORQUE, SUMMARY, TIP, TORQUE,
+    RIGID_TORQUE, ROOT_MOMENT, SUMMARY, TIP, TORQUE,
 };
 use super::read_tables::{
     RunFolder, TIME, Table, check_window, deflections, read_nodal, read_nodes, times_s,
@@ -76,11 +76,6 @@ pub(super) fn read_run(folder: RunFolder) -> Result<StoredRun, TableError> {
 fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Parts, TableError> {
     let links = read_links(summary, place)?;
     let form = Form::of(links.iter().map(|(_, link)| link));
-    if form == Form::Carriage {
-        return Err(
-            place.refuse_whole("link.carriage: a run of a link on a carriage is not read back yet")
-        );
-    }
     let count = links.len();
     let nodes_file = folder.file(NODES)?;
     let nodes_place = Place { file: &nodes_file.shown, line: None };
@@ -114,7 +109,7 @@ fn read_parts(folder: RunFolder, summary: &Summary, place: Place) -> Result<Part
     ] {
         if is_there {
             let mut columns = file.columns(form, joints);
-            columns.retain(|name| is_solved || !name.starts_with(RIGID));
+            columns.retain(|name| is_solved || !name.starts_with(RIGID) && name != ROOT_MOMENT);
             let table = Table::of(&folder.file(file.name(form))?, &columns)?;
             table.check_times(times, 1)?;
             tables.push((file, columns, table));

@@ -87,7 +87,8 @@ impl PlayedRun<'_> {
         let played = played.warnings.iter().copied().chain(inexact).map(Notice::from);
         let late = target.as_ref().and_then(|target| target.tip_error.late).map(Notice::from);
         let exceeded = metrics.exceeded(self.limits);
-        played.chain(late).chain(exceeded.iter().map(of_limit)).collect()
+        let all = played.chain(late).chain(exceeded.iter().map(of_limit));
+        all.map(|own| own.worded(self.arm)).collect()
     }
 }
 
@@ -127,23 +128,26 @@ impl Summary {
         let PlayedRun { arm, play, limits, result } = *run;
         let Simulated { played, metrics, target, comparison, .. } = result;
         let tip_error = target.as_ref().map(|target| tip_numbers(&target.tip_error));
+        let joint = arm.joint();
         let input = match play.input {
+            Input::Torques(_) if joint.slides() => "force",
             Input::Torques(_) => "torque",
+            Input::Angles(_) if joint.slides() => "carriage",
             Input::Angles(_) => arm.pick("hub_angle", "joint_angles"),
         };
         let input = (input, input_values(play, played));
         let PlayedLink { mesh, law, natural_frequencies_rad_s } = &played.links[0];
-        let mut values = if let Some(link) = arm.alone() {
+        let mut values = if arm.alone().is_some() {
             let periods_s: Vec<f64> =
                 natural_frequencies_rad_s.iter().map(|omega| TAU / omega).collect();
             json!({
                 "mesh": mesh_values(mesh),
                 input.0: input.1,
-                "feedback": play.feedback.first().map(gains),
+                "feedback": play.feedback.first().map(|own| renamed(&joint, gains(own))),
                 "periods_s": periods_s,
                 "viscous_damping_ratios": law.modal_ratios(natural_frequencies_rad_s),
                 "results": played_results(metrics, arm),
-                "errors": renamed(&link.joint(), link_errors(result)),
+                "errors": renamed(&joint, link_errors(result)),
                 "tip_error": tip_error,
             })
         } else {
@@ -164,12 +168,13 @@ impl Summary {
         store_limits(&mut values, limits, arm);
         match &played.by {
             PlayedBy::Modes(ModalPlay { selection, residual, .. }) => {
-                values["modes"] = json!({
+                let modes = json!({
                     "kept": selection.modes,
                     "of_mesh": selection.of,
                     "torque_band_hz": selection.torque_band_hz,
                     "highest_hz": selection.highest_hz,
                 });
+                values["modes"] = renamed(&joint, modes);
                 if let Some(residual) = residual {
                     values["residual"] = json!(residual);
                 }

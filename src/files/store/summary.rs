@@ -75,6 +75,10 @@ pub struct RunInputs {
     #[serde(skip_serializing_if = "Option::is_none")]
     hub_angle: Option<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    force: Option<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    carriage: Option<Fingerprint>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     target: Nullable<Fingerprint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     measured: Option<Fingerprint>,
@@ -112,23 +116,25 @@ impl RunInputs {
         Self { arguments, ..Self::default() }
     }
 
-    /// The inputs of `simulate`.
+    /// The inputs of `simulate`, which plays a torque or a motion of a hub, or of a carriage that `slides`.
     pub fn of_simulate(
         link: &InputFile,
         files: &SimulateFiles,
-        is_torque: bool,
+        (is_torque, slides): (bool, bool),
         arguments: Vec<String>,
     ) -> Self {
         let SimulateFiles { input, target, measured, reference, state } = *files;
         let link = Some(Fingerprint::of(link));
         let input = Some(Fingerprint::of(input));
-        let (torque, hub_angle) = if is_torque { (input, None) } else { (None, input) };
+        let of = |kind| input.clone().filter(|_| kind == (is_torque, slides));
         let [measured, state] = [measured, state].map(|file| file.map(Fingerprint::of));
         let [target, reference] = [target, reference].map(|file| Some(file.map(Fingerprint::of)));
         Self {
             link,
-            torque,
-            hub_angle,
+            torque: of((true, false)),
+            hub_angle: of((false, false)),
+            force: of((true, true)),
+            carriage: of((false, true)),
             target,
             measured,
             reference,
@@ -231,13 +237,16 @@ impl Summary {
     }
 
     pub(super) fn origin(&self) -> Origin {
-        let RunInputs { link, motion, torque, hub_angle, target, .. } = &self.inputs;
+        let RunInputs { link, motion, torque, hub_angle, force, carriage, target, .. } =
+            &self.inputs;
         let RunInputs { measured, reference, state, arguments, .. } = &self.inputs;
         let files = [
             ("link", link.as_ref()),
             ("motion", motion.as_ref()),
             ("torque", torque.as_ref()),
             ("hub_angle", hub_angle.as_ref()),
+            ("force", force.as_ref()),
+            ("carriage", carriage.as_ref()),
             ("target", target.as_ref().and_then(Option::as_ref)),
             ("measured", measured.as_ref()),
             ("reference", reference.as_ref().and_then(Option::as_ref)),
@@ -272,7 +281,8 @@ impl Summary {
         let number = |of: &str, key: &str| self.values[of][key].as_f64();
         let solved = number("analysis", "window_start_s").zip(number("analysis", "window_end_s"));
         let played = |input| number(input, "start_s").zip(number(input, "simulated_until_s"));
-        solved.or_else(|| played("torque")).or_else(|| played("hub_angle"))
+        let played = || ["torque", "hub_angle", "force", "carriage"].into_iter().find_map(played);
+        solved.or_else(played)
     }
 
     /// The number `key` of the object `of`; a summary without it is refused at `place`.

@@ -21,7 +21,7 @@ use crate::verify::TableError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TorqueForm {
-    /// CSV, as torque.csv, or torques.csv of an arm.
+    /// CSV, as torque.csv or force.csv, or torques.csv of an arm.
     Csv,
     /// Arrays in a C header.
     C,
@@ -137,8 +137,11 @@ impl TorqueFile<'_> {
 
     fn write_csv(&self, out: &mut (dyn Write + Send)) -> io::Result<()> {
         let columns = self.table.torques_n_m();
-        // A force on a carriage has no such table.
-        let form = if columns.len() > 1 { Form::Arm } else { Form::Hub };
+        let form = match columns.len() {
+            1 if self.slides() => Form::Carriage,
+            1 => Form::Hub,
+            _ => Form::Arm,
+        };
         let name = |k: usize| TORQUE.column(form, k, 0);
         let columns =
             columns.iter().enumerate().map(|(k, values)| Column { name: name(k), values });
@@ -167,10 +170,10 @@ impl TorqueFile<'_> {
             "#define {macros}_LENGTH {length}\n{joints}#define {macros}_STEP_S {step}\n\n\
              /* Time in s */\nstatic const double {stem}_time_s[{macros}_LENGTH] = {{\n"
         );
+        let (what, unit) = (self.what(), self.unit());
         let middle = format!(
-            "}};\n\n/* {} */\n\
-             static const double {stem}_n_m[{macros}_LENGTH]{columns} = {{\n",
-            self.what()
+            "}};\n\n/* {what} */\n\
+             static const double {stem}_{unit}[{macros}_LENGTH]{columns} = {{\n"
         );
         let (times, torques) = (self.times(C_NUMBER), self.torques(signs));
         let body = [head.as_bytes(), &times, middle.as_bytes(), &torques, b"};\n"].concat();
@@ -186,11 +189,12 @@ impl TorqueFile<'_> {
         let comment: String = self.comment().into_iter().map(line).collect();
         let step = plain(self.table.grid().step_s);
         let head = format!("{comment}{stem}_step_s = {step};\n{stem}_time_s = [\n");
-        let middle = format!("];\n{stem}_n_m = [\n");
+        let (unit, text) = (self.unit(), self.table.joint().worded("N m"));
+        let middle = format!("];\n{stem}_{unit} = [\n");
         let method = if self.is_held() { "zoh" } else { "linear" };
         let tail = format!(
-            "];\n{stem}_series = timeseries({stem}_n_m, {stem}_time_s, 'Name', '{stem}');\n\
-             {stem}_series.TimeInfo.Units = 'seconds';\n{stem}_series.DataInfo.Units = 'N m';\n\
+            "];\n{stem}_series = timeseries({stem}_{unit}, {stem}_time_s, 'Name', '{stem}');\n\
+             {stem}_series.TimeInfo.Units = 'seconds';\n{stem}_series.DataInfo.Units = '{text}';\n\
              {stem}_series = setinterpmethod({stem}_series, '{method}');\n"
         );
         let (times, torques) = (self.times(MATLAB_ROW), self.torques(MATLAB_ROW));
@@ -215,9 +219,19 @@ impl TorqueFile<'_> {
         self.table.interpolation() == Interpolation::Zero
     }
 
+    fn slides(&self) -> bool {
+        self.table.joint().slides()
+    }
+
+    /// Unit of the torques, or of the force, at the end of a name.
+    fn unit(&self) -> &'static str {
+        if self.slides() { "n" } else { "n_m" }
+    }
+
     /// Description of the columns beside the time.
     fn what(&self) -> &'static str {
         match self.table.torques_n_m().len() {
+            1 if self.slides() => "Force on the carriage in N",
             1 => "Torque at the hub in N m",
             _ => "Torque at each joint in N m, the inner one first",
         }

@@ -171,9 +171,9 @@ impl Arm {
         self.links().iter().map(|own| own.link.joint_stiffness_n_m_rad()).collect()
     }
 
-    /// Length of each link in m.
+    /// Distance in m from the joint of each link to its output, the length of the link unless one link has a station.
     pub fn lengths_m(&self) -> Vec<f64> {
-        self.parts.links.iter().map(|own| own.link.length_m()).collect()
+        self.parts.links.iter().map(|own| own.link.output_m()).collect()
     }
 
     /// Length of the stretched arm in m.

@@ -3,11 +3,14 @@
 use super::parts::{Carriage, Hub};
 
 /// Parts of names of a hub, and those of a carriage in their place; longer ones stand first.
-const NAMES: [(&str, &str); 8] = [
+const NAMES: [(&str, &str); 11] = [
+    ("hub_acceleration_rad_s2", "carriage_acceleration_m_s2"),
     ("hub_acceleration", "carriage_acceleration"),
     ("hub_angle_rad", "carriage_travel_m"),
     ("hub_rate_rad_s", "carriage_speed_m_s"),
     ("torque_n_m", "force_n"),
+    ("stiffness_n_m_rad", "stiffness_n_m"),
+    ("damping_n_m_s_rad", "damping_n_s_m"),
     ("torque", "force"),
     ("hub_angle", "carriage_travel"),
     ("hub_rate", "carriage_speed"),
@@ -15,7 +18,7 @@ const NAMES: [(&str, &str); 8] = [
 ];
 
 /// Words and units of a hub in texts, and those of a carriage in their place; longer ones stand first.
-const WORDS: [(&str, &str); 17] = [
+const WORDS: [(&str, &str); 23] = [
     ("T/a_tip of the paper's dense H", "F/a_tip by assembled matrices"),
     ("T/a_tip", "F/a_tip"),
     ("large deflections and centrifugal stiffening", "large deflections"),
@@ -25,6 +28,10 @@ const WORDS: [(&str, &str); 17] = [
     ("rad/s²", "m/s²"),
     ("rad/s", "m/s"),
     ("rad", "m"),
+    ("hub_angle.csv", "carriage.csv"),
+    ("hub_acceleration", "carriage_acceleration"),
+    ("hub_angle", "carriage_travel"),
+    ("hub.inertia", "carriage.mass"),
     ("hub angle", "carriage travel"),
     ("hub rate", "carriage speed"),
     ("hub_rate", "carriage_speed"),
@@ -33,6 +40,8 @@ const WORDS: [(&str, &str); 17] = [
     ("torques", "forces"),
     ("torque", "force"),
     ("turns", "moves"),
+    ("turn", "travel"),
+    ("peak angle", "peak travel"),
 ];
 
 /// The joint between ground and link.
@@ -97,9 +106,10 @@ impl Joint {
         pairs.fold(name.to_owned(), |name, (of_hub, own)| name.replace(of_hub, own))
     }
 
-    /// A text for this joint, from the text for a hub. Replaces whole words.
+    /// A text for this joint, from the text for a hub. Replaces whole words. Texts on a limit of the motor or of a moment stay.
     pub fn worded(&self, text: &str) -> String {
-        let pairs = WORDS.iter().filter(|_| self.slides());
+        let stays = ["motor_", "bending_moment"].iter().any(|own| text.contains(own));
+        let pairs = WORDS.iter().filter(|_| self.slides() && !stays);
         pairs.fold(text.to_owned(), |text, (of_hub, own)| replaced(&text, of_hub, own))
     }
 

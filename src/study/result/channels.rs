@@ -375,6 +375,12 @@ pub enum SimulatedChannel {
     TipDeflection,
     /// Torque at the hub of one link in N m.
     Torque,
+    /// Position of a link's carriage in m.
+    Carriage,
+    /// Velocity of a link's carriage in m/s.
+    CarriageVelocity,
+    /// Force on a link's carriage in N.
+    Force,
     /// x of an arm's tip in m.
     TipX,
     /// y of an arm's tip in m.
@@ -403,6 +409,9 @@ impl SimulatedChannel {
             Self::Acceleration,
             Self::TipDeflection,
             Self::Torque,
+            Self::Carriage,
+            Self::CarriageVelocity,
+            Self::Force,
         ];
         let of_joint =
             |joint| [Self::JointAngle(joint), Self::JointRate(joint), Self::JointTorque(joint)];
@@ -437,6 +446,9 @@ impl SimulatedChannel {
             Self::Acceleration => "acceleration",
             Self::TipDeflection => "tip_deflection",
             Self::Torque => "torque",
+            Self::Carriage => "carriage",
+            Self::CarriageVelocity => "carriage_velocity",
+            Self::Force => "force",
             Self::TipX => "x",
             Self::TipY => "y",
             Self::JointAngle(joint) => return format!("joint{}", joint + 1),
@@ -451,8 +463,9 @@ impl SimulatedChannel {
         match self {
             Self::HubAngle | Self::JointAngle(_) => "rad",
             Self::HubRate | Self::JointRate(_) => "rad/s",
-            Self::Tip | Self::TipDeflection | Self::TipX | Self::TipY => "m",
-            Self::Velocity => "m/s",
+            Self::Tip | Self::TipDeflection | Self::TipX | Self::TipY | Self::Carriage => "m",
+            Self::Velocity | Self::CarriageVelocity => "m/s",
+            Self::Force => "N",
             Self::Acceleration => "m/s²",
             Self::Torque | Self::JointTorque(_) => "N m",
         }
@@ -466,13 +479,13 @@ impl SimulatedChannel {
         let joint = played.joints.get(joint).filter(|_| is_link != is_of_arm)?;
         let tip = &played.tip[usize::from(self == Self::TipY)];
         Some(match self {
-            Self::HubAngle | Self::JointAngle(_) => joint.angle_rad.clone(),
-            Self::HubRate | Self::JointRate(_) => joint.rate_rad_s.clone(),
+            Self::HubAngle | Self::Carriage | Self::JointAngle(_) => joint.angle_rad.clone(),
+            Self::HubRate | Self::CarriageVelocity | Self::JointRate(_) => joint.rate_rad_s.clone(),
             Self::Tip | Self::TipX | Self::TipY => tip.displacement_m.clone(),
             Self::Velocity => tip.velocity_m_s.clone(),
             Self::Acceleration => tip.acceleration_m_s2.clone(),
             Self::TipDeflection => played.tip_deflection_m(),
-            Self::Torque | Self::JointTorque(_) => joint.torque_n_m.clone(),
+            Self::Torque | Self::Force | Self::JointTorque(_) => joint.torque_n_m.clone(),
         })
     }
 }

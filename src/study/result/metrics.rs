@@ -48,6 +48,8 @@ pub struct JointMetrics {
     pub peak_hub_angle_rad: Peak,
     /// Largest rate of the joint in rad/s.
     pub peak_hub_rate_rad_s: Peak,
+    /// Largest acceleration of the joint in rad/s².
+    pub peak_hub_acceleration_rad_s2: Peak,
     /// Largest mechanical power |T θ̇| in W.
     pub peak_power_w: Peak,
     /// Root mean square of T θ̇ in W over the samples while T acts.
@@ -138,6 +140,7 @@ impl JointMetrics {
             end_angles_rad: [angle[0], angle[angle.len() - 1]],
             peak_hub_angle_rad,
             peak_hub_rate_rad_s: peaks.of(&joint.rate_rad_s),
+            peak_hub_acceleration_rad_s2: peaks.of(&solution.acceleration_rad_s2(number)),
             peak_power_w: peaks.of_product(torque, &joint.rate_rad_s),
             rms_power_w: acting.rms(&power_w),
             peak_root_moment_n_m: peaks.of(&link.root_moment_n_m),
@@ -178,6 +181,8 @@ pub struct PlayedJoint {
     pub peak_hub_angle_rad: Peak,
     /// Largest rate of the joint in rad/s.
     pub peak_hub_rate_rad_s: Peak,
+    /// Largest acceleration of the joint in rad/s².
+    pub peak_hub_acceleration_rad_s2: Peak,
     /// Largest mechanical power |T θ̇| of the motor in W.
     pub peak_power_w: Peak,
     /// Largest deflection of the tip of one link from the hub's tangent line in m.
@@ -237,6 +242,7 @@ impl PlayedJoint {
             end_angles_rad: [angle[0], angle[angle.len() - 1]],
             peak_hub_angle_rad: peaks.of(&turned),
             peak_hub_rate_rad_s: peaks.of(rate),
+            peak_hub_acceleration_rad_s2: peaks.of(&joint.acceleration_rad_s2),
             peak_power_w: peaks.of_product(torque, rate),
             peak_deflection_m: None,
         }

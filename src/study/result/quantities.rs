@@ -53,6 +53,8 @@ pub struct Unit {
 
 const TORQUE: Unit = Unit { suffix: "_n_m", text: "N m", dimension: Dimension::TORQUE };
 const RATE: Unit = Unit { suffix: "_rad_s", text: "rad/s", dimension: Dimension::RATE };
+const ACCELERATION: Unit =
+    Unit { suffix: "_rad_s2", text: "rad/s²", dimension: Dimension::ANGULAR_ACCELERATION };
 const POWER: Unit = Unit { suffix: "_w", text: "W", dimension: Dimension::POWER };
 const LENGTH: Unit = Unit { suffix: "_m", text: "m", dimension: Dimension::LENGTH };
 const ANGLE: Unit = Unit { suffix: "_rad", text: "rad", dimension: Dimension::NONE };
@@ -74,7 +76,7 @@ const THREE: fn(f64) -> String = |number| significant(number, 3);
 const FOUR: fn(f64) -> String = |number| significant(number, 4);
 
 /// All quantities of a joint, in the order of summary.json.
-pub const QUANTITIES: [JointQuantity; 19] = [
+pub const QUANTITIES: [JointQuantity; 20] = [
     of_joint("peak_torque", TORQUE, |own| Some(own.peak_torque_n_m.value))
         .is("Peak torque at the hub, on the link's side of a drive.")
         .limited("torque", |own| own.torque_n_m)
@@ -100,6 +102,7 @@ pub const QUANTITIES: [JointQuantity; 19] = [
         .is("Time from the tip's last motion to the torque's last action."),
     of_joint("peak_hub_angle", ANGLE, |own| Some(own.peak_hub_angle_rad.value))
         .is("Largest turn of the hub from its start; of a cycle the range of its angle.")
+        .limited("hub_angle", |own| own.angle_rad)
         .not_swept()
         .played(|own| Some(own.peak_hub_angle_rad.value)),
     of_joint("peak_hub_rate", RATE, |own| Some(own.peak_hub_rate_rad_s.value))
@@ -107,6 +110,13 @@ pub const QUANTITIES: [JointQuantity; 19] = [
         .limited("hub_rate", |own| own.rate_rad_s)
         .shown(("hub", "; peaks {} rad/s"), FOUR)
         .played(|own| Some(own.peak_hub_rate_rad_s.value)),
+    of_joint("peak_hub_acceleration", ACCELERATION, |own| {
+        Some(own.peak_hub_acceleration_rad_s2.value)
+    })
+    .is("Peak acceleration of the hub, an angle per time squared.")
+    .limited("hub_acceleration", |own| own.acceleration_rad_s2)
+    .not_swept()
+    .played(|own| Some(own.peak_hub_acceleration_rad_s2.value)),
     of_joint("peak_power", POWER, |own| Some(own.peak_power_w.value))
         .is("Peak mechanical power at the hub.")
         .limited("power", |own| own.power_w)
@@ -241,7 +251,10 @@ pub(crate) fn by_name(
 /// the root's moment that of the torque.
 pub(super) struct Errors {
     pub(super) torque_n_m: f64,
+    pub(super) angle_rad: f64,
     pub(super) rate_rad_s: f64,
+    /// Without tables, which lack this error, it is that of the torque.
+    pub(super) acceleration_rad_s2: f64,
     pub(super) power_w: f64,
     /// Error of the joint's position times the rigid tip's displacement for a unit of it.
     pub(super) deflection_m: f64,
@@ -272,6 +285,9 @@ impl Errors {
             per_peak(errors.torque, &joint.torque_n_m),
             per_peak(errors.hub_rate, &joint.rate_rad_s),
         );
+        let acceleration = errors
+            .hub_acceleration
+            .map_or(torque, |error| per_peak(error, &solution.acceleration_rad_s2(number)));
         let motor_torque = of_motor(errors.motor_torque, |motor| &motor.torque_n_m);
         let motor_rate = of_motor(errors.motor_rate, |motor| &motor.rate_rad_s);
         let peaks = |peak: [Peak; 2]| peak.map(|peak| peak.value);
@@ -285,7 +301,9 @@ impl Errors {
         let moment_n_m = if slides { root_n_m } else { peak_n_m.max(root_n_m) };
         Self {
             torque_n_m: torque * peak_n_m,
+            angle_rad: errors.hub_angle * turned_rad,
             rate_rad_s: rate * peak_rad_s,
+            acceleration_rad_s2: acceleration * metrics.peak_hub_acceleration_rad_s2.value,
             power_w: (torque + rate) * (peak_n_m * peak_rad_s),
             deflection_m: errors.hub_angle
                 * (solution.links[number].link().rigid_tip() * turned_rad),

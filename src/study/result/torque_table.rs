@@ -7,11 +7,12 @@ use num_complex::Complex64;
 
 use super::metrics::Acting;
 use crate::inverse::{Solution, size};
+use crate::link::Joint;
 use crate::motion::Ends;
 use crate::numeric::{FourierPair, TimeGrid};
 use crate::response::Interpolation;
 
-/// Torques of a solution, the hub's or those of all joints, as a controller plays them.
+/// Torques of a solution, the hub's or those of all joints, or the force on a carriage, as a controller plays them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueTable {
     /// Times of the solution.
@@ -29,6 +30,8 @@ pub struct TorqueTable {
     window: Option<f64>,
     /// Whether the torques hold a weight at rest.
     has_weight: bool,
+    /// The joint of one link, or the first joint.
+    joint: Joint,
 }
 
 impl TorqueTable {
@@ -44,7 +47,13 @@ impl TorqueTable {
             start_s: None,
             window: None,
             has_weight: solution.arm.has_weight(),
+            joint: solution.arm.joint(),
         }
+    }
+
+    /// The joint of one link, or the first joint.
+    pub fn joint(&self) -> Joint {
+        self.joint
     }
 
     /// Replaces the torques by the values for a converter that holds each for a step, so that the torque up to the

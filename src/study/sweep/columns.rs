@@ -124,6 +124,8 @@ pub enum SweepKind {
     Played {
         /// Number of joints; 1 of one link.
         joints: usize,
+        /// Of a link on a carriage.
+        slides: bool,
     },
 }
 
@@ -148,7 +150,7 @@ impl SweepKind {
     fn columns(self) -> Vec<Column> {
         let (joints, is_driven) = match self {
             Self::Solved { joints, is_driven, .. } => (joints, is_driven),
-            Self::Played { joints } => return Self::played_columns(joints),
+            Self::Played { joints, .. } => return Self::played_columns(joints),
         };
         let of_joint =
             |joint, is_of_motor| swept(is_of_motor).map(move |own| Column::Joint(joint, own));
@@ -177,10 +179,10 @@ impl SweepKind {
 
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
-        let (Self::Solved { joints, .. } | Self::Played { joints }) = self;
-        let of = match self {
-            Self::Solved { slides: true, .. } => Joint::Prismatic(Carriage::default()),
-            _ => Joint::Revolute(Hub::default()),
+        let (Self::Solved { joints, slides, .. } | Self::Played { joints, slides }) = self;
+        let of = match slides {
+            true => Joint::Prismatic(Carriage::default()),
+            false => Joint::Revolute(Hub::default()),
         };
         let name = |column| match column {
             Column::Solved((name, _)) | Column::Played((name, _)) => name.to_owned(),

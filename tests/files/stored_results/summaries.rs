@@ -103,7 +103,7 @@ fn the_numbers_of_a_simulation_are_named_by_what_they_are_of() {
     let run = bench.run_of("played");
     let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
     let expected = "peak_torque_n_m farthest_m travel_m final_tip_velocity_m_s peak_hub_angle_rad \
-                    peak_hub_rate_rad_s peak_power_w peak_deflection_m residual_amplitude_m residual_share \
+                    peak_hub_rate_rad_s peak_hub_acceleration_rad_s2 peak_power_w peak_deflection_m residual_amplitude_m residual_share \
                     residual_frequency_hz residual_decay_s tip_error_worst_m tip_error_share tip_error_time_s \
                     tip_error_rms_m tip_error_final_m tip_mesh_error tip_model_error hub_angle_mesh_error \
                     deflection_model_error";

@@ -10,7 +10,7 @@ use flexlink::link::{Carriage, Damping, Hub, Link, LinkParts, LumpedMass, Payloa
 use flexlink::modal::{held_frequencies, natural_frequencies, real_frequency_zeros, torque_zeros};
 use flexlink::model::{Dense, FrequencyResponse, KeptModes, LinkOnMesh, Model, model_of};
 use flexlink::motion::{Ends, MotionColumns, TipMotion};
-use flexlink::response::{Play, Torque, simulate};
+use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque, simulate};
 use flexlink::result::Metrics;
 use num_complex::Complex64;
 use serde_json::Value;
@@ -453,4 +453,54 @@ fn a_cycle_takes_the_force_of_its_frequency() {
     assert!(apart(&solution.hub().torque_n_m, &exact) < 1e-6 * peak(&exact));
     let exact: Vec<f64> = time_s.iter().map(|t| (position * turned(t)).im / omega).collect();
     assert!(apart(&solution.hub().rate_rad_s, &exact) < 1e-6 * peak(&exact));
+}
+
+/// The forces, motions, gains and samples of a carriage times 1, R and R², as those of a hub of this radius.
+#[test]
+fn simulations_are_those_of_a_hub_with_a_very_long_radius() {
+    const RADIUS_M: f64 = 1e6;
+    let damping = Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 2e-3 };
+    let carriage = Carriage { mass_kg: 1.0, viscous_friction_n_s_m: 0.7 };
+    let slid = uniform(1.0).carriage(carriage).damping(damping.clone()).build().unwrap();
+    let hub = Hub {
+        inertia_kg_m2: RADIUS_M.powi(2),
+        radius_m: RADIUS_M,
+        viscous_friction_n_m_s_rad: 0.7 * RADIUS_M.powi(2),
+    };
+    let turned = LinkParts { carriage: None, hub, ..uniform(1.0).damping(damping) };
+    let turned = turned.build().unwrap();
+    let time_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+    let bell = |t: f64| (-(2.0 * (t - 1.6)).powi(2)).exp() * (3.0 * (t - 1.6)).sin();
+    let played = |link: &Link, radius_m: f64, kind: usize| {
+        let each = |of: &dyn Fn(f64) -> f64| time_s.iter().map(|t| of(*t)).collect::<Vec<_>>();
+        let torque = Torque::new(&time_s, each(&|t| radius_m * bell(t))).unwrap();
+        let place = each(&|t| 0.2 * bell(t) / radius_m);
+        let reference = HubReference::new(&time_s, place, None).unwrap();
+        let stiffness = 40.0 * radius_m * radius_m;
+        let feedback = [Feedback::new(stiffness, 0.1 * stiffness, reference.clone()).unwrap()];
+        let play = match kind {
+            0 => Play { until_s: Some(5.0), ..Play::of(&torque) },
+            1 => Play {
+                feedback: &feedback,
+                interpolation: Interpolation::Zero,
+                ..Play::of(&torque)
+            },
+            2 => Play { cycle_turn_rad: Some(0.0), ..Play::of(&torque) },
+            _ => Play::with(Input::Angles(std::slice::from_ref(&reference))),
+        };
+        let plan = MeshPlan::new(link, &[None], Some(ElementCount::Total(12)), 1e-4).unwrap();
+        let played = simulate(&link.clone().into(), &[plan], &play, &|_| {}).unwrap();
+        let tip = played.tip[0].displacement_m.clone();
+        let hub = played.hub();
+        let force: Vec<f64> = hub.torque_n_m.iter().map(|own| own / radius_m).collect();
+        let place: Vec<f64> = hub.angle_rad.iter().map(|own| own * radius_m).collect();
+        [tip, force, place, played.tip_deflection_m()]
+    };
+    for kind in 0..4 {
+        let [found, exact] = [played(&slid, 1.0, kind), played(&turned, RADIUS_M, kind)];
+        for (quantity, (found, exact)) in found.iter().zip(&exact).enumerate() {
+            let off = apart(found, exact) / peak(exact);
+            assert!(off < 3e-5, "play {kind}, quantity {quantity}: {off:e}");
+        }
+    }
 }

@@ -48,7 +48,12 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
         ("measured", comparison.as_ref().map(measured_text).unwrap_or_default()),
         ("written", written),
     ];
-    let own = |(label, line): (&str, String)| (label.to_owned(), line);
+    let joint = arm.joint();
+    let own = |(label, line): (&str, String)| match label {
+        // Sizes have their own units, folders their own names.
+        "link" | "written" => (label.to_owned(), line),
+        label => (joint.worded(label), joint.worded(&line)),
+    };
     let lines = before.map(own).into_iter().chain(joints).chain(after.map(own));
     labelled(arm, lines)
 }

@@ -189,9 +189,10 @@ fn check_line(check: &Check, width: usize) -> String {
 
 /// Result of the search for a duration, with the number of trials and the kept limits.
 pub(crate) fn found_text(fit: &Fit, values: &[LimitedValue]) -> String {
+    let kind = fit.solution.arm.joint();
     let each = values.iter().map(|value| {
         let LimitedValue { joint, key, limit, unit, .. } = *value;
-        format!("{}{key}={} {unit}", of_joint(joint), given(limit))
+        kind.worded(&format!("{}{key}={} {unit}", of_joint(joint), given(limit)))
     });
     let within = each.collect::<Vec<_>>().join(", ");
     if fit.is_shortest() {
@@ -221,5 +222,6 @@ pub(crate) fn binding_text(fit: &Fit) -> String {
     let (found, limit) = (significant(value.found, 5), given(value.limit));
     let error = format!("{below} % below it with its error of {error:.1e} added");
     let of = of_joint(value.joint);
-    format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}")
+    let binds = format!("; {of}limits.{key} binds: {found} {unit} of {limit} {unit}, {error}");
+    fit.solution.arm.joint().worded(&binds)
 }

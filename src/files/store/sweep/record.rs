@@ -161,13 +161,10 @@ fn check_columns(names: &[&str], place: Place) -> Result<usize, TableError> {
         return Err(error.with_hint(THE_FOLDER.to_owned()));
     }
     let joints = joints_of(names);
-    if names.contains(&"peak_force_n") {
-        return Err(place.refuse_whole("a sweep of a link on a carriage is not read back yet"));
-    }
-    let solved = |joints| {
-        [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven, slides: false })
-    };
-    let played = |joints| [SweepKind::Played { joints }];
+    let slides = names.contains(&"peak_power_w") && !names.contains(&"peak_hub_rate_rad_s");
+    let solved =
+        |joints| [true, false].map(|is_driven| SweepKind::Solved { joints, is_driven, slides });
+    let played = |joints| [SweepKind::Played { joints, slides }];
     let kinds = [&solved(1)[..], &played(1), &solved(joints), &played(joints)].concat();
     let names_of =
         |kind: SweepKind| [kind.names(), [WARNINGS, ERROR].map(str::to_owned).into()].concat();

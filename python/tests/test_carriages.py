@@ -1,0 +1,69 @@
+"""A link on a carriage: names, plays, and folders read back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexlink
+
+from conftest import LINK, MOTION, ROOT
+
+MAST = ROOT / "specs/carriages/stacker_mast.toml"
+
+
+@pytest.fixture(scope="module")
+def mast() -> flexlink.Link:
+    damping = {"model": "rayleigh", "beta": 7e-4}
+    own = flexlink.Link.read(MAST)
+    assert own.rigid_mass == pytest.approx(1331.0376)
+    return flexlink.Link(
+        carriage={"mass": "800 kg"},
+        segments=[{"length": 6, "EI": 5e6, "mass_per_length": 31.84}],
+        payload={"mass": 340},
+        damping=damping,
+    )
+
+
+@pytest.fixture(scope="module")
+def solution(mast: flexlink.Link) -> flexlink.Solution:
+    motion = flexlink.trajectory("septic", distance=2, duration=2, step=0.002)
+    return flexlink.solve(mast, **motion)
+
+
+def test_a_solution_has_the_names_of_a_carriage(solution: flexlink.Solution) -> None:
+    names = "force rigid_force carriage carriage_velocity carriage_acceleration rigid_carriage"
+    for name in names.split():
+        assert getattr(solution, name).shape == solution.time.shape, name
+    assert abs(solution.force).max() == pytest.approx(solution.results["peak_force_n"], rel=1e-4)
+    for name in ("torque", "hub_angle", "hub_rate", "hub_acceleration"):
+        with pytest.raises(AttributeError, match="is for a hub, and this link is on a carriage"):
+            getattr(solution, name)
+    on_hub = flexlink.solve(flexlink.Link.read(LINK), MOTION)
+    with pytest.raises(AttributeError, match="is for a carriage, and this link is on a hub"):
+        on_hub.force
+    assert repr(solution).startswith("Solution(samples=") and "peak_force=" in repr(solution)
+
+
+def test_force_and_motion_bring_the_tip_along(
+    mast: flexlink.Link, solution: flexlink.Solution, tmp_path: Path
+) -> None:
+    time, wanted = solution.time, solution.tip_displacement
+    for keywords in ({"force": solution.force}, {"carriage": solution.carriage}):
+        played = flexlink.simulate(mast, time, **keywords)
+        assert abs(played.tip_displacement - wanted).max() < 1e-5
+        assert abs(played.force - solution.force).max() < 1e-3 * abs(solution.force).max()
+        assert abs(played.carriage - solution.carriage).max() < 1e-5
+    assert set(played.errors) == {"tip", "carriage_travel"}
+    with pytest.raises(flexlink.FlexlinkError, match="force alone, or carriage with or without"):
+        flexlink.simulate(mast, time)
+    with pytest.raises(flexlink.FlexlinkError, match="torque is for a hub"):
+        flexlink.simulate(mast, time, torque=solution.force)
+    solution.write(tmp_path / "run")
+    run = flexlink.read(tmp_path / "run")
+    np.testing.assert_allclose(run.carriage, solution.carriage, atol=1e-9)
+    nodes = solution.displacements()
+    np.testing.assert_allclose(run.displacements(), nodes, atol=1e-9)
+    assert "carriage" in solution.to_pandas().columns
