@@ -10,7 +10,7 @@ use crate::csv::Digits;
 use crate::link::{Arm, Link};
 use crate::modal::{
     DampingLaw, MOST_ELEMENTS_OF_A_POSE, PoseHub, Thickness, mode, natural_frequencies, pose_modes,
-    real_frequency_zeros, torque_zeros,
+    pose_zeros, real_frequency_zeros, torque_zeros,
 };
 use crate::response::{ArmModes, ArmShapes, PoseMode, SettledModes, arm_modes, damping_ratios};
 use crate::result::{LinkZeros, ModesResult, Notice, Remark, Setting, mesh_errors};
@@ -18,7 +18,7 @@ use crate::spec::Specification;
 use crate::store::modes_json;
 
 use crate::cli::options::common::{SyncArgs, angle_rad, directions};
-use crate::cli::options::inputs::{LinkArgs, refuse_direction, warn_of_gravity};
+use crate::cli::options::inputs::{LinkArgs, warn_of_gravity};
 use crate::cli::terminal::files::check_folder;
 use crate::cli::terminal::text::modes_text;
 use crate::cli::terminal::{Exit, Failure, StageBar, WarningArgs, console, memory};
@@ -103,9 +103,6 @@ impl Modes {
         self.output.as_deref().map_or(Ok(()), |folder| check_folder("--output", folder))?;
         let (_, specification) = self.link.load()?;
         let arm = &specification.arm;
-        if self.at.is_some() {
-            refuse_direction(arm)?;
-        }
         let bar = StageBar::new();
         bar.at("finding modes and zeros");
         let wanted = match (&self.output, arm.links().len()) {
@@ -144,7 +141,12 @@ pub fn computed(
 ) -> Result<ModesResult, Failure> {
     let links = specification.arm.links();
     match (links, at) {
-        ([one], None) => level((&one.link, specification.mesh()), count),
+        ([one], None) => match one.link.direction_rad() {
+            Some(angle_rad) => {
+                straight((&one.link, specification.mesh()), angle_rad, count, wanted)
+            }
+            None => level((&one.link, specification.mesh()), count),
+        },
         ([one], Some(at)) => {
             let angle_rad = directions(Some(at), 1)?[0];
             straight((&one.link, specification.mesh()), angle_rad, count, wanted)
@@ -244,15 +246,36 @@ fn straight(
     };
     let spring_n_m_rad = link.joint_stiffness_n_m_rad();
     let mut free = settled(PoseHub::Free, count + 1)?;
-    if is_across {
+    let slides = link.joint().slides();
+    if slides {
+        // Weight does not drive the motion of the whole link.
+        free.modes.remove(0);
+        free.errors.remove(0);
+    } else if is_across {
         // Nothing drives the swing; dense algebra leaves round-off.
         free.modes.iter_mut().take(1).for_each(|swing| swing.square_per_s2 = 0.0);
         free.errors.iter_mut().take(1).for_each(|error| *error = 0.0);
     }
     let (mut zeros, mut shapes) = (Vec::new(), None);
+    if slides {
+        // The link keeps its direction: its zeros are those with the weight.
+        let [on_mesh, on_halves] = [&mesh, &finer].map(|mesh| {
+            let highest_rad_s =
+                free.modes.last().map_or(0.0, |mode| mode.square_per_s2.abs().sqrt());
+            pose_zeros(mesh, outward_m_s2, count, highest_rad_s).unwrap_or_default()
+        });
+        let errors = |axis: usize| mesh_errors(&mesh, &on_mesh[axis], &on_halves[axis]);
+        zeros.push(LinkZeros {
+            mesh_errors: errors(0),
+            blocked_mesh_errors: errors(1),
+            blocked_hz: on_mesh[1].iter().map(|omega| omega / TAU).collect(),
+            zeros_per_s: on_mesh[0].clone(),
+        });
+    } else if wanted == Wanted::Tables {
+        zeros.extend(exact.iter().map(|(mesh, _)| zeros_on(mesh, count, highest_rad_s)));
+    }
     if wanted == Wanted::Tables {
         check_shapes(2 * free.modes.len() * mesh.nodes_m().len())?;
-        zeros.extend(exact.iter().map(|(mesh, _)| zeros_on(mesh, count, highest_rad_s)));
         let nodes_m = mesh.nodes_m().to_vec();
         let across = |shape: &Vec<f64>| vec![shape.iter().map(|v| [-sin * v, cos * v]).collect()];
         shapes = Some(ArmShapes {

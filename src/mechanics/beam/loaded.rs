@@ -92,6 +92,7 @@ pub fn loaded_motion(
 /// ```text
 /// a_j = R a_i + G a_i + h,       w_j = R w_i − (G a_i + h)/ω²
 /// w'_0 = −w_tip/(L + e_tip),     T = (A_0 a_0 + p_0)_φ + I_H a_φ         about the axis
+/// w_0  = −w_tip/(1 + e_tip),     F = (A_0 a_0 + p_0)_v + M a_v           of a carriage
 /// ```
 ///
 /// `w_tip` is the tip's deflection with the hub's tangent on the chord; the hub turns by w'_0 to bring the tip back to
@@ -142,6 +143,7 @@ fn by_recursion<S: Scalar>(
     let hub_rad_s2 = loads.chord_rad_s2 - omega_square * hub_slope_rad;
 
     let mut a = moved(hub_rad_s2);
+    let root_m_s2 = a;
     let at_root = effort(root, bias, a, unit);
     let mut w = unit.map(|part| hub_slope_rad * part);
     let mut deflections = vec![w];
@@ -152,7 +154,7 @@ fn by_recursion<S: Scalar>(
         a = [a[0] + a[1] * l + d[0], a[1] + d[1]];
         deflections.push(w);
     }
-    let torque_n_m = (at_root + hub_rad_s2 * mesh.joint().inertia()) * mass;
+    let torque_n_m = (at_root + mesh.joint().position(root_m_s2) * mesh.joint().inertia()) * mass;
     (LoadedMotion { torque_n_m, hub_slope_rad, deflections }, largest_gain)
 }
 

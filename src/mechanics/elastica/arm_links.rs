@@ -196,9 +196,9 @@ impl<'a> Follower<'a> {
         let model = &*self.models[link];
         let sag = self.sags.get(link).map(|(ratio, sag)| (*ratio, sag));
         let round_off_n_m = self.round_off_n_m;
-        // The friction of several links acts between them.
-        let is_one = self.models.len() == 1;
-        let friction_n_m_s_rad = if is_one { model.link().joint().friction() } else { 0.0 };
+        // The friction of several links acts between them, that of a carriage on its motion with the chord.
+        let is_turning = self.models.len() == 1 && !self.arm.slides();
+        let friction_n_m_s_rad = if is_turning { model.link().joint().friction() } else { 0.0 };
         LinkOnChord { model, chord, sag, friction_n_m_s_rad, round_off_n_m }
     }
 
@@ -220,7 +220,7 @@ impl<'a> Follower<'a> {
                 [0, 1, 2].map(|order: usize| rigid[link][order] - by_m(order))
             };
             let lengths: Vec<Moving> = (0..rigid.len()).map(length_of).collect();
-            Ok(arm.carried(arm.bars(sample, [&rigid, &lengths])?).collect())
+            Ok(arm.carried(sample, arm.bars(sample, [&rigid, &lengths])?).collect())
         };
         let samples: Vec<_> = (0..arm.len()).into_par_iter().map(at).collect();
         samples.into_iter().collect()
@@ -325,7 +325,10 @@ impl<'a> Follower<'a> {
             }
             ArmLinkMotion {
                 bent,
-                chord: [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order])),
+                chord: match self.whole.slides() {
+                    true => self.whole.rigid[link].clone(),
+                    false => [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order])),
+                },
                 chord_length_m,
                 tip_slope_rad,
                 force_n: [0, 1].map(|axis| forces_n.iter().map(|force| force[axis]).collect()),
@@ -334,7 +337,7 @@ impl<'a> Follower<'a> {
         let mut links: Vec<_> = (0..self.models.len()).into_par_iter().map(of_link).collect();
         for link in 0..links.len() {
             let friction = self.models[link].link().joint().friction();
-            if friction > 0.0 && links.len() > 1 {
+            if friction > 0.0 && (links.len() > 1 || self.whole.slides()) {
                 let rates = joint_rates(&links, link, self.whole);
                 let torques = links[link].bent.torque_n_m.iter_mut().zip(rates);
                 torques.for_each(|(torque, rate)| *torque += friction * rate);

@@ -37,8 +37,10 @@ pub struct ArmPeriod {
     pub(super) pair: FourierPair,
     pub(super) step_s: f64,
     pub(super) gravity_m_s2: [f64; 2],
-    /// Angles of the rigid arm's chords.
+    /// Angles of the rigid arm's chords; of a link that slides its displacements across it.
     pub(super) rigid: Vec<AngleHistories>,
+    /// Direction in rad of a link that slides.
+    slides_rad: Option<f64>,
     kept: Kept,
     /// Fewest samples that resolve the accelerations of links of equal length.
     pub(super) fewest: usize,
@@ -64,7 +66,8 @@ impl ArmPeriod {
             rigid.iter().map(|chord| [0, 1, 2].map(|part| &chord[part][..])).collect();
         let len = check_period(step_s, gravity_m_s2, &columns)?;
         let (pair, fewest) = (FourierPair::new(len), len);
-        let arm = Self { pair, step_s, gravity_m_s2, rigid, kept, fewest };
+        let slides_rad = None;
+        let arm = Self { pair, step_s, gravity_m_s2, rigid, slides_rad, kept, fewest };
         if kept == Kept::Tip {
             if arm.rigid.len() < 2 {
                 return Err(ElasticaError::OneLink);
@@ -75,6 +78,18 @@ impl ArmPeriod {
         }
         // One link takes all samples.
         Ok(if arm.links() > 1 { Self { fewest: arm.resolving(), ..arm } } else { arm })
+    }
+
+    /// The period of one link that slides across this direction in rad: its angles, rates and accelerations are
+    /// displacements in m and their derivatives.
+    #[must_use]
+    pub fn sliding(self, direction_rad: f64) -> Self {
+        Self { slides_rad: Some(direction_rad), ..self }
+    }
+
+    /// True if the link slides.
+    pub(super) fn slides(&self) -> bool {
+        self.slides_rad.is_some()
     }
 
     /// Number N of samples.
@@ -94,8 +109,9 @@ impl ArmPeriod {
 
     /// Cosines and sines of the chords' directions.
     fn directions(&self) -> impl ParallelIterator<Item = Vec<f64>> {
-        self.rigid.par_iter().flat_map_iter(|[angles, ..]| {
-            [libm::cos, libm::sin].map(|of| angles.iter().map(|angle| of(*angle)).collect())
+        (0..self.links()).into_par_iter().flat_map_iter(move |link| {
+            let angles = move |k| self.rigid_at(link, k)[0];
+            [libm::cos, libm::sin].map(|of| (0..self.len()).map(|k| of(angles(k))).collect())
         })
     }
 
@@ -115,7 +131,8 @@ impl ArmPeriod {
                 length_m: [1.0, 0.0, 0.0],
                 angle_rad: self.rigid_at(link, sample),
             };
-            let carried = self.carried((0..self.links()).map(bar)).map(|(bar, [along, across])| {
+            let bars = (0..self.links()).map(bar);
+            let carried = self.carried(sample, bars).map(|(bar, [along, across])| {
                 let [_, rate, turning] = bar.angle_rad;
                 [turning, rate * rate, along, across]
             });
@@ -129,12 +146,17 @@ impl ArmPeriod {
     }
 
     /// Each bar with the acceleration of its inner end along it and across it. Gravity counts as an upward acceleration
-    /// of the first axis.
+    /// of the first axis. The axis of a link that slides moves as its rigid link.
     pub(super) fn carried(
         &self,
+        sample: usize,
         bars: impl IntoIterator<Item = Bar>,
     ) -> impl Iterator<Item = (Bar, [f64; 2])> {
         let mut axis = self.gravity_m_s2.map(|part| -part);
+        if let Some(direction_rad) = self.slides_rad {
+            let ([_, across], moved) = (axes(direction_rad), self.rigid[0][2][sample]);
+            axis = [0, 1].map(|part| axis[part] + moved * across[part]);
+        }
         bars.into_iter().map(move |bar| {
             let axes = bar.axes();
             let parts = axes.map(|unit| axis[0] * unit[0] + axis[1] * unit[1]);
@@ -163,7 +185,9 @@ impl ArmPeriod {
 
     /// True if all chords have the same direction at two samples.
     pub(super) fn rests(&self, sample: usize, other: usize) -> bool {
-        self.rigid.iter().all(|[angles, ..]| angles[sample].to_bits() == angles[other].to_bits())
+        let are_alike =
+            |[angles, ..]: &AngleHistories| angles[sample].to_bits() == angles[other].to_bits();
+        self.slides() || self.rigid.iter().all(are_alike)
     }
 
     /// A history at the samples of a pair, or a derivative of it, interpolated to all samples of the period from its
@@ -190,11 +214,13 @@ impl ArmPeriod {
 
     /// Unit vectors along the chord of a link of the rigid arm and across it.
     pub(super) fn axes(&self, link: usize, sample: usize) -> [[f64; 2]; 2] {
-        axes(self.rigid[link][0][sample])
+        axes(self.rigid_at(link, sample)[0])
     }
 
+    /// Direction of a link of the rigid arm in rad, its rate and its acceleration.
     fn rigid_at(&self, link: usize, sample: usize) -> Moving {
-        [0, 1, 2].map(|part| self.rigid[link][part][sample])
+        let turning = [0, 1, 2].map(|part| self.rigid[link][part][sample]);
+        self.slides_rad.map_or(turning, |direction_rad| [direction_rad, 0.0, 0.0])
     }
 
     /// Sine of the angle from the first chord to the second.

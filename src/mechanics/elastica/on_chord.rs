@@ -130,8 +130,8 @@ impl LinkOnChord<'_> {
         answers
     }
 
-    /// Torque, and angle of the hub from the chord, at the samples of a pair. With all terms, the hub turns by the
-    /// angle of its slope:
+    /// Torque, and angle of the hub from the chord, at the samples of a pair; force, and displacement of a carriage from
+    /// the chord. With all terms, the hub turns by the angle of its slope:
     ///
     /// ```text
     /// T = (T_l − I_H(θ̈ + ẅ'_0)) cos ψ + I_H(θ̈ + ψ̈) + b(θ̇ + ψ̇),       ψ = asin w'_0
@@ -143,7 +143,8 @@ impl LinkOnChord<'_> {
         pair: &FourierPair,
         chord: &ChordHistories,
     ) -> (Vec<f64>, Vec<f64>) {
-        let (inertia, friction) = (self.model.mesh().joint().inertia(), self.friction_n_m_s_rad);
+        let (joint, friction) = (self.model.mesh().joint(), self.friction_n_m_s_rad);
+        let (inertia, slides) = (joint.inertia(), joint.slides());
         let torque: Vec<_> = answers.iter().map(|answer| answer.torque_n_m).collect();
         let mut torque_n_m = pair.samples(torque);
         let slopes = [0, 1, 2].map(|order| {
@@ -156,7 +157,7 @@ impl LinkOnChord<'_> {
         for (k, torque) in torque_n_m.iter_mut().enumerate() {
             let [sine, rate, acceleration] = [slopes[0][k], slopes[1][k], slopes[2][k]];
             let mut hub_rate = rate;
-            if second_order == SecondOrder::Full {
+            if second_order == SecondOrder::Full && !slides {
                 let cosine = (1.0 - sine * sine).sqrt();
                 let turning =
                     acceleration / cosine + sine * rate * rate / (cosine * cosine * cosine);

@@ -24,7 +24,7 @@ const STRAIGHT: f64 = 1e-6;
 pub struct ElasticaMotion {
     /// Torque at the hub in N m, including its inertia and friction but not its drive.
     pub torque_n_m: Vec<f64>,
-    /// Angle of the hub from the chord in rad.
+    /// Angle of the hub from the chord in rad; displacement of a carriage from the chord in m.
     pub hub_slope_rad: Vec<f64>,
     /// Deflection in m and slope w' of nodes 0 … n from the chord: a history for each, in turn.
     pub deflections: Vec<Vec<f64>>,
@@ -60,7 +60,7 @@ pub struct Iteration {
 pub struct ArmLinkMotion {
     /// Torque of its joint, including friction, and the bending of the link.
     pub bent: ElasticaMotion,
-    /// Angle of the chord in rad, its rate and its acceleration.
+    /// Angle of the chord in rad, its rate and its acceleration; of a link that slides its displacement across in m.
     pub chord: [Vec<f64>; 3],
     /// Length of the chord in m.
     pub chord_length_m: Vec<f64>,
@@ -286,11 +286,11 @@ pub(super) fn band(
     counting(&answers.iter().map(felt).collect::<Vec<_>>(), least)
 }
 
-/// A torque in N m that hardly bends the link.
+/// A torque in N m, or a force in N on a carriage, that hardly bends the link.
 fn unfelt_n_m(mesh: &Mesh) -> f64 {
     let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
     let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
-    STRAIGHT * softest / mesh.length_m()
+    STRAIGHT * softest * mesh.rigid_tip() / mesh.length_m().powi(2)
 }
 
 /// Rate in rad/s of a joint: of its hub against the tip of the link before.

@@ -83,25 +83,24 @@ impl Histories {
         let mut hub_angle_rad = hub.on(&grid, answer.excess(0), &tip.displacement_m, 0);
         let mut rigid_hub_angle_rad: Vec<f64> =
             tip.displacement_m.iter().map(|v| v * per_rigid_tip).collect();
-        if start_angle_rad != 0.0 {
+        let joint = model.link().joint();
+        // A link that slides keeps its direction.
+        let turns = !joint.slides();
+        if turns && start_angle_rad != 0.0 {
             for angle in hub_angle_rad.iter_mut().chain(&mut rigid_hub_angle_rad) {
                 *angle += start_angle_rad;
             }
         }
         let hub_rate_rad_s = hub.on(&grid, answer.excess(1), &tip.velocity_m_s, 1);
-        let joint = model.link().joint();
         let mut torque_n_m = cut(&answer.torque_n_m, &grid);
         hub.take_images_off(&grid, 1, joint.friction(), &mut torque_n_m);
         if let Some([friction_n_m, ..]) = hub.friction(joint.friction(), &grid) {
             add(&friction_n_m, &mut torque_n_m);
         }
         let histories = Self {
-            rigid_torque_n_m: rigid_torque_n_m(
-                model.link(),
-                model.law(),
-                &tip,
-                &rigid_hub_angle_rad,
-            ),
+            rigid_torque_n_m: rigid_torque_n_m(model.link(), model.law(), &tip, |k| {
+                if turns { rigid_hub_angle_rad[k] } else { start_angle_rad }
+            }),
             rigid_hub_angle_rad,
             grid,
             torque_n_m,
@@ -199,17 +198,17 @@ fn rigid_torque_n_m(
     link: &Link,
     law: &DampingLaw,
     tip: &TipMotionHistories,
-    angle_rad: &[f64],
+    direction_rad: impl Fn(usize) -> f64,
 ) -> Vec<f64> {
     let inertia = link.rigid_inertia_kg_m2() / link.rigid_tip();
     let friction = link.joint().friction() / link.rigid_tip();
     let drag = inertia * law.mass_rate_per_s() + friction;
     let samples = tip.acceleration_m_s2.iter().zip(&tip.velocity_m_s);
     let moving = samples.map(|(a, v)| inertia * a + drag * v);
-    let Some(gravity) = link.gravity() else { return moving.collect() };
-    let moment = link.mass_moment_kg_m();
-    let weights = angle_rad.iter().map(|angle| moment * gravity.across_m_s2(*angle));
-    moving.zip(weights).map(|(moving, weight)| moving + weight).collect()
+    if link.gravity().is_none() {
+        return moving.collect();
+    }
+    moving.enumerate().map(|(k, moving)| moving + link.holding_effort(direction_rad(k))).collect()
 }
 
 /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m. The hub angle of the rigid link is `v_tip/L`,

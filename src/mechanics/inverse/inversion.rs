@@ -163,7 +163,7 @@ fn invert_bent(
     let bent = Bent {
         findings: solver.findings(&answer),
         largest_slope: bent.largest_slope,
-        shape: Shape::of(bent, answer.motion.second_order, model.mesh().nodes_m()),
+        shape: Shape::of(bent, answer.motion.second_order, model.mesh()),
     };
     let answering = AnsweringModel { model, first_zero_per_s, hub_tail: None, peaks };
     link.solution(answering, answer.periodic(), (&window, edge), &errors, Some(bent))

@@ -185,14 +185,21 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    pub(super) fn of(motion: &ElasticaMotion, second_order: SecondOrder, nodes_m: &[f64]) -> Self {
-        let is_large = second_order == SecondOrder::Full;
+    pub(super) fn of(motion: &ElasticaMotion, second_order: SecondOrder, mesh: &Mesh) -> Self {
+        let (is_large, slides) = (second_order == SecondOrder::Full, mesh.joint().slides());
+        let nodes_m = mesh.nodes_m();
         let deflection = |[x, u, w, slope]: [f64; 4]| {
-            if is_large { w * libm::cos(slope) - (x + u) * libm::sin(slope) } else { w - x * slope }
+            if slides {
+                w - slope
+            } else if is_large {
+                w * libm::cos(slope) - (x + u) * libm::sin(slope)
+            } else {
+                w - x * slope
+            }
         };
         let nodes = 0..nodes_m.len();
         Self {
-            arcs_m: nodes.clone().map(|k| Self::arc_m(motion, second_order, nodes_m, k)).collect(),
+            arcs_m: nodes.clone().map(|k| Self::arc_m(motion, second_order, mesh, k)).collect(),
             deflections_m: nodes.map(|k| history_of(motion, nodes_m, k, deflection)).collect(),
             moments_n_m: motion.moments_n_m.clone(),
         }
@@ -202,11 +209,12 @@ impl Shape {
     pub(super) fn arc_m(
         motion: &ElasticaMotion,
         second_order: SecondOrder,
-        nodes_m: &[f64],
+        mesh: &Mesh,
         node: usize,
     ) -> Vec<f64> {
-        let is_large = second_order == SecondOrder::Full;
-        history_of(motion, nodes_m, node, |[x, u, w, _]| {
+        // The nodes of a link that slides move across it.
+        let is_large = second_order == SecondOrder::Full && !mesh.joint().slides();
+        history_of(motion, mesh.nodes_m(), node, |[x, u, w, _]| {
             if is_large && x > 0.0 { x * libm::atan2(w, x + u) } else { w }
         })
     }

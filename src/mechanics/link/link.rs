@@ -239,7 +239,6 @@ impl Link {
     /// A part for which weight and second-order terms are not computed yet, in words.
     pub(crate) fn linear_part(&self) -> Option<&'static str> {
         let parts = [
-            (self.joint().slides(), "a link on a carriage"),
             (self.root_stiffness_n_m_rad().is_some(), "a link with root_stiffness"),
             (self.has_station(), "an output inboard of the tip"),
         ];
@@ -309,6 +308,23 @@ impl Link {
         let masses = self.parts.masses.iter().map(|mass| mass.mass_kg * mass.at_m);
         let Payload { mass_kg, offset_m, .. } = self.parts.payload;
         moment + masses.sum::<f64>() + mass_kg * (root_m + offset_m)
+    }
+
+    /// Direction in rad of a link on a carriage with weight, which it keeps. `None` for other links.
+    pub fn direction_rad(&self) -> Option<f64> {
+        let gravity = self.gravity().filter(|own| own.acts() && self.joint().slides())?;
+        gravity.start_angle_rad
+    }
+
+    /// Effort of the joint that holds the weight of the rigid link in a direction: the torque of a hub in N m; on a
+    /// carriage the force in N, which holds the carriage, too.
+    pub fn holding_effort(&self, direction_rad: f64) -> f64 {
+        let moment = if self.joint().slides() {
+            self.rigid_inertia_kg_m2()
+        } else {
+            self.mass_moment_kg_m()
+        };
+        self.gravity().map_or(0.0, |gravity| moment * gravity.across_m_s2(direction_rad))
     }
 
     /// Inertia of the rigid link with its joint: about the axis of a hub in kg m², on a carriage the mass in kg.

@@ -315,7 +315,7 @@ const SCAN_RATIO: f64 = 1.02;
 const SCAN_START: f64 = 0.01;
 
 /// End of the scan as a multiple of its start.
-const SCAN_RANGE: f64 = 1e8;
+pub(super) const SCAN_RANGE: f64 = 1e8;
 
 /// Relative change on halved elements below which a zero of a beam with shear belongs to the link. Zeros of the mesh
 /// alone change by a factor of about two.
@@ -382,7 +382,7 @@ pub fn real_frequency_zeros(mesh: &Mesh, limit_rad_s: f64) -> Vec<f64> {
 
 /// The first `count` places, from `start` up to `limit`, at which a function changes its sign; `values`
 /// evaluates it at sixteen places.
-fn changes(
+pub(super) fn changes(
     start: f64,
     limit: f64,
     count: usize,
@@ -426,7 +426,7 @@ fn start_near_real_zeros(mesh: &Mesh) -> Option<f64> {
 
 /// Start of other scans for zeros in 1/s: far below the first mode of the link clamped at its hub, where no zero is
 /// near. `None` if the search for that mode fails.
-fn scan_start(mesh: &Mesh) -> Option<f64> {
+pub(super) fn scan_start(mesh: &Mesh) -> Option<f64> {
     let first = HubSpring::CLAMPED.bracket(mesh, 1, 1.0)?.0;
     Some(SCAN_START * first)
 }

@@ -17,6 +17,6 @@ pub use frequencies::{
     real_frequency_zeros, torque_zeros,
 };
 pub use law::{CaugheySeries, DampingError, DampingLaw};
-pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, pose_modes};
+pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, buckling_share, pose_modes, pose_zeros};
 pub use shape::{Mode, Shape, mode};
 pub use thickness::{LoweredMode, NOTICEABLE, ThickLink, Thickness};

@@ -10,12 +10,15 @@
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use super::frequencies::{held_frequencies, natural_frequencies};
+use super::frequencies::{SCAN_RANGE, changes, held_frequencies, natural_frequencies, scan_start};
 use crate::beam::{Element, Inertia, Mesh};
-use crate::numeric::SymmetricEigen;
+use crate::numeric::{SECTIONS, SymmetricEigen};
 
 /// Largest number of elements for a computation of all modes at once.
 pub const MOST_ELEMENTS_OF_A_POSE: usize = 250;
+
+/// Steps of the search for a buckling weight, for half of the digits.
+const SHARE_STEPS: usize = 40;
 
 /// Places and weights of the four Gauss-Legendre points in (0, 1).
 const POINTS: [(f64, f64); 4] = [
@@ -61,10 +64,8 @@ pub fn pose_modes(
     if nodes > MOST_ELEMENTS_OF_A_POSE + 1 {
         return None;
     }
-    let root_m = mesh.nodes_m()[0];
-    let [mut mass, mut stiffness] =
-        assembled(mesh, outward_m_s2).map(|full| with_root_on_hub(full, root_m));
-    mass[(0, 0)] += mesh.joint().inertia();
+    let [mut mass, mut stiffness] = on_joint(mesh, outward_m_s2);
+    let [root, _] = mesh.rigid(0);
     let is_clamped = hub == PoseHub::Spring(f64::INFINITY);
     match hub {
         PoseHub::Spring(spring_n_m_rad) if spring_n_m_rad.is_finite() => {
@@ -82,7 +83,7 @@ pub fn pose_modes(
         let x = upper.solve_upper_triangular(&DVector::from_column_slice(eigen.vector(k)))?;
         let (hub_rad, outer) = if is_clamped { (0.0, 0) } else { (x[0], 1) };
         let across = x.iter().skip(outer).step_by(2).copied();
-        let across: Vec<f64> = std::iter::once(root_m * hub_rad).chain(across).collect();
+        let across: Vec<f64> = std::iter::once(root * hub_rad).chain(across).collect();
         let leading = if is_clamped { across.last().copied().unwrap_or_default() } else { hub_rad };
         let sign = 1.0_f64.copysign(leading);
         Some((eigen.values[k], across.into_iter().map(|own| sign * own).collect()))
@@ -90,16 +91,91 @@ pub fn pose_modes(
     (0..eigen.values.len().min(count)).map(mode).collect()
 }
 
-/// Replaces the root's (v, φ) = (root, 1) θ by the hub angle θ in a symmetric matrix. It avoids products of matrices,
-/// whose order of summation depends on the processor.
-fn with_root_on_hub(full: DMatrix<f64>, root_m: f64) -> DMatrix<f64> {
-    let turned: Vec<f64> =
-        full.row(0).iter().zip(full.row(1).iter()).map(|(v, phi)| v * root_m + phi).collect();
+/// Mass and stiffness on the joint's position and on (v, φ) of nodes 1 … n.
+fn on_joint(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
+    let [mut mass, stiffness] =
+        assembled(mesh, outward_m_s2).map(|full| with_root_on_joint(full, mesh.rigid(0)));
+    mass[(0, 0)] += mesh.joint().inertia();
+    [mass, stiffness]
+}
+
+/// Zeros of the effort → tip of a link with gravity `outward_m_s2` along it: the first `count` real ones in 1/s, and those
+/// at real frequencies below `limit_rad_s`, in rad/s.
+///
+/// At a zero an effort at the joint alone leaves the tip at rest: the matrix `K − λM` without the row of the joint and
+/// the column of the tip is singular. `None` for more than [`MOST_ELEMENTS_OF_A_POSE`] elements.
+pub fn pose_zeros(
+    mesh: &Mesh,
+    outward_m_s2: f64,
+    count: usize,
+    limit_rad_s: f64,
+) -> Option<[Vec<f64>; 2]> {
+    let tip = 2 * mesh.nodes_m().len() - 3;
+    if tip > 2 * MOST_ELEMENTS_OF_A_POSE {
+        return None;
+    }
+    let [mass, stiffness] =
+        on_joint(mesh, outward_m_s2).map(|all| all.remove_row(0).remove_column(tip));
+    let determinant = |lambda: f64| {
+        let factors = (&stiffness - &mass * lambda).lu();
+        let (sign, pivots) = (factors.p().determinant::<f64>(), factors.u().diagonal());
+        pivots.iter().fold((sign, 0.0), |(sign, log), pivot| {
+            (sign * pivot.signum(), log + libm::log(pivot.abs()))
+        })
+    };
+    let start = scan_start(mesh)?;
+    let (_, size) = determinant(start * start);
+    // The determinant over its size at the start of the scan, within the range of numbers.
+    let over = |lambda: f64| {
+        let (sign, log) = determinant(lambda);
+        sign * libm::exp((log - size).clamp(-600.0, 600.0))
+    };
+    let at = |of: f64| move |places: &[f64; SECTIONS]| places.map(|place| over(of * place * place));
+    Some([
+        changes(start, start * SCAN_RANGE, count, at(-1.0)),
+        changes(start, limit_rad_s, usize::MAX, at(1.0)),
+    ])
+}
+
+/// Weight of an upright link over the weight that buckles it with its joint held; 0 where gravity pulls outward.
+/// `None` as for [`pose_modes`].
+pub fn buckling_share(mesh: &Mesh, outward_m_s2: f64) -> Option<f64> {
+    if mesh.nodes_m().len() > MOST_ELEMENTS_OF_A_POSE + 1 {
+        return None;
+    }
+    let stands = |factor: f64| {
+        let [_, stiffness] = on_joint(mesh, factor * outward_m_s2);
+        stiffness.remove_row(0).remove_column(0).cholesky().is_some()
+    };
+    if outward_m_s2 >= 0.0 {
+        return Some(0.0);
+    }
+    // Bisects the share: the weight divided by it just stands.
+    let (mut stands_at, mut falls_at) = (f64::INFINITY, 0.0);
+    for _ in 0..SHARE_STEPS {
+        let share = match stands_at {
+            f64::INFINITY => 2.0_f64.max(2.0 * falls_at),
+            _ => 0.5 * (stands_at + falls_at),
+        };
+        if stands(share.recip()) {
+            stands_at = share;
+        } else {
+            falls_at = share;
+        }
+    }
+    Some(stands_at)
+}
+
+/// Replaces the root's (v, φ) by the joint's position times its unit motion in a symmetric matrix. It avoids products of
+/// matrices, whose order of summation depends on the processor.
+fn with_root_on_joint(full: DMatrix<f64>, [unit_v, unit_phi]: [f64; 2]) -> DMatrix<f64> {
+    let pairs = full.row(0).iter().zip(full.row(1).iter());
+    let turned: Vec<f64> = pairs.map(|(v, phi)| v * unit_v + phi * unit_phi).collect();
     let mut matrix = full.remove_row(0).remove_column(0);
     for (k, value) in turned.iter().enumerate().skip(2) {
         (matrix[(0, k - 1)], matrix[(k - 1, 0)]) = (*value, *value);
     }
-    matrix[(0, 0)] = turned[0] * root_m + turned[1];
+    matrix[(0, 0)] = turned[0] * unit_v + turned[1] * unit_phi;
     matrix
 }
 

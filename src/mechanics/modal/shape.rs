@@ -105,11 +105,11 @@ impl Shape {
         moments
     }
 
-    /// Force along the normal that accelerates the whole link by this shape: `∫ m̄ v dx + Σ m v`.
+    /// Force along the normal that accelerates the whole link, with a carriage, by this shape: `∫ m̄ v dx + Σ m v`.
     pub(crate) fn force(&self, mesh: &Mesh) -> f64 {
         let mut at_root = Vector2::zeros();
         self.inward(mesh, |node, _, inner| at_root = self.with_lump(mesh, node, inner));
-        at_root[0]
+        at_root[0] + mesh.joint().position([1.0, 0.0]) * mesh.joint().inertia() * self.hub_angle
     }
 
     /// Shear force at the inner and the outer end of each element that accelerates the part outboard by this shape:

@@ -229,6 +229,7 @@ impl Model for Dense {
 /// Force and moment on each node for a unit acceleration of the whole link along its normal.
 fn shifted_masses(mesh: &Mesh) -> Vec<[f64; 2]> {
     let mut masses = vec![[0.0; 2]; mesh.nodes_m().len()];
+    masses[0][0] = mesh.joint().position([1.0, 0.0]) * mesh.joint().inertia();
     for (k, element) in mesh.elements().iter().enumerate() {
         for (node, load) in [k, k + 1].into_iter().zip(element.load(element.mass_per_length_kg_m)) {
             masses[node] = [0, 1].map(|part| masses[node][part] + load[part]);

@@ -70,7 +70,9 @@ pub fn simulate(
         state.check(arm, play.is_bent(arm))?;
     }
     if play.is_bent(arm) {
-        if let Some(part) = links.iter().find_map(|own| own.link.linear_part()) {
+        let on_carriage = links[0].link.joint().slides().then_some("a link on a carriage");
+        let linear = links.iter().find_map(|own| own.link.linear_part());
+        if let Some(part) = linear.or(on_carriage) {
             return Err(SimulationError::OnlyLinear(part));
         }
         return play_bent(arm, meshes, play, (tolerance, watch));

@@ -300,13 +300,14 @@ impl FitProblem<'_> {
             return Ok(());
         };
         let link = &own.link;
-        let gravity = link.gravity().and_then(|own| own.start_angle_rad.zip(Some(own)));
-        let Some(((start_rad, gravity), limit_n_m)) = gravity.zip(limits.of("torque")) else {
+        let start_rad = link.gravity().and_then(|own| own.start_angle_rad);
+        let Some((start_rad, limit_n_m)) = start_rad.zip(limits.of("torque")) else {
             return Ok(());
         };
         let held_n_m = |stop_m: &f64| {
-            let angle_rad = start_rad + stop_m / link.length_m();
-            (gravity.across_m_s2(angle_rad) * link.mass_moment_kg_m()).abs()
+            let turned_rad = stop_m / link.length_m();
+            let turned_rad = if link.joint().slides() { 0.0 } else { turned_rad };
+            link.holding_effort(start_rad + turned_rad).abs()
         };
         let held_n_m = [0.0].iter().chain(course.stops_m()).map(held_n_m).fold(0.0, f64::max);
         if held_n_m > HEAVY * limit_n_m {

@@ -20,6 +20,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     } else {
         Vec::new()
     };
+    let slides = link.joint().slides();
     match &found.setting {
         Setting::Weightless => {
             let without = if link.drive().is_some() { ", without the rotor" } else { "" };
@@ -31,7 +32,8 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
             lines.push(format!(
                 "at {angle} rad gravity pulls by {pull} m/s² {towards} along the link"
             ));
-            lines.push("hub free; mode 0 is the swing of the whole link".to_owned());
+            let swing = if slides { "" } else { "; mode 0 is the swing of the whole link" };
+            lines.push(link.joint().worded(&format!("hub free{swing}")));
         }
         Setting::AtRest { directions_rad, tip_m, holding_torques_n_m } => {
             let (size, directions) = (size_line(arm), list(directions_rad));
@@ -46,9 +48,10 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
         }
     }
     // The swing of one link is mode 0.
-    let first = usize::from(!matches!(found.setting, Setting::Straight { .. }));
+    let is_straight = matches!(found.setting, Setting::Straight { .. });
+    let first = usize::from(slides || !is_straight);
     lines.extend(mode_rows(found, &found.free, first));
-    if found.setting == Setting::Weightless {
+    if found.setting == Setting::Weightless || slides {
         let rows = found.zeros.iter().flat_map(|zeros| zero_rows(zeros, &link.joint()));
         lines.extend(rows.map(|line| arm.of_output(line)));
     }

@@ -216,9 +216,10 @@ fn displacement_m(models: &Models, motion: &ArmMotion, joint: usize, node: usize
     if models.len() > 1 {
         return bent.deflections[2 * node].clone();
     }
-    let nodes_m = models[joint].mesh().nodes_m();
-    let arcs_m = Shape::arc_m(bent, motion.second_order, nodes_m, node);
-    arcs_m.iter().zip(&chord[0]).map(|(arc_m, angle)| arc_m + nodes_m[node] * angle).collect()
+    let mesh = models[joint].mesh();
+    let (arcs_m, rigid) =
+        (Shape::arc_m(bent, motion.second_order, mesh, node), mesh.rigid(node)[0]);
+    arcs_m.iter().zip(&chord[0]).map(|(arc_m, angle)| arc_m + rigid * angle).collect()
 }
 
 /// All quantities of an arm at rest: one sample of each.

@@ -124,7 +124,8 @@ impl<'a> ArmProblem<'a> {
         Ok(problem)
     }
 
-    /// The problem of one link with weight or second-order terms. Without weight, its chord need not return.
+    /// The problem of one link with weight or second-order terms. Without weight, or on a carriage, its chord need not
+    /// return.
     ///
     /// # Errors
     /// [`InversionError::NoStartAngle`].
@@ -134,7 +135,8 @@ impl<'a> ArmProblem<'a> {
         first_zero_per_s: Option<f64>,
     ) -> Result<Self, InversionError> {
         let link = &arm.links()[0].link;
-        let returns = link.has_weight() && problem.motion.cycles().is_none();
+        let turns = link.has_weight() && !link.joint().slides();
+        let returns = turns && problem.motion.cycles().is_none();
         Ok(Self {
             arm,
             wanted: Wanted::Tip(problem),
@@ -251,8 +253,11 @@ impl<'a> ArmProblem<'a> {
     /// The chord of one link over a period of its tip.
     fn along_arc(&self, tip: Arc<TipPeriod>) -> Result<PathPeriod, InversionError> {
         let (histories, spectrum) = (&tip.histories, &tip.spectrum);
-        let length_m = self.arm.length_m();
-        let angle = |m: f64| self.start_angle_rad + m / length_m;
+        // A link that slides has displacements, and keeps its direction.
+        let joint = self.arm.joint();
+        let (length_m, start) = (self.arm.links()[0].link.rigid_tip(), self.start_angle_rad);
+        let start = if joint.slides() { 0.0 } else { start };
+        let angle = |m: f64| start + m / length_m;
         let per_length = |values: &[f64]| values.iter().map(|m| m / length_m).collect();
         let rigid = [
             histories.displacement_m.iter().map(|m| angle(*m)).collect(),
@@ -395,9 +400,14 @@ impl<'a> ArmProblem<'a> {
             }
         }
         let (step_s, gravity_m_s2) = (tip.spectrum.step_s, self.arm.gravity_m_s2());
-        let arm = ArmPeriod::new(step_s, chords, self.kept(), gravity_m_s2)?;
+        let arm = self.sliding(ArmPeriod::new(step_s, chords, self.kept(), gravity_m_s2)?);
         let rest = Rest::of(&tip.spectrum, seam_reach, samples);
         Ok(PathPeriod { arm, rest, rests, rigid, tip, errors_m })
+    }
+
+    /// The period, of a link that slides in its direction.
+    fn sliding(&self, period: ArmPeriod) -> ArmPeriod {
+        if self.arm.joint().slides() { period.sliding(self.start_angle_rad) } else { period }
     }
 
     /// The arm at rest with its chords before and after the motion.
@@ -412,7 +422,12 @@ impl<'a> ArmProblem<'a> {
             };
             let chords = path.rests.iter().map(held).collect();
             let period = ArmPeriod::new(1.0, chords, self.kept(), self.arm.gravity_m_s2())?;
-            Ok(follow_arm(models, &period, self.second_order, self.analysis.iterated_to())?)
+            Ok(follow_arm(
+                models,
+                &self.sliding(period),
+                self.second_order,
+                self.analysis.iterated_to(),
+            )?)
         };
         Ok([pose(0)?, pose(1)?])
     }
