@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::csv::{InputFile, Reading};
 use crate::fit::{FitOutcome, Free, LinkFitError, Measurements, Replaced, Specimen, fit};
-use crate::link::Damping;
+use crate::link::{Damping, Joint};
 use crate::measured::{MeasuredSet, read_measured};
 use crate::page::{FitReport, fit_page};
 use crate::spec::{FreeValue, LinkDocument, Override, SpecError, Specification, rewrite};
@@ -164,7 +164,7 @@ impl Fit {
         }
         let of_gravity = problem.own.arm.alone().map_or(0, warn_of_gravity);
         let (replaced, written) = self.write(&problem, &outcome)?;
-        let warnings = of_gravity + tell(&outcome, &replaced, &written)?;
+        let warnings = of_gravity + tell(&problem.own.arm.joint(), &outcome, &replaced, &written)?;
         self.warnings.refuse(warnings)
     }
 
@@ -359,7 +359,12 @@ impl Problem {
 }
 
 /// Prints values, residuals, and the facts that make them credible. Returns the number of warnings.
-fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<usize, Failure> {
+fn tell(
+    joint: &Joint,
+    outcome: &FitOutcome,
+    replaced: &[Replaced],
+    written: &str,
+) -> Result<usize, Failure> {
     for undetermined in &outcome.undetermined {
         console::plain(&undetermined.to_string());
     }
@@ -369,7 +374,7 @@ fn tell(outcome: &FitOutcome, replaced: &[Replaced], written: &str) -> Result<us
     if outcome.is_from_other_start {
         console::note("a better fit was found from another start than the file's own values");
     }
-    console::print(&(fit_text(outcome, replaced) + written))?;
+    console::print(&(fit_text(joint, outcome, replaced) + written))?;
     match &outcome.misfit {
         None => Ok(number),
         Some(misfit) => Err(Failure::new(Exit::NotSolvable, misfit, Some(&misfit.hint()))),

@@ -90,6 +90,10 @@ pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, Measured
     for response in responses {
         let table = InputFile::read_beside(path, &response.file)?;
         let first_zero = response.first_zero;
+        if of.slides() {
+            let why = "[[response]] is for a hub: a carriage takes [[record]], [[frequency]] and [[decay]]";
+            return Err(MeasuredError::refused(&file, &why));
+        }
         let (response, reading) = read_response(&table, response, motor.as_ref())?;
         readings.push((table.shown.clone(), reading));
         match first_zero {
@@ -100,6 +104,19 @@ pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, Measured
     }
     for record in records {
         let table = InputFile::read_beside(path, &record.file)?;
+        let slides = of.slides();
+        let sensors = record.channels.iter().map(|own| (own.sensor.word(), own.sensor.slides()));
+        let input = (record.input.word(), Some(record.input.slides()));
+        let mut all = std::iter::once(input).chain(sensors);
+        if let Some((word, _)) = all.find(|(_, of)| of.is_some_and(|of| of != slides)) {
+            let [joint, known] = if slides {
+                ["carriage", "force, carriage and carriage_velocity"]
+            } else {
+                ["hub", "torque, voltage, hub_angle and hub_rate"]
+            };
+            let why = format!("record: {word}, but a link on a {joint} has {known}");
+            return Err(MeasuredError::refused(&file, &why));
+        }
         let (record, reading) = record_of(&table, record, motor)?;
         readings.push((table.shown.clone(), reading));
         read_records.push(record);
@@ -207,10 +224,7 @@ fn record_of(
         format.scales.push(scale.parse().map_err(|error: String| refused(&error))?);
     }
     let read = read_record(&table.shown, &table.bytes, of.input, &sensors, &format)?;
-    if of.input != RecordedInput::HubAngle
-        && of.hold != Interpolation::Cubic
-        && read.reading.jitter().is_some()
-    {
+    if !of.input.is_motion() && of.hold != Interpolation::Cubic && read.reading.jitter().is_some() {
         let must = "the times are not uniform, but must be unless hold = \"cubic\"";
         return Err(refused(&must));
     }
@@ -225,8 +239,10 @@ fn record_of(
     let input = match (of.input, motor) {
         (RecordedInput::Voltage, Some(motor)) => RecordInput::Voltage(read.input, of.hold, motor),
         (RecordedInput::Voltage, None) => return Err(refused(&"a voltage needs [motor]")),
-        (RecordedInput::HubAngle, _) => RecordInput::HubAngle(read.input),
-        (RecordedInput::Torque, _) => RecordInput::Torque(read.input, of.hold),
+        (RecordedInput::HubAngle | RecordedInput::Carriage, _) => RecordInput::HubAngle(read.input),
+        (RecordedInput::Torque | RecordedInput::Force, _) => {
+            RecordInput::Torque(read.input, of.hold)
+        }
     };
     let record = Record::new(of.file, read.step_s, input, channels.collect(), of.is_delay_free);
     let record = record.map_err(|error| refused(&error).hinting(error.hint()))?;

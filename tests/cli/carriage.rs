@@ -114,7 +114,14 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
         (format!("solve {MAST} move.csv --set gravity=[0,-9.81]"), "gravity = set, but must not"),
         (format!("solve {MAST} move.csv --set gravity=[0,0]"), "gravity = set, but must not"),
         (format!("solve {MAST} move.csv --set limits.motor_rate=2"), "must come with a [drive]"),
-        (format!("solve {MAST} move.csv --set drive.gear_ratio=2"), "drive = set, but must not"),
+        (
+            format!("solve {MAST} move.csv --set drive.gear_ratio=2"),
+            "drive.pinion_radius is missing",
+        ),
+        (
+            format!("solve {MAST} move.csv --set drive={{pinion_radius=1,joint_stiffness='5J'}}"),
+            "drive.joint_stiffness must be in N/m on a carriage",
+        ),
         (format!("solve {MAST} move.csv --set limits.torque=2"), "limits.torque must be force"),
         (format!("solve {MAST} move.csv --set limits.force=-2"), "limits.force = -2 N, but must"),
         (format!("solve {MAST} move.csv --set limits.hub_angle=2"), "must be carriage_travel"),
@@ -340,4 +347,64 @@ fn a_spring_at_the_root_stands_in_all_results_of_hub_and_carriage() {
         bench.run(&format!("solve {MAST} move.csv --set carriage.root_stiffness=0")),
     ));
     assert!(text.contains("carriage.root_stiffness = 0 N m/rad, but must be"), "{text}");
+}
+
+#[test]
+fn a_motor_moves_the_carriage_by_its_pinion() {
+    let bench = bench();
+    let drive = "drive={gear_ratio=10,pinion_radius='50mm',rotor_inertia=0.01}";
+    bench.done(&format!("solve {MAST} move.csv --set {drive} -o out --digits full"));
+    let of = |file: &str, name: &str| column(&bench, &format!("out/{file}.csv"), name);
+    let (force, torque) = (of("force", "force_n"), of("motor", "motor_torque_n_m"));
+    let acceleration = of("carriage", "carriage_acceleration_m_s2");
+    let (velocity, rate) =
+        (of("carriage", "carriage_velocity_m_s"), of("motor", "motor_rate_rad_s"));
+    for k in (0..force.len()).step_by(50) {
+        // A stiff belt: 10/0.05 = 200 rad of the motor for 1 m.
+        let exact = force[k] / 200.0 + 0.01 * 200.0 * acceleration[k];
+        assert!((torque[k] - exact).abs() < 1e-9 * 31.0, "{} {exact}", torque[k]);
+        assert!((rate[k] - 200.0 * velocity[k]).abs() < 1e-9 * 430.0);
+    }
+    let told = stderr(&ended(
+        4,
+        bench.run(&format!(
+            "solve {MAST} move.csv --set {drive} --set limits.motor_torque=20 --strict -o out"
+        )),
+    ));
+    assert!(told.contains("limits.motor_torque = 20 N m is exceeded: 31.4"), "{told}");
+    bench.done("report out -o out.html");
+}
+
+#[test]
+fn a_fit_finds_mass_and_friction_of_the_carriage() {
+    let bench = bench();
+    viscous(&bench);
+    bench.done("solve mast.toml move.csv -o run");
+    let truth = "--set carriage.mass=900 --set carriage.viscous_friction=120";
+    bench.done(&format!("simulate mast.toml run/force.csv {truth} -o rig --digits full"));
+    let [force, place] = [("force", "force_n"), ("carriage", "carriage_m")]
+        .map(|(file, name)| bench.cells(&format!("rig/{file}.csv"), name));
+    let times = bench.cells("rig/force.csv", "time_s");
+    let rows = times.iter().zip(&force).zip(&place).map(|((t, f), x)| format!("{t},{f},{x}\n"));
+    bench.write("rig.csv", &("time,force,carriage\n".to_owned() + &rows.collect::<String>()));
+    let record = |input: &str, sensor: &str| {
+        let text = format!(
+            "file = 'rig.csv'\ninput = '{input}'\n[[record.channel]]\nsensor = '{sensor}'\n"
+        );
+        bench.write("measured.toml", &format!("[[record]]\n{text}"));
+    };
+    record("force", "carriage");
+    let start = bench.read("mast.toml").replace("800 kg\"", "800 kg\"\nviscous_friction = 50.0");
+    bench.write("start.toml", &start);
+    let free = "--free carriage.mass --free carriage.viscous_friction";
+    let fit = format!("fit start.toml measured.toml {free} -o fitted.toml --report");
+    let text = stdout(&succeeded(bench.run(&fit)));
+    assert!(text.contains("carriage.mass = \"900.0 kg\", was \"800 kg\""), "{text}");
+    assert!(text.contains("carriage.viscous_friction = 120.0, was 50.0"), "{text}");
+    record("torque", "hub_angle");
+    let told = stderr(&ended(3, bench.run(&fit)));
+    assert!(told.contains("record: torque, but a link on a carriage has force"), "{told}");
+    bench.write("measured.toml", "[[frequency]]\nmode = 1\ncarriage = 'held'\nvalue = 3.8246515\n");
+    let text = stdout(&succeeded(bench.run("fit mast.toml measured.toml --free segments.*.E")));
+    assert!(text.contains("frequency 1, carriage held"), "{text}");
 }

@@ -27,6 +27,9 @@ const RECORD: Vocabulary = Vocabulary {
         VOLTAGE,
         HUB_ANGLE,
         HUB_RATE,
+        FORCE,
+        CARRIAGE,
+        CARRIAGE_VELOCITY,
         DEFLECTION,
         ACCELERATION,
         ROOT_STRAIN,
@@ -102,6 +105,8 @@ fn driving(input: RecordedInput) -> Quantity {
         RecordedInput::Torque => TORQUE,
         RecordedInput::Voltage => VOLTAGE,
         RecordedInput::HubAngle => HUB_ANGLE,
+        RecordedInput::Force => FORCE,
+        RecordedInput::Carriage => CARRIAGE,
     }
 }
 
@@ -109,6 +114,8 @@ fn shown(sensor: Sensor) -> Quantity {
     match sensor {
         Sensor::HubAngle => HUB_ANGLE,
         Sensor::HubRate => HUB_RATE,
+        Sensor::Carriage => CARRIAGE,
+        Sensor::CarriageVelocity => CARRIAGE_VELOCITY,
         Sensor::TipDeflection => DEFLECTION,
         Sensor::TipAcceleration => ACCELERATION,
         Sensor::RootStrain => ROOT_STRAIN,
@@ -275,6 +282,8 @@ const DECAY: Vocabulary = Vocabulary {
         TIME,
         HUB_ANGLE,
         HUB_RATE,
+        CARRIAGE,
+        CARRIAGE_VELOCITY,
         TIP,
         DISPLACEMENT,
         VELOCITY,

@@ -2,11 +2,11 @@ use serde::Deserialize;
 
 use super::error::{Fault, USUAL_RATIO, listed};
 use super::raw::{
-    Model, OF_CARRIAGE, RawAnalysis, RawDamping, RawLimits, RawSpecification, Theory,
+    Model, OF_CARRIAGE, RawAnalysis, RawDamping, RawDrive, RawLimits, RawSpecification, Theory,
 };
 use super::segment::segment;
 use super::tree::Node;
-use super::value::{AlongAxes, Count, Elements, Si};
+use super::value::{AlongAxes, Count, Elements, Si, Unbounded};
 use crate::beam::{ElementCount, MeshPlan};
 use crate::inverse::Analysis;
 use crate::link::{
@@ -68,7 +68,15 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
     }
     let of_hub = raw.hub.as_ref().and_then(|hub| hub.root_stiffness.as_ref());
     let of_carriage = raw.carriage.as_ref().and_then(|own| own.root_stiffness.as_ref());
-    let root_stiffness_n_m_rad = of_hub.or(of_carriage).map(|stiffness| stiffness.0.si());
+    let slides = raw.carriage.is_some();
+    let turning = |own: &Unbounded| match own.0.slides {
+        Some(true) => {
+            let joint = if slides { "carriage" } else { "hub" };
+            Err(Fault::on(format!("{joint}.root_stiffness"), "must be in N m/rad"))
+        }
+        _ => Ok(own.0.si),
+    };
+    let root_stiffness_n_m_rad = of_hub.or(of_carriage).map(turning).transpose()?;
     let segments = raw.segments.into_iter().enumerate();
     let link = Link::new(LinkParts {
         title: raw.title.unwrap_or_default(),
@@ -101,11 +109,7 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
             offset_m: raw.payload.offset.si(),
         },
         damping: raw.damping.as_ref().map_or(Ok(Damping::None), damping)?,
-        drive: raw.drive.map(|drive| Drive {
-            joint_stiffness_n_m_rad: drive.joint_stiffness.map_or(f64::INFINITY, |k| k.0.si()),
-            rotor_inertia_kg_m2: drive.rotor_inertia.si(),
-            gear_ratio: drive.gear_ratio.unwrap_or(1.0),
-        }),
+        drive: raw.drive.map(|drive| self::drive(&drive, slides)).transpose()?,
         gravity,
     })?;
     let count = raw.mesh.elements.map(|elements| match elements {
@@ -117,6 +121,36 @@ fn convert(raw: RawSpecification) -> Result<LinkKeys, Fault> {
     let analysis = analysis(&raw.analysis)?;
     let limits = limits(&raw.limits, &link)?;
     Ok(LinkKeys { link, mesh, analysis, limits, remarks })
+}
+
+/// The drive of a hub, or of a carriage, whose pinion makes its ratio rad of the motor per m.
+fn drive(raw: &RawDrive, slides: bool) -> Result<Drive, Fault> {
+    let gear_ratio = raw.gear_ratio.unwrap_or(1.0);
+    let ratio = match raw.pinion_radius.map(Si::si) {
+        Some(radius_m) if slides && radius_m > 0.0 && radius_m.is_finite() => gear_ratio / radius_m,
+        Some(radius_m) if slides => {
+            let must = "must be finite and above 0";
+            return Err(ParameterError::new("drive.pinion_radius", radius_m, "m", must).into());
+        }
+        None if slides => {
+            let message = "drive.pinion_radius is missing: the carriage moves by it for a turn of 1 rad of its pinion";
+            return Err(Fault::new("drive", message));
+        }
+        Some(_) => {
+            return Err(Fault::on("drive.pinion_radius", "is for a carriage, but this is a hub"));
+        }
+        None => gear_ratio,
+    };
+    let stiffness = raw.joint_stiffness.map(|own| own.0);
+    if stiffness.is_some_and(|own| own.slides.is_some_and(|of| of != slides)) {
+        let unit = if slides { "N/m on a carriage" } else { "N m/rad at a hub" };
+        return Err(Fault::on("drive.joint_stiffness", format!("must be in {unit}")));
+    }
+    Ok(Drive {
+        joint_stiffness_n_m_rad: stiffness.map_or(f64::INFINITY, |own| own.si),
+        rotor_inertia_kg_m2: raw.rotor_inertia.si(),
+        gear_ratio: ratio,
+    })
 }
 
 /// The limits of a link by the keys of its joint.

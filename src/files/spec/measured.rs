@@ -312,8 +312,8 @@ impl RawRecord {
         if input == RecordedInput::Voltage {
             check_motor(&format!("{path}.input"), "voltage", has_motor)?;
         }
-        if let (RecordedInput::HubAngle, Some(_)) = (input, self.hold) {
-            let words = "has no meaning beside input = \"hub_angle\"";
+        if input.is_motion() && self.hold.is_some() {
+            let words = format!("has no meaning beside input = \"{}\"", input.word());
             return Err(Fault::on(format!("{path}.hold"), words));
         }
         if let (RecordedInput::Voltage, None) = (input, self.hold) {
@@ -324,8 +324,9 @@ impl RawRecord {
         }
         if self.channel.is_empty() {
             let message = format!("{path}.channel is missing: at least one sensor must be named");
-            let hint = "add [[record.channel]] with sensor = \"hub_angle\"";
-            return Err(Fault::new(path, message).hinting(hint.to_owned()));
+            let sensor = if input.slides() { "carriage" } else { "hub_angle" };
+            let hint = format!("add [[record.channel]] with sensor = \"{sensor}\"");
+            return Err(Fault::new(path, message).hinting(hint));
         }
         let mut channels: Vec<ChannelFile> = Vec::new();
         for (number, raw) in self.channel.into_iter().enumerate() {
@@ -398,6 +399,7 @@ pub struct DecayFile {
 pub(super) struct RawDecay {
     file: String,
     mode: Option<Modes>,
+    #[serde(alias = "carriage")]
     hub: Option<HubEnd>,
     joints: Option<HubEnd>,
     at: Option<Vec<Angle>>,

@@ -113,6 +113,7 @@ const AT: &str = "write at = [\"30 deg\", \"75 deg\"], from joint to joint, the 
 pub(super) struct RawFrequency {
     mode: Option<Count>,
     zero: Option<Count>,
+    #[serde(alias = "carriage")]
     hub: Option<HubEnd>,
     joints: Option<HubEnd>,
     at: Option<Vec<Angle>>,
@@ -125,6 +126,7 @@ pub(super) struct RawFrequency {
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct RawDamping {
     mode: Count,
+    #[serde(alias = "carriage")]
     hub: Option<HubEnd>,
     joints: Option<HubEnd>,
     at: Option<Vec<Angle>>,

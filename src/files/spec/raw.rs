@@ -250,15 +250,18 @@ pub(super) struct RawDamping {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a table")]
 pub(super) struct RawDrive {
-    /// Stiffness of the elastic joint; inf, the default, is a stiff one.
+    /// Stiffness of the elastic joint, of a carriage's belt in N/m; inf, the default, is a stiff one.
     #[schemars(transform = above_zero)]
     pub(super) joint_stiffness: Option<Unbounded>,
     /// Rotary inertia of the rotor, on the motor side of the gear.
     #[schemars(transform = at_least_zero, extend("default" = 0))]
     pub(super) rotor_inertia: RotaryInertia,
-    /// Turns of the motor for one turn of the hub, 1e-6 to 1e6.
+    /// Turns of the motor for one turn of the hub, or of a carriage's pinion, 1e-6 to 1e6.
     #[schemars(range(min = 1e-6, max = 1e6), extend("default" = 1))]
     pub(super) gear_ratio: Option<f64>,
+    /// Radius of the pinion, or of the belt's pulley, that moves a carriage; needed on a carriage, and only there.
+    #[schemars(transform = above_zero)]
+    pub(super) pinion_radius: Option<Length>,
 }
 
 /// Limits of a carriage, with the key of a hub's limit in their place and their dimension.

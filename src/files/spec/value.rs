@@ -23,7 +23,6 @@ pub(super) type Mass = Si<1, 0, 0>;
 pub(super) type RotaryInertia = Si<1, 2, 0>;
 pub(super) type Density = Si<1, -3, 0>;
 pub(super) type Pressure = Si<1, -1, -2>;
-pub(super) type Torque = Si<1, 2, -2>;
 pub(super) type ViscousFriction = Si<1, 2, -1>;
 pub(super) type SlidingFriction = Si<1, 0, -1>;
 pub(super) type Time = Si<0, 0, 1>;
@@ -129,9 +128,50 @@ impl<'de, const M: i8, const L: i8, const T: i8> Deserialize<'de> for Tapered<M,
     }
 }
 
-/// A torque that may be infinite; the reader recognises this type by its name.
+/// A stiffness that may be infinite; the reader recognises this type by its name.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
-pub(super) struct Unbounded(pub(super) Torque);
+pub(super) struct Unbounded(pub(super) Stiffness);
+
+/// Stiffness of a joint in SI: a torque per angle, or a force per length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stiffness {
+    pub(super) si: f64,
+    /// True for a force per length, false for a torque per angle; `None` without a unit.
+    pub(super) slides: Option<bool>,
+}
+
+/// N/m
+const PER_LENGTH: Dimension = Dimension::new(1, 0, -2);
+
+impl<'de> Deserialize<'de> for Stiffness {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Spring(Ends);
+        impl Visitor<'_> for Spring {
+            type Value = Stiffness;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.expecting(formatter)
+            }
+
+            fn visit_f64<E: Error>(self, si: f64) -> Result<Stiffness, E> {
+                Ok(Stiffness { si, slides: None })
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Stiffness, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Stiffness, E> {
+                let along = parse_quantity(text, PER_LENGTH);
+                let slides = Some(along.is_ok());
+                let si = along.or_else(|_| self.0.visit_str(text).map(|own| own.inner))?;
+                Ok(Stiffness { si, slides })
+            }
+        }
+        let turning = Ends { dimension: Dimension::TORQUE, takes_two: false };
+        deserializer.deserialize_any(Spring(turning))
+    }
+}
 
 /// Accelerations along the axes of a plane.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]

@@ -114,7 +114,9 @@ impl Summary {
         let files = outputs.files(arm.links().iter().map(|own| &own.link)).into_iter();
         Self {
             values,
-            drive: arm.alone().map(|link| link.drive().copied()),
+            drive: arm
+                .alone()
+                .map(|link| link.drive().map(|own| renamed(&link.joint(), json!(own)))),
             verification: Some(findings.verification.map(|own| own.checks.clone())),
             warnings: warnings.map(|own| own.worded(arm)).collect(),
             remarks: Some(remarks.map(|own| own.worded(arm)).collect()),

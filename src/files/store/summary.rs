@@ -45,7 +45,7 @@ pub struct Summary {
     #[serde(default, skip_serializing_if = "LinkRecord::is_none")]
     pub(super) link: LinkRecord,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) drive: Nullable<Drive>,
+    pub(super) drive: Nullable<Value>,
     /// Computed values, from `mesh` on: `motion`, `torque`, `analysis`, `results`, `errors`, ….
     #[serde(flatten)]
     pub(super) values: Value,
@@ -263,7 +263,16 @@ impl Summary {
 
     /// The link, with the ranges of its parameters checked.
     pub(super) fn link(&self) -> Result<Link, ParameterError> {
-        self.link.clone().link(&self.title, self.drive.flatten())
+        let drive = self.drive.clone().flatten().map(serde_json::from_value).transpose();
+        let unreadable = |error: serde_json::Error| {
+            ParameterError::new(
+                "drive",
+                error.to_string(),
+                "",
+                "must be a drive as solve writes it",
+            )
+        };
+        self.link.clone().link(&self.title, drive.map_err(unreadable)?)
     }
 
     /// True for a solution, false for a simulation.

@@ -3,9 +3,10 @@
 use super::parts::{Carriage, Hub};
 
 /// Parts of names of a hub, and those of a carriage in their place; longer ones stand first.
-const NAMES: [(&str, &str); 11] = [
+const NAMES: [(&str, &str); 12] = [
     ("hub_acceleration_rad_s2", "carriage_acceleration_m_s2"),
     ("hub_acceleration", "carriage_acceleration"),
+    ("gear_ratio", "gear_ratio_rad_m"),
     ("hub_angle_rad", "carriage_travel_m"),
     ("hub_rate_rad_s", "carriage_speed_m_s"),
     ("torque_n_m", "force_n"),
@@ -28,6 +29,7 @@ const WORDS: [(&str, &str); 23] = [
     ("rad/s²", "m/s²"),
     ("rad/s", "m/s"),
     ("rad", "m"),
+    ("hub's peak angle", "carriage's travel"),
     ("hub_angle.csv", "carriage.csv"),
     ("hub_acceleration", "carriage_acceleration"),
     ("hub_angle", "carriage_travel"),
@@ -41,7 +43,6 @@ const WORDS: [(&str, &str); 23] = [
     ("torque", "force"),
     ("turns", "moves"),
     ("turn", "travel"),
-    ("peak angle", "peak travel"),
 ];
 
 /// The joint between ground and link.

@@ -140,10 +140,6 @@ impl Link {
         parts.damping.check()?;
         parts.drive.as_ref().map_or(Ok(()), Drive::check)?;
         parts.gravity.as_ref().map_or(Ok(()), Gravity::check)?;
-        if parts.carriage.is_some() && parts.drive.is_some() {
-            let must = "must not be there beside a carriage: the program does not compute it yet";
-            return Err(ParameterError::new("drive", "set", "", must));
-        }
         if let Some(part) = link.linear_part().filter(|_| parts.gravity.is_some()) {
             let must = format!("must not be there: the program does not compute it yet for {part}");
             return Err(ParameterError::new("gravity", "set", "", must));

@@ -101,19 +101,22 @@ impl Carriage {
     }
 }
 
-/// Gear and elastic joint between motor and hub.
+/// Gear and elastic joint between motor and hub, or gear, pinion and belt between motor and carriage.
 ///
 /// The rotor turns on the motor side of the gear. The joint's spring sits on the link's side and carries the hub's
-/// torque.
+/// torque, or the force on the carriage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
-    /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a rigid joint.
-    #[serde(deserialize_with = "null_is_stiff")]
+    /// Torque of the joint per twist in N m/rad, from 1e-30 to 1e30; infinite for a rigid joint. Of a carriage's belt in
+    /// N/m.
+    #[serde(deserialize_with = "null_is_stiff", alias = "joint_stiffness_n_m")]
     pub joint_stiffness_n_m_rad: f64,
     /// Rotary inertia of the rotor about its own axis in kg m², from 0 to 1e30.
     pub rotor_inertia_kg_m2: f64,
-    /// Turns of the motor for one turn of the hub, from 1e-6 to 1e6.
+    /// Turns of the motor for one turn of the hub, from 1e-6 to 1e6. Of a carriage the motor's angle in rad per m of travel:
+    /// the gear ratio over the radius of the pinion.
+    #[serde(alias = "gear_ratio_rad_m")]
     pub gear_ratio: f64,
 }
 

@@ -108,6 +108,10 @@ pub enum Sensor {
     HubAngle,
     /// Hub rate in rad/s.
     HubRate,
+    /// Position of the carriage in m.
+    Carriage,
+    /// Velocity of the carriage in m/s.
+    CarriageVelocity,
     /// Deflection of the tip from the hub's tangent line, `v_tip − Lθ`, in m.
     TipDeflection,
     /// Acceleration of the tip in m/s².
@@ -122,6 +126,8 @@ impl Sensor {
         match self {
             Self::HubAngle => ["hub_angle", "hub angle", "rad", "rad/(N m)"],
             Self::HubRate => ["hub_rate", "hub rate", "rad/s", "1/(N m s)"],
+            Self::Carriage => ["carriage", "carriage", "m", "m/N"],
+            Self::CarriageVelocity => ["carriage_velocity", "carriage velocity", "m/s", "m/(N s)"],
             Self::TipDeflection => ["tip_deflection", "tip deflection", "m", "1/N"],
             Self::TipAcceleration => ["tip_acceleration", "tip acceleration", "m/s^2", "1/(kg m)"],
             Self::RootStrain => ["root_strain", "root curvature", "1/m", "1/(N m^2)"],
@@ -136,6 +142,15 @@ impl Sensor {
     /// Measured quantity in words.
     pub fn quantity(self) -> &'static str {
         self.texts()[1]
+    }
+
+    /// Whether links on carriages, or on hubs, have the quantity; `None`: both.
+    pub fn slides(self) -> Option<bool> {
+        match self {
+            Self::HubAngle | Self::HubRate => Some(false),
+            Self::Carriage | Self::CarriageVelocity => Some(true),
+            _ => None,
+        }
     }
 
     /// SI unit of the quantity.
@@ -164,8 +179,8 @@ impl Sensor {
         let acceleration = torque_kg_m(transfer, model, rate).inv();
         let angle = -transfer.angle_rad_m * acceleration / (omega * omega);
         match self {
-            Self::HubAngle => angle,
-            Self::HubRate => rate * angle,
+            Self::HubAngle | Self::Carriage => angle,
+            Self::HubRate | Self::CarriageVelocity => rate * angle,
             Self::TipDeflection => {
                 -transfer.deflection_s2 * law.lambda(omega) / (omega * omega) * acceleration
             }

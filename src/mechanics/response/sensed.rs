@@ -99,8 +99,8 @@ impl Row {
         let row = |of: &dyn Fn(&Coordinate) -> f64| coordinates.iter().map(of).collect::<Vec<_>>();
         let nothing = || vec![0.0; coordinates.len()];
         let (on_coordinates, on_rates, on_input) = match sensor {
-            Sensor::HubAngle => (row(&|c| c.hub_angle), nothing(), 0.0),
-            Sensor::HubRate => (nothing(), row(&|c| c.hub_angle), 0.0),
+            Sensor::HubAngle | Sensor::Carriage => (row(&|c| c.hub_angle), nothing(), 0.0),
+            Sensor::HubRate | Sensor::CarriageVelocity => (nothing(), row(&|c| c.hub_angle), 0.0),
             Sensor::TipDeflection => (row(&|c| c.tip - rigid_tip * c.hub_angle), nothing(), 0.0),
             Sensor::TipAcceleration => {
                 let on_input: f64 = coordinates.iter().map(|c| c.tip * c.drive).sum();

@@ -45,15 +45,31 @@ pub enum RecordedInput {
     Voltage,
     /// Angle of the hub, whatever moves it.
     HubAngle,
+    /// The force on a carriage.
+    Force,
+    /// Position of a carriage, whatever moves it.
+    Carriage,
 }
 
 impl RecordedInput {
+    /// True for a motion of the joint.
+    pub fn is_motion(self) -> bool {
+        matches!(self, Self::HubAngle | Self::Carriage)
+    }
+
+    /// True for an input of a link on a carriage.
+    pub fn slides(self) -> bool {
+        matches!(self, Self::Force | Self::Carriage)
+    }
+
     /// Name in files.
     pub fn word(self) -> &'static str {
         match self {
             Self::Torque => "torque",
             Self::Voltage => "voltage",
             Self::HubAngle => "hub_angle",
+            Self::Force => "force",
+            Self::Carriage => "carriage",
         }
     }
 }
@@ -61,11 +77,11 @@ impl RecordedInput {
 /// Recorded input of a link that is at rest before.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecordInput {
-    /// The torque at the hub in N m.
+    /// The torque at the hub in N m, or the force on a carriage in N.
     Torque(Vec<f64>, Interpolation),
     /// The voltage at a motor in V.
     Voltage(Vec<f64>, Interpolation, Motor),
-    /// Angle of the hub in rad, whatever moves it.
+    /// Angle of the hub in rad, or position of the carriage in m, whatever moves it.
     HubAngle(Vec<f64>),
 }
 

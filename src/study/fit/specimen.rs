@@ -65,6 +65,11 @@ impl Specimen {
         Ok(refinements)
     }
 
+    /// True for a link on a carriage.
+    pub fn slides(&self) -> bool {
+        matches!(self, Self::Link(own) if own.0.joint().slides())
+    }
+
     /// Number of links.
     pub fn links(&self) -> usize {
         match self {

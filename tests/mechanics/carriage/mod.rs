@@ -7,7 +7,9 @@ use std::f64::consts::TAU;
 use flexlink::beam::{ElementCount, Mesh, MeshPlan};
 use flexlink::elastica::SecondOrder;
 use flexlink::inverse::{Analysis, Solution, invert};
-use flexlink::link::{Carriage, Damping, Hub, Link, LinkParts, LumpedMass, Payload, Segment};
+use flexlink::link::{
+    Carriage, Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment,
+};
 use flexlink::modal::{held_frequencies, natural_frequencies, real_frequency_zeros, torque_zeros};
 use flexlink::model::{Dense, FrequencyResponse, KeptModes, LinkOnMesh, Model, model_of};
 use flexlink::motion::{Ends, MotionColumns, TipMotion};
@@ -363,13 +365,22 @@ fn a_hub_with_a_very_long_radius_is_a_carriage() {
     let motion = sine(0.5, 0.88, 880);
     let damping = Damping::Hysteretic { ratio: 0.02 };
     let carriage = Carriage { mass_kg: 1.0, viscous_friction_n_s_m: 0.7 };
-    let slid = uniform(1.0).carriage(carriage).damping(damping.clone()).build().unwrap();
+    // A belt of 400 N/m behind a pinion and a gear with 5 rad of the motor for 1 m.
+    let drive =
+        Drive { joint_stiffness_n_m_rad: 400.0, rotor_inertia_kg_m2: 0.02, gear_ratio: 5.0 };
+    let parts = LinkParts { drive: Some(drive), ..uniform(1.0).carriage(carriage) };
+    let slid = parts.damping(damping.clone()).build().unwrap();
     let analysis = Analysis::new(1e-6, Some(1.5), Some(1.5)).unwrap();
     let on_carriage = invert(&slid, &plan_of(&slid, 40), &motion, &analysis).unwrap();
     let mut before = f64::INFINITY;
     for radius_m in [1e3, 1e4, 1e5] {
         let turned = LinkParts {
             carriage: None,
+            drive: Some(Drive {
+                joint_stiffness_n_m_rad: drive.joint_stiffness_n_m_rad * radius_m * radius_m,
+                gear_ratio: drive.gear_ratio * radius_m,
+                ..drive
+            }),
             hub: Hub {
                 inertia_kg_m2: radius_m * radius_m,
                 radius_m,
@@ -386,6 +397,20 @@ fn a_hub_with_a_very_long_radius_is_a_carriage() {
             apart(&force, &on_carriage.hub().torque_n_m) / peak(&on_carriage.hub().torque_n_m);
         let off_m = apart(&place, &on_carriage.hub().angle_rad) / 0.5;
         assert!(off < 3.0 * 1.5 / radius_m && off_m < 3.0 * 1.5 / radius_m, "{off:e} {off_m:e}");
+        let [own, of_hub] = [&on_carriage, &on_hub].map(|own| own.hub().motor.as_ref().unwrap());
+        for (own, of_hub) in [
+            (&own.torque_n_m, &of_hub.torque_n_m),
+            (&own.rate_rad_s, &of_hub.rate_rad_s),
+            (&own.power_w, &of_hub.power_w),
+        ] {
+            let off = apart(own, of_hub) / peak(own);
+            assert!(off < 3.0 * 1.5 / radius_m, "motor: {off:e}");
+        }
+        // The rotor held behind the belt.
+        let [own, of_hub] = [(&slid, 1.0), (&turned, radius_m)].map(|(link, radius_m)| {
+            held_frequencies(&mesh_of(link, 20), 400.0 * radius_m * radius_m, 2)
+        });
+        close(&own, &of_hub, 3.0 * 1.5 / radius_m);
         assert!(off < 0.2 * before, "{off:e} after {before:e}");
         before = off;
     }

@@ -71,8 +71,8 @@ fn per_torque(sensor: Sensor, omega: f64, stiffness: Complex64) -> Complex64 {
     let tip = -acceleration / omega.powi(2);
     let angle = exact.angle_rad_m() * tip;
     match sensor {
-        Sensor::HubAngle => angle,
-        Sensor::HubRate => Complex64::new(0.0, omega) * angle,
+        Sensor::HubAngle | Sensor::Carriage => angle,
+        Sensor::HubRate | Sensor::CarriageVelocity => Complex64::new(0.0, omega) * angle,
         Sensor::TipDeflection => tip - 1.5 * angle,
         Sensor::TipAcceleration => acceleration,
         Sensor::RootStrain => exact.moment_kg_m(0.0) * acceleration / (-5.0 * stiffness),

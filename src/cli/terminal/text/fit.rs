@@ -3,6 +3,7 @@
 use crate::fit::{
     ChannelMisfit, DecayMode, FitOutcome, FittedValue, Measured, OtherAnswer, Replaced,
 };
+use crate::link::Joint;
 use crate::text;
 
 /// Correlation above which two values are reported as correlated.
@@ -14,7 +15,7 @@ fn significant(value: f64, digits: usize) -> String {
 }
 
 /// The free values, the values that they replace, the measurements with the fitted values, and correlations.
-pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
+pub(crate) fn fit_text(joint: &Joint, outcome: &FitOutcome, replaced: &[Replaced]) -> String {
     let heads = ["free value", "factor", "change", "std. error", "95 % within"];
     let paths = outcome.values.iter().map(|value| value.path.chars().count());
     let width = paths.fold(27, usize::max);
@@ -29,6 +30,7 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         lines.push(format!("{path} = {after}, was {before}"));
     }
     let names = outcome.residuals.iter().map(|own| own.measured.observable.to_string());
+    let names = names.map(|name| joint.worded(&name));
     let width = names.map(|name| name.chars().count()).fold(30, usize::max);
     let row = |cells: [&str; 4]| row(cells, width);
     if !outcome.residuals.is_empty() {
@@ -43,7 +45,7 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let more = uncertainties
             .filter(|u| u.is_finite())
             .map_or(String::new(), |u| format!(" {} u", signed(u, 1)));
-        let name = residual.measured.observable.to_string();
+        let name = joint.worded(&residual.measured.observable.to_string());
         let [value, fitted] = [residual.measured.value, residual.fitted].map(shown);
         lines.push(row([&name, &value, &fitted, &(difference + &more)]));
     }
@@ -83,7 +85,7 @@ pub(crate) fn fit_text(outcome: &FitOutcome, replaced: &[Replaced]) -> String {
         let count = format!("{} samples", decay.samples);
         lines.push(row([&name, &count, "", &format!("{} rms", percent(decay.rms))]));
         for DecayMode { frequency, ratio, .. } in &decay.modes {
-            let name = format!("  {}", frequency.observable);
+            let name = joint.worded(&format!("  {}", frequency.observable));
             let unit = frequency.observable.unit();
             let [hertz, ratio] = [frequency, ratio].map(Measured::shown);
             lines.push(format!("{name:<width$} {hertz} {unit}, damping ratio {ratio}"));
