@@ -184,11 +184,19 @@ fn table(rows: &[&str]) -> String {
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max()
     };
+    // A column of one word each, such as names, stays as wide as the word.
+    let least = |column: usize| {
+        let words =
+            rows.iter().filter_map(|row| row.get(column)?.split(' ').max_by_key(|own| own.len()));
+        let longest = words.map(|word| word.chars().count()).max();
+        longest.unwrap_or(0).clamp(NARROWEST, WIDTH / 2)
+    };
     let mut widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
     while widths.iter().sum::<usize>() + 2 * columns > WIDTH + 2 {
-        match widths.iter_mut().max() {
-            Some(widest) if *widest > NARROWEST => *widest -= 1,
-            _ => break,
+        let wide = widths.iter_mut().enumerate().filter(|(column, own)| **own > least(*column));
+        match wide.max_by_key(|(_, own)| **own) {
+            Some((_, widest)) => *widest -= 1,
+            None => break,
         }
     }
     let mut text = String::new();

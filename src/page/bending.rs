@@ -97,9 +97,9 @@ impl View<'_> {
 
 /// Deflection of a single link's tip over the time of the run, `v − Lθ`, in m.
 pub(super) fn bent_m(run: Single) -> Vec<f64> {
-    let length_m = run.arc.mesh.length_m();
+    let rigid_tip = run.arc.mesh.rigid_tip();
     let pairs = run.arc.tip.displacement_m.iter().zip(&run.joint.angle_rad);
-    pairs.map(|(v, angle)| v - length_m * (angle - run.arc.origin_rad)).collect()
+    pairs.map(|(v, angle)| v - rigid_tip * (angle - run.arc.origin_rad)).collect()
 }
 
 /// Moments in N m at the nodes of deflections, from second differences over `apart` of their steps.
@@ -116,8 +116,8 @@ fn estimated(
         .collect();
     // v of every node.
     let motion = |(node, w): (&usize, &Vec<f64>)| -> Vec<f64> {
-        let x_m = run.arc.mesh.nodes_m()[*node];
-        w.iter().zip(&turns).map(|(w, turn)| w + x_m * turn).collect()
+        let rigid = run.arc.mesh.rigid(*node)[0];
+        w.iter().zip(&turns).map(|(w, turn)| w + rigid * turn).collect()
     };
     let motions: Vec<_> =
         deflections.nodes.iter().zip(&deflections.histories).map(motion).collect();

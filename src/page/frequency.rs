@@ -87,7 +87,8 @@ pub(super) fn transfer(run: Single) -> Result<Figure, String> {
     let rigid: Vec<f64> = hertz.iter().map(rigid).collect();
     let finite = || sizes.iter().chain(&rigid).copied().filter(|s| s.is_finite() && *s > 0.0);
     let range = 0.7 * finite().fold(f64::INFINITY, f64::min)..1.5 * finite().fold(0.0, f64::max);
-    let y = Axis::logarithmic("|T / a|", "kg m", range);
+    let unit = if run.link.joint().slides() { "kg" } else { "kg m" };
+    let y = Axis::logarithmic("|T / a|", unit, range);
     let x = Axis::logarithmic("frequency", "Hz", from_hz..to_hz);
     let marks = marks(&run.arc.mesh, from_hz..to_hz);
     let caption = caption(&marks, spectrum.is_some());
@@ -188,7 +189,8 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
 fn smooth(mesh: &Mesh, shape: &Shape) -> Vec<(f64, f64)> {
     let nodes_m = mesh.nodes_m();
     let parts = if mesh.has_shear() { 1 } else { SHAPE_POINTS.div_ceil(mesh.elements().len()) };
-    let mut points = vec![(0.0, 0.0)];
+    let rigid = |x_m: f64| mesh.joint().rigid(x_m)[0] * shape.hub_angle;
+    let mut points = vec![(0.0, rigid(0.0))];
     for (k, pair) in nodes_m.windows(2).enumerate() {
         let (l, [inner, outer]) =
             (pair[1] - pair[0], [k, k + 1].map(|node| shape.deflections[node]));
@@ -200,7 +202,7 @@ fn smooth(mesh: &Mesh, shape: &Shape) -> Vec<(f64, f64)> {
                 + outer[0] * (3.0 * s * s - 2.0 * s * s * s)
                 + l * outer[1] * (s * s * s - s * s);
             let x = pair[0] + s * l;
-            points.push((x, bend + x * shape.hub_angle));
+            points.push((x, bend + rigid(x)));
         }
     }
     points.dedup_by(|a, b| a.0 <= b.0);

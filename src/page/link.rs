@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::link::{Damping, Drive, Link, Segment};
+use crate::link::{Damping, Drive, Joint, Link, Segment};
 use crate::numeric::rounded;
 use crate::text::significant;
 
@@ -60,8 +60,12 @@ pub(super) fn link_drawing(link: &Link) -> Markup {
     );
     html! {
         svg role="img" aria-label=(words) viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) {
-            path class="ground" d=(format!("M{} {}h36m-30 0l-7 8m15 -8l-7 8m15 -8l-7 8m15 -8l-7 8", AXIS.0 - 18.0, AXIS.1 + 26.0)) {}
-            path class="ground" d=(format!("M{} {}v26", AXIS.0, AXIS.1)) {}
+            @if link.joint().slides() {
+                path class="ground" d=(format!("M{} {}v76", AXIS.0 - 16.0, AXIS.1 - 38.0)) {}
+            } @else {
+                path class="ground" d=(format!("M{} {}h36m-30 0l-7 8m15 -8l-7 8m15 -8l-7 8m15 -8l-7 8", AXIS.0 - 18.0, AXIS.1 + 26.0)) {}
+                path class="ground" d=(format!("M{} {}v26", AXIS.0, AXIS.1)) {}
+            }
             @if radius_px > 0.0 {
                 rect class="radius" x=(AXIS.0) y=(AXIS.1 - 8.0) width=(radius_px) height="16" {}
             }
@@ -73,8 +77,13 @@ pub(super) fn link_drawing(link: &Link) -> Markup {
                     "{from:.1},{:.1} {to:.1},{:.1} {to:.1},{:.1} {from:.1},{:.1}",
                     AXIS.1 - inner, AXIS.1 - outer, AXIS.1 + outer, AXIS.1 + inner)) {}
             }
-            circle class="hub" cx=(AXIS.0) cy=(AXIS.1) r="13" {}
-            circle class="axis-point" cx=(AXIS.0) cy=(AXIS.1) r="3" {}
+            @if link.joint().slides() {
+                // The rail runs across the link.
+                rect class="hub" x=(AXIS.0 - 13.0) y=(AXIS.1 - 20.0) width="13" height="40" {}
+            } @else {
+                circle class="hub" cx=(AXIS.0) cy=(AXIS.1) r="13" {}
+                circle class="axis-point" cx=(AXIS.0) cy=(AXIS.1) r="3" {}
+            }
             @for mass in link.masses() {
                 circle class="mass" cx=(format!("{:.1}", at(mass.at_m))) cy=(AXIS.1)
                     r=(format!("{:.1}", size(mass.mass_kg))) {}
@@ -135,15 +144,24 @@ fn dimensions(link: &Link, borders: &[f64], at: impl Fn(f64) -> f64) -> Markup {
 
 /// The parts of the link.
 pub(super) fn link_readings(link: &Link) -> Vec<(String, String)> {
-    let (hub, payload) = (link.hub(), link.payload());
-    let friction = hub.viscous_friction_n_m_s_rad;
-    let rows = [
-        ("length", Some(given(link.length_m(), "m"))),
-        ("rigid inertia", Some(given(link.rigid_inertia_kg_m2(), "kg m²"))),
-        ("hub inertia", Some(given(hub.inertia_kg_m2, "kg m²"))),
-        ("hub radius", (hub.radius_m > 0.0).then(|| given(hub.radius_m, "m"))),
-        ("hub friction", (friction > 0.0).then(|| given(friction, "N m s/rad"))),
-    ];
+    let (payload, friction) = (link.payload(), link.joint().friction());
+    let length = ("length", Some(given(link.length_m(), "m")));
+    let rigid = link.rigid_inertia_kg_m2();
+    let rows = match link.joint() {
+        Joint::Revolute(hub) => vec![
+            length,
+            ("rigid inertia", Some(given(rigid, "kg m²"))),
+            ("hub inertia", Some(given(hub.inertia_kg_m2, "kg m²"))),
+            ("hub radius", (hub.radius_m > 0.0).then(|| given(hub.radius_m, "m"))),
+            ("hub friction", (friction > 0.0).then(|| given(friction, "N m s/rad"))),
+        ],
+        Joint::Prismatic(carriage) => vec![
+            length,
+            ("rigid mass", Some(given(rigid, "kg"))),
+            ("carriage mass", Some(given(carriage.mass_kg, "kg"))),
+            ("carriage friction", (friction > 0.0).then(|| given(friction, "N s/m"))),
+        ],
+    };
     let rows = rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
     let mut rows: Vec<(String, String)> = rows.collect();
     for (k, segment) in link.segments().iter().enumerate() {

@@ -40,7 +40,15 @@ pub fn page(result: &StoredResult, figures: &Figures) -> String {
         StoredResult::Runs(runs) => document::run_page(&View::of(runs), figures),
         StoredResult::Sweep(sweep) => sweep::sweep_page(sweep, figures),
     };
-    visible_document(&document.into_string())
+    let link = match result {
+        StoredResult::Runs(runs) => runs[0].links.first().map(|own| &own.link),
+        StoredResult::Sweep(sweep) => sweep.links.first(),
+    };
+    let document = document.into_string();
+    visible_document(&match link {
+        Some(link) => words::worded(&link.joint(), document),
+        None => document,
+    })
 }
 
 fn run_figures(view: &View) -> Figures {

@@ -70,7 +70,7 @@ impl Motion {
         let mut data = json!({
             "exaggeration": self.factor,
             "links": links.collect::<Vec<Value>>(),
-            "seen_from": if view.has_weight() { "the side" } else { "above" },
+            "seen_from": if view.has_weight() || arm.links[0].link.joint().slides() { "the side" } else { "above" },
             "times_s": self.rows.iter().map(|row| rounded(times_s[*row], 9)).collect::<Vec<_>>(),
         });
         if view.is_arm() {
@@ -112,6 +112,7 @@ impl Motion {
                 && !is_extreme(moments.peak())
         };
         let moments = view.moments(number).map(|moments| moments.nodes).filter(alike);
+        let slides = link.joint().slides();
         let (mut angle_rad, mut chord_m) = (at_samples(&joint.angle_rad), None);
         if view.is_arm() {
             let mut directions: Vec<f64> = Vec::new();
@@ -141,6 +142,7 @@ impl Motion {
             "rigid_angle_rad": rigid_angle_rad,
             "thickness": thickness(link, stiffest),
             "torque_n_m": at_samples(&joint.torque_n_m),
+            "slides": slides,
         });
         if let Some(data) = data.as_object_mut().filter(|_| chord_m.is_none()) {
             data.shift_remove("chord_m");

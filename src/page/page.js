@@ -435,6 +435,8 @@ document.querySelectorAll("figure.chart").forEach(bringToLife);
 // tangent at the hub or, in an arm, along the chord; w to the left.
 function animate(stage, controls, caption) {
 	const { times_s: times, links, wanted_m: wanted } = motion, isArm = links.length > 1;
+	// A carriage slides on a rail below its link; its position is in place of the angle.
+	const { slides } = links[0];
 	const start = times[0], end = times.at(-1), count = times.length;
 	const reduced = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -456,8 +458,9 @@ function animate(stage, controls, caption) {
 	const what = isArm ? "arm" : "link", isRigidKnown = links.every((link) => link.rigid_angle_rad);
 	const looks = {
 		link: `flexible ${what}`, ...(isRigidKnown && { rigid: `rigid ${what}` }), trail: "path of the tip",
-		...(wanted && { "line s6 dashed": "wanted path" }), tangent: isArm ? "chords" : "tangent at the hub",
-		"arc plus": "torque, counter-clockwise", "arc minus": "torque, clockwise",
+		...(wanted && { "line s6 dashed": "wanted path" }), tangent: isArm ? "chords" : slides ? "undeformed link" : "tangent at the hub",
+		"arc plus": slides ? "force, to the left" : "torque, counter-clockwise",
+		"arc minus": slides ? "force, to the right" : "torque, clockwise",
 	};
 	stage.after(div("key", ...Object.entries(looks).map((entry) => keyEntry(...entry))));
 
@@ -497,7 +500,8 @@ function animate(stage, controls, caption) {
 		let [x, y] = [0, 0];
 		return links.map((link) => {
 			const stretch = link[chords] ? between(link[chords], at) / link.length_m : 1;
-			const pose = { x, y, angle: between(link[angles], at), stretch };
+			const angle = between(link[angles], at);
+			const pose = slides ? { x: -angle, y, angle: Math.PI / 2, stretch } : { x, y, angle, stretch };
 			[x, y] = pointOf(pose, link.length_m, 0);
 			return pose;
 		});
@@ -524,7 +528,7 @@ function animate(stage, controls, caption) {
 		});
 		for (const at of wanted || []) include(toStage(at));
 		const all = links.flatMap((link) => [...link.angle_rad, ...(link.rigid_angle_rad || [])]);
-		if (!isArm && Math.max(...all) - Math.min(...all) > 2 * Math.PI) {
+		if (!isArm && !slides && Math.max(...all) - Math.min(...all) > 2 * Math.PI) {
 			right = down = Math.max(-left, right, -up, down);
 			left = up = -right;
 		}
@@ -537,7 +541,8 @@ function animate(stage, controls, caption) {
 		way = times.map((_, i) => place(bentPoses(i).at(-1), links.at(-1).length_m, factor * links.at(-1).deflection_m[i].at(-1)));
 		if (wanted) set(aim, { d: path(wanted.map(toStage)) });
 		const back = ox - hubRadius(links[0]) - 12;
-		set(ground, { d: `M${ox},${oy}H${back}m0,-18v36${[-18, -9, 0, 9].map((y) => `M${back},${oy + y}l-8,9`).join("")}` });
+		if (slides) set(ground, { d: `M${margin / 2},${oy + 14}H${wide - margin / 2}` });
+		else set(ground, { d: `M${ox},${oy}H${back}m0,-18v36${[-18, -9, 0, 9].map((y) => `M${back},${oy + y}l-8,9`).join("")}` });
 		hubs.forEach(({ hub }, l) => set(hub, { r: hubRadius(links[l]) }));
 		show();
 	};
@@ -557,7 +562,13 @@ function animate(stage, controls, caption) {
 	const drawHub = ({ hub, arc, head }, link, pose, torque) => {
 		const [cx, cy] = place(pose, 0, 0), angle = pose.angle;
 		set(hub, { cx, cy });
-		const turn = clamp(torque / link.peak_torque_n_m || 0, -1.2, 1.2) * ((2 * Math.PI) / 3); // 120° at the peak
+		const share = clamp(torque / link.peak_torque_n_m || 0, -1.2, 1.2), turn = share * ((2 * Math.PI) / 3); // 120° at the peak
+		if (slides) { // an arrow beside the carriage; a positive force points to the left
+			const tip = cx - 80 * share, edge = tip + 9 * Math.sign(share), sign = share < 0 ? "minus" : "plus";
+			set(arc, { class: `arc ${sign}`, d: `M${cx},${cy + 26}H${edge}` });
+			set(head, { class: `arc-head ${sign}`, d: share ? `M${tip},${cy + 26}L${edge},${cy + 20}V${cy + 32}Z` : "" });
+			return;
+		}
 		const radius = Math.max(isArm ? 22 : 30, hubRadius(link) + 10), size = Math.min(11, Math.abs(turn) * radius);
 		const at = (a, r = radius) => [cx + r * Math.cos(a), cy - r * Math.sin(a)];
 		const end = angle + turn, neck = end - (Math.sign(turn) * size) / radius; // the head is from neck to end
@@ -599,11 +610,12 @@ function animate(stage, controls, caption) {
 		slider.value = time;
 		clock.textContent = `${number(time, (end - start) / 2000)} s`;
 		set(slider, { "aria-valuetext": clock.textContent });
-		const [torque] = torques, [{ angle }] = poses, peak = links[0].peak_torque_n_m;
+		const [torque] = torques, [{ x, angle }] = poses, peak = links[0].peak_torque_n_m;
 		const sense = Math.abs(torque) < peak / 1000 ? "" : torque > 0 ? " counter-clockwise" : " clockwise";
 		const amounts = torques.map((one, l) => number(one, links[l].peak_torque_n_m / 1000 || 1)).join(", ");
 		caption.textContent = `Seen from ${motion.seen_from}, deflection ${factor > 1 ? `${factor} times as large` : "to scale"}. `
 			+ (isArm ? `At ${clock.textContent}: torques ${amounts} N m, from the inner joint outward.`
+				: slides ? `At ${clock.textContent}: force ${amounts} N, carriage at ${number(-x, 1e-4)} m.`
 				: `At ${clock.textContent}: torque ${amounts} N m${sense}, `
 					+ `hub angle ${number(angle, 1e-4)} rad (${number((angle * 180) / Math.PI, 0.01)}°).`);
 		timeGroup.now = time;

@@ -25,7 +25,7 @@ pub(super) fn table<T: AsRef<str>>(head: &[T], rows: &Markup) -> Markup {
 }
 
 /// Units by the suffix of a name; a longer suffix comes before a suffix that it ends in.
-const UNITS: [(&str, &str); 15] = [
+const UNITS: [(&str, &str); 16] = [
     ("_n_m_s_rad", "N m s/rad"),
     ("_kg_m2", "kg m²"),
     ("_rad_s2", "rad/s²"),
@@ -39,6 +39,7 @@ const UNITS: [(&str, &str); 15] = [
     ("_rad", "rad"),
     ("_hz", "Hz"),
     ("_m", "m"),
+    ("_n", "N"),
     ("_s", "s"),
     ("_w", "W"),
 ];

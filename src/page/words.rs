@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use maud::{Markup, html};
 
 use super::view::View;
-use crate::link::Damping;
+use crate::link::{Damping, Joint};
 use crate::numeric::largest;
 
 const GLOSSARY: [(&str, &str); 4] = [
@@ -132,6 +132,150 @@ pub(super) mod formula {
         known.";
 }
 
+/// Texts of a page of a hub, and those of a carriage in their place, before the words of the joint.
+const ON_CARRIAGE: [(&str, &str); 32] = [
+    ("T(t) = 1/2π ∫ H(ω)", "F(t) = 1/2π ∫ H(ω)"),
+    (
+        "H = T/a: solution of (K + iωC − ω²M) u = T e",
+        "H = F/a: solution of (K + iωC − ω²M) u = F e",
+    ),
+    (
+        "where e is 1 at the hub's angle and 0 elsewhere",
+        "where e is 1 at the carriage and 0 elsewhere",
+    ),
+    (
+        "T = (I a + c v̇)/L with its inertia I about the hub and the friction c of the hub, and under gravity the \
+         moment of its weight",
+        "F = m a + c v̇ with its mass m, that of the carriage included, and the friction c of the guide",
+    ),
+    ("θ(t) = 1/2π ∫ G(ω)", "u(t) = 1/2π ∫ G(ω)"),
+    ("G = θ/a of the equations", "G = u/a of the equations"),
+    ("θ = v/L. Bending of the tip: w = v − Lθ", "u = v. Bending of the tip: w = v − u"),
+    ("T(t) e with the torque T of", "F(t) e with the force F of"),
+    ("T(t): the played", "F(t): the played"),
+    ("= T(t) e,", "= F(t) e,"),
+    ("; v = u at the tip, θ = u at the hub,", "; v = u at the tip,"),
+    ("v = w + xθ", "v = w + u"),
+    (
+        "v − xθ of a link that bends little, v: its displacement at x",
+        "v − u, v: its displacement at x",
+    ),
+    ("v − Lθ of a link that bends little", "v − u"),
+    (
+        "|T/a| at ω = 2πf, of (K + iωC − ω²M) u = T e",
+        "|F/a| at ω = 2πf, of (K + iωC − ω²M) u = F e",
+    ),
+    ("|I + c/(iω)|/L", "|m + c/(iω)|"),
+    ("Rate of the hub", "Speed of the carriage"),
+    ("displacement of the tip along its arc", "displacement of the tip"),
+    ("|T / a|", "|F / a|"),
+    ("dθ/dt of the hub, dq/dt of a joint.", "du/dt of the carriage."),
+    ("P = T dθ/dt, of a joint T dq/dt.", "P = F du/dt."),
+    ("T_m = T/n + J", "T_m = F/n + J"),
+    (
+        "φ = n (θ + T/k): angle of the rotor, with the gear ratio n",
+        "φ = n (u + F/k): angle of the rotor, n its rad per m",
+    ),
+    (
+        "Angle that an encoder at the hub measures; the hub of a rigid link would turn as",
+        "Position of the carriage; that of a rigid link would move as",
+    ),
+    ("Angle that an encoder at the hub measures", "Position of the carriage"),
+    ("Rotation of the hub", "Position of the carriage"),
+    (
+        "from the hub's axis to the tip, while it vibrates freely about its hub; each shape over its largest value. The \
+         slope at the hub is the hub's own turning",
+        "from the carriage to the tip, while it vibrates with the carriage free; each shape over its largest value",
+    ),
+    ("Torque, tip and hub", "Force, tip and carriage"),
+    ("displacement along the arc", "displacement"),
+    ("Torque at the hub", "Force on the carriage"),
+    ("Torque per tip", "Force per tip"),
+    ("Torque that an", "Force that an"),
+];
+
+/// A page in the words of a joint: its texts and the labels of its figures. Scripts and styles stay.
+pub(super) fn worded(joint: &Joint, page: String) -> String {
+    if !joint.slides() {
+        return page;
+    }
+    let mut own = String::with_capacity(page.len());
+    let (mut rest, mut before, mut last) = (&*page, "", "");
+    // In a figure of a moment all texts keep its unit.
+    let mut figure = "";
+    while let Some(at) = rest.find('<') {
+        let (text, tagged) = rest.split_at(at);
+        // Names and files of the user stay.
+        let is_given = ["<h1", "<title", "<code", "<p class=\"origin\""];
+        let is_given = is_given.iter().any(|own| last.starts_with(own))
+            || last.contains("dimension-text")
+            || [".csv", ".toml"].iter().any(|end| text.ends_with(end));
+        own += &if is_given {
+            text.to_owned()
+        } else {
+            worded_text(joint, text, if figure.is_empty() { before } else { figure })
+        };
+        if !text.trim().is_empty() {
+            before = text;
+        }
+        let verbatim = ["script", "style"].into_iter().find(|own| tagged[1..].starts_with(own));
+        let end = verbatim.map_or(">".to_owned(), |name| format!("</{name}>"));
+        let end = tagged.find(&end).map_or(tagged.len(), |at| at + end.len());
+        let (tag, after) = tagged.split_at(end);
+        if tag.starts_with("<figure") {
+            let whole = after.find("</figure>").map_or(after, |end| &after[..end]);
+            figure = if whole.contains("data-y-name=\"moment\"") { "moment" } else { "" };
+        } else if tag.starts_with("</figure") {
+            (figure, before) = ("", "");
+        }
+        let is_label =
+            verbatim.is_none() && tag.contains(" aria-label=\"") | tag.contains(" data-name=\"");
+        own += &if is_label { worded_tag(joint, tag, figure) } else { tag.to_owned() };
+        (rest, last) = (after, tag);
+    }
+    own + rest
+}
+
+/// The labels of a tag in the words of a joint.
+fn worded_tag(joint: &Joint, tag: &str, figure: &str) -> String {
+    let labels = ["aria-label", "data-name", "data-y-name", "data-y-unit", "data-unit"];
+    let each = tag.split_inclusive('"').scan("", |name, part| {
+        let is_label = labels.iter().any(|own| name.ends_with(&format!(" {own}=\"")));
+        let worded = if is_label {
+            worded_text(joint, part, if figure.is_empty() { tag } else { figure })
+        } else {
+            part.to_owned()
+        };
+        *name = part;
+        Some(worded)
+    });
+    each.collect()
+}
+
+/// A text in the words of a joint. Moments and motors, which it or the text `before` names, keep their units.
+fn worded_text(joint: &Joint, text: &str, before: &str) -> String {
+    let replaced =
+        ON_CARRIAGE.iter().fold(text.to_owned(), |text, (hub, own)| text.replace(hub, own));
+    let names = |of: &str, word: &str| of.to_lowercase().contains(word);
+    let is_value =
+        text.trim_start().starts_with(|first: char| first.is_ascii_digit()) || text.len() < 12;
+    let of = if is_value || before == "moment" { before } else { text };
+    if names(of, "motor") || names(text, "motor") {
+        return replaced.replace("hub", "carriage");
+    }
+    let keeps = names(of, "moment") || names(text, "moment") || text.contains("EI");
+    let (hidden, shown) = ("N\u{2060}m", "N m");
+    let replaced = if keeps { replaced.replace(shown, hidden) } else { replaced };
+    let words = [("angle in rad", "position in m"), ("rate in rad/s", "speed in m/s")];
+    let replaced = words.iter().fold(replaced, |text, (hub, own)| text.replace(hub, own));
+    let replaced = match replaced.trim_end_matches('"') {
+        "angle" => replaced.replace("angle", "position"),
+        "rate" => replaced.replace("rate", "speed"),
+        _ => replaced,
+    };
+    joint.worded(&replaced).replace(hidden, shown)
+}
+
 /// Meanings of the kinds of warnings of a sweep's cases.
 const WARNINGS: [(&str, &str); 33] = [
     ("failed", "The case has no numbers; the column error says why."),
@@ -246,7 +390,36 @@ pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::{Carriage, Hub};
     use crate::result::Exceeded;
+
+    #[test]
+    fn texts_and_labels_of_a_page_become_those_of_a_carriage() {
+        let joint = Joint::Prismatic(Carriage::default());
+        let page = |text: &str| worded(&joint, text.to_owned());
+        for (of_hub, own) in [
+            ("<h1>A torque at the hub</h1>", "<h1>A torque at the hub</h1>"),
+            ("<p>At most 3 N m.</p>", "<p>At most 3 N.</p>"),
+            ("<td>torque.csv</td><td>torque</td>", "<td>torque.csv</td><td>force</td>"),
+            ("<th>peak root moment</th><td>3 N m</td>", "<th>peak root moment</th><td>3 N m</td>"),
+            (
+                "<th>peak motor torque</th><td>3 N m</td>",
+                "<th>peak motor torque</th><td>3 N m</td>",
+            ),
+            (
+                "<svg aria-label=\"Torque at the hub: torque in N m\" data-y-unit=\"N m\" class=\"hub\">",
+                "<svg aria-label=\"Force on the carriage: force in N\" data-y-unit=\"N\" class=\"hub\">",
+            ),
+            (
+                "<figure><svg data-y-name=\"moment\" data-y-unit=\"N m\" aria-label=\"\"></svg>3 N m</figure><p>3 N m.</p>",
+                "<figure><svg data-y-name=\"moment\" data-y-unit=\"N m\" aria-label=\"\"></svg>3 N m</figure><p>3 N.</p>",
+            ),
+            ("<script>torque(hub)</script>", "<script>torque(hub)</script>"),
+        ] {
+            assert_eq!(page(of_hub), own);
+            assert_eq!(worded(&Joint::Revolute(Hub::default()), of_hub.to_owned()), of_hub);
+        }
+    }
 
     /// Reads the kinds from the sources of all warnings that a case of a sweep can have.
     #[test]

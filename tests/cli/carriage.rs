@@ -408,3 +408,48 @@ fn a_fit_finds_mass_and_friction_of_the_carriage() {
     let text = stdout(&succeeded(bench.run("fit mast.toml measured.toml --free segments.*.E")));
     assert!(text.contains("frequency 1, carriage held"), "{text}");
 }
+
+/// Texts of a page without its scripts, styles and tags.
+fn texts(page: &str) -> String {
+    let mut texts = String::new();
+    let mut rest = page;
+    while let Some(at) = rest.find('<') {
+        texts += &rest[..at];
+        texts.push('\n');
+        let end = ["script", "style"].into_iter().find(|own| rest[at + 1..].starts_with(own));
+        let end = end.map_or(">".to_owned(), |name| format!("</{name}>"));
+        let after = rest[at..].find(&end).map_or(rest.len(), |k| at + k + end.len());
+        rest = &rest[after..];
+    }
+    texts + rest
+}
+
+#[test]
+fn a_page_speaks_of_force_and_carriage() {
+    let bench = bench();
+    let limits = "--set limits={force=4500,carriage_speed=2,power=5000,bending_moment=7000}";
+    bench.done(&format!("solve {MAST} move.csv {limits} --moments --report -o out --quiet"));
+    bench.done(&format!("sweep {MAST} move.csv --vary payload.mass=40,80 -o sweep.csv"));
+    bench.done("report sweep.csv -o sweep.html");
+    let [run, sweep] = ["out/report.html", "sweep.html"].map(|name| texts(&bench.read(name)));
+    for text in [&run, &sweep] {
+        for word in ["hub", "torque", "Torque", "rad/s"] {
+            assert!(!text.contains(word), "{word} in {text}");
+        }
+    }
+    for words in [
+        "Force on the carriage",
+        "force in N\n",
+        "At most 4849 N.",
+        "limit 4500 N\n",
+        "Speed of the carriage",
+        "limit 2 m/s",
+        "limit 7000 N m",
+        "At most 6324 N m.",
+        "|F / a| in kg\n",
+        "Modes, the carriage free",
+        "carriage mass\n",
+    ] {
+        assert!(run.contains(words), "{words}: {run}");
+    }
+}

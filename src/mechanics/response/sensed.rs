@@ -237,8 +237,10 @@ mod tests {
             let found = sensed(&link, &mesh, &driven, STEP_S, &ALL).unwrap();
             for (sensor, found) in ALL.iter().zip(&found) {
                 let exact = match sensor {
-                    Sensor::HubAngle => simulation.hub().angle_rad.clone(),
-                    Sensor::HubRate => simulation.hub().rate_rad_s.clone(),
+                    Sensor::HubAngle | Sensor::Carriage => simulation.hub().angle_rad.clone(),
+                    Sensor::HubRate | Sensor::CarriageVelocity => {
+                        simulation.hub().rate_rad_s.clone()
+                    }
                     Sensor::TipDeflection => simulation.tip_deflection_m(),
                     Sensor::TipAcceleration => simulation.tip[0].acceleration_m_s2.clone(),
                     // The simulation has no strain; the moment at the root checks it below.

@@ -180,9 +180,10 @@ impl SweepKind {
     /// Names of the columns.
     pub fn names(self) -> Vec<String> {
         let (Self::Solved { joints, slides, .. } | Self::Played { joints, slides }) = self;
-        let of = match slides {
-            true => Joint::Prismatic(Carriage::default()),
-            false => Joint::Revolute(Hub::default()),
+        let of = if slides {
+            Joint::Prismatic(Carriage::default())
+        } else {
+            Joint::Revolute(Hub::default())
         };
         let name = |column| match column {
             Column::Solved((name, _)) | Column::Played((name, _)) => name.to_owned(),
