@@ -169,7 +169,8 @@ pub fn buckling_share(mesh: &Mesh, outward_m_s2: f64) -> Option<f64> {
 /// Replaces the root's (v, φ) by the joint's position times its unit motion in a symmetric matrix. It avoids products of
 /// matrices, whose order of summation depends on the processor.
 fn with_root_on_joint(full: DMatrix<f64>, [unit_v, unit_phi]: [f64; 2]) -> DMatrix<f64> {
-    let pairs = full.row(0).iter().zip(full.row(1).iter());
+    let [v, phi] = [full.row(0), full.row(1)];
+    let pairs = v.iter().zip(phi.iter());
     let turned: Vec<f64> = pairs.map(|(v, phi)| v * unit_v + phi * unit_phi).collect();
     let mut matrix = full.remove_row(0).remove_column(0);
     for (k, value) in turned.iter().enumerate().skip(2) {
