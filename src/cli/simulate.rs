@@ -136,7 +136,7 @@ impl Simulate {
         stages.at("writing");
         let summary = self.write(&inputs, &run)?;
         drop(stages);
-        if arm.links().len() > 1 {
+        if arm.alone().is_none() {
             console::remarks(remarks);
         }
         self.tell(&summary, |written| {

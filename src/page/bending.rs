@@ -218,8 +218,7 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
         "only one moment was written",
     );
     let (quantity, mut nodes) = match view.moments(link) {
-        Some(Moments { nodes, .. }) if is_arm => (ARM_MOMENT, nodes),
-        Some(Moments { nodes, is_written: true }) => (MOMENT, nodes),
+        Some(Moments { nodes, is_written: true }) => (view.pick(MOMENT, ARM_MOMENT), nodes),
         Some(Moments { nodes, .. }) => (MOMENT_ESTIMATED, nodes),
         None => {
             let nodes = view.deflections(link).ok_or_else(|| omitted(few))?;
@@ -239,7 +238,8 @@ pub(super) fn waves(view: &View, link: usize) -> Result<Figure, String> {
             *value -= rest;
         }
     }
-    let rest = if is_arm && view.has_weight() { ", less its value at rest at first," } else { "" };
+    let weight = if view.has_weight() { ", less its value at rest at first," } else { "" };
+    let rest = view.pick("", weight);
     let root = view.pick("the root", "its joint");
     let beside = view.pick("displacement", "distance from its start");
     let story = if !is_arm && view.is_solved() && name == "moment" {

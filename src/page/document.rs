@@ -228,7 +228,8 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
     let poses = poses.map(|motion| motion.drawing(view));
     // The errors of a link are among its results.
     let errors = errors(view);
-    let tables = tables(view, errors.as_ref().filter(|_| !view.is_arm()));
+    let (among_results, errors) = view.pick((errors.clone(), None), (None, errors));
+    let tables = tables(view, among_results.as_ref());
     let named = |id, name, content: Option<Markup>| Some(Section::new(id, name, content?));
     let sections = [
         advice(&told(view, |arm| &arm.warnings), true).map(Section::warnings),
@@ -240,7 +241,7 @@ pub(super) fn run_page(view: &View, figures: &Figures) -> Markup {
         named("link", "Link", view.link.map(|run| drawing(run.link))),
         Some(Section::glossary()),
         Some(Section::new("results", "Results", tables)),
-        named("errors", "Errors", errors.filter(|_| view.is_arm())),
+        named("errors", "Errors", errors),
         named("checks", "Verification", checks(&first.checks)),
         Some(inputs(&first.origin)),
     ];

@@ -40,9 +40,8 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
         let paper = cited(view, [Some(5), Some(7)]);
         // Writing to a string cannot fail.
         let _ = write!(caption, " Were the {links} rigid, it would be {rigid} N m{paper}.");
-        if !view.is_arm() {
-            caption.push_str(&timing_words(["lead_s", "lag_s"].map(|name| own.reading(name))));
-        }
+        let timing = timing_words(["lead_s", "lag_s"].map(|name| own.reading(name)));
+        caption.push_str(&view.pick(timing, String::new()));
     }
     let line = (joint, flexible(view, "torque"));
     let mut curves = of_joint(view, line, |j| (&j.torque_n_m, j.rigid_torque_n_m.as_ref()));
@@ -238,7 +237,7 @@ pub(super) fn limited(view: &View, joint: usize) -> Vec<Result<Figure, String>> 
     let turning = turning.filter_map(|topic| topic.figure(view, joint)).map(Ok);
     let deflected = limits.of("deflection").map(|_| deflection(view, joint));
     // The moments of all links of an arm are in one figure.
-    let limit = limits.of("bending_moment").filter(|_| !view.is_arm());
+    let limit = view.pick(limits.of("bending_moment"), None);
     let moment = limit.map(|_| root_moment(view));
     turning.chain(deflected).chain(moment).collect()
 }

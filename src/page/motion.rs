@@ -90,7 +90,7 @@ impl Motion {
         let (link, payload) = (&own.link, own.link.payload());
         let (deflections, nodes) = &self.links[number];
         // The chord begins at the joint; a rigid piece leads from there to the first node.
-        let is_behind = view.is_arm() && own.nodes_m[0] > 0.0;
+        let is_behind = view.pick(false, own.nodes_m[0] > 0.0);
         let from_joint = |first: f64, of: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let all = nodes.iter().map(|node| short(of(*node)));
             is_behind.then_some(first).into_iter().chain(all).collect()
@@ -132,7 +132,7 @@ impl Motion {
             "angle_rad": angle_rad,
             "chord_m": chord_m,
             "deflection_m": at_nodes(&deflections.histories, false),
-            "hub_radius_m": if view.is_arm() { 0.0 } else { link.hub().radius_m },
+            "hub_radius_m": view.pick(link.hub().radius_m, 0.0),
             "length_m": link.length_m(),
             "masses": link.masses().iter().map(|m| body(m.at_m, m.mass_kg)).collect::<Vec<_>>(),
             "moment_n_m": moments.map(|moments| at_nodes(&moments.histories, true)),

@@ -161,7 +161,7 @@ pub(super) fn errors(view: &View) -> Option<Markup> {
         } }
     };
     let content = html! {
-        p { "Possible error of each quantity, as a share" @if is_arm { " of its own " (size) } "." }
+        p { "Possible error of each quantity, as a share" (view.pick(String::new(), format!(" of its own {size}"))) "." }
         (table(&head, &rows))
     };
     (!all.is_empty()).then_some(content)

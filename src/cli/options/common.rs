@@ -62,9 +62,8 @@ impl NodeArgs {
         let refused = |error| Failure::new(Exit::Usage, &format!("--{error}"), None);
         let mut elsewhere_m = self.stations_m.clone();
         for (mesh, own) in meshes.iter_mut().zip(arm.links()) {
-            let is_there = |at_m: &f64| {
-                arm.links().len() == 1 || own.link.check_place(STATIONS, *at_m).is_ok()
-            };
+            let is_there =
+                |at_m: &f64| arm.alone().is_some() || own.link.check_place(STATIONS, *at_m).is_ok();
             let stations_m: Vec<f64> = self.stations_m.iter().copied().filter(is_there).collect();
             elsewhere_m.retain(|at_m| !is_there(at_m));
             *mesh = mesh.clone().with_nodes_at(&own.link, &stations_m).map_err(refused)?;

@@ -299,7 +299,7 @@ impl PlayArgs {
             }
         }
         self.check_input(arm)?;
-        if self.at.is_some() && arm.links().len() == 1 {
+        if self.at.is_some() && arm.alone().is_some() {
             let message =
                 "--at sets the directions of an arm, but one link starts at its start_angle";
             return Err(Failure::new(Exit::Usage, &message, None));

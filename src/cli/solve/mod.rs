@@ -104,8 +104,8 @@ impl Solve {
         self.check()?;
         let output = self.output.as_deref();
         let run = self.load()?;
-        let is_arm = run.problem.plans().len() > 1;
-        if let Some(option) = self.options.nodes.chosen().filter(|_| self.report && is_arm) {
+        let chosen = run.problem.specification.arm.pick(None, self.options.nodes.chosen());
+        if let Some(option) = chosen.filter(|_| self.report) {
             let message =
                 format!("--report draws an arm with all its nodes, but {option} leaves some out");
             return Err(Failure::new(Exit::Usage, &message, Some("leave one of them out")));

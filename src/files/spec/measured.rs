@@ -75,7 +75,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
         ("record", !raw.record.is_empty()),
     ];
     for (key, _) in of_one_link.into_iter().filter(|(_, is_given)| *is_given) {
-        of.refuse_for_arms(key, "only [[frequency]], [[damping]] and [[decay]]")?;
+        of.refuse(false, key, "only [[frequency]], [[damping]] and [[decay]]")?;
     }
     let values = each("frequency", raw.frequency, |raw, path| raw.convert(path, &of))?;
     let ratios = each("damping", raw.damping, |raw, path| raw.convert(path, &of))?;

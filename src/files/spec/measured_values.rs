@@ -40,26 +40,23 @@ impl MeasuredOf {
         self.links > 1
     }
 
-    /// Refuses a key that only a single link has.
-    pub(super) fn refuse_for_arms(&self, path: &str, instead: &str) -> Result<(), Fault> {
-        if !self.is_arm() {
-            return Ok(());
-        }
+    /// Refuses a key that only a single link has, or only an arm; the other takes something `instead`.
+    pub(super) fn refuse(&self, of_arm: bool, path: &str, instead: &str) -> Result<(), Fault> {
         let links = self.links;
-        Err(Fault::on(path, format!("is for one link; an arm of {links} links takes {instead}")))
-    }
-
-    fn refuse_for_one(&self, path: &str, instead: &str) -> Result<(), Fault> {
-        if self.is_arm() {
-            return Ok(());
+        match self.is_arm() {
+            is_arm if is_arm == of_arm => Ok(()),
+            true => Err(Fault::on(
+                path,
+                format!("is for one link; an arm of {links} links takes {instead}"),
+            )),
+            false => Err(Fault::on(path, format!("is for arms; one link takes {instead}"))),
         }
-        Err(Fault::on(path, format!("is for arms; one link takes {instead}")))
     }
 
     /// Directions in rad, one for each link of an arm.
     fn directions(&self, path: &str, at: Option<Vec<Angle>>) -> Result<Option<Vec<f64>>, Fault> {
         let Some(at) = at else { return Ok(None) };
-        self.refuse_for_one(path, "no directions")?;
+        self.refuse(true, path, "no directions")?;
         let (given, links) = (at.len(), self.links);
         if given != links {
             let must = format!("must be {links}, one for each link of the arm");
@@ -81,10 +78,10 @@ impl MeasuredOf {
         let ModeKeys { mode, hub, joints, at } = keys;
         let below = |key: &str| format!("{path}.{key}");
         if hub.is_some() {
-            self.refuse_for_arms(&below("hub"), "`joints`")?;
+            self.refuse(false, &below("hub"), "`joints`")?;
         }
         if joints.is_some() {
-            self.refuse_for_one(&below("joints"), "`hub`")?;
+            self.refuse(true, &below("joints"), "`hub`")?;
         }
         let own_rad = self.directions(&below("at"), at)?;
         if !self.is_arm() {
@@ -181,7 +178,7 @@ impl RawFrequency {
         let observable = match (mode, zero) {
             (Some(Count(mode)), None) => of.frequency(path, ModeKeys { mode, hub, joints, at })?,
             (None, Some(Count(zero))) => {
-                of.refuse_for_arms(&format!("{path}.zero"), "`mode`")?;
+                of.refuse(false, &format!("{path}.zero"), "`mode`")?;
                 let beside =
                     [("hub", hub.is_some()), ("joints", joints.is_some()), ("at", at.is_some())];
                 if let Some((key, _)) = beside.into_iter().find(|(_, is_given)| *is_given) {

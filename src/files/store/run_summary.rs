@@ -267,13 +267,12 @@ fn second_order_record(solution: &Solution, found: &SecondOrderFindings) -> Valu
         "contraction": iteration.contraction,
     });
     let slopes: Vec<_> = solution.links.iter().filter_map(|link| link.largest_slope).collect();
-    match &slopes[..] {
-        [slope] => record["largest_slope"] = json!(slope),
-        slopes => record["largest_slopes"] = json!(slopes),
-    }
+    let of_link = ("largest_slope", json!(slopes.first()));
+    let (key, slopes) = solution.arm.pick(of_link, ("largest_slopes", json!(slopes)));
+    record[key] = slopes;
     record["torque_change"] = json!(iteration.second_order_change);
     record["left_out"] = json!(left_out.flatten());
-    if slopes.len() > 1 {
+    if solution.arm.alone().is_none() {
         record["fallback"] = json!(fallback);
     }
     record
@@ -406,7 +405,7 @@ fn input_values(play: &Play<'_>, played: &Played) -> Value {
 /// Settings of the analysis. The band is null if the solver uses every frequency of the samples; the modes are null
 /// if it keeps all.
 fn analysis_values(solution: &Solution) -> Value {
-    let Solution { analysis, band, grid, links, first_zero_per_s, .. } = solution;
+    let Solution { arm, analysis, band, grid, first_zero_per_s, .. } = solution;
     let mut values = json!({
         "tolerance": analysis.tolerance(),
         "tip_tolerance": analysis.tip_tolerance(),
@@ -421,7 +420,7 @@ fn analysis_values(solution: &Solution) -> Value {
         "window_end_s": grid.end_s(),
         "rows": grid.len,
     });
-    if links.len() > 1 {
+    if arm.alone().is_none() {
         values["first_zero_per_s"] = json!(first_zero_per_s);
     }
     values

@@ -248,7 +248,7 @@ impl<'a> RunTables<'a> {
             let nodes_m = link.mesh.nodes_m();
             let nodes = outputs.nodes_of(nodes_m).into_iter();
             // An arm's link may have fewer nodes than the list names.
-            nodes.filter(|node| arm.links().len() == 1 || *node < nodes_m.len()).collect()
+            nodes.filter(|node| arm.alone().is_some() || *node < nodes_m.len()).collect()
         });
         let nodes: Vec<Vec<usize>> = nodes.collect();
         let mut all = Vec::new();

@@ -172,12 +172,10 @@ impl Kind {
         name: "energy",
         what: "work less energy held and lost",
         of: "the largest energy",
-        bound: |answer| match &answer.solution.motion {
-            Motion::Tip(_) => ENERGY.min(answer.solution.analysis.tolerance()),
-            Motion::Path(_) => ENERGY_OF_ARM,
-        },
+        bound: |answer| ENERGY.min(answer.solution.analysis.tolerance()),
         hint: "use a shorter step or a smoother motion",
     };
+    pub(super) const ENERGY_OF_ARM: Self = Self { bound: |_| ENERGY_OF_ARM, ..Self::ENERGY };
     pub(super) const MODEL: Self = Self {
         name: "model",
         what: "tip with all terms",

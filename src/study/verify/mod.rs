@@ -111,10 +111,8 @@ fn worst(
     let (quantity, error) = each.reduce(larger)?;
     let of = if answer.solution.arm.has_weight() { RANGE } else { PEAK };
     let check = Check { of: of.to_owned(), ..kind.measured(answer, error) };
-    Some(match answer.solution.joints.len() {
-        1 => of_quantity(quantity, check),
-        _ => Check { what: format!("all joints {}", check.what), ..check },
-    })
+    let of_all = Check { what: format!("all joints {}", check.what), ..check.clone() };
+    Some(answer.solution.arm.pick(of_quantity(quantity, check), of_all))
 }
 
 /// The check under the name of a quantity, in words that fit the column.

@@ -206,7 +206,7 @@ fn moved(answer: &Answer, [tip, torque]: [Kind; 2]) -> Result<PlayedChecks, Unpl
     for (number, ((written, needed), stated)) in (1..).zip(joints) {
         let change = torque_change(written, needed, 1, size);
         let least = (torque.bound)(answer);
-        if solution.joints.len() == 1 {
+        if solution.arm.alone().is_some() {
             checks.push(torque.measured_to(change, least.max(allowed(stated.torque))));
             continue;
         }
@@ -260,7 +260,7 @@ fn moved_arm(answer: &Answer, path: &ArmPath) -> Result<Moved, Unplayed> {
     }
     Ok(Moved {
         tip_error: solution.tip_error_of(&moved, path),
-        energy: Kind::ENERGY.measured(answer, moved.imbalance()),
+        energy: Kind::ENERGY_OF_ARM.measured(answer, moved.imbalance()),
         torques_n_m: torques_n_m(moved),
     })
 }

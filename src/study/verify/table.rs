@@ -57,7 +57,7 @@ pub fn table_error(
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
     let is_cycle = solution.motion.ends() == Ends::Periodic;
     // Torques alone do not hold an arm in its cycle.
-    let is_held = falls(solution) || is_cycle && solution.joints.len() > 1;
+    let is_held = falls(solution) || is_cycle && solution.arm.alone().is_none();
     let gains = if is_held { gains(&solution.arm) } else { Vec::new() };
     let played = |table: &TorqueTable| -> Result<Played, VerificationError> {
         let (torques_n_m, interpolation) = (table.whole_n_m(), table.interpolation());

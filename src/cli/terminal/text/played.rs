@@ -30,8 +30,8 @@ pub(crate) fn simulate_text(run: &PlayedRun<'_>, written: String) -> String {
         size,
         ("damping", damping),
         ("gravity", gravity),
-        ("input", played_angles(play, metrics.joints.len())),
-        ("torque", played_torque(play, metrics)),
+        ("input", played_angles(arm, play)),
+        ("torque", played_torque(arm, play, metrics)),
         ("feedback", feedback_line(play)),
         played_by(played, play),
         ("tip", tip_line(metrics, play.cycle_turn_rad.is_some())),
@@ -157,16 +157,13 @@ fn played_damping(link: &Link, played: &Played, play: &Play<'_>) -> String {
 }
 
 /// The played torque, with its peak for one link; the peaks of an arm are in the lines of its joints.
-fn played_torque(play: &Play<'_>, metrics: &PlayedMetrics) -> String {
-    let peak = significant(metrics.hub().peak_torque_n_m.value, 4);
-    let is_link = metrics.joints.len() == 1;
+fn played_torque(arm: &Arm, play: &Play<'_>, metrics: &PlayedMetrics) -> String {
+    let peak = format!("peak {} N m", significant(metrics.hub().peak_torque_n_m.value, 4));
     match play.input {
-        Input::Angles(_) if is_link => format!("peak {peak} N m, as the hub's motion takes it"),
-        Input::Angles(_) => String::new(),
+        Input::Angles(_) => arm.pick(peak + ", as the hub's motion takes it", String::new()),
         Input::Torques(_) => {
             let (times, between) = (times(&play.input.grid()), between(play.interpolation));
-            let peak = if is_link { format!("; peak {peak} N m") } else { String::new() };
-            format!("{times}, {between}{peak}")
+            format!("{times}, {between}{}", arm.pick(format!("; {peak}"), String::new()))
         }
     }
 }
@@ -187,8 +184,8 @@ fn times(grid: &TimeGrid) -> String {
 }
 
 /// The motion of the hub or of the joints, if it is the input.
-fn played_angles(play: &Play<'_>, joints: usize) -> String {
-    let angle = if joints == 1 { "hub angle" } else { "joint angles" };
+fn played_angles(arm: &Arm, play: &Play<'_>) -> String {
+    let angle = arm.pick("hub angle", "joint angles");
     match play.input {
         Input::Torques(_) => String::new(),
         Input::Angles(_) => format!("{angle}, {}, quintic spline", times(&play.input.grid())),

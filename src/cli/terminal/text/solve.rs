@@ -151,8 +151,7 @@ pub(super) fn order_line(solution: &Solution) -> String {
     let Some(found) = &solution.second_order else { return String::new() };
     let Iteration { iterations, contraction, second_order_change: change, .. } = found.iteration;
     let slopes: Vec<_> = solution.links.iter().filter_map(|link| link.largest_slope).collect();
-    let slope = if slopes.len() > 1 { "slopes" } else { "slope" };
-    let slopes = format!("{slope} {}", list(&slopes, 3));
+    let slopes = format!("{} {}", solution.arm.pick("slope", "slopes"), list(&slopes, 3));
     let name = match found.order {
         SecondOrder::None => return format!("none: linear; largest {slopes}"),
         SecondOrder::First => "first",
@@ -274,7 +273,7 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
     let errors: Vec<_> = solution.joints.iter().map(|joint| joint.errors).collect();
     let is_cycle = solution.motion.ends() == Ends::Periodic;
     // The tip of one link is exact if the solution uses all frequencies of its samples.
-    let has_error = errors.len() > 1 || solution.band.cutoff_hz.is_some();
+    let has_error = solution.arm.pick(solution.band.cutoff_hz.is_some(), true);
     let of = if solution.arm.has_weight() { "of the range" } else { "of the peak" };
     let kinds: [(&str, Kind); 6] = [
         ("mesh", |errors| Some(errors.mesh)),
@@ -293,7 +292,7 @@ pub(super) fn solution_errors(solution: &Solution) -> String {
         });
         let (joint, of_torque, quantity, error) = worst
             .reduce(|worst, own| if own.3 > worst.3 || own.3.is_nan() { own } else { worst })?;
-        let of_joint = (errors.len() > 1).then(|| format!("joint {joint}"));
+        let of_joint = solution.arm.pick(None, Some(format!("joint {joint}")));
         let other = (quantity != Quantity::Torque).then(|| {
             let joint = solution.arm.joint();
             joint.worded(quantity.name()).replace("acceleration", "accel.")

@@ -15,11 +15,8 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     let list = |values: &[f64]| {
         values.iter().map(|own| significant(*own, 4)).collect::<Vec<_>>().join(", ")
     };
-    let mut lines: Vec<String> = if arm.links().len() == 1 {
-        found.meshes.iter().map(|mesh| link_line(link, mesh)).collect()
-    } else {
-        Vec::new()
-    };
+    let meshes = arm.pick(&found.meshes[..], &[]).iter();
+    let mut lines: Vec<String> = meshes.map(|mesh| link_line(link, mesh)).collect();
     let slides = link.joint().slides();
     match &found.setting {
         Setting::Weightless => {
@@ -50,13 +47,13 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
     // The swing of one link is mode 0.
     let is_straight = matches!(found.setting, Setting::Straight { .. });
     let first = usize::from(slides || !is_straight);
-    lines.extend(mode_rows(found, &found.free, first));
+    lines.extend(mode_rows(arm, found, &found.free, first));
     if found.setting == Setting::Weightless || slides {
         let rows = found.zeros.iter().flat_map(|zeros| zero_rows(zeros, &link.joint()));
         lines.extend(rows.map(|line| arm.of_output(line)));
     }
     lines.push(link.joint().worded(&joints_held(arm)));
-    lines.extend(mode_rows(found, &found.held, 1));
+    lines.extend(mode_rows(arm, found, &found.held, 1));
     if matches!(found.setting, Setting::AtRest { .. }) {
         for (number, zeros) in found.zeros.iter().enumerate() {
             lines.push(format!("{}, from its joint to its tip", arm.name_of(number)));
@@ -86,18 +83,19 @@ fn zero_rows(found: &LinkZeros, joint: &Joint) -> Vec<String> {
 /// Restraint of a link's hub, or of an arm's rotors.
 fn joints_held(arm: &Arm) -> String {
     let springs = arm.joint_stiffnesses_n_m_rad();
-    let (is_one, are_stiff) = (springs.len() == 1, springs.iter().all(|own| own.is_infinite()));
+    let [rotors, joints] = arm.pick(["rotor", "joint"], ["rotors", "joints"]);
+    let spring = arm.pick("spring", "springs");
+    if arm.alone().is_some_and(|link| link.drive().is_none()) {
+        return "hub held".into();
+    }
+    if springs.iter().all(|own| own.is_infinite()) {
+        return format!("{rotors} held, stiff {joints}");
+    }
     let each = springs
         .iter()
         .map(|own| if own.is_finite() { significant(*own, 4) } else { "stiff".into() });
     let each = each.collect::<Vec<_>>().join(", ");
-    match (is_one, are_stiff) {
-        (true, true) if arm.links()[0].link.drive().is_none() => "hub held".into(),
-        (true, true) => "rotor held, stiff joint".into(),
-        (true, false) => format!("rotor held, joint spring {each} N m/rad"),
-        (false, true) => "rotors held, stiff joints".into(),
-        (false, false) => format!("rotors held, joint springs {each} N m/rad"),
-    }
+    format!("{rotors} held, joint {spring} {each} N m/rad")
 }
 
 /// A mode that does not vibrate, in words; `what` is a link or an arm.
@@ -114,21 +112,19 @@ const MESH_ERROR: &str = "mesh error";
 
 /// A heading, then a row for each mode: for a link with its period, for an arm with the turn of each joint, unless all
 /// are 0.
-fn mode_rows(found: &ModesResult, own: &SettledModes, first: usize) -> Vec<String> {
-    let is_link = found.joint_stiffnesses_n_m_rad.len() == 1;
+fn mode_rows(arm: &Arm, found: &ModesResult, own: &SettledModes, first: usize) -> Vec<String> {
     let is_straight = matches!(found.setting, Setting::Straight { .. });
     let any_turns = own.modes.iter().flat_map(|mode| &mode.joints).any(|turn| *turn != 0.0);
     let row = |[number, omega, hertz, period, damping, error]: [&str; 6], joints: &str| {
-        let period = if is_link { format!(" {period:>13}") } else { String::new() };
-        let joints = if is_link || !any_turns { "" } else { joints };
+        let (period, joints) = arm.pick((format!(" {period:>13}"), ""), (String::new(), joints));
         let row = format!("{number:<6} {omega:>13} {hertz:>15}{period} {damping:>10} {error:>11}");
-        (row + joints).trim_end().to_owned()
+        (row + if any_turns { joints } else { "" }).trim_end().to_owned()
     };
     let damping = if is_straight { "" } else { "damping" };
     let heading = ["mode", "omega [rad/s]", "frequency [Hz]", "period [s]", damping, MESH_ERROR];
     let modes = own.modes.iter().zip(&own.errors).enumerate().map(|(k, (mode, error))| {
         let (number, square) = ((first + k).to_string(), mode.square_per_s2);
-        unsteady(&number, square, if is_link { "link" } else { "arm" }).unwrap_or_else(|| {
+        unsteady(&number, square, arm.pick("link", "arm")).unwrap_or_else(|| {
             let omega = square.sqrt();
             let [omega, hertz, period] =
                 [omega, omega / TAU, TAU / omega].map(|x| significant(x, 8));
