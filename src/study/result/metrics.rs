@@ -193,16 +193,14 @@ impl PlayedMetrics {
     /// Reads the numbers off a simulation.
     pub fn of(played: &Played) -> Self {
         let (tip, last) = (&played.tip, played.grid.len - 1);
-        let is_arm = played.joints.len() > 1;
-        let joints = played.joints.iter().enumerate();
-        let joints = joints.map(|(number, joint)| PlayedJoint {
-            joint: is_arm.then_some(number),
-            ..PlayedJoint::of(&played.grid, joint)
-        });
+        let joints = played.joints.iter().map(|joint| PlayedJoint::of(&played.grid, joint));
         let mut joints: Vec<PlayedJoint> = joints.collect();
-        if !is_arm {
-            let peaks = Peaks { grid: &played.grid, per_cycle: None };
-            joints[0].peak_deflection_m = Some(peaks.of(&played.tip_deflection_m()));
+        match &mut joints[..] {
+            [hub] => {
+                let peaks = Peaks { grid: &played.grid, per_cycle: None };
+                hub.peak_deflection_m = Some(peaks.of(&played.tip_deflection_m()));
+            }
+            joints => (0..).zip(joints).for_each(|(number, own)| own.joint = Some(number)),
         }
         let at = |axis: &TipMotionHistories| axis.displacement_m[last];
         let moved = tip.iter().map(|axis| at(axis) - axis.displacement_m[0]);
