@@ -218,7 +218,7 @@ fn straight(
     }
     let [along_x, along_y] = gravity.acceleration_m_s2;
     let (cos, sin) = (libm::cos(angle_rad), libm::sin(angle_rad));
-    let outward_m_s2 = along_x * cos + along_y * sin;
+    let outward_m_s2 = gravity.along_m_s2(angle_rad);
     let is_across = outward_m_s2.abs() <= ACROSS * (along_x.abs() + along_y.abs());
     let outward_m_s2 = if is_across { 0.0 } else { outward_m_s2 };
     let finer = mesh.refined();
@@ -249,8 +249,12 @@ fn straight(
     let slides = link.joint().slides();
     if slides {
         // Weight does not drive the motion of the whole link.
-        free.modes.remove(0);
-        free.errors.remove(0);
+        let size = |mode: &PoseMode| mode.square_per_s2.abs();
+        let modes = free.modes.iter().enumerate();
+        let rigid = modes.min_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)));
+        let rigid = rigid.map_or(0, |(number, _)| number);
+        free.modes.remove(rigid);
+        free.errors.remove(rigid);
     } else if is_across {
         // Nothing drives the swing; dense algebra leaves round-off.
         free.modes.iter_mut().take(1).for_each(|swing| swing.square_per_s2 = 0.0);

@@ -453,3 +453,36 @@ fn a_page_speaks_of_force_and_carriage() {
         assert!(run.contains(words), "{words}: {run}");
     }
 }
+
+/// Frequencies computed with dense matrices in another language; the buckling weight of a uniform column, 7.8373 EI/L².
+#[test]
+fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
+    let bench = bench();
+    let sheet = "specs/carriages/sheet.toml";
+    let held_hz = |settings: &str| -> f64 {
+        bench.done(&format!("modes {sheet} --count 1 {settings} -o modes"));
+        column(&bench, "modes/held_modes.csv", "frequency_hz")[0]
+    };
+    for (settings, exact_hz) in [
+        ("--set gravity=[0,0]", 2.9354),
+        ("", 2.8045),
+        ("--set start_angle=-1.5707963267948966", 3.0605),
+    ] {
+        let hz = held_hz(settings);
+        assert!((hz - exact_hz).abs() < 6e-5, "{hz} is not {exact_hz}");
+    }
+    bench.done("trajectory septic --distance 0.05 --duration 1.5 --step 0.005 -o slow.csv");
+    // m̄gL³/EI = 12 ρgL³/(E h²) is 7.8373 times the share.
+    let solve = |share: f64| {
+        let modulus = 12.0 * 7870.0 * 9.81 * 0.52_f64.powi(3) / (1e-6 * 7.8373 * share);
+        bench.run(&format!("solve {sheet} slow.csv --set segments.0.E={modulus} -o out"))
+    };
+    let text = stderr(&succeeded(solve(0.65)));
+    assert!(!text.contains("buckle"), "{text}");
+    let text = stderr(&succeeded(solve(0.75)));
+    assert!(text.contains("the weight is 0.75 of the one that buckles the link"), "{text}");
+    let text = stderr(&ended(4, solve(0.985)));
+    assert!(text.contains("the weight is 0.985 of the one that buckles the link, but must be below 0.98"), "{text}");
+    let refused = stderr(&ended(3, bench.run(&format!("simulate {sheet} out/force.csv"))));
+    assert!(refused.contains("large angles are not computed yet for a link on a carriage"), "{refused}");
+}

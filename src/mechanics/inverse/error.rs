@@ -5,6 +5,9 @@ use crate::link::ParameterError;
 use crate::model::ModelError;
 use crate::text::{gigabytes, significant};
 
+/// Share of the buckling weight from which on no link is solved.
+pub(super) const BUCKLED: f64 = 0.98;
+
 /// Reason why a valid link or arm and a valid motion have no torques here.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InversionError {
@@ -48,6 +51,14 @@ pub enum InversionError {
     /// Second-order terms of a link with this part.
     #[error("second-order terms are not computed yet for {0}")]
     OnlyLinear(&'static str),
+    /// A weight that buckles the link, or next to it.
+    #[error(
+        "the weight is {share:.3} of the one that buckles the link, but must be below {BUCKLED}"
+    )]
+    Buckled {
+        /// The weight over the one that buckles the link.
+        share: f64,
+    },
     /// A link with gravity but without a direction.
     #[error("start_angle is missing: with gravity the direction of the link matters")]
     NoStartAngle,
@@ -238,6 +249,7 @@ impl InversionError {
             Self::OutOfRange { .. } => {
                 "check the units of motion and link, and their powers of ten"
             }
+            Self::Buckled { .. } => "use a stiffer or lighter link, or a lighter payload",
             Self::OnlyLinear(_) => "use analysis.second_order = \"none\"",
             Self::NoStartAngle => {
                 "set start_angle in the link file, the direction of the link before the motion, or write the motion \

@@ -7,7 +7,7 @@ use super::accuracy::{PerQuantity, QuantityErrors};
 use super::analysis::{Analysis, Resources};
 use super::arm::{ArmProblem, Solver, invert_arm};
 use super::diagnostics::{Diagnostics, Edge, thick_share};
-use super::error::{InversionError, RefusedEnds};
+use super::error::{BUCKLED, InversionError, RefusedEnds};
 use super::histories::{Histories, SlowTails};
 use super::mesh_error::MeshAnswer;
 use super::period::Window;
@@ -17,10 +17,11 @@ use super::solution::{
     Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
 };
 use super::warning::SolutionWarning;
+use super::warning::Warning;
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::link::{Arm, Link};
-use crate::modal::torque_zeros;
+use crate::modal::{buckling_share, torque_zeros};
 use crate::model::{Model, check_size, model_of};
 use crate::motion::{Ends, Motion, TipMotion};
 use crate::numeric::TimeGrid;
@@ -134,6 +135,9 @@ fn invert_link(
     problem.solution(answering, answer, (&window, edge), &errors, None)
 }
 
+/// Share of the buckling weight above which a warning tells it.
+const NEAR_BUCKLING: f64 = 0.7;
+
 /// Results of a bent link beside its histories.
 struct Bent {
     findings: SecondOrderFindings,
@@ -151,6 +155,7 @@ fn invert_bent(
     analysis: &Analysis,
     resources: &Resources<'_>,
 ) -> Result<Solution, InversionError> {
+    let near_buckling = buckling(coarsest.link())?;
     let first_zero_per_s = first_zero(coarsest.mesh());
     let link = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
     let arm = coarsest.link().clone().into();
@@ -166,7 +171,26 @@ fn invert_bent(
         shape: Shape::of(bent, answer.motion.second_order, model.mesh()),
     };
     let answering = AnsweringModel { model, first_zero_per_s, hub_tail: None, peaks };
-    link.solution(answering, answer.periodic(), (&window, edge), &errors, Some(bent))
+    let mut solution =
+        link.solution(answering, answer.periodic(), (&window, edge), &errors, Some(bent))?;
+    solution.warnings.extend(near_buckling.map(SolutionWarning::from));
+    Ok(solution)
+}
+
+/// Warns of a weight near the one that buckles a link which keeps its direction.
+///
+/// # Errors
+/// [`InversionError::Buckled`].
+fn buckling(link: &Link) -> Result<Option<Warning>, InversionError> {
+    let Some((direction_rad, gravity)) = link.direction_rad().zip(link.gravity()) else {
+        return Ok(None);
+    };
+    let mesh = Mesh::new(link, &MeshPlan::automatic(link))?;
+    let share = buckling_share(&mesh, gravity.along_m_s2(direction_rad)).unwrap_or_default();
+    if share >= BUCKLED {
+        return Err(InversionError::Buckled { share });
+    }
+    Ok((share > NEAR_BUCKLING).then_some(Warning::NearBuckling { share }))
 }
 
 /// Torques over a window.

@@ -276,6 +276,14 @@ pub enum Warning {
         /// Time in s.
         time_s: f64,
     },
+    /// A weight not far from the one that buckles the link.
+    #[error(
+        "the weight is {share:.2} of the one that buckles the link: small errors of stiffness and mass change the answer much"
+    )]
+    NearBuckling {
+        /// The weight over the one that buckles the link.
+        share: f64,
+    },
     /// Second-order terms that do not converge, so that only first-order terms count.
     #[error(
         "the second-order terms do not converge, and only those of first order are included: the tip strays by {}",
@@ -311,6 +319,7 @@ impl Warning {
             Self::CoarseMesh { .. } => "coarse_mesh",
             Self::FewModes { .. } => "few_modes",
             Self::NearlyStretched { .. } => "nearly_stretched",
+            Self::NearBuckling { .. } => "near_buckling",
             Self::FellBack { .. } => "fell_back_to_first_order",
         }
     }
@@ -355,6 +364,7 @@ impl Warning {
             Self::NearlyStretched { .. } => {
                 "use a path that keeps away from the stretched arm and from the first joint"
             }
+            Self::NearBuckling { .. } => "use a stiffer or lighter link, or a lighter payload",
             Self::FellBack { .. } => {
                 "use a slower or smoother motion, or stiffer links; analysis.second_order = \"full\" makes this an error"
             }

@@ -178,6 +178,12 @@ impl Gravity {
         self.acceleration_m_s2.iter().any(|part| *part != 0.0)
     }
 
+    /// Component of gravity along a direction, positive if it pulls outward.
+    pub fn along_m_s2(&self, angle_rad: f64) -> f64 {
+        let [along_x, along_y] = self.acceleration_m_s2;
+        along_x * libm::cos(angle_rad) + along_y * libm::sin(angle_rad)
+    }
+
     /// Component of gravity across a direction, positive if it turns the link clockwise: `g_x sin θ − g_y cos θ`.
     pub fn across_m_s2(&self, angle_rad: f64) -> f64 {
         let [along_x, along_y] = self.acceleration_m_s2;

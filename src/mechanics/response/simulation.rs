@@ -70,11 +70,6 @@ pub fn simulate(
         state.check(arm, play.is_bent(arm))?;
     }
     if play.is_bent(arm) {
-        let on_carriage = links[0].link.joint().slides().then_some("a link on a carriage");
-        let linear = links.iter().find_map(|own| own.link.linear_part());
-        if let Some(part) = linear.or(on_carriage) {
-            return Err(SimulationError::OnlyLinear(part));
-        }
         return play_bent(arm, meshes, play, (tolerance, watch));
     }
     let (link, band_rad_s) = (&links[0].link, driven_rad_s(play)?);
@@ -121,6 +116,11 @@ fn play_bent(
     (tolerance, watch): (f64, &dyn Fn(PlayProgress)),
 ) -> Result<Played, SimulationError> {
     let links = arm.links();
+    let on_carriage = arm.joint().slides().then_some("a link on a carriage");
+    let linear = links.iter().find_map(|own| own.link.linear_part());
+    if let Some(part) = linear.or(on_carriage) {
+        return Err(SimulationError::OnlyLinear(part));
+    }
     if let [mesh] = &meshes[..] {
         if !hub_moves_mass(mesh) {
             return Err(SimulationError::MasslessHub);

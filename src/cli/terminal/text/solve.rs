@@ -139,6 +139,10 @@ pub(super) fn joint_lines(joint: &Joint, metrics: &JointMetrics) -> [(&'static s
 fn gravity_of_link(solution: &Solution) -> String {
     let Some(gravity) = solution.links[0].link().gravity() else { return String::new() };
     let [along_x, along_y] = gravity.acceleration_m_s2.map(plain);
+    if let Some(direction_rad) = solution.links[0].link().direction_rad() {
+        let [direction] = four([direction_rad]);
+        return format!("{along_x}, {along_y} m/s²; the link points to {direction} rad");
+    }
     let start_rad = solution.hub().rigid_angle_rad[0];
     let last_rad = solution.hub().rigid_angle_rad[solution.grid.len - 1];
     let [start, last] = four([start_rad, last_rad]);
