@@ -333,7 +333,8 @@ fn level((link, plan): (&Link, &MeshPlan), count: usize) -> Result<ModesResult, 
 
 /// Message of a link or an arm that falls from a pose with its hub, or joints, in a state.
 pub(crate) fn falling(arm: &Arm, state: &str) -> String {
-    let (what, joints) = arm.pick(("link", "hub is"), ("arm", "joints are"));
+    let hub = arm.joint().worded("hub") + " is";
+    let (what, joints) = arm.pick(("link", &*hub), ("arm", "joints are"));
     format!("the {what} falls from this pose if its {joints} {state}")
 }
 

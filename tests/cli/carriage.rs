@@ -142,7 +142,7 @@ fn what_a_carriage_does_not_take_is_refused_in_words() {
     bench.done(&format!("solve {MAST} move.csv -o run"));
     let order = "--set analysis.second_order=\"full\"";
     let told = refused(&format!("simulate {MAST} run/force.csv {order}"));
-    assert!(told.contains("large angles are not computed yet"), "{told}");
+    assert!(told.contains("weight and large angles are not played yet"), "{told}");
     let told = refused(&format!("simulate {MAST} run/force.csv --target angle.csv"));
     assert!(told.contains("angle.csv: angle, but a link on a carriage"), "{told}");
     let usage = |words: &str| stderr(&ended(2, bench.run(words)));
@@ -482,7 +482,15 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
     let text = stderr(&succeeded(solve(0.75)));
     assert!(text.contains("the weight is 0.75 of the one that buckles the link"), "{text}");
     let text = stderr(&ended(4, solve(0.985)));
-    assert!(text.contains("the weight is 0.985 of the one that buckles the link, but must be below 0.98"), "{text}");
+    assert!(
+        text.contains(
+            "the weight is 0.985 of the one that buckles the link, but must be below 0.98"
+        ),
+        "{text}"
+    );
     let refused = stderr(&ended(3, bench.run(&format!("simulate {sheet} out/force.csv"))));
-    assert!(refused.contains("large angles are not computed yet for a link on a carriage"), "{refused}");
+    assert!(
+        refused.contains("weight and large angles are not played yet for a link on a carriage"),
+        "{refused}"
+    );
 }

@@ -24,8 +24,8 @@ pub enum SimulationError {
     /// A hub without inertia on a root without mass: its motion follows no differential equation.
     #[error("the hub moves no mass: hub.inertia = 0, and the link has no mass at its root")]
     MasslessHub,
-    /// Large angles of a link with this part.
-    #[error("large angles are not computed yet for {0}")]
+    /// Weight or large angles of a link with this part.
+    #[error("weight and large angles are not played yet for {0}")]
     OnlyLinear(&'static str),
     /// A link without equations for weight or large angles.
     #[error("{what}, but weight and second-order terms need a link {known}")]
@@ -149,7 +149,7 @@ impl SimulationError {
             Self::State { .. } => "use a state that --save-state of this link wrote",
             Self::NoRest => "use a stiffer link, or another start_angle",
             Self::MasslessHub => "set hub.inertia above 0, however small",
-            Self::OnlyLinear(_) => "leave the option of large angles out",
+            Self::OnlyLinear(_) => "set gravity = [0, 0] and analysis.second_order = \"none\"",
             Self::NoTorque | Self::NoTurn => return None,
         })
     }

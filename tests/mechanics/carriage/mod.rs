@@ -10,7 +10,10 @@ use flexlink::inverse::{Analysis, Solution, invert};
 use flexlink::link::{
     Carriage, Damping, Drive, Hub, Link, LinkParts, LumpedMass, Payload, Segment,
 };
-use flexlink::modal::{held_frequencies, natural_frequencies, real_frequency_zeros, torque_zeros};
+use flexlink::modal::{
+    PoseHub, buckling_share, held_frequencies, natural_frequencies, pose_modes, pose_zeros,
+    real_frequency_zeros, torque_zeros,
+};
 use flexlink::model::{Dense, FrequencyResponse, KeptModes, LinkOnMesh, Model, model_of};
 use flexlink::motion::{Ends, MotionColumns, TipMotion};
 use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque, simulate};
@@ -592,5 +595,70 @@ fn weight_is_that_of_a_hub_with_a_very_long_radius() {
             before < 3e-3 && before_m < 3e-3,
             "{order:?}, {direction_rad} rad: {before:e} {before_m:e}"
         );
+    }
+}
+
+/// Value and three derivatives at the root of an upright uniform beam that moves as `w = Σ a_n ξⁿ` from its free end, where
+/// a₂ = a₃ = 0:
+///
+/// ```text
+/// w'''' + γ (ξ w')' − k w = 0,    γ = m̄gL³/EI,   k = m̄ω²L⁴/EI
+/// ```
+fn of_series(gamma: f64, k: f64, [a0, a1]: [f64; 2]) -> [f64; 4] {
+    let mut a = vec![a0, a1, 0.0, 0.0];
+    for n in 0..80_u32 {
+        let (at, number) = (n as usize, f64::from(n));
+        let next = k * a[at] - gamma * (number + 1.0).powi(2) * a[at + 1];
+        let product = (number + 1.0) * (number + 2.0) * (number + 3.0) * (number + 4.0);
+        a.push(next / product);
+    }
+    let mut derivatives = [0.0; 4];
+    for (n, a) in (0..84_u32).zip(&a) {
+        let mut factor = 1.0;
+        for (order, derivative) in (0..4_u32).zip(&mut derivatives) {
+            *derivative += factor * a;
+            factor *= f64::from(n) - f64::from(order);
+        }
+    }
+    derivatives
+}
+
+/// Frequencies of the beam with its root held, and on a carriage without mass; zeros of force → tip; and the weight that
+/// buckles it.
+#[test]
+fn an_upright_beam_has_the_frequencies_zeros_and_buckling_weight_of_its_power_series() {
+    let mesh = mesh_of(&uniform(0.0).build().unwrap(), 120);
+    let unit = unit_per_s();
+    let both = |gamma: f64, k: f64| [[1.0, 0.0], [0.0, 1.0]].map(|a| of_series(gamma, k, a));
+    let held = |gamma: f64, k: f64| {
+        let [a, b] = both(gamma, k);
+        a[0] * b[1] - b[0] * a[1]
+    };
+    let free = |gamma: f64, k: f64| {
+        let [a, b] = both(gamma, k);
+        a[1] * b[3] - b[1] * a[3]
+    };
+    let blocked = |gamma: f64, k: f64| of_series(gamma, k, [0.0, 1.0])[1];
+    for gamma in [2.0, 7.0, -5.0] {
+        let outward_m_s2 = -gamma * 5.0 / (0.8 * 1.5_f64.powi(3));
+        let is_root = |of: &dyn Fn(f64, f64) -> f64, k: f64| {
+            of(gamma, k * (1.0 - 1e-6)) * of(gamma, k * (1.0 + 1e-6)) < 0.0
+        };
+        let modes = pose_modes(&mesh, outward_m_s2, PoseHub::Spring(f64::INFINITY), 3).unwrap();
+        for (square, _) in modes {
+            assert!(is_root(&held, square / unit.powi(2)), "held, γ = {gamma}: {square}");
+        }
+        // The first is the motion of the whole link.
+        for (square, _) in &pose_modes(&mesh, outward_m_s2, PoseHub::Free, 4).unwrap()[1..] {
+            assert!(is_root(&free, square / unit.powi(2)), "free, γ = {gamma}: {square}");
+        }
+        let [zeros, at_frequencies] = pose_zeros(&mesh, outward_m_s2, 3, 500.0).unwrap();
+        assert!(zeros.len() == 3 && at_frequencies.is_empty(), "{zeros:?} {at_frequencies:?}");
+        for zero in zeros {
+            assert!(is_root(&blocked, -(zero / unit).powi(2)), "zero, γ = {gamma}: {zero}");
+        }
+        let share = buckling_share(&mesh, outward_m_s2).unwrap();
+        let exact = if gamma > 0.0 { gamma / 7.837_347_438_9 } else { 0.0 };
+        assert!((share - exact).abs() < 1e-6, "{share} is not {exact}");
     }
 }
