@@ -25,7 +25,7 @@ pub enum SimulationError {
     #[error("the hub moves no mass: hub.inertia = 0, and the link has no mass at its root")]
     MasslessHub,
     /// Weight or large angles of a link with this part.
-    #[error("weight and large angles are not played yet for {0}")]
+    #[error("weight and large angles are not computed yet for {0}")]
     OnlyLinear(&'static str),
     /// A link without equations for weight or large angles.
     #[error("{what}, but weight and second-order terms need a link {known}")]
@@ -140,7 +140,7 @@ impl SimulationError {
             Self::NotConverged { .. } => "use damping (beta = 2e-3), hub.inertia or a shorter step",
             Self::NotFinite { .. } => "the inputs are too large for double precision",
             Self::EndsEarly { .. } => "leave it out to end with the torque",
-            Self::NotDerived { .. } => {
+            Self::NotDerived { .. } | Self::OnlyLinear(_) => {
                 "--set 'gravity=[0, 0]' and analysis.second_order = \"none\" play the linear link"
             }
             Self::NoStartAngle => {
@@ -149,7 +149,6 @@ impl SimulationError {
             Self::State { .. } => "use a state that --save-state of this link wrote",
             Self::NoRest => "use a stiffer link, or another start_angle",
             Self::MasslessHub => "set hub.inertia above 0, however small",
-            Self::OnlyLinear(_) => "set gravity = [0, 0] and analysis.second_order = \"none\"",
             Self::NoTorque | Self::NoTurn => return None,
         })
     }

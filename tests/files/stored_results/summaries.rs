@@ -53,9 +53,9 @@ fn a_verified_run_tells_its_origin_numbers_checks_and_warnings() {
     let names: Vec<&str> = run.readings.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[0], "peak_torque_n_m");
     let motion = ["tip_travel_m", "peak_tip_velocity_m_s", "peak_tip_acceleration_m_s2"];
-    assert_eq!(names[13..16], motion);
+    assert_eq!(names[14..17], motion);
     let expected = ["tip_error", "tip_model_error", "torque_mesh_error", "torque_window_error"];
-    assert_eq!(names[16..20], expected, "of each quantity its errors, those that are there");
+    assert_eq!(names[17..21], expected, "of each quantity its errors, those that are there");
     assert_readings(&run.readings, &summary);
     let motion = |key: &str| summary["motion"][key].as_f64().unwrap();
     assert_eq!(run.moving_s, Some((motion("moves_from_s"), motion("moves_until_s"))));
