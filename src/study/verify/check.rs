@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::beam::MeshPlan;
 use crate::inverse::{InversionError, Solution};
+use crate::link::ParameterError;
 use crate::motion::{Motion, MotionError};
 use crate::response::{HistoryError, SimulationError};
 use crate::result::{Check, Limits, Reached, reached};
@@ -263,6 +264,9 @@ pub enum VerificationError {
     /// The motion cannot be sampled twice as often.
     #[error("the motion at half the step: {0}")]
     Motion(#[from] MotionError),
+    /// The link of a check is impossible.
+    #[error("the link of a check: {0}")]
+    Link(#[from] ParameterError),
     /// The motion at half the step has no torque.
     #[error("the motion at half the step: {0}")]
     Inversion(#[from] InversionError),
@@ -272,6 +276,7 @@ impl VerificationError {
     /// Suggests a remedy to the user.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
+            Self::Link(_) => None,
             Self::Torque(error) => error.hint(),
             Self::Simulation(error) => error.hint(),
             Self::Motion(error) => error.hint(),

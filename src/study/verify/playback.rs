@@ -4,8 +4,9 @@ use std::error::Error;
 
 use super::check::{Answer, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
+use crate::beam::{Mesh, MeshPlan};
 use crate::inverse::{Resources, Solution, invert_motion, size};
-use crate::link::{Damping, Link, LinkParts};
+use crate::link::{Damping, Hub, Link, LinkParts, ParameterError};
 use crate::modal::held_frequencies;
 use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
 use crate::numeric::{Size, largest, largest_difference};
@@ -228,25 +229,70 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     let (solution, link) = (answer.solution, answer.solution.links[0].link());
     let (grid, wanted) = (solution.grid, wanted_tip(solution, motion));
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let hub = HubReference::new(&time_s, solution.hub().angle_rad.clone(), None)?;
+    let long = link.joint().slides().then(|| LongHub::of(link)).transpose()?;
+    let mut angle_rad = solution.hub().angle_rad.clone();
+    if let Some(long) = &long {
+        angle_rad.iter_mut().for_each(|place| *place = long.direction_rad + *place / long.radius_m);
+    }
+    let hub = HubReference::new(&time_s, angle_rad, None)?;
+    let turning = long.as_ref().map_or(link, |long| &long.link);
     let play = Play {
         memory_bytes: answer.memory_bytes,
         is_large: true,
-        cycle_turn_rad: turn_of_cycle_rad(link, motion),
+        cycle_turn_rad: turn_of_cycle_rad(turning, motion),
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
-    let simulation = simulate_on(link, solution.links[0].mesh().clone(), &play);
+    let mesh = match &long {
+        Some(long) => Mesh::new(&long.link, &MeshPlan::automatic(&long.link))?,
+        None => solution.links[0].mesh().clone(),
+    };
+    let simulation = simulate_on(turning, mesh, &play);
     let simulation = simulation.map_err(|error| match error {
         SimulationError::NotConverged { .. } => "the motion of its hub does not converge".into(),
         SimulationError::Cycle(_) => "the link does not settle".into(),
         error => Unplayed::from(error),
     })?;
-    Ok(Moved {
-        tip_error: tip_error(solution, &wanted, &simulation.tip[0].displacement_m),
-        energy: energy(answer, &simulation),
-        torques_n_m: torques_n_m(simulation),
-    })
+    let tip_error = tip_error(solution, &wanted, &simulation.tip[0].displacement_m);
+    let energy = energy(answer, &simulation);
+    let mut torques_n_m = torques_n_m(simulation);
+    if let Some(LongHub { radius_m, held_n, .. }) = &long {
+        torques_n_m[0].iter_mut().for_each(|torque| *torque = *torque / radius_m + held_n);
+    }
+    Ok(Moved { tip_error, energy, torques_n_m })
+}
+
+/// Radius of a hub that replaces a carriage, in lengths of the link: the motions differ by its reciprocal.
+const LONG: f64 = 1e6;
+
+/// A link on a hub of a very long radius, which moves as on a carriage.
+struct LongHub {
+    link: Link,
+    radius_m: f64,
+    direction_rad: f64,
+    /// Force in N that holds the weight of the carriage, which the axis of the hub carries.
+    held_n: f64,
+}
+
+impl LongHub {
+    fn of(link: &Link) -> Result<Self, ParameterError> {
+        let radius_m = LONG * link.length_m();
+        let (joint, mut parts) = (link.joint(), LinkParts::from(link.clone()));
+        parts.carriage = None;
+        parts.drive = None;
+        parts.hub = Hub {
+            inertia_kg_m2: joint.inertia() * radius_m * radius_m,
+            radius_m,
+            viscous_friction_n_m_s_rad: joint.friction() * radius_m * radius_m,
+        };
+        for mass in &mut parts.masses {
+            mass.at_m += radius_m;
+        }
+        let direction_rad = link.direction_rad().unwrap_or_default();
+        let across_m_s2 = link.gravity().map_or(0.0, |own| own.across_m_s2(direction_rad));
+        let held_n = joint.inertia() * across_m_s2;
+        Ok(Self { link: Link::new(parts)?, radius_m, direction_rad, held_n })
+    }
 }
 
 /// Moves the joints of an arm.
