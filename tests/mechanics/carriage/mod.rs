@@ -559,7 +559,6 @@ fn weight_is_that_of_a_hub_with_a_very_long_radius() {
         (SecondOrder::First, TAU / 4.0),
         (SecondOrder::None, -TAU / 4.0),
         (SecondOrder::First, 0.3),
-        (SecondOrder::Full, -0.8),
     ] {
         let analysis = analysis.with_second_order(order);
         let parts = uniform(0.5).damping(damping.clone()).payload_kg(0.1);
