@@ -333,7 +333,8 @@ fn a_station_names_the_output_and_tells_where_the_tip_goes() {
 fn a_spring_at_the_root_stands_in_all_results_of_hub_and_carriage() {
     let bench = bench();
     bench.done(&format!("solve {MAST} move.csv --set carriage.root_stiffness=2e7 -o out"));
-    assert_eq!(bench.number("out", "link/root_stiffness_n_m_rad"), 2e7);
+    let told = bench.number("out", "link/root_stiffness_n_m_rad");
+    assert!((told - 2e7).abs() < 1e-3, "{told}");
     let clamped = stdout(&succeeded(bench.run(&format!("modes {MAST} --count 1"))));
     let spring = "--set carriage.root_stiffness=inf --count 1";
     assert_eq!(stdout(&succeeded(bench.run(&format!("modes {MAST} {spring}")))), clamped);

@@ -8,7 +8,7 @@ use flexlink::csv::{
 use flexlink::link::{Link, Segment};
 
 fn link() -> Link {
-    Link::builder().segment(Segment::uniform(1.5, 5.0, 0.8)).build().unwrap()
+    Link::builder().segment(Segment::uniform(1.5, 5.0, 0.8)).build().expect("a link")
 }
 
 /// A sine over 1 s at 5 ms, its times off by up to `jitter` steps in a pattern, its values those of the

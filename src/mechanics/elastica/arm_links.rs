@@ -325,9 +325,10 @@ impl<'a> Follower<'a> {
             }
             ArmLinkMotion {
                 bent,
-                chord: match self.whole.slides() {
-                    true => self.whole.rigid[link].clone(),
-                    false => [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order])),
+                chord: if self.whole.slides() {
+                    self.whole.rigid[link].clone()
+                } else {
+                    [0, 1, 2].map(|order: usize| history(&|bar| bar.angle_rad[order]))
                 },
                 chord_length_m,
                 tip_slope_rad,

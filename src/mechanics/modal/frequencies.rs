@@ -284,7 +284,7 @@ pub(crate) fn hub_moves_mass(mesh: &Mesh) -> bool {
     let [v, phi] = mesh.rigid(root);
     let unit = [v, if root == 0 { phi } else { 0.0 }];
     let lumped = mesh.lumped_inertia(root).is_some_and(|body| body.along(unit) > 0.0);
-    let beam = has_mass(&mesh.elements()[root]) && unit != [0.0; 2];
+    let beam = has_mass(&mesh.elements()[root]) && (unit[0] != 0.0 || unit[1] != 0.0);
     mesh.joint().inertia() > 0.0 || lumped || beam
 }
 

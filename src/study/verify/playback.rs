@@ -232,7 +232,9 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     let long = link.joint().slides().then(|| LongHub::of(link)).transpose()?;
     let mut angle_rad = solution.hub().angle_rad.clone();
     if let Some(long) = &long {
-        angle_rad.iter_mut().for_each(|place| *place = long.direction_rad + *place / long.radius_m);
+        for place in &mut angle_rad {
+            *place = long.direction_rad + *place / long.radius_m;
+        }
     }
     let hub = HubReference::new(&time_s, angle_rad, None)?;
     let turning = long.as_ref().map_or(link, |long| &long.link);
@@ -257,9 +259,11 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     let energy = energy(answer, &simulation);
     let mut torques_n_m = torques_n_m(simulation);
     if let Some(LongHub { radius_m, held_n, .. }) = &long {
-        torques_n_m[0].iter_mut().for_each(|torque| *torque = *torque / radius_m + held_n);
+        for torque in &mut torques_n_m[0] {
+            *torque = *torque / radius_m + held_n;
+        }
     }
-    Ok(Moved { tip_error, energy, torques_n_m })
+    Ok(Moved { tip_error, torques_n_m, energy })
 }
 
 /// Radius of a hub that replaces a carriage, in lengths of the link: the motions differ by its reciprocal.
