@@ -277,7 +277,7 @@ fn worded_text(joint: &Joint, text: &str, before: &str) -> String {
 }
 
 /// Meanings of the kinds of warnings of a sweep's cases.
-const WARNINGS: [(&str, &str); 33] = [
+const WARNINGS: [(&str, &str); 34] = [
     ("failed", "The case has no numbers; the column error says why."),
     ("limit_exceeded", "A value exceeds its limit in the link file."),
     (
@@ -314,6 +314,10 @@ const WARNINGS: [(&str, &str); 33] = [
     (
         "nearly_stretched",
         "The arm is nearly stretched or folded, so that small errors turn its joints far.",
+    ),
+    (
+        "near_buckling",
+        "The weight nearly buckles the link, so that small errors of its data change the answer much.",
     ),
     (
         "fell_back_to_first_order",
