@@ -6,7 +6,7 @@ use super::check::{Answer, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
 use crate::beam::{Mesh, MeshPlan};
 use crate::inverse::{Resources, Solution, invert_motion, size};
-use crate::link::{Damping, Hub, Link, LinkParts, ParameterError};
+use crate::link::{Damping, Gravity, Hub, Link, LinkParts, ParameterError};
 use crate::modal::held_frequencies;
 use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
 use crate::numeric::{Size, largest, largest_difference};
@@ -233,7 +233,7 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     let mut angle_rad = solution.hub().angle_rad.clone();
     if let Some(long) = &long {
         for place in &mut angle_rad {
-            *place = long.direction_rad + *place / long.radius_m;
+            *place /= long.radius_m;
         }
     }
     let hub = HubReference::new(&time_s, angle_rad, None)?;
@@ -273,7 +273,6 @@ const LONG: f64 = 1e6;
 struct LongHub {
     link: Link,
     radius_m: f64,
-    direction_rad: f64,
     /// Force in N that holds the weight of the carriage, which the axis of the hub carries.
     held_n: f64,
 }
@@ -292,10 +291,17 @@ impl LongHub {
         for mass in &mut parts.masses {
             mass.at_m += radius_m;
         }
-        let direction_rad = link.direction_rad().unwrap_or_default();
-        let across_m_s2 = link.gravity().map_or(0.0, |own| own.across_m_s2(direction_rad));
+        // The plane turns instead of the link: small angles keep their digits.
+        let weight = link.direction_rad().zip(link.gravity());
+        let [along_m_s2, across_m_s2] = weight.map_or([0.0; 2], |(direction_rad, gravity)| {
+            [gravity.along_m_s2(direction_rad), gravity.across_m_s2(direction_rad)]
+        });
+        parts.gravity = weight.map(|_| Gravity {
+            acceleration_m_s2: [along_m_s2, -across_m_s2],
+            start_angle_rad: Some(0.0),
+        });
         let held_n = joint.inertia() * across_m_s2;
-        Ok(Self { link: Link::new(parts)?, radius_m, direction_rad, held_n })
+        Ok(Self { link: Link::new(parts)?, radius_m, held_n })
     }
 }
 
