@@ -21,6 +21,8 @@ pub(crate) fn link(damping: Damping) -> Link {
         }],
         hub: Hub { inertia_kg_m2: 0.1, ..Hub::default() },
         carriage: None,
+        root_stiffness_n_m_rad: None,
+        output_m: None,
         masses: vec![],
         payload: Payload::default(),
         damping,

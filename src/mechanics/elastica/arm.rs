@@ -224,7 +224,11 @@ impl Follower<'_> {
             let previous = std::mem::replace(&mut latest, next);
             let reach = of_all(&latest.answers, negligible);
             band = band.max(reach.map_err(|error| diverges(error, change))?);
-            let second_order = || self.largest_change(&latest.torques_n_m, &linear.torques_n_m);
+            let joints = self.models.len();
+            let second_order = || {
+                let [own, other] = [&latest, linear].map(|of| &of.torques_n_m[..joints]);
+                self.largest_change(own, other)
+            };
             let tolerance = match until {
                 Until::Within(tolerance) => tolerance,
                 Until::Share(share) => share * second_order(),
@@ -297,9 +301,13 @@ impl Follower<'_> {
             let few = &link_answers[..bins.min(link_answers.len())];
             let along_n: Vec<f64> = loads.axial_n.iter().map(|axial| -axial).collect();
             let at_all = |few: &[f64]| self.arm.at_all(pair, few, bins, 0);
+            let mut place = None;
             let torque_n_m = if is_one {
                 // All frequencies, so that changes between bands are those of the same frequencies.
-                on_chord.hub(&link_answers, order, &self.arm.pair, &on_chord.chord.histories).0
+                let time = &on_chord.chord.histories;
+                let (torque_n_m, slope) = on_chord.hub(&link_answers, order, &self.arm.pair, time);
+                place = on_chord.place(slope);
+                torque_n_m
             } else {
                 at_all(&on_chord.hub(few, order, pair, &time).0)
             };
@@ -310,6 +318,7 @@ impl Follower<'_> {
             state.hand_inward(link, forces_n, &torque_n_m);
             answers.insert(0, link_answers);
             torques_n_m.insert(0, torque_n_m);
+            torques_n_m.extend(place);
         }
         let (iteration, others) = (Iteration::default(), Vec::new());
         Ok(Iterate { state, answers, torques_n_m, order, largest_slope, iteration, others })

@@ -67,6 +67,8 @@ type Bars = Vec<(Bar, [f64; 2])>;
 pub(super) struct Iterate {
     pub(super) state: State,
     pub(super) answers: Answers,
+    /// Torques of the joints. A link that slides has its place from the chord, too, as [`LinkOnChord::place`]: the force on
+    /// its carriage at rest is the same for every shape.
     pub(super) torques_n_m: Vec<Vec<f64>>,
     /// Terms of the answer.
     pub(super) order: SecondOrder,
@@ -254,11 +256,13 @@ impl<'a> Follower<'a> {
             let on_chord = self.on_chord(link, &state.chords[link]);
             let link_answers = on_chord.linear().map_err(|error| self.of_link(link, error))?;
             let (pair, chord) = (&self.arm.pair, &state.chords[link].histories);
-            let (torque_n_m, _) = on_chord.hub(&link_answers, SecondOrder::None, pair, chord);
+            let (torque_n_m, slope) = on_chord.hub(&link_answers, SecondOrder::None, pair, chord);
             let forces_n = on_chord.linear_ends(&link_answers);
+            let place = on_chord.place(slope);
             state.hand_inward(link, forces_n, &torque_n_m);
             answers.insert(0, link_answers);
             torques_n_m.insert(0, torque_n_m);
+            torques_n_m.extend(place);
         }
         Ok(Iterate {
             state,
@@ -273,7 +277,8 @@ impl<'a> Follower<'a> {
 
     /// Largest difference of torques, each relative to its size.
     pub(super) fn largest_change(&self, torques_n_m: &[Vec<f64>], others: &[Vec<f64>]) -> f64 {
-        let pairs = torques_n_m.iter().zip(others).zip(self.models);
+        let models = self.models.iter().chain(self.models.last());
+        let pairs = torques_n_m.iter().zip(others).zip(models);
         let changes =
             pairs.map(|((torque, other), model)| apart(torque, other) / size(torque, model.mesh()));
         changes.fold(0.0, f64::larger)

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::chord::{ChordHistories, ChordPeriod, resolved};
 use super::error::ElasticaError;
 use super::loads::{BentLink, SecondOrder};
-use super::reaction::{ElasticaMotion, Straight, band};
+use super::reaction::{ElasticaMotion, Straight, band, softest};
 use super::sag::Sag;
 use crate::beam::{LoadedMotion, Loads};
 use crate::link::Link;
@@ -170,6 +170,14 @@ impl LinkOnChord<'_> {
             *torque += friction * (chord.rate_rad_s[k] + hub_rate);
         }
         (torque_n_m, hub_slope_rad)
+    }
+
+    /// Place of a carriage from the chord, in N of a force that bends the link so far; `None` for a hub.
+    pub(super) fn place(&self, displacement_m: Vec<f64>) -> Option<Vec<f64>> {
+        let mesh = self.model.mesh();
+        let stiffness_n_m = softest(mesh) / mesh.length_m().powi(3);
+        let of_force = displacement_m.into_iter().map(|place| stiffness_n_m * place);
+        mesh.joint().slides().then(|| of_force.collect())
     }
 
     /// Force on the root along the chord and across it in N, without second order, at the chord's samples.

@@ -288,9 +288,13 @@ pub(super) fn band(
 
 /// A torque in N m, or a force in N on a carriage, that hardly bends the link.
 fn unfelt_n_m(mesh: &Mesh) -> f64 {
+    STRAIGHT * softest(mesh) * mesh.rigid_tip() / mesh.length_m().powi(2)
+}
+
+/// The smallest bending stiffness of a link in N m².
+pub(super) fn softest(mesh: &Mesh) -> f64 {
     let stiffness = mesh.elements().iter().map(|element| element.bending_stiffness_n_m2);
-    let softest = stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer));
-    STRAIGHT * softest * mesh.rigid_tip() / mesh.length_m().powi(2)
+    stiffness.fold(f64::INFINITY, |least, ei| least.min(ei.inner).min(ei.outer))
 }
 
 /// Rate in rad/s of a joint: of its hub against the tip of the link before.

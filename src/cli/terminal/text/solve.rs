@@ -164,7 +164,7 @@ pub(super) fn order_line(solution: &Solution) -> String {
     let change = significant(100.0 * change, 2);
     let contraction = contraction.map_or("none".into(), |factor| significant(factor, 2));
     let parts = [
-        format!("{name}: {change} % of torque"),
+        solution.arm.joint().worded(&format!("{name}: {change} % of torque")),
         slopes,
         format!("{iterations} iterations"),
         format!("contraction {contraction}"),
