@@ -212,7 +212,7 @@ fn straight(
     let elements = mesh.elements().len();
     if elements > most {
         let message =
-            format!("the mesh has {elements} elements, but must have at most {most} for --at");
+            format!("the mesh has {elements} elements, but must have at most {most} with weight");
         let hint = "ask for fewer modes: --count";
         return Err(Failure::new(Exit::NotSolvable, &message, Some(hint)));
     }
@@ -289,7 +289,7 @@ fn straight(
         });
     }
     Ok(ModesResult {
-        setting: Setting::Straight { angle_rad, outward_m_s2 },
+        setting: Setting::Straight { is_kept: slides, angle_rad, outward_m_s2 },
         held: settled(PoseHub::Spring(spring_n_m_rad), count)?,
         free,
         joint_stiffnesses_n_m_rad: vec![spring_n_m_rad],

@@ -93,10 +93,12 @@ pub(crate) fn warn_of_gravity(link: &Link) -> usize {
         return 0;
     }
     let left_out = "gravity changes natural frequencies and zeros with the link's direction: those here are without it";
-    console::warning(
-        left_out,
-        "compute those of one direction with modes --at ANGLE; --set 'gravity=[0, 0]' is a horizontal plane",
-    );
+    let hint = if link.joint().slides() {
+        "set start_angle, and compute those with the weight with modes; --set 'gravity=[0, 0]' is a horizontal plane"
+    } else {
+        "compute those of one direction with modes --at ANGLE; --set 'gravity=[0, 0]' is a horizontal plane"
+    };
+    console::warning(left_out, hint);
     1
 }
 

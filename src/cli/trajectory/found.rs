@@ -129,11 +129,14 @@ impl Search {
     ) -> Result<(Found, Solution), Failure> {
         let Specification { arm, meshes: plans, analysis, limits, .. } = specification;
         refuse_no_limit(limits)?;
-        let (profile, fit) = self.searched(|profile| {
+        let found = self.searched(|profile| {
             let motion = OpenMotion { profile, along, step_s: self.step_s };
             let memory_bytes = memory::available();
             shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
-        })?;
+        });
+        let worded = |text: &str| arm.of_output(arm.joint().worded(text));
+        let (profile, fit) =
+            found.map_err(|failure| Failure { message: worded(&failure.message), ..failure })?;
         let values = Metrics::of(&fit.solution).limited(limits);
         let of = match along {
             Along::Arc(course) if course.ends() == Ends::Periodic => " each way",

@@ -283,12 +283,17 @@ pub fn modes_json(found: &ModesResult) -> String {
             all.insert("held".into(), std::iter::once(stiffness).chain(list(held)).collect());
             Value::Object(all)
         }
-        Setting::Straight { angle_rad, outward_m_s2 } => json!({
-            "angle_rad": angle_rad,
-            "outward_m_s2": outward_m_s2,
-            "free": list(free),
-            "held": list(held),
-        }),
+        Setting::Straight { is_kept, angle_rad, outward_m_s2 } => {
+            let mut all = json!({
+                "angle_rad": angle_rad,
+                "outward_m_s2": outward_m_s2,
+                "free": list(free),
+                "held": list(held),
+            });
+            let zeros = found.zeros.iter().filter(|_| *is_kept).flat_map(of_link);
+            zeros.for_each(|(key, numbers)| all[key] = numbers);
+            all
+        }
         Setting::AtRest { directions_rad, tip_m, holding_torques_n_m } => json!({
             "angle_rad": directions_rad,
             "tip_m": tip_m,

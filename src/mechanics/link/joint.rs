@@ -109,7 +109,8 @@ impl Joint {
 
     /// A text for this joint, from the text for a hub. Replaces whole words. Texts on a limit of the motor or of a moment stay.
     pub fn worded(&self, text: &str) -> String {
-        let stays = ["motor_", "bending_moment"].iter().any(|own| text.contains(own));
+        let stays =
+            ["motor_", "motor torque", "bending_moment"].iter().any(|own| text.contains(own));
         let pairs = WORDS.iter().filter(|_| self.slides() && !stays);
         pairs.fold(text.to_owned(), |text, (of_hub, own)| replaced(&text, of_hub, own))
     }

@@ -32,6 +32,8 @@ pub enum Setting {
     Weightless,
     /// One straight link, with the weight that pulls along it.
     Straight {
+        /// True if it keeps this direction, on a carriage: the zeros are then those with the weight.
+        is_kept: bool,
         /// Direction of the link in rad, counterclockwise from x.
         angle_rad: f64,
         /// Gravity outward along the link in m/s².

@@ -23,7 +23,7 @@ pub(crate) fn modes_text(arm: &Arm, found: &ModesResult) -> String {
             let without = if link.drive().is_some() { ", without the rotor" } else { "" };
             lines.push(link.joint().worded(&format!("hub free{without}")));
         }
-        Setting::Straight { angle_rad, outward_m_s2 } => {
+        Setting::Straight { angle_rad, outward_m_s2, .. } => {
             let [angle, pull] = four([*angle_rad, outward_m_s2.abs()]);
             let towards = if *outward_m_s2 < 0.0 { "inward" } else { "outward" };
             lines.push(format!(
