@@ -125,7 +125,7 @@ impl Problem {
         let is_of_tip = self.wanted.motion.tip().is_some();
         if is_of_tip || matches!(error, InversionError::TooMuchMemory { .. }) {
             let failure = Failure::from(error);
-            let message = arm.of_output(arm.joint().worded(&failure.message));
+            let message = arm.worded(&failure.message);
             return Failure { message, ..failure };
         }
         if let Some(sample) = error.sample() {

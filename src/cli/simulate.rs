@@ -289,7 +289,6 @@ impl Inputs {
 
 /// Reason of a failed simulation, and the remedy, which names the files of an arm or of a link on a carriage.
 pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<String>) {
-    let worded = |text: &str| arm.of_output(arm.joint().worded(text));
     let hint = match error {
         _ if arm.alone().is_some() => error.hint(),
         SimulationError::OtherTimes { .. } => {
@@ -307,5 +306,5 @@ pub fn refusal(error: &SimulationError, arm: &Arm) -> (String, Option<String>) {
         SimulationError::State { .. } => Some("use a state that --save-state of this arm wrote"),
         _ => error.hint(),
     };
-    (worded(&error.to_string()), hint.map(worded))
+    (arm.worded(&error.to_string()), hint.map(|hint| arm.worded(hint)))
 }

@@ -134,9 +134,8 @@ impl Search {
             let memory_bytes = memory::available();
             shortest_fit(&FitProblem { arm, plans, analysis, memory_bytes, limits, motion })
         });
-        let worded = |text: &str| arm.of_output(arm.joint().worded(text));
-        let (profile, fit) =
-            found.map_err(|failure| Failure { message: worded(&failure.message), ..failure })?;
+        let (profile, fit) = found
+            .map_err(|failure| Failure { message: arm.worded(&failure.message), ..failure })?;
         let values = Metrics::of(&fit.solution).limited(limits);
         let of = match along {
             Along::Arc(course) if course.ends() == Ends::Periodic => " each way",

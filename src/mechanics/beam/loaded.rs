@@ -142,9 +142,9 @@ fn by_recursion<S: Scalar>(
     let hub_slope_rad = zero - tip_m * tip_per_hub_angle_m.reciprocal();
     let hub_rad_s2 = loads.chord_rad_s2 - omega_square * hub_slope_rad;
 
-    let mut a = moved(hub_rad_s2);
-    let root_m_s2 = a;
-    let at_root = effort(root, bias, a, unit);
+    let root_m_s2 = moved(hub_rad_s2);
+    let at_root = effort(root, bias, root_m_s2, unit);
+    let mut a = root_m_s2;
     let mut w = unit.map(|part| hub_slope_rad * part);
     let mut deflections = vec![w];
     for ((gain, h), element) in gains.iter().zip(mesh.relative_elements()) {

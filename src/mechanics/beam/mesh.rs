@@ -77,9 +77,10 @@ impl Mesh {
             }
         }
         let nodes_m = node_positions(link.hub().radius_m, &elements);
-        let bodies = Bodies::of(link, &nodes_m, usize::from(spring.is_some()));
+        // Both nodes of a spring lie at the root; the link has the outer one.
         let springs = usize::from(spring.is_some());
-        let output = springs + nearest_node(&nodes_m[springs..], link.output_m());
+        let node = |at_m: f64| springs + nearest_node(&nodes_m[springs..], at_m);
+        let (bodies, output) = (Bodies::of(link, nodes_m.len(), node), node(link.output_m()));
         Self::assemble((elements, segments), nodes_m, bodies, output)
     }
 
@@ -251,12 +252,12 @@ impl Mesh {
 }
 
 impl Bodies {
-    fn of(link: &Link, nodes_m: &[f64], springs: usize) -> Self {
-        let mut lumped: Vec<Option<Inertia<f64>>> = vec![None; nodes_m.len()];
+    /// All inertia of a link on this many nodes; `node` finds the one at a place.
+    fn of(link: &Link, nodes: usize, node: impl Fn(f64) -> usize) -> Self {
+        let mut lumped: Vec<Option<Inertia<f64>>> = vec![None; nodes];
         for mass in link.masses() {
             // The plan puts a node at or next to every lumped mass.
-            let node = springs + nearest_node(&nodes_m[springs..], mass.at_m);
-            let there = &mut lumped[node];
+            let there = &mut lumped[node(mass.at_m)];
             let there = there.get_or_insert(Inertia::rigid(0.0, 0.0, 0.0));
             there.vv += mass.mass_kg;
             there.pp += mass.inertia_kg_m2;

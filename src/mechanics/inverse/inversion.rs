@@ -16,8 +16,7 @@ use super::problem::{AnsweringModel, LinkProblem};
 use super::solution::{
     Band, JointMotion, LinkMotion, LinkSpectra, SecondOrderFindings, Shape, Solution,
 };
-use super::warning::SolutionWarning;
-use super::warning::Warning;
+use super::warning::{SolutionWarning, Warning};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::link::{Arm, Link};

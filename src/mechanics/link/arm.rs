@@ -126,6 +126,11 @@ impl Arm {
         if self.alone().is_some() { of_link } else { of_arm }
     }
 
+    /// A text in the words of the first joint and of the output, from the text for a hub whose output is the tip.
+    pub fn worded(&self, text: &str) -> String {
+        self.of_output(self.joint().worded(text))
+    }
+
     /// A text for this arm, from the text for one whose output is the tip.
     pub fn of_output(&self, text: String) -> String {
         self.links()[0].link.of_output(text)

@@ -203,9 +203,7 @@ impl Notice {
     /// The notice in the words of an arm's first joint.
     #[must_use]
     pub fn worded(self, arm: &Arm) -> Self {
-        let joint = arm.joint();
-        let [message, hint] =
-            [&self.message, &self.hint].map(|text| arm.of_output(joint.worded(text)));
+        let [message, hint] = [&self.message, &self.hint].map(|text| arm.worded(text));
         Self { message, hint, ..self }
     }
 }

@@ -83,10 +83,9 @@ pub fn verify(answer: &Answer) -> Result<Verification, VerificationError> {
 
 /// Gives a check the words of the joint and the output.
 fn word(check: &mut Check, arm: &Arm) {
-    let joint = arm.joint();
-    check.name = joint.named(&check.name);
+    check.name = arm.joint().named(&check.name);
     for text in [&mut check.what, &mut check.of].into_iter().chain(&mut check.reason) {
-        *text = arm.of_output(joint.worded(text));
+        *text = arm.worded(text);
     }
 }
 
