@@ -35,24 +35,24 @@ pub(super) struct Moments {
 
 impl View<'_> {
     /// Deflections of a link from its chord. For a single link they are from the hub's tangent line, and include the
-    /// root, 0, and the tip, `v − Lθ`. `None` without a written node between the two, or with fewer than two times.
+    /// root, 0, and the output, `v − Lθ` of a tip. `None` without a written node between the two, or with fewer than two times.
     pub(super) fn deflections(&self, link: usize) -> Option<StoredNodes> {
         let Some(run) = self.link else {
             return Some(deflections(self.first(), link)).filter(|nodes| nodes.times_s.len() > 1);
         };
         let mut nodes = run.arc.deflections_m.clone().filter(|nodes| nodes.times_s.len() > 1)?;
-        let tip = run.arc.mesh.nodes_m().len() - 1;
+        let output = run.arc.mesh.output();
         if nodes.nodes.first() != Some(&0) {
             nodes.nodes.insert(0, 0);
             nodes.histories.insert(0, vec![0.0; nodes.times_s.len()]);
         }
-        if nodes.nodes.last() != Some(&tip) {
+        if let Err(at) = nodes.nodes.binary_search(&output) {
             let bent = bent_m(run);
-            let at = |time_s: &f64| bent[nearest(run.times_s, *time_s)];
-            nodes.histories.push(nodes.times_s.iter().map(at).collect());
-            nodes.nodes.push(tip);
+            let bent = nodes.times_s.iter().map(|time_s| bent[nearest(run.times_s, *time_s)]);
+            nodes.histories.insert(at, bent.collect());
+            nodes.nodes.insert(at, output);
         }
-        (nodes.nodes.len() > 2 || tip < 2).then_some(nodes)
+        (nodes.nodes.len() > 2 || output < 2).then_some(nodes)
     }
 
     /// Written bending moments of a link or, for a single link, moments estimated from its displacements: force and
@@ -95,7 +95,7 @@ impl View<'_> {
     }
 }
 
-/// Deflection of a single link's tip over the time of the run, `v − Lθ`, in m.
+/// Deflection of a single link's output over the time of the run, in m: of a tip `v − Lθ`.
 pub(super) fn bent_m(run: Single) -> Vec<f64> {
     let rigid_tip = run.arc.mesh.rigid_tip();
     let pairs = run.arc.tip.displacement_m.iter().zip(&run.joint.angle_rad);

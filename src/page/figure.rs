@@ -91,35 +91,41 @@ impl Curve {
         Self { name: name.to_owned(), stroke, points }
     }
 
-    /// Adds a limit to the lines of a figure, in the colour of the limited line; `owner` is empty or a word before
-    /// "limit". A limit far above the lines would make them small: the function then adds no line, and returns a
+    /// Adds a limit of the distance from the value `from` to the lines of a figure, in the colour of the limited line;
+    /// `owner` is empty or a word before "limit". A limit far above the lines would make them small: the function then adds no line, and returns a
     /// sentence for the caption.
     pub(super) fn add_limit(
         curves: &mut Vec<Self>,
-        limit: Option<f64>,
+        (limit, from): (Option<f64>, f64),
         (owner, unit): (&str, &str),
         colour: usize,
     ) -> String {
         let Some(limit) = limit else { return String::new() };
         let name = format!("{owner} limit {} {unit}", given(limit)).trim_start().to_owned();
-        let Some(line) = Self::limit((limit, &name), colour, curves) else {
+        let Some(line) = Self::limit((limit, &name), from, colour, curves) else {
             return format!(" The {name} is beyond the figure.");
         };
         curves.push(line);
         String::new()
     }
 
-    /// A line at a limit, over the x of the first of `curves`; also at minus the limit if some curve falls below 0 by a
-    /// twentieth of the peak. `None` for a limit of more than three times the peak, and without points.
-    fn limit((limit, name): (f64, &str), colour: usize, curves: &[Self]) -> Option<Self> {
+    /// A line at a limit above `from`, over the x of the first of `curves`; also at the limit below it if some curve falls
+    /// below `from` by a twentieth of the peak. `None` for a limit of more than three times the peak, and without points.
+    fn limit(
+        (limit, name): (f64, &str),
+        from: f64,
+        colour: usize,
+        curves: &[Self],
+    ) -> Option<Self> {
         const FAR: f64 = 3.0;
-        let values = || curves.iter().flat_map(|line| line.points.iter().map(|(_, value)| *value));
+        let points = || curves.iter().flat_map(|line| &line.points);
+        let values = || points().map(|(_, value)| value - from);
         let peak = values().fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let x = &curves.first()?.points;
         let [first, last] = [x.first()?.0, x.last()?.0];
-        let mut points = vec![(first, limit), (last, limit)];
+        let mut points = vec![(first, from + limit), (last, from + limit)];
         if values().any(|value| value < -0.05 * peak) {
-            points.extend([(f64::NAN, f64::NAN), (first, -limit), (last, -limit)]);
+            points.extend([(f64::NAN, f64::NAN), (first, from - limit), (last, from - limit)]);
         }
         let name = name.to_owned();
         (limit <= FAR * peak).then_some(Self { name, stroke: Stroke::Limit(colour), points })
@@ -372,13 +378,13 @@ mod tests {
         let curve =
             |values: &[f64]| vec![Curve::new("torque", Stroke::Solid(1), &[0.0, 1.0], values)];
         let mut curves = curve(&[-1.0, 1.5]);
-        assert_eq!(Curve::add_limit(&mut curves, Some(2.0), ("", "N m"), 1), "");
+        assert_eq!(Curve::add_limit(&mut curves, (Some(2.0), 0.0), ("", "N m"), 1), "");
         let limit = &curves[1];
         let heights: Vec<f64> =
             limit.points.iter().map(|(_, y)| *y).filter(|y| y.is_finite()).collect();
         assert_eq!((heights, &limit.name[..]), (vec![2.0, 2.0, -2.0, -2.0], "limit 2 N m"));
-        assert_eq!(Curve::limit((2.0, "a"), 1, &curve(&[0.0, 1.5])).unwrap().points.len(), 2);
-        let remark = Curve::add_limit(&mut curves, Some(20.0), ("motor's", "N m"), 1);
+        assert_eq!(Curve::limit((2.0, "a"), 0.0, 1, &curve(&[0.0, 1.5])).unwrap().points.len(), 2);
+        let remark = Curve::add_limit(&mut curves, (Some(20.0), 0.0), ("motor's", "N m"), 1);
         let beyond = " The motor's limit 20 N m is beyond the figure.";
         assert_eq!((remark.as_str(), curves.len()), (beyond, 2));
     }

@@ -177,7 +177,7 @@ pub(super) fn shapes(mesh: &Mesh) -> Result<Figure, String> {
     let curves: Vec<Curve> = frequencies.iter().enumerate().map(curve).collect();
     let x = Axis::linear("x", "m", 0.0..mesh.length_m());
     let y = Axis::linear("displacement", "", -1.1..1.1);
-    let caption = "Displacement along the link, from the hub's axis to the tip, while it vibrates freely \
+    let caption = "Displacement along the link, from the hub's axis to the end, while it vibrates freely \
                    about its hub; each shape over its largest value. The slope at the hub is the hub's \
                    own turning.";
     let figure = Figure::new("mode-shapes", "Mode shapes", caption.to_owned(), x, y);

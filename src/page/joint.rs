@@ -45,7 +45,12 @@ pub(super) fn torque(view: &View, joint: usize) -> Figure {
     }
     let line = (joint, flexible(view, "torque"));
     let mut curves = of_joint(view, line, |j| (&j.torque_n_m, j.rigid_torque_n_m.as_ref()));
-    caption.push_str(&Curve::add_limit(&mut curves, own.limits.of("torque"), ("", "N m"), 1));
+    caption.push_str(&Curve::add_limit(
+        &mut curves,
+        (own.limits.of("torque"), 0.0),
+        ("", "N m"),
+        1,
+    ));
     let id = view.id("torque", joint);
     let title = format!("Torque {} {}", view.pick("at", "of"), view.joint_words(joint));
     let figure = view.figure(id, &title, caption, ("torque", "N m"), curves);
@@ -98,7 +103,16 @@ pub(super) fn angle(view: &View, joint: usize) -> Figure {
     }
     let title = format!("{} {}", view.pick("Rotation of", "Angle of"), view.joint_words(joint));
     let line = (joint, flexible(view, "hub"));
-    let curves = of_joint(view, line, |j| (&j.angle_rad, j.rigid_angle_rad.as_ref()));
+    let mut curves = of_joint(view, line, |j| (&j.angle_rad, j.rigid_angle_rad.as_ref()));
+    let own = &view.first().joints[joint];
+    let start_rad = own.angle_rad[0];
+    let turned_rad =
+        own.angle_rad.iter().fold(0.0, |most: f64, own| most.max((own - start_rad).abs()));
+    // Of a cycle the limit is that of the range, which is not a line.
+    if own.reading("peak_hub_angle_rad").is_none_or(|peak| turned_rad > 0.99 * peak) {
+        let limit = (own.limits.of("hub_angle"), start_rad);
+        caption.push_str(&Curve::add_limit(&mut curves, limit, ("", "rad"), 1));
+    }
     let id = view.id("hub-angle", joint);
     let figure = view.figure(id, &title, caption, ("angle", "rad"), curves);
     let spans = view.pick(view.lead_and_lag(joint), vec![]);
@@ -150,14 +164,21 @@ pub(super) const MOTOR_TORQUE: Limited = Limited {
     formula: formula::MOTOR,
 };
 
-/// Rate and power, of the joint and of its motor: drawn if they have a limit.
-pub(super) const LIMITED: [Limited; 4] = [
+/// Rate, acceleration and power, of the joint and of its motor: drawn if they have a limit.
+pub(super) const LIMITED: [Limited; 5] = [
     Limited {
         id: "hub-rate",
         title: "Rate of",
         quantity: ("rate", "hub_rate"),
         of: |joint| Some(Cow::Borrowed(&joint.rate_rad_s)),
         formula: formula::RATE,
+    },
+    Limited {
+        id: "hub-acceleration",
+        title: "Acceleration of",
+        quantity: ("acceleration", "hub_acceleration"),
+        of: |joint| Some(Cow::Borrowed(&joint.acceleration_rad_s2)),
+        formula: formula::ACCELERATION,
     },
     Limited {
         id: "hub-power",
@@ -225,7 +246,7 @@ fn figure(
     let values: Vec<f64> = values.map(|(_, value)| *value).collect();
     let peak = format!("{} {unit}", peak_words(known, &values));
     let mut caption = caption.replace("{}", &peak);
-    caption.push_str(&Curve::add_limit(&mut curves, joint.limits.of(key), ("", unit), 1));
+    caption.push_str(&Curve::add_limit(&mut curves, (joint.limits.of(key), 0.0), ("", unit), 1));
     view.figure(id, title, caption, (axis, unit), curves)
 }
 
@@ -250,12 +271,14 @@ fn deflection(view: &View, link: usize) -> Result<Figure, String> {
     let title = view.pick("Deflection of the tip from the hub's tangent line", &of_arm);
     let caption = view.pick(AT_MOST, "From the tangent line at the link's root, at most {}.");
     let curves = if let Some(run) = view.link {
-        let tip = run.arc.mesh.nodes_m().len() - 1;
-        let written = run.arc.deflections_m.as_ref().filter(|own| own.nodes.last() == Some(&tip));
+        let output = run.arc.mesh.output();
+        let written = run.arc.deflections_m.as_ref();
+        let written = written.and_then(|own| {
+            let at = own.nodes.iter().position(|node| *node == output)?;
+            Some((&own.times_s[..], &own.histories[at]))
+        });
         let bent = bent_m(run);
-        let (times_s, history) = written
-            .and_then(|own| Some((&own.times_s[..], own.histories.last()?)))
-            .unwrap_or((run.times_s, &bent));
+        let (times_s, history) = written.unwrap_or((run.times_s, &bent));
         vec![view.curve("flexible link", Stroke::Solid(1), times_s, history)]
     } else {
         let own = largest(&tip_deflection_m(view.first(), link));
@@ -309,7 +332,8 @@ pub(super) fn root_moments(view: &View) -> Result<Figure, String> {
     let mut caption =
         "Bending moment at the root of each link, where it is largest as a rule.".to_owned();
     for (link, joint) in view.first().joints.iter().enumerate() {
-        let (whose, limit) = (format!("link {}:", link + 1), joint.limits.of("bending_moment"));
+        let limit = (joint.limits.of("bending_moment"), 0.0);
+        let whose = format!("link {}:", link + 1);
         let colour = 1 + link % COLOURS;
         caption.push_str(&Curve::add_limit(&mut curves, limit, (&whose, "N m"), colour));
     }

@@ -46,7 +46,7 @@ pub fn page(result: &StoredResult, figures: &Figures) -> String {
     };
     let document = document.into_string();
     visible_document(&match link {
-        Some(link) => words::worded(&link.joint(), document),
+        Some(link) => words::worded(link, document),
         None => document,
     })
 }

@@ -86,6 +86,7 @@ pub(super) fn run() -> StoredRun {
             torque_n_m: solution.hub().torque_n_m.clone(),
             angle_rad: solution.hub().angle_rad.clone(),
             rate_rad_s: solution.hub().rate_rad_s.clone(),
+            acceleration_rad_s2: solution.acceleration_rad_s2(0).into_owned(),
             rigid_torque_n_m: Some(solution.hub().rigid_torque_n_m.clone()),
             rigid_angle_rad: Some(solution.hub().rigid_angle_rad.clone()),
             motor: None,

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use maud::{Markup, html};
 
 use super::view::View;
-use crate::link::{Damping, Joint};
+use crate::link::{Damping, Joint, Link};
 use crate::numeric::largest;
 
 const GLOSSARY: [(&str, &str); 4] = [
@@ -115,6 +115,7 @@ pub(super) mod formula {
         "m(0, t) = EI ∂²w/∂x² at the root; with shear EI ∂ψ/∂x.";
     /// Formulas of quantities with a limit.
     pub(in crate::page) const RATE: &str = "dθ/dt of the hub, dq/dt of a joint.";
+    pub(in crate::page) const ACCELERATION: &str = "d²θ/dt² of the hub, d²q/dt² of a joint.";
     pub(in crate::page) const POWER: &str = "P = T dθ/dt, of a joint T dq/dt.";
     pub(in crate::page) const MOTOR_RATE: &str = "\
         dφ/dt, φ = n (θ + T/k): angle of the rotor, with the gear ratio n and the stiffness k of the joint.";
@@ -133,7 +134,7 @@ pub(super) mod formula {
 }
 
 /// Texts of a page of a hub, and those of a carriage in their place, before the words of the joint.
-const ON_CARRIAGE: [(&str, &str); 32] = [
+const ON_CARRIAGE: [(&str, &str); 33] = [
     ("T(t) = 1/2π ∫ H(ω)", "F(t) = 1/2π ∫ H(ω)"),
     (
         "H = T/a: solution of (K + iωC − ω²M) u = T e",
@@ -170,6 +171,7 @@ const ON_CARRIAGE: [(&str, &str); 32] = [
     ("displacement of the tip along its arc", "displacement of the tip"),
     ("|T / a|", "|F / a|"),
     ("dθ/dt of the hub, dq/dt of a joint.", "du/dt of the carriage."),
+    ("d²θ/dt² of the hub, d²q/dt² of a joint.", "d²u/dt² of the carriage."),
     ("P = T dθ/dt, of a joint T dq/dt.", "P = F du/dt."),
     ("T_m = T/n + J", "T_m = F/n + J"),
     (
@@ -183,9 +185,9 @@ const ON_CARRIAGE: [(&str, &str); 32] = [
     ("Angle that an encoder at the hub measures", "Position of the carriage"),
     ("Rotation of the hub", "Position of the carriage"),
     (
-        "from the hub's axis to the tip, while it vibrates freely about its hub; each shape over its largest value. The \
+        "from the hub's axis to the end, while it vibrates freely about its hub; each shape over its largest value. The \
          slope at the hub is the hub's own turning",
-        "from the carriage to the tip, while it vibrates with the carriage free; each shape over its largest value",
+        "from the carriage to the end, while it vibrates with the carriage free; each shape over its largest value",
     ),
     ("Torque, tip and hub", "Force, tip and carriage"),
     ("displacement along the arc", "displacement"),
@@ -194,9 +196,10 @@ const ON_CARRIAGE: [(&str, &str); 32] = [
     ("Torque that an", "Force that an"),
 ];
 
-/// A page in the words of a joint: its texts and the labels of its figures. Scripts and styles stay.
-pub(super) fn worded(joint: &Joint, page: String) -> String {
-    if !joint.slides() {
+/// A page in the words of the joint and the output of a link: its texts and the labels of its figures. Scripts and styles
+/// stay.
+pub(super) fn worded(link: &Link, page: String) -> String {
+    if !link.joint().slides() && !link.has_station() {
         return page;
     }
     let mut own = String::with_capacity(page.len());
@@ -213,7 +216,7 @@ pub(super) fn worded(joint: &Joint, page: String) -> String {
         own += &if is_given {
             text.to_owned()
         } else {
-            worded_text(joint, text, if figure.is_empty() { before } else { figure })
+            worded_text(link, text, if figure.is_empty() { before } else { figure })
         };
         if !text.trim().is_empty() {
             before = text;
@@ -230,19 +233,19 @@ pub(super) fn worded(joint: &Joint, page: String) -> String {
         }
         let is_label =
             verbatim.is_none() && tag.contains(" aria-label=\"") | tag.contains(" data-name=\"");
-        own += &if is_label { worded_tag(joint, tag, figure) } else { tag.to_owned() };
+        own += &if is_label { worded_tag(link, tag, figure) } else { tag.to_owned() };
         (rest, last) = (after, tag);
     }
     own + rest
 }
 
-/// The labels of a tag in the words of a joint.
-fn worded_tag(joint: &Joint, tag: &str, figure: &str) -> String {
+/// The labels of a tag in the words of a link.
+fn worded_tag(link: &Link, tag: &str, figure: &str) -> String {
     let labels = ["aria-label", "data-name", "data-y-name", "data-y-unit", "data-unit"];
     let each = tag.split_inclusive('"').scan("", |name, part| {
         let is_label = labels.iter().any(|own| name.ends_with(&format!(" {own}=\"")));
         let worded = if is_label {
-            worded_text(joint, part, if figure.is_empty() { tag } else { figure })
+            worded_text(link, part, if figure.is_empty() { tag } else { figure })
         } else {
             part.to_owned()
         };
@@ -252,8 +255,16 @@ fn worded_tag(joint: &Joint, tag: &str, figure: &str) -> String {
     each.collect()
 }
 
+/// A text in the words of the joint and the output of a link.
+fn worded_text(link: &Link, text: &str, before: &str) -> String {
+    link.of_output(of_joint(&link.joint(), text, before))
+}
+
 /// A text in the words of a joint. Moments and motors, which it or the text `before` names, keep their units.
-fn worded_text(joint: &Joint, text: &str, before: &str) -> String {
+fn of_joint(joint: &Joint, text: &str, before: &str) -> String {
+    if !joint.slides() {
+        return text.to_owned();
+    }
     let replaced =
         ON_CARRIAGE.iter().fold(text.to_owned(), |text, (hub, own)| text.replace(hub, own));
     let names = |of: &str, word: &str| of.to_lowercase().contains(word);
@@ -394,13 +405,14 @@ pub(super) fn cited(view: &View, figures: [Option<u8>; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::{Carriage, Hub};
+    use crate::link::{Carriage, LinkParts, uniform};
     use crate::result::Exceeded;
 
     #[test]
     fn texts_and_labels_of_a_page_become_those_of_a_carriage() {
-        let joint = Joint::Prismatic(Carriage::default());
-        let page = |text: &str| worded(&joint, text.to_owned());
+        let [hub, carriage] = [None, Some(Carriage::default())]
+            .map(|carriage| Link::new(LinkParts { carriage, ..uniform() }).unwrap());
+        let page = |text: &str| worded(&carriage, text.to_owned());
         for (of_hub, own) in [
             ("<h1>A torque at the hub</h1>", "<h1>A torque at the hub</h1>"),
             ("<p>At most 3 N m.</p>", "<p>At most 3 N.</p>"),
@@ -421,7 +433,7 @@ mod tests {
             ("<script>torque(hub)</script>", "<script>torque(hub)</script>"),
         ] {
             assert_eq!(page(of_hub), own);
-            assert_eq!(worded(&Joint::Revolute(Hub::default()), of_hub.to_owned()), of_hub);
+            assert_eq!(worded(&hub, of_hub.to_owned()), of_hub);
         }
     }
 

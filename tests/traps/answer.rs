@@ -15,9 +15,9 @@ const MODES_OF_SERIES: usize = 45;
 pub(crate) struct Transfers {
     /// T/a in kg m.
     pub(crate) torque: Complex64,
-    /// `(θ − v_tip/L)/a` in rad s²/m.
+    /// `(θ − v_tip/L)/a` in rad s²/m, of a carriage `(u − v_tip)/a` in s²; the tip is the output.
     pub(crate) excess_angle: Complex64,
-    /// `(v_x − x/L v_tip)/a` in s² at the stations.
+    /// `(v_x − x/L v_tip)/a` in s² at the stations, of a carriage `(v_x − v_tip)/a`.
     pub(crate) excess: Vec<Complex64>,
     /// `N_x/a` in kg m at the stations.
     pub(crate) moment: Vec<Complex64>,
@@ -71,10 +71,10 @@ impl Exact {
     fn of(&self, (beam, law): &(Beam, Law), omega: f64) -> Transfers {
         let (turned, hub_u) = law.turned(beam, omega);
         let Turned { tip_m, tip_u, inertia_kg_m2, u, moment } = turned;
-        let length = beam.length_m();
+        let length = beam.rigid_output();
         let theta = 1.0 + omega * omega * hub_u;
         let friction = Complex64::new(0.0, -self.friction_n_m_s / omega) * theta;
-        let shapes = u.iter().zip(beam.stations_m());
+        let shapes = u.iter().zip(beam.rigid_stations());
         Transfers {
             torque: (inertia_kg_m2 + friction) / tip_m,
             excess_angle: (tip_u / length - hub_u) / tip_m,
@@ -114,7 +114,7 @@ impl Law {
         }
     }
 
-    /// The link under unit rotation, and the hub's own u.
+    /// The link under a unit of its joint, and the joint's own u.
     fn turned(&self, beam: &Beam, omega: f64) -> (Turned, Complex64) {
         let square = Complex64::from(omega * omega);
         let local =
@@ -125,7 +125,9 @@ impl Law {
                 Complex64::new(1.0, omega * beta_s),
                 Complex64::new(1.0, -alpha_per_s / omega),
             ),
-            Self::Modal { modes, rates_per_s } => modes.damped(omega, beam.length_m(), rates_per_s),
+            Self::Modal { modes, rates_per_s } => {
+                modes.damped(omega, beam.rigid_output(), rates_per_s)
+            }
         }
     }
 }

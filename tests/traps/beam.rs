@@ -1,6 +1,6 @@
 //! The stepped Bernoulli-Euler link in closed form, piece by piece, without elements.
 //!
-//! At one frequency, with the hub turned by θ = 1 and v = x + ω²u,
+//! At one frequency, with the joint moved by 1 and v = r + ω²u, r the rigid link (x of a hub, 1 of a carriage),
 //!
 //! ```text
 //! EI κ v'''' = m μ ω² v          κ, μ: complex factors of stiffness and mass
@@ -15,7 +15,7 @@
 
 use num_complex::Complex64;
 
-use super::link::{Link, Payload, Piece};
+use super::link::{Joint, Link, Payload, Piece};
 
 /// Σ|β|l up to which the series is used.
 pub(crate) const SERIES_UP_TO: f64 = 4.0;
@@ -32,23 +32,26 @@ pub(crate) struct Frequency {
 #[derive(Debug, Clone)]
 pub(crate) struct Beam {
     pieces: Vec<Piece>,
+    joint: Joint,
     hub_kg_m2: f64,
     radius_m: f64,
+    /// Slope at the root per moment there, in rad/(N m).
+    root_compliance: f64,
     payload: Payload,
     length_m: f64,
-    /// Piece and place within it of every station.
+    /// Piece and place within it of every station; the output is the last one.
     stations: Vec<(usize, f64)>,
     stations_m: Vec<f64>,
 }
 
-/// The link under θ = 1.
+/// The link under a unit of its joint.
 #[derive(Debug, Clone)]
 pub(crate) struct Turned {
-    /// v at the tip.
+    /// v at the output.
     pub(crate) tip_m: Complex64,
-    /// u at the tip, u = (v − x)/ω².
+    /// u at the output, u = (v − r)/ω².
     pub(crate) tip_u: Complex64,
-    /// −T/ω².
+    /// −T/ω², of a carriage −F/ω².
     pub(crate) inertia_kg_m2: Complex64,
     /// u at the stations.
     pub(crate) u: Vec<Complex64>,
@@ -60,6 +63,7 @@ impl Beam {
     /// The link with stations at these distances from the axis.
     pub(crate) fn new(link: &Link, fineness: usize, stations_m: &[f64]) -> Self {
         let pieces = link.pieces(fineness);
+        let stations_m = [stations_m, &[link.output_m()]].concat();
         let stations = stations_m.iter().map(|x| {
             let mut within = x - link.radius_m;
             let mut piece = 0;
@@ -71,8 +75,10 @@ impl Beam {
         });
         Self {
             stations: stations.collect(),
-            stations_m: stations_m.to_vec(),
+            stations_m,
             pieces,
+            joint: link.joint,
+            root_compliance: 1.0 / link.root_n_m_rad,
             hub_kg_m2: link.hub_kg_m2,
             radius_m: link.radius_m,
             payload: link.payload,
@@ -80,26 +86,47 @@ impl Beam {
         }
     }
 
-    pub(crate) fn length_m(&self) -> f64 {
-        self.length_m
+    /// The link with its tip as output.
+    pub(crate) fn to_tip(&self) -> Self {
+        let mut own = self.clone();
+        let (last, count) = (own.pieces.len() - 1, own.stations.len() - 1);
+        own.stations[count] = (last, own.pieces[last].length_m);
+        own.stations_m[count] = own.length_m;
+        own
     }
 
-    pub(crate) fn stations_m(&self) -> &[f64] {
-        &self.stations_m
+    /// Displacement of the rigid link at the output per unit of the joint.
+    pub(crate) fn rigid_output(&self) -> f64 {
+        self.rigid(self.stations_m[self.stations_m.len() - 1])
     }
 
-    /// Rotary inertia of the rigid link.
+    /// Displacements of the rigid link at the stations per unit of the joint.
+    pub(crate) fn rigid_stations(&self) -> impl Iterator<Item = f64> {
+        let own = &self.stations_m[..self.stations_m.len() - 1];
+        own.iter().map(|x| self.rigid(*x))
+    }
+
+    fn rigid(&self, x_m: f64) -> f64 {
+        self.joint.rigid(x_m)[0]
+    }
+
+    /// Inertia of the rigid link: rotary about the axis of a hub, the whole mass on a carriage.
     pub(crate) fn rigid_inertia_kg_m2(&self) -> f64 {
         let mut from = self.radius_m;
         let mut inertia = self.hub_kg_m2;
+        let body = |at_m: f64, mass_kg: f64, inertia_kg_m2: f64| {
+            let [v, phi] = self.joint.rigid(at_m);
+            mass_kg * v * v + inertia_kg_m2 * phi * phi
+        };
         for piece in &self.pieces {
             let to = from + piece.length_m;
-            inertia += piece.mass_kg_m * (to.powi(3) - from.powi(3)) / 3.0;
-            inertia += piece.end_kg * to * to + piece.end_kg_m2;
+            let (mass_kg, middle) = (piece.mass_kg_m * piece.length_m, 0.5 * (from + to));
+            inertia += body(middle, mass_kg, mass_kg * piece.length_m * piece.length_m / 12.0);
+            inertia += body(to, piece.end_kg, piece.end_kg_m2);
             from = to;
         }
         let Payload { mass_kg, inertia_kg_m2, offset_m } = self.payload;
-        inertia + mass_kg * (from + offset_m).powi(2) + inertia_kg_m2
+        inertia + body(from + offset_m, mass_kg, inertia_kg_m2)
     }
 
     /// Σ|β|l of the link.
@@ -118,9 +145,11 @@ impl Beam {
         let Payload { mass_kg, inertia_kg_m2, offset_m: c } = self.payload;
         let (length, last) = (self.length_m, self.pieces.len() - 1);
         // S_L + m_t'(V + cΦ) = 0 and N_L + J'Φ + c m_t'(V + cΦ) = 0, both divided by ω².
+        let [at_tip, turned] = self.joint.rigid(length);
         let residual = |column: &Carried, of_rigid: f64| {
             let [u, slope, n, s] = column.ends[last];
-            let (v, phi) = (of_rigid * length + at.square * u, of_rigid + at.square * slope);
+            let v = of_rigid * at_tip + at.square * u;
+            let phi = of_rigid * turned + at.square * slope;
             let force = mass_kg * at.mass * (v + c * phi);
             [s + force, n + inertia_kg_m2 * at.mass * phi + c * force]
         };
@@ -132,18 +161,22 @@ impl Beam {
         let sum = |of: &dyn Fn(&Carried) -> Complex64| {
             of(&columns[0]) + n * of(&columns[1]) + s * of(&columns[2])
         };
-        let tip_u = sum(&|column| column.ends[last][0]);
-        let at_stations = |k: usize| {
-            let count = self.stations.len();
-            (0..count).map(|i| sum(&|column| column.stations[i][k])).collect::<Vec<_>>()
-        };
+        let count = self.stations.len() - 1;
+        let at_station = |i: usize, k: usize| sum(&|column| column.stations[i][k]);
+        let tip_u = at_station(count, 0);
         Turned {
-            tip_m: length + at.square * tip_u,
+            tip_m: self.rigid_output() + at.square * tip_u,
             tip_u,
-            inertia_kg_m2: self.hub_kg_m2 * at.mass - n - self.radius_m * s,
-            u: at_stations(0),
-            moment: at_stations(1).into_iter().map(|n| -n).collect(),
+            inertia_kg_m2: self.inertia_of_root(at, n, s),
+            u: (0..count).map(|i| at_station(i, 0)).collect(),
+            moment: (0..count).map(|i| -at_station(i, 1)).collect(),
         }
+    }
+
+    /// −T/ω², or −F/ω², from N/ω² and S/ω² at the root.
+    fn inertia_of_root(&self, at: Frequency, n: Complex64, s: Complex64) -> Complex64 {
+        let [v, phi] = self.joint.rigid(self.radius_m);
+        self.hub_kg_m2 * at.mass - phi * n - v * s
     }
 
     /// u, u', N/ω² and S/ω² at the end of every piece; u and N/ω² at the stations. The first
@@ -151,18 +184,23 @@ impl Beam {
     fn carried(&self, at: Frequency, root: [f64; 2]) -> Carried {
         let loaded = if root == [0.0, 0.0] { 1.0 } else { 0.0 };
         let zero = Complex64::ZERO;
-        let mut state = [zero, zero, root[0].into(), root[1].into()];
-        let mut found = Carried { ends: Vec::new(), stations: Vec::new() };
+        let sprung = -root[0] * self.root_compliance / at.stiffness;
+        let mut state = [zero, sprung, root[0].into(), root[1].into()];
+        let mut found =
+            Carried { ends: Vec::new(), stations: vec![[zero; 2]; self.stations.len()] };
         let mut x = self.radius_m;
         for (k, piece) in self.pieces.iter().enumerate() {
-            let here = self.stations.iter().filter(|(piece, _)| *piece == k);
-            for (_, within) in here {
-                let [u, _, n, _] = at.advanced(piece, state, *within, loaded * x, loaded);
-                found.stations.push([u, n]);
+            let [lift, slope] = self.joint.rigid(x).map(|own| loaded * own);
+            for ((own, within), station) in self.stations.iter().zip(&mut found.stations) {
+                if *own == k {
+                    let [u, _, n, _] = at.advanced(piece, state, *within, lift, slope);
+                    *station = [u, n];
+                }
             }
-            state = at.advanced(piece, state, piece.length_m, loaded * x, loaded);
+            state = at.advanced(piece, state, piece.length_m, lift, slope);
             x += piece.length_m;
-            let (v, phi) = (loaded * x + at.square * state[0], loaded + at.square * state[1]);
+            let [lift, slope] = self.joint.rigid(x).map(|own| loaded * own);
+            let (v, phi) = (lift + at.square * state[0], slope + at.square * state[1]);
             state[3] += piece.end_kg * at.mass * v;
             state[2] += piece.end_kg_m2 * at.mass * phi;
             found.ends.push(state);
@@ -172,24 +210,26 @@ impl Beam {
 
     /// The solution by decaying waves.
     pub(crate) fn by_waves(&self, at: Frequency) -> Turned {
-        let system = super::waves::Waves::new(&self.pieces, self.payload, self.radius_m, at);
+        let root = (self.joint.rigid(self.radius_m), self.root_compliance);
+        let system = super::waves::Waves::new(&self.pieces, self.payload, root, at);
         let coefficients = system.solved();
         let value = |piece: usize, within: f64, order: usize| {
             let own = &coefficients[4 * piece..4 * piece + 4];
             let waves = system.waves(piece, within, order);
             own.iter().zip(waves).map(|(c, w)| c * w).sum::<Complex64>()
         };
-        let last = self.pieces.len() - 1;
-        let tip_m = value(last, self.pieces[last].length_m, 0);
+        let count = self.stations.len() - 1;
+        let (last, within) = self.stations[count];
+        let tip_m = value(last, within, 0);
         let stiffness = |piece: usize| self.pieces[piece].stiffness_n_m2 * at.stiffness;
         let (n, s) = (-stiffness(0) * value(0, 0.0, 2), stiffness(0) * value(0, 0.0, 3));
-        let u = self.stations.iter().zip(&self.stations_m);
-        let moment = self.stations.iter();
+        let u = self.stations[..count].iter().zip(self.rigid_stations());
+        let moment = self.stations[..count].iter();
         Turned {
             tip_m,
-            tip_u: (tip_m - self.length_m) / at.square,
-            inertia_kg_m2: self.hub_kg_m2 * at.mass - (n + self.radius_m * s) / at.square,
-            u: u.map(|((k, s), x)| (value(*k, *s, 0) - x) / at.square).collect(),
+            tip_u: (tip_m - self.rigid_output()) / at.square,
+            inertia_kg_m2: self.inertia_of_root(at, n / at.square, s / at.square),
+            u: u.map(|((k, s), rigid)| (value(*k, *s, 0) - rigid) / at.square).collect(),
             moment: moment.map(|(k, s)| stiffness(*k) * value(*k, *s, 2) / at.square).collect(),
         }
     }

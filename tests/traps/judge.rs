@@ -8,7 +8,7 @@ use super::case::{Case, Mesh};
 use super::excuse::{Claim, excuses};
 use super::link::Damping;
 use super::motion::Samples;
-use super::run::{Warned, Written, has_one_moment};
+use super::run::{Table, Warned, Written, has_one_moment};
 use super::truth::{Run, Truth};
 
 /// A claim is at least this share of the true error …
@@ -59,6 +59,7 @@ pub(crate) struct Judgement {
 
 pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judgement {
     let tables = ["torque.csv", "hub_angle.csv", "tip.csv"].map(|name| written.table(name));
+    let of = |table: &Table, column: &str| table.column(written.named(column)).to_vec();
     let [torque, angle, tip] = &tables;
     let len = torque.column("time_s").len();
     let run = run_of(case, samples, written, len);
@@ -76,21 +77,22 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
             let below = c + floor < AT_LEAST * error;
             as_asked || (!below && c <= AT_MOST * error + within)
         });
-        let excused = claim.is_some_and(|claim| excuses(&warnings, quantity, &claim));
+        let excused = claim
+            .is_some_and(|claim| excuses(&warnings, (quantity, written.named(quantity)), &claim));
         verdicts.push(Verdict { quantity, claimed, truth: error, holds, excused });
     };
     let way = span(&truth.wanted_m, truth.wanted_m[0]);
-    let tip_m = rows.of(tip.column("tip_displacement_m"));
+    let tip_m = rows.of(&of(tip, "tip_displacement_m"));
     judge("tip", farthest(&tip_m, &truth.wanted_m) / way);
 
     // What the window cuts off is lost, too.
     let outside = truth.outside_n_m;
     let peak = span(&truth.torque_n_m, 0.0);
-    let off = farthest(&rows.of(torque.column("torque_n_m")), &truth.torque_n_m);
+    let off = farthest(&rows.of(&of(torque, "torque_n_m")), &truth.torque_n_m);
     judge("torque", off.max(outside[0]) / peak);
 
     let theta = &truth.hub_angle_rad;
-    let off = farthest(&rows.of(angle.column("hub_angle_rad")), theta);
+    let off = farthest(&rows.of(&of(angle, "hub_angle_rad")), theta);
     judge("hub_angle", off / span(theta, theta[0]));
 
     let derived = [
@@ -98,7 +100,7 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
         ("hub_acceleration", "hub_acceleration_rad_s2", &truth.hub_acceleration_rad_s2),
     ];
     for (quantity, column, exact) in derived {
-        judge(quantity, farthest(&rows.of(angle.column(column)), exact) / span(exact, 0.0));
+        judge(quantity, farthest(&rows.of(&of(angle, column)), exact) / span(exact, 0.0));
     }
 
     let nodes = written.table("nodal_displacements.csv");
@@ -133,7 +135,7 @@ pub(crate) fn judged(case: &Case, samples: &Samples, written: &Written) -> Judge
 /// the hub angle over the peak of the deflection.
 fn peaks(case: &Case, written: &Written, truth: &Truth, verdicts: &[Verdict]) -> Vec<Peak> {
     let exact = &truth.peaks;
-    let turned_m = case.link.length_m() * span(&truth.hub_angle_rad, truth.hub_angle_rad[0]);
+    let turned_m = case.link.rigid_output() * span(&truth.hub_angle_rad, truth.hub_angle_rad[0]);
     let keys = [
         ("peak_torque_n_m", "torque", Some(exact.torque_n_m), 1.0),
         ("peak_hub_rate_rad_s", "hub_rate", Some(exact.hub_rate_rad_s), 1.0),
@@ -146,7 +148,7 @@ fn peaks(case: &Case, written: &Written, truth: &Truth, verdicts: &[Verdict]) ->
         let claimed: f64 = claimed(written, quantity)?.iter().map(|(_, error)| error).sum();
         // Modal damping tells no moments.
         let truth = truth.filter(|truth| *truth > 0.0)?;
-        let found = written.number(&format!("/results/{key}")).unwrap_or(f64::NAN);
+        let found = written.number(&format!("/results/{}", written.named(key))).unwrap_or(f64::NAN);
         let within = times * claimed + BETWEEN_ROWS;
         let is_excused = verdict.is_some_and(|verdict| verdict.excused);
         let holds = is_excused || (found / truth - 1.0).abs() <= within;
@@ -183,7 +185,7 @@ fn run_of(case: &Case, samples: &Samples, written: &Written, len: usize) -> Run 
 
 /// What a run claims that a quantity may be off by, each kind of error.
 pub(crate) fn claimed(written: &Written, quantity: &str) -> Option<Claim> {
-    let errors = written.summary.pointer(&format!("/errors/{quantity}"))?;
+    let errors = written.summary.pointer(&format!("/errors/{}", written.named(quantity)))?;
     if let Some(error) = errors.as_f64() {
         return Some(vec![(quantity.to_owned(), error)]);
     }

@@ -3,6 +3,26 @@
 
 use std::fmt::Write;
 
+/// Files, columns and keys of a hub, and those of a carriage in their place.
+const OF_CARRIAGE: [(&str, &str); 12] = [
+    ("torque.csv", "force.csv"),
+    ("torque_n_m", "force_n"),
+    ("torque", "force"),
+    ("peak_torque_n_m", "peak_force_n"),
+    ("hub_angle.csv", "carriage.csv"),
+    ("hub_angle_rad", "carriage_m"),
+    ("hub_angle", "carriage_travel"),
+    ("hub_rate_rad_s", "carriage_velocity_m_s"),
+    ("hub_rate", "carriage_speed"),
+    ("peak_hub_rate_rad_s", "peak_carriage_speed_m_s"),
+    ("hub_acceleration_rad_s2", "carriage_acceleration_m_s2"),
+    ("hub_acceleration", "carriage_acceleration"),
+];
+
+/// Those of the tip, and those of a station in their place.
+const OF_STATION: [(&str, &str); 2] =
+    [("tip.csv", "output.csv"), ("tip_displacement_m", "output_displacement_m")];
+
 /// Pieces that a tapered segment is cut into for the coarser of the two truths.
 const TAPER_PIECES: usize = 32;
 
@@ -47,11 +67,25 @@ pub(crate) enum Damping {
     Caughey(Vec<f64>),
 }
 
+/// The joint between ground and link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Joint {
+    Hub,
+    /// Slides across the link: forces in N stand for torques, displacements in m for angles.
+    Carriage,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Link {
+    pub(crate) joint: Joint,
     pub(crate) segments: Vec<Segment>,
+    /// Inertia of the joint: of a hub in kg m², of a carriage in kg.
     pub(crate) hub_kg_m2: f64,
     pub(crate) friction_n_m_s: f64,
+    /// Stiffness of a spring between joint and root in N m/rad; infinite without one.
+    pub(crate) root_n_m_rad: f64,
+    /// Distance of the output from the axis in m; `None` for the tip.
+    pub(crate) output_m: Option<f64>,
     pub(crate) radius_m: f64,
     pub(crate) bodies: Vec<Body>,
     pub(crate) payload: Payload,
@@ -78,6 +112,9 @@ impl Link {
         hub_kg_m2: f64,
     ) -> Self {
         Self {
+            joint: Joint::Hub,
+            root_n_m_rad: f64::INFINITY,
+            output_m: None,
             segments: vec![Segment {
                 length_m,
                 stiffness_n_m2: [stiffness_n_m2; 2],
@@ -126,6 +163,24 @@ impl Link {
         self.radius_m + self.segments.iter().map(|s| s.length_m).sum::<f64>()
     }
 
+    /// The program's name of a file, column or key of this link, from that of a hub with the tip as output.
+    pub(crate) fn named<'a>(&self, name: &'a str) -> &'a str {
+        let of_joint = OF_CARRIAGE.iter().filter(|_| self.joint == Joint::Carriage);
+        let of_output = OF_STATION.iter().filter(|_| self.output_m.is_some());
+        let mut pairs = of_joint.chain(of_output);
+        pairs.find(|(of_hub, _)| *of_hub == name).map_or(name, |(_, own)| own)
+    }
+
+    /// Distance from the axis to the place whose motion the cases prescribe.
+    pub(crate) fn output_m(&self) -> f64 {
+        self.output_m.unwrap_or_else(|| self.length_m())
+    }
+
+    /// Displacement of the rigid link at the output per unit of the joint.
+    pub(crate) fn rigid_output(&self) -> f64 {
+        self.joint.rigid(self.output_m())[0]
+    }
+
     pub(crate) fn is_tapered(&self) -> bool {
         self.segments.iter().any(Segment::is_tapered)
     }
@@ -163,8 +218,18 @@ impl Link {
             line(format_args!("[[segments]]\nlength = {length_m:?}\nEI = {ei:?}"));
             line(format_args!("mass_per_length = {m:?}"));
         }
-        line(format_args!("[hub]\ninertia = {:?}\nradius = {:?}", self.hub_kg_m2, self.radius_m));
+        match self.joint {
+            Joint::Hub => {
+                line(format_args!("[hub]\ninertia = {:?}", self.hub_kg_m2));
+                line(format_args!("radius = {:?}", self.radius_m));
+            }
+            Joint::Carriage => line(format_args!("[carriage]\nmass = {:?}", self.hub_kg_m2)),
+        }
         line(format_args!("viscous_friction = {:?}", self.friction_n_m_s));
+        line(format_args!("root_stiffness = {:?}", self.root_n_m_rad));
+        if let Some(at_m) = self.output_m {
+            line(format_args!("[output]\nat = {at_m:?}"));
+        }
         for Body { at_m, mass_kg, inertia_kg_m2 } in &self.bodies {
             line(format_args!("[[masses]]\nat = {at_m:?}\nmass = {mass_kg:?}"));
             line(format_args!("inertia = {inertia_kg_m2:?}"));
@@ -175,9 +240,22 @@ impl Link {
         if let Some(Drive { stiffness_n_m, rotor_kg_m2, gear }) = self.drive {
             line(format_args!("[drive]\njoint_stiffness = {stiffness_n_m:?}"));
             line(format_args!("rotor_inertia = {rotor_kg_m2:?}\ngear_ratio = {gear:?}"));
+            if self.joint == Joint::Carriage {
+                line(format_args!("pinion_radius = 1.0"));
+            }
         }
         line(format_args!("{tables}"));
         text
+    }
+}
+
+impl Joint {
+    /// Displacement in m and slope of the rigid link at a place per unit of the joint.
+    pub(crate) fn rigid(self, x_m: f64) -> [f64; 2] {
+        match self {
+            Self::Hub => [x_m, 1.0],
+            Self::Carriage => [1.0, 0.0],
+        }
     }
 }
 

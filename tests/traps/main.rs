@@ -44,6 +44,9 @@ const SEED: u64 = 21;
 /// How many are drawn.
 const DRAWN: usize = 44;
 
+/// How many are drawn with carriages, stations and springs at the root.
+const OTHERS: usize = 44;
+
 /// Steps of a drawn motion, every factor as likely.
 const STEPS: [f64; 2] = [8.0, 600.0];
 
@@ -71,7 +74,8 @@ fn cases(seed: u64, name: &str) -> Vec<Case> {
     let drawn = (0..DRAWN).map(|k| random::drawn(seed, k, STEPS));
     let found = FOUND.map(|(seed, k)| random::drawn(seed, k, STEPS_OF_FOUND));
     let later = FOUND_LATER.map(|(seed, k)| random::drawn(seed, k, STEPS));
-    let all = listed::cases().into_iter().chain(found).chain(later).chain(drawn);
+    let others = (0..OTHERS).map(|k| random::drawn_otherwise(seed, k, STEPS));
+    let all = listed::cases().into_iter().chain(found).chain(later).chain(drawn).chain(others);
     all.filter(|case| case.name.contains(name)).collect()
 }
 

@@ -43,8 +43,9 @@ fn undamped(square: Complex64) -> Frequency {
 /// They are the zeros of `T/a_tip` over real ω. Its poles are where the tip is blocked: none but what
 /// a body's rotary inertia makes.
 pub(crate) fn natural_frequencies(beam: &Beam, count: usize) -> Vec<f64> {
+    let to_tip = beam.to_tip();
     let transfer = |omega: f64| {
-        let turned = beam.turned(undamped((omega * omega).into()));
+        let turned = to_tip.turned(undamped((omega * omega).into()));
         (turned.inertia_kg_m2 / turned.tip_m).re
     };
     // Steps of the waves in the link, and so of √ω.
@@ -195,8 +196,8 @@ fn scaled(beam: &Beam, square: Complex64) -> Field {
     // (scale − 1)/λ; the field is only asked for far from λ = 0.
     let lift = (scale - 1.0) / square;
     let hub = std::iter::once(lift);
-    let tip = std::iter::once(beam.length_m() * lift + scale * turned.tip_u);
-    let stations = turned.u.iter().zip(beam.stations_m()).map(|(u, x)| x * lift + scale * u);
+    let tip = std::iter::once(beam.rigid_output() * lift + scale * turned.tip_u);
+    let stations = turned.u.iter().zip(beam.rigid_stations()).map(|(u, r)| r * lift + scale * u);
     hub.chain(tip).chain(stations).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Cases from a seed.
 
 use super::case::{Case, Mesh};
-use super::link::{Body, Damping, Drive, Link, Payload, Segment};
+use super::link::{Body, Damping, Drive, Joint, Link, Payload, Segment};
 use super::motion::{Column, Motion, Profile};
 
 /// A generator of numbers, `SplitMix64`.
@@ -45,8 +45,45 @@ pub(crate) fn drawn(seed: u64, k: usize, steps: [f64; 2]) -> Case {
     case(&mut own, format!("{seed}-{k}"), steps)
 }
 
+/// Case number `k` of a seed with a carriage, a station, a spring at the root, or several of them.
+pub(crate) fn drawn_otherwise(seed: u64, k: usize, steps: [f64; 2]) -> Case {
+    let mut own = Random(seed.wrapping_mul(1_000_003).wrapping_add(k as u64) ^ 0xC0FF_EE00);
+    let mut link = link(&mut own);
+    if own.chance(0.7) {
+        slide(&mut own, &mut link);
+    }
+    if own.chance(0.5) {
+        let along_m = link.length_m() - link.radius_m;
+        link.output_m = Some(link.radius_m + own.between(0.3, 0.98) * along_m);
+    }
+    if own.chance(0.3) {
+        let Segment { length_m, stiffness_n_m2, .. } = link.segments[0];
+        link.root_n_m_rad = own.over(0.5, 50.0) * stiffness_n_m2[0] / length_m;
+    }
+    case_of(&mut own, link, format!("other {seed}-{k}"), steps)
+}
+
+/// Puts the link on a carriage in place of its hub.
+fn slide(random: &mut Random, link: &mut Link) {
+    let length_m = link.length_m();
+    link.joint = Joint::Carriage;
+    // Of the same effect on the tip.
+    link.hub_kg_m2 /= length_m * length_m;
+    link.friction_n_m_s /= length_m * length_m;
+    link.bodies.iter_mut().for_each(|body| body.at_m -= link.radius_m);
+    link.radius_m = 0.0;
+    if let Some(drive) = &mut link.drive {
+        drive.stiffness_n_m /= length_m * length_m;
+        drive.rotor_kg_m2 *= random.between(0.1, 1.0);
+    }
+}
+
 fn case(random: &mut Random, name: String, steps: [f64; 2]) -> Case {
     let link = link(random);
+    case_of(random, link, name, steps)
+}
+
+fn case_of(random: &mut Random, link: Link, name: String, steps: [f64; 2]) -> Case {
     let motion = motion(random, &link, steps);
     let mesh = match random.below(6) {
         0 => Mesh::Auto(10_f64.powi(-3 - random.below(4) as i32)),

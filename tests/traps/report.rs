@@ -32,7 +32,7 @@ impl Report {
             Outcome::Written(written) => {
                 report.claims(case, &judged(case, &samples, &written));
                 for (key, value, to) in &case.peaks {
-                    let found = written.number(&format!("/results/{key}"));
+                    let found = written.number(&format!("/results/{}", written.named(key)));
                     if found.is_none_or(|found| (found / value - 1.0).abs() > *to) {
                         report.wrong.push(format!("{key} is {found:?}, not {value}"));
                     }

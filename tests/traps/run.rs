@@ -8,6 +8,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::case::{Case, Mesh};
+use super::link::Link;
 use super::motion::Samples;
 
 /// Nodes that are compared, at most.
@@ -33,13 +34,14 @@ pub(crate) struct Warned {
 impl Warned {
     /// Whether the message is about `the <quantity>`; the motor torque is not the torque.
     pub(crate) fn names(&self, quantity: &str) -> bool {
-        self.message.contains(&format!("the {quantity} "))
+        self.message.contains(&format!("the {} ", quantity.replace('_', " ")))
     }
 }
 
 /// Results of a run.
 pub(crate) struct Written {
     pub(crate) summary: Value,
+    link: Link,
     folder: TempDir,
 }
 
@@ -102,7 +104,7 @@ pub(crate) fn solved(case: &Case, samples: &Samples, nodes: &Nodes) -> Outcome {
     }
     let summary = fs::read_to_string(path("out/summary.json")).expect("a summary");
     let summary = serde_json::from_str(&summary).expect("JSON");
-    Outcome::Written(Box::new(Written { summary, folder }))
+    Outcome::Written(Box::new(Written { summary, link: case.link.clone(), folder }))
 }
 
 /// Nodes whose histories a run writes.
@@ -135,8 +137,14 @@ impl Nodes {
 }
 
 impl Written {
+    /// A table, by its name for a hub with the tip as output.
     pub(crate) fn table(&self, name: &str) -> Table {
-        Table::read(&self.folder.path().join("out").join(name))
+        Table::read(&self.folder.path().join("out").join(self.link.named(name)))
+    }
+
+    /// The program's name of a column or key, from that of a hub with the tip as output.
+    pub(crate) fn named<'a>(&self, name: &'a str) -> &'a str {
+        self.link.named(name)
     }
 
     /// A number of the summary, none where there is none.

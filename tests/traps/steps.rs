@@ -86,7 +86,8 @@ pub(crate) fn compared(case: &Case) -> Steps {
     for (key, quantity) in
         [("peak_torque_n_m", "torque"), ("peak_motor_torque_n_m", "motor_torque")]
     {
-        let peak = |run: &AtStep| run.written.number(&format!("/results/{key}"));
+        let peak =
+            |run: &AtStep| run.written.number(&format!("/results/{}", run.written.named(key)));
         let peaks: Vec<Option<f64>> = runs.iter().map(|run| run.as_ref().and_then(peak)).collect();
         if peaks.iter().all(Option::is_none) {
             continue;
@@ -99,7 +100,8 @@ pub(crate) fn compared(case: &Case) -> Steps {
                 let own: f64 =
                     claimed(&run.written, quantity)?.iter().map(|(_, error)| error).sum();
                 // Few digits are others at another step.
-                let input = run.written.number(&format!("/errors/{quantity}/input"));
+                let named = run.written.named(quantity);
+                let input = run.written.number(&format!("/errors/{named}/input"));
                 Some(own + input.unwrap_or_default())
             });
             let within = SAME_PEAK + claims.fold(0.0, f64::max);
@@ -130,7 +132,7 @@ fn tips_apart(a: &AtStep, b: &AtStep) -> Apart {
         let part = run.part as i64;
         let first = run.written.first_row(run.samples.step_s);
         let tip = run.written.table("tip.csv");
-        let tip = tip.column("tip_displacement_m");
+        let tip = tip.column(run.written.named("tip_displacement_m"));
         let tip: Vec<f64> = (from..to).map(|row| tip[(row * part - first) as usize]).collect();
         let rows = from * part..to * part;
         let span = (rows.end - rows.start) as usize + run.samples.values.len();

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::answer::Exact;
 use super::beam::{Beam, Frequency};
-use super::link::{Body, Damping, Link, Payload, Segment};
+use super::link::{Body, Damping, Joint, Link, Payload, Segment};
 use super::modes::natural_frequencies;
 use super::motion::{Column, Motion, Profile};
 use super::published::assert_published;
@@ -27,9 +27,58 @@ fn the_uniform_link_has_the_published_transfer() {
     assert_published(|hz| exact.at(TAU * hz).torque);
 }
 
+/// A link with everything on it, on a carriage, with a spring at its root and a station as output.
+fn otherwise() -> Link {
+    let joint = Joint::Carriage;
+    let at = Link { joint, radius_m: 0.0, root_n_m_rad: 40.0, output_m: Some(1.1), ..laden() };
+    Link { hub_kg_m2: 0.7, ..at }
+}
+
+/// Closed form of a uniform link on a carriage of 1 kg.
+#[test]
+fn a_uniform_link_on_a_carriage_has_the_transfer_of_the_closed_form() {
+    let link = Link { joint: Joint::Carriage, ..Link::uniform(1.5, 5.0, 0.8, 1.0) };
+    let exact = Exact::new(&link, &[]);
+    for (hz, re, im) in [
+        (0.5, 0.922_716_750_3, 0.037_845_385_13),
+        (1.0, -0.631_178_851, 0.043_492_777_8),
+        (2.0, -1.429_474_67, -0.004_409_163),
+        (5.0, 0.517_749_270_7, -0.060_103_755_7),
+        (10.0, 0.535_320_734_3, 0.080_418_613_4),
+        (20.0, -0.503_883_504_8, -0.107_932_303_8),
+    ] {
+        let (found, expected) = (exact.at(TAU * hz).torque, Complex64::new(re, im));
+        assert!((found - expected).norm() < 2e-9 * expected.norm(), "{hz} Hz: {found} {expected}");
+    }
+}
+
+/// A carriage moves as a hub of a very long radius does, with stations and springs, too.
+#[test]
+fn a_long_hub_is_a_carriage() {
+    let carriage = otherwise();
+    let radius_m = 1e6;
+    let mut hub = carriage.clone();
+    hub.joint = Joint::Hub;
+    hub.radius_m = radius_m;
+    hub.hub_kg_m2 *= radius_m * radius_m;
+    hub.output_m = hub.output_m.map(|at_m| at_m + radius_m);
+    hub.bodies.iter_mut().for_each(|body| body.at_m += radius_m);
+    let exact = [Exact::new(&carriage, &[0.4]), Exact::new(&hub, &[0.4 + radius_m])];
+    for omega in [0.5, 7.0, 31.0, 90.0, 400.0] {
+        let [own, long] = exact.each_ref().map(|exact| exact.at(omega));
+        let near = |a: Complex64, b: Complex64, what: &str| {
+            assert!((a - b).norm() < 1e-5 * a.norm(), "{what} at {omega} rad/s: {a} {b}");
+        };
+        near(own.torque, long.torque / radius_m, "force");
+        near(own.moment[0], long.moment[0], "moment");
+    }
+}
+
 #[test]
 fn series_and_waves_are_one_solution_where_both_hold() {
-    for (link, bound) in [(Link::paper(), 1e-9), (laden(), 1e-9), (Link::tube(), 1e-9)] {
+    for (link, bound) in
+        [(Link::paper(), 1e-9), (laden(), 1e-9), (Link::tube(), 1e-9), (otherwise(), 1e-9)]
+    {
         let beam = Beam::new(&link, 1, &[0.07, 0.4, 0.7, link.length_m()]);
         for omega in [3.0, 10.0, 20.0, 60.0] {
             let at = Frequency::hysteretic(omega, 0.02);

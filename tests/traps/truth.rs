@@ -255,7 +255,7 @@ impl Truth {
         let wanted = spectrum.displacement(samples, run.every);
         let tip = spectrum.followed(&wanted, run.every);
         let torque = history(&|_, t| t.torque);
-        let length = link.length_m();
+        let length = link.rigid_output();
         let above = |excess: Vec<f64>, share: f64| -> Vec<f64> {
             excess.iter().zip(&tip).map(|(e, d)| e + share * d).collect()
         };
@@ -307,7 +307,7 @@ impl Truth {
             displacement_m: (0..run.nodes_m.len())
                 .map(|i| {
                     let excess = history(&|_, t| t.excess[i]);
-                    cut(&above(excess, run.nodes_m[i] / length))
+                    cut(&above(excess, link.joint.rigid(run.nodes_m[i])[0] / length))
                 })
                 .collect(),
             moment_n_m: moments.iter().map(|moment| cut(moment)).collect(),

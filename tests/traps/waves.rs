@@ -15,7 +15,8 @@ const BELOW: usize = 5;
 pub(crate) struct Waves<'a> {
     pieces: &'a [Piece],
     payload: Payload,
-    radius_m: f64,
+    /// Displacement and slope of the joint at the root, and the compliance of the spring there.
+    root: ([f64; 2], f64),
     at: Frequency,
     numbers: Vec<Complex64>,
     /// A wave number and a stiffness of the link's order, which make all rows of one size.
@@ -24,14 +25,19 @@ pub(crate) struct Waves<'a> {
 }
 
 impl<'a> Waves<'a> {
-    pub(crate) fn new(pieces: &'a [Piece], payload: Payload, radius_m: f64, at: Frequency) -> Self {
+    pub(crate) fn new(
+        pieces: &'a [Piece],
+        payload: Payload,
+        root: ([f64; 2], f64),
+        at: Frequency,
+    ) -> Self {
         let numbers: Vec<Complex64> = pieces.iter().map(|piece| at.wave_number(piece)).collect();
         let mean = |values: &mut dyn Iterator<Item = f64>| {
             values.map(f64::ln).sum::<f64>() / pieces.len() as f64
         };
         let number = mean(&mut numbers.iter().map(|k| k.norm())).exp();
         let stiffness = mean(&mut pieces.iter().map(|piece| piece.stiffness_n_m2)).exp();
-        Self { pieces, payload, radius_m, at, numbers, number, stiffness }
+        Self { pieces, payload, root, at, numbers, number, stiffness }
     }
 
     /// The `order`-th derivatives of the four waves of a piece at a place within it.
@@ -72,16 +78,21 @@ impl<'a> Waves<'a> {
         rows
     }
 
-    /// Coefficients of all waves where the hub is turned by 1.
+    /// Coefficients of all waves where the joint is moved by 1.
     pub(crate) fn solved(&self) -> Vec<Complex64> {
         let (count, unknowns) = (self.pieces.len(), 4 * self.pieces.len());
         let mut matrix = vec![vec![Complex64::ZERO; unknowns]; unknowns];
         let mut right = vec![Complex64::ZERO; unknowns];
         let root = self.rows(0, 0.0);
+        let ([v, phi], compliance) = self.root;
+        // The slope jumps by −N/(kκ) at the spring.
+        let sprung = self.stiffness * self.number * compliance / self.at.stiffness;
         matrix[0][..4].copy_from_slice(&root[0]);
-        matrix[1][..4].copy_from_slice(&root[1]);
-        right[0] = self.radius_m.into();
-        right[1] = (1.0 / self.number).into();
+        for j in 0..4 {
+            matrix[1][j] = root[1][j] + sprung * root[2][j];
+        }
+        right[0] = v.into();
+        right[1] = (phi / self.number).into();
         for k in 0..count - 1 {
             let piece = &self.pieces[k];
             let inner = self.loaded(k, [piece.end_kg, 0.0, piece.end_kg_m2]);

@@ -30,6 +30,7 @@ use crate::result::{
 const FIRST: usize = 0;
 /// Numbers of the columns with a joint's rate and with its angle in a rigid link, in [`ANGLE`].
 const RATE: usize = 1;
+const ACCELERATION: usize = 2;
 const RIGID_ANGLE: usize = 3;
 /// Number of the column with a motor's rate, in [`MOTOR`].
 const MOTOR_RATE: usize = 2;
@@ -231,6 +232,7 @@ impl Parts {
             torque_n_m: self.take(&TORQUE, k, FIRST).unwrap_or_default(),
             angle_rad: self.take(&ANGLE, k, FIRST).unwrap_or_default(),
             rate_rad_s: self.take(&ANGLE, k, RATE).unwrap_or_default(),
+            acceleration_rad_s2: self.take(&ANGLE, k, ACCELERATION).unwrap_or_default(),
             rigid_torque_n_m: self.take(&RIGID_TORQUE, k, FIRST),
             rigid_angle_rad: self.take(&ANGLE, k, RIGID_ANGLE),
             motor: motor.map(|(torque_n_m, rate_rad_s)| StoredMotor { torque_n_m, rate_rad_s }),

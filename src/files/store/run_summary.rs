@@ -337,9 +337,9 @@ fn arm_record(arm: &Arm, elements: impl IntoIterator<Item = usize>) -> Value {
 /// The numbers of a hub, or of a joint with its angles at the ends; null for a motion without the number.
 fn joint_record(of: &Joint, joint: &JointMetrics) -> Map<String, Value> {
     let is_there = |quantity: &JointQuantity| {
-        let is_of_station = quantity.name == "peak_tip_from_rigid";
+        let is_of_station = quantity.name == "peak_free_end_from_rigid";
         (joint.motor.is_some() || !quantity.is_of_motor)
-            && (joint.peak_tip_from_rigid_m.is_some() || !is_of_station)
+            && (joint.peak_free_end_from_rigid_m.is_some() || !is_of_station)
     };
     let mut record =
         by_name(of, |quantity| is_there(quantity).then(|| (quantity.of)(joint).into()));

@@ -59,7 +59,7 @@ pub struct JointMetrics {
     /// Largest deflection of the link's tip from the hub's tangent line in m.
     pub peak_deflection_m: Peak,
     /// With an output inboard of the tip, largest distance of the tip in m from its place on a rigid link.
-    pub peak_tip_from_rigid_m: Option<Peak>,
+    pub peak_free_end_from_rigid_m: Option<Peak>,
     /// Values of the motor; absent without a drive.
     pub motor: Option<MotorMetrics>,
 }
@@ -145,7 +145,7 @@ impl JointMetrics {
             rms_power_w: acting.rms(&power_w),
             peak_root_moment_n_m: peaks.of(&link.root_moment_n_m),
             peak_deflection_m: peaks.of(&solution.tip_deflection_m(number)),
-            peak_tip_from_rigid_m: solution.tip_from_rigid_m().map(|apart| peaks.of(&apart)),
+            peak_free_end_from_rigid_m: solution.tip_from_rigid_m().map(|apart| peaks.of(&apart)),
             motor: joint.motor.as_ref().map(|motor| MotorMetrics::of(motor, &peaks, acts)),
         }
     }

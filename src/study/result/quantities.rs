@@ -131,7 +131,7 @@ pub const QUANTITIES: [JointQuantity; 20] = [
         .limited("deflection", |own| own.deflection_m)
         .shown(("bending", "tip deflects by up to {} m"), FOUR)
         .played(|own| own.peak_deflection_m.map(|peak| peak.value)),
-    of_joint("peak_tip_from_rigid", LENGTH, |own| Some(own.peak_tip_from_rigid_m?.value))
+    of_joint("peak_free_end_from_rigid", LENGTH, |own| Some(own.peak_free_end_from_rigid_m?.value))
         .is("With an output inboard of the tip: largest distance of the tip from its place on a rigid link.")
         .shown(("bending", ", free end strays by up to {} m"), FOUR)
         .not_swept(),

@@ -93,6 +93,8 @@ pub struct StoredJoint {
     pub angle_rad: Vec<f64>,
     /// Rate of the joint angle in rad/s.
     pub rate_rad_s: Vec<f64>,
+    /// Acceleration of the joint angle in rad/s².
+    pub acceleration_rad_s2: Vec<f64>,
     /// Torque in N m that the rigid link or arm would need; absent for a simulation.
     pub rigid_torque_n_m: Option<Vec<f64>>,
     /// Angle in rad of the rigid link's or arm's joint; absent for a simulation.
