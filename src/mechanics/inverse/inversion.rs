@@ -20,9 +20,9 @@ use super::warning::{SolutionWarning, Warning};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::SecondOrder;
 use crate::link::{Arm, Link};
-use crate::modal::{buckling_share, torque_zeros};
+use crate::modal::{buckling_share, real_frequency_zeros, torque_zeros};
 use crate::model::{Model, check_size, model_of};
-use crate::motion::{Ends, Motion, TipMotion};
+use crate::motion::{Ends, Motion, TipMotion, TipPeriod};
 use crate::numeric::TimeGrid;
 
 /// Largest distance from whole turns, in turns, of a cycle under gravity that ends in its first direction.
@@ -98,18 +98,26 @@ fn invert_link(
     }
     let mut first_zero_per_s = first_zero(coarsest.mesh());
     let problem = LinkProblem::new(motion, analysis, first_zero_per_s, *resources)?;
-    let period = problem.shortest_period()?;
-    let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors, input_errors } =
-        MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
-    if model.mesh().elements().len() > elements {
-        first_zero_per_s = first_zero(model.mesh());
-    }
-    // The images of a cycle are its neighbours.
-    let tails = SlowTails::of(&*model, first_zero_per_s).filter(|_| motion.cycles().is_none());
-    let hub_tail = tails.map(|tails| tails.hub_tail(&*model));
-    let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
-    let shortest = PeriodicAnswer::new(amplitudes.hub, amplitudes.motor.as_ref(), period);
-    let (answer, left) = problem.decayed(&answering, shortest)?;
+    let (mut coarsest, mut period) = (coarsest, problem.shortest_period()?);
+    let (answering, answer, left, mesh_errors, mode_errors, input_errors) = loop {
+        let MeshAnswer { model, amplitudes, peaks, mesh_errors, mode_errors, input_errors } =
+            MeshAnswer::of(coarsest, plan, &period, analysis, resources.watch)?;
+        if model.mesh().elements().len() > elements {
+            first_zero_per_s = first_zero(model.mesh());
+        }
+        // The images of a cycle are its neighbours.
+        let tails = SlowTails::of(&*model, first_zero_per_s).filter(|_| motion.cycles().is_none());
+        let hub_tail = tails.map(|tails| tails.hub_tail(&*model));
+        let answering = AnsweringModel { model, first_zero_per_s, hub_tail, peaks };
+        let motor = amplitudes.motor.as_ref();
+        let shortest = PeriodicAnswer::new(amplitudes.hub, motor, Arc::clone(&period));
+        let (answer, left) = problem.decayed(&answering, shortest)?;
+        // A link that rings on gathers its errors over the whole period.
+        if Arc::ptr_eq(&answer.period, &period) || !rings(answering.model.mesh(), &period) {
+            break (answering, answer, left, mesh_errors, mode_errors, input_errors);
+        }
+        (coarsest, period) = (answering.model, answer.period);
+    };
     // Only the mesh of the answer counts: other meshes may be far too coarse.
     if let Some(frequency_hz) = answer.hub.blocked_hz {
         return Err(InversionError::BlockedTip { frequency_hz });
@@ -124,11 +132,10 @@ fn invert_link(
         },
     };
     let errors = mesh_errors
-        .zip(&window_errors(motion, &answer, left, &window), |mesh, window| QuantityErrors {
-            mesh,
-            window,
-            ..QuantityErrors::default()
-        })
+        .zip(
+            &window_errors((motion, link.has_station()), &answer, left, &window),
+            |mesh, window| QuantityErrors { mesh, window, ..QuantityErrors::default() },
+        )
         .with(mode_errors, |errors, modes| QuantityErrors { modes: Some(modes), ..errors })
         .with(input_errors, |errors, input| QuantityErrors { input: Some(input), ..errors });
     problem.solution(answering, answer, (&window, edge), &errors, None)
@@ -231,6 +238,12 @@ impl Solution {
     }
 }
 
+/// True if no torque moves the output at a frequency of a period: the torque rings on there.
+fn rings(mesh: &Mesh, period: &TipPeriod) -> bool {
+    let highest_rad_s = period.spectrum.omegas_rad_s.last();
+    highest_rad_s.is_some_and(|highest| !real_frequency_zeros(mesh, *highest).is_empty())
+}
+
 fn first_zero(mesh: &Mesh) -> Option<f64> {
     torque_zeros(mesh, 1).first().copied()
 }
@@ -328,7 +341,7 @@ impl LinkProblem<'_> {
 
 /// Error of each quantity from the finite period and the written window, over its peak; `left` is the period's part.
 fn window_errors(
-    motion: &TipMotion,
+    (motion, has_station): (&TipMotion, bool),
     answer: &PeriodicAnswer,
     left: PerQuantity<f64>,
     window: &Window,
@@ -341,9 +354,13 @@ fn window_errors(
         periodic.outside(window) / periodic.peak()
     };
     let root = || answer.period.spectrum.pair.samples(&answer.hub.root_moment_n_m);
+    let torque = left.torque.max(cut_off(&answer.torque_n_m));
+    // Beyond a station the link rings on with the torque, and the moment at the root does not show it.
+    let beyond = if has_station { torque } else { 0.0 };
     PerQuantity {
-        torque: left.torque.max(cut_off(&answer.torque_n_m)),
-        bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root()))),
+        torque,
+        displacement: left.displacement.map(|left| left.max(beyond)),
+        bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root())).max(beyond)),
         motor_torque: left
             .motor_torque
             .zip(answer.motor_n_m.as_deref())

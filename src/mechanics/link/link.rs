@@ -269,7 +269,9 @@ impl Link {
         if self.has_station() {
             text =
                 text.replace("(rotary inertia, shear or payload)", "(the link beyond it swings)");
-            text = replaced(&text, "tip", "output");
+            // Keys such as `tip_tolerance` stay.
+            let words = text.split("tip_").map(|own| replaced(own, "tip", "output"));
+            text = words.collect::<Vec<_>>().join("tip_");
         }
         text
     }
