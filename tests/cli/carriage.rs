@@ -1,6 +1,6 @@
 //! A link on a carriage: its files, its words, and what refuses it.
 
-use super::{Bench, column, ended, stderr, stdout, succeeded};
+use super::{Bench, column, ended, septic, stderr, stdout, succeeded};
 
 const MAST: &str = "specs/carriages/stacker_mast.toml";
 const HUB: &str = "specs/bayo1987_example1.toml";
@@ -499,4 +499,166 @@ fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {
         refused.contains("weight and large angles are not computed yet for a link on a carriage"),
         "{refused}"
     );
+}
+
+/// Radius in m of a hub that moves its link as a carriage does, up to the length over the radius.
+const LONG_M: f64 = 1e4;
+
+/// Largest difference that this radius makes, as a share.
+const OF_LONG: f64 = 3e-4;
+
+/// A link with a spring at its root, a body and a payload, on this joint, the body `beyond_m` from the axis.
+fn laden(joint: &str, beyond_m: f64) -> String {
+    format!(
+        "[[segments]]\nlength = 1.2\nEI = 6.0\nmass_per_length = 0.7\n{joint}\nroot_stiffness = 50.0\n\
+         [[masses]]\nat = {}\nmass = 0.2\n[payload]\nmass = 0.3\n\
+         [damping]\nmodel = 'rayleigh'\nalpha = 0.0\nbeta = 2e-3\n",
+        beyond_m + 0.5
+    )
+}
+
+/// The link on a carriage of a mass in kg and a friction in N s/m, and on a hub that moves it alike.
+fn alike(bench: &Bench, mass_kg: f64, friction: f64) {
+    let on_carriage = format!("[carriage]\nmass = {mass_kg:?}\nviscous_friction = {friction:?}");
+    bench.write("carriage.toml", &laden(&on_carriage, 0.0));
+    let square = LONG_M * LONG_M;
+    let [inertia, friction] = [mass_kg, friction].map(|own| own * square);
+    let on_hub = format!(
+        "[hub]\ninertia = {inertia:?}\nviscous_friction = {friction:?}\nradius = {LONG_M:?}"
+    );
+    bench.write("hub.toml", &laden(&on_hub, LONG_M));
+}
+
+/// Compares two columns of numbers, the second times a factor, over the largest number.
+fn are_alike(own: &[f64], long: &[f64], factor: f64) {
+    assert_eq!(own.len(), long.len());
+    let largest = own.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    let off = own
+        .iter()
+        .zip(long)
+        .fold(0.0_f64, |most, (own, long)| most.max((own - factor * long).abs()));
+    assert!(largest > 0.0 && off < OF_LONG * largest, "{off:e} of {largest:e}");
+}
+
+#[test]
+fn sweeps_and_shortest_moves_are_those_of_a_hub_with_a_very_long_radius() {
+    let bench = Bench::new();
+    alike(&bench, 1.0, 0.3);
+    bench.done("trajectory septic --distance 0.3 --duration 0.8 --step 0.004 -o move.csv");
+    let square = LONG_M * LONG_M;
+    let drives = [
+        (
+            "carriage",
+            "{joint_stiffness=3000.0,rotor_inertia=1e-3,gear_ratio=10,pinion_radius=0.5}"
+                .to_owned(),
+        ),
+        (
+            "hub",
+            format!(
+                "{{joint_stiffness={},rotor_inertia=1e-3,gear_ratio={}}}",
+                3000.0 * square,
+                20.0 * LONG_M
+            ),
+        ),
+    ];
+    for (joint, drive) in &drives {
+        let words =
+            format!("{joint}.toml move.csv --set drive={drive} --vary payload.mass=0.2,0.3");
+        bench.done(&format!("sweep {words} -o {joint}.csv"));
+        let fit = format!("--link {joint}_driven.toml --fit-limit motor_torque=0.5");
+        let driven = format!(
+            "{}[drive]\n{}",
+            bench.read(&format!("{joint}.toml")),
+            drive.trim_matches(['{', '}']).replace(',', "\n")
+        );
+        bench.write(&format!("{joint}_driven.toml"), &driven);
+        bench.done(&format!(
+            "trajectory septic --distance 0.3 --step 0.01 {fit} -o {joint}_fast.csv"
+        ));
+    }
+    assert_eq!(bench.read("carriage_fast.csv"), bench.read("hub_fast.csv"));
+    for (own, long, factor) in [
+        ("peak_force_n", "peak_torque_n_m", 1.0 / LONG_M),
+        ("rms_force_n", "rms_torque_n_m", 1.0 / LONG_M),
+        ("peak_rigid_force_n", "peak_rigid_torque_n_m", 1.0 / LONG_M),
+        ("peak_carriage_speed_m_s", "peak_hub_rate_rad_s", LONG_M),
+        ("peak_power_w", "peak_power_w", 1.0),
+        ("peak_root_moment_n_m", "peak_root_moment_n_m", 1.0),
+        ("peak_deflection_m", "peak_deflection_m", 1.0),
+        ("peak_motor_torque_n_m", "peak_motor_torque_n_m", 1.0),
+        ("lead_s", "lead_s", 1.0),
+        ("zero_1_per_s", "zero_1_per_s", 1.0),
+    ] {
+        are_alike(&bench.numbers("carriage.csv", own), &bench.numbers("hub.csv", long), factor);
+    }
+}
+
+#[test]
+fn recorded_motions_are_solved_as_for_a_hub_with_a_very_long_radius() {
+    let bench = Bench::new();
+    alike(&bench, 1.0, 0.3);
+    let row = |k: i32| {
+        let u = (f64::from(k) / 200.0).clamp(0.0, 1.0);
+        let tip_m = 0.3 * septic(u);
+        let noise_m = 2e-5 * (12.9898 * f64::from(k * k) + 1.1).sin();
+        format!("{:.3},{:.6}\n", 0.004 * f64::from(k + 40), tip_m + noise_m)
+    };
+    let rows: String = (-40..=240).map(row).collect();
+    bench.write("recorded.csv", &format!("time,displacement\n{rows}"));
+    for joint in ["carriage", "hub"] {
+        bench.done(&format!(
+            "solve {joint}.toml recorded.csv --noise 0.02mm -o {joint} --digits full --quiet"
+        ));
+    }
+    let of = |file: &str, name: &str| column(&bench, file, name);
+    are_alike(
+        &of("carriage/force.csv", "force_n"),
+        &of("hub/torque.csv", "torque_n_m"),
+        1.0 / LONG_M,
+    );
+    let [own, long] =
+        [of("carriage/carriage.csv", "carriage_m"), of("hub/hub_angle.csv", "hub_angle_rad")];
+    are_alike(&own, &long, LONG_M);
+    let own = bench.number("carriage", "errors/force/input");
+    let long = bench.number("hub", "errors/torque/input");
+    assert!(own > 0.01 && (long / own - 1.0).abs() < 0.01, "{own} {long}");
+}
+
+#[test]
+fn a_fit_finds_what_it_finds_for_a_hub_with_a_very_long_radius() {
+    let bench = Bench::new();
+    bench.done("trajectory septic --distance 0.3 --duration 0.8 --step 0.004 -o move.csv");
+    alike(&bench, 1.2, 0.5);
+    bench.done("solve carriage.toml move.csv -o run --quiet");
+    bench.done("simulate carriage.toml run/force.csv -o rig --digits full --quiet");
+    alike(&bench, 1.0, 0.3);
+    let of = |file: &str, name: &str| column(&bench, &format!("rig/{file}.csv"), name);
+    let (time_s, force_n, at_m) =
+        (of("force", "time_s"), of("force", "force_n"), of("carriage", "carriage_m"));
+    for (joint, input, sensor, [by_effort, by_place]) in [
+        ("carriage", "force", "carriage", [1.0, 1.0]),
+        ("hub", "torque", "hub_angle", [LONG_M, 1.0 / LONG_M]),
+    ] {
+        let rows = time_s.iter().zip(&force_n).zip(&at_m);
+        let rows = rows.map(|((t, f), x)| format!("{t},{:?},{:?}\n", by_effort * f, by_place * x));
+        let rows: String = rows.collect();
+        bench.write(&format!("{joint}_rig.csv"), &format!("time,{input},{sensor}\n{rows}"));
+        let record = format!(
+            "[[record]]\nfile = '{joint}_rig.csv'\ninput = '{input}'\n[[record.channel]]\nsensor = '{sensor}'\n"
+        );
+        bench.write(&format!("{joint}_measured.toml"), &record);
+    }
+    let fit = |joint: &str, inertia: &str| {
+        let free = format!("--free {joint}.{inertia} --free {joint}.viscous_friction");
+        let files = format!("{joint}.toml {joint}_measured.toml");
+        bench.done(&format!("fit {files} {free} -o {joint}_fitted.toml"));
+        let fitted = bench.read(&format!("{joint}_fitted.toml"));
+        let fitted: toml::Table = toml::from_str(&fitted).unwrap();
+        [inertia, "viscous_friction"].map(|key| fitted[joint][key].as_float().unwrap())
+    };
+    let (own, long) = (fit("carriage", "mass"), fit("hub", "inertia"));
+    for ((own, long), truth) in own.iter().zip(long).zip([1.2, 0.5]) {
+        assert!((own / truth - 1.0).abs() < 1e-6, "{own} {truth}");
+        assert!((long / (LONG_M * LONG_M) / own - 1.0).abs() < OF_LONG, "{own} {long}");
+    }
 }
