@@ -450,6 +450,29 @@ fn a_page_speaks_of_force_and_carriage() {
     }
 }
 
+#[test]
+fn a_page_names_the_output_and_draws_limits_of_travel_and_acceleration() {
+    let bench = bench();
+    let limits = "--set limits={carriage_travel=1.9,carriage_acceleration=3}";
+    bench
+        .done(&format!("solve {MAST} move.csv {limits} --set output.at=4 --report -o out --quiet"));
+    let page = texts(&bench.read("out/report.html"));
+    for words in [
+        "Displacement of the output",
+        "Output under the rigid link's force",
+        "Force per output acceleration",
+        "limit 1.9 m\n",
+        "limit 3 m/s²\n",
+        "At most 3.677 m/s².",
+        "peak free end from rigid",
+    ] {
+        assert!(page.contains(words), "{words}: {page}");
+    }
+    for word in ["the tip", "Tip", "tip displacement"] {
+        assert!(!page.contains(word), "{word} in {page}");
+    }
+}
+
 /// Frequencies computed with dense matrices in another language; the buckling weight of a uniform column, 7.8373 EI/L².
 #[test]
 fn an_upright_link_has_softer_modes_and_buckles_at_its_weight() {

@@ -270,8 +270,8 @@ impl Link {
             text =
                 text.replace("(rotary inertia, shear or payload)", "(the link beyond it swings)");
             // Keys such as `tip_tolerance` stay.
-            let words = text.split("tip_").map(|own| replaced(own, "tip", "output"));
-            text = words.collect::<Vec<_>>().join("tip_");
+            let words = |own: &str| replaced(&replaced(own, "tip", "output"), "Tip", "Output");
+            text = text.split("tip_").map(words).collect::<Vec<_>>().join("tip_");
         }
         text
     }
