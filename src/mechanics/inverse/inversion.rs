@@ -359,7 +359,6 @@ fn window_errors(
     let beyond = if has_station { torque } else { 0.0 };
     PerQuantity {
         torque,
-        displacement: left.displacement.map(|left| left.max(beyond)),
         bending_moment: left.bending_moment.map(|left| left.max(cut_off(&root())).max(beyond)),
         motor_torque: left
             .motor_torque

@@ -229,14 +229,15 @@ pub(super) struct Probes {
 }
 
 impl Probes {
-    /// Evenly spread nodes of a mesh without the tip, which moves as wanted on every mesh.
+    /// Evenly spread nodes of a mesh, without the tip if it is the output, which moves as wanted on every mesh.
     pub(super) fn of(mesh: &Mesh, plan: &MeshPlan, analysis: &Analysis) -> Self {
         // An automatic mesh must not depend on the choice of measured quantities.
         let tables = analysis.measures_tables() || plan.is_automatic();
         let inner = mesh.nodes_m().len() - 1;
         let count = inner.min(MOST_NODES);
         // Includes the root: moments are largest there, and it moves where the hub has a radius.
-        let nodes = (0..count).map(|k| k * inner / count).collect();
+        let nodes = (0..count).map(|k| k * inner / count);
+        let nodes = nodes.chain((mesh.output() != inner).then_some(inner)).collect();
         Self { nodes, tables, moments: analysis.measures_moments() }
     }
 
