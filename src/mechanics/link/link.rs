@@ -312,6 +312,15 @@ impl Link {
         gravity.start_angle_rad
     }
 
+    /// Position of the joint of an unbent link where the displacement of its tip is 0: the start angle of a hub in rad, 0 on
+    /// a carriage. `None` for a hub without a start angle.
+    pub fn origin_rad(&self) -> Option<f64> {
+        if self.joint().slides() {
+            return Some(0.0);
+        }
+        self.gravity().and_then(|gravity| gravity.start_angle_rad)
+    }
+
     /// Effort of the joint that holds the weight of the rigid link in a direction: the torque of a hub in N m; on a
     /// carriage the force in N, which holds the carriage, too.
     pub fn holding_effort(&self, direction_rad: f64) -> f64 {

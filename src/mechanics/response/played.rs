@@ -249,6 +249,7 @@ impl ModalPlay {
             slope_rate_rad_s: at(&all[1], 1),
             displacement_m: Some(moved.collect()),
             velocity_m_s: Some(at(&all[1], 0)),
+            carriage: None,
         }
     }
 
