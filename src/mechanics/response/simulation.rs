@@ -16,7 +16,7 @@ use super::state::{Cycle, State};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::underived;
 use crate::link::{Arm, ArmLink, Damping, Link};
-use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, natural_frequencies};
+use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, reported_frequencies};
 use crate::numeric::TimeGrid;
 
 /// Most refinements under torques, and with prescribed joints.
@@ -102,9 +102,10 @@ fn driven_rad_s(play: &Play<'_>) -> Result<f64, SimulationError> {
 
 impl PlayedLink {
     /// A link with its natural frequencies.
-    pub(super) fn of(mesh: Mesh, law: DampingLaw) -> Self {
-        let natural_frequencies_rad_s = natural_frequencies(&mesh, REPORTED_MODES);
-        Self { mesh, law, natural_frequencies_rad_s }
+    pub(super) fn of(link: &Link, mesh: Mesh, law: DampingLaw) -> Self {
+        let outward_m_s2 = link.outward_m_s2();
+        let natural_frequencies_rad_s = reported_frequencies(&mesh, outward_m_s2, REPORTED_MODES);
+        Self { mesh, law, outward_m_s2, natural_frequencies_rad_s }
     }
 }
 
@@ -119,6 +120,10 @@ fn play_bent(
     if links.iter().any(|own| own.link.root_stiffness_n_m_rad().is_some()) {
         return Err(SimulationError::OnlyLinear("a link with root_stiffness"));
     }
+    if links[0].link.joint().slides() && arm.has_weight() && links[0].link.direction_rad().is_none()
+    {
+        return Err(SimulationError::NoStartAngle);
+    }
     if let [mesh] = &meshes[..] {
         if !hub_moves_mass(mesh) {
             return Err(SimulationError::MasslessHub);
@@ -132,7 +137,8 @@ fn play_bent(
     let grid = play.grid()?;
     let laws = links.iter().zip(&meshes).map(|(own, mesh)| DampingLaw::of(&own.link, mesh));
     let laws: Vec<DampingLaw> = laws.collect::<Result<_, _>>()?;
-    let played = meshes.into_iter().zip(laws).map(|(mesh, law)| PlayedLink::of(mesh, law));
+    let played = links.iter().zip(meshes).zip(laws);
+    let played = played.map(|((own, mesh), law)| PlayedLink::of(&own.link, mesh, law));
     let played: Vec<PlayedLink> = played.collect();
     for (own, link) in links.iter().zip(&played) {
         if let Some([what, known]) = underived(&own.link, &link.law, true) {
