@@ -154,7 +154,8 @@ pub enum Sensor {
 }
 
 impl Sensor {
-    /// Name in files, measured quantity in words, its SI unit, and its unit per N m.
+    /// Name in files, measured quantity in words, its SI unit, and its unit per effort of the joint, of a hub where both
+    /// joints have the quantity.
     fn texts(self) -> [&'static str; 4] {
         match self {
             Self::HubAngle => ["hub_angle", "hub angle", "rad", "rad/(N m)"],
@@ -191,12 +192,17 @@ impl Sensor {
         self.texts()[2]
     }
 
-    /// Unit of the quantity per N m.
-    pub fn unit_per_torque(self) -> &'static str {
-        self.texts()[3]
+    /// Unit of the quantity per N m at a hub, or per N on a carriage.
+    pub fn unit_per_effort(self, slides: bool) -> &'static str {
+        match self {
+            Self::TipDeflection if slides => "m/N",
+            Self::TipAcceleration if slides => "1/kg",
+            Self::RootStrain if slides => "1/(N m)",
+            _ => self.texts()[3],
+        }
     }
 
-    /// Response per torque at the hub, including joint friction, at angular frequencies above 0.
+    /// Response per torque at the hub, or force on the carriage, including joint friction, at angular frequencies above 0.
     ///
     /// ```text
     /// θ/T = −(θ/v_tip)/(ω² T/a_tip),   w''/T = −(M_root/a_tip)/(EI κ T/a_tip)
