@@ -66,7 +66,7 @@ measured.toml holds any of
   torque_constant = 0.042  # N m/A
   resistance = 8.4         # ohm
   gear_ratio = 70          # default 1
-  pinion_radius = \"50 mm\" # of a carriage
+  pinion_radius = \"50 mm\"  # of a carriage
 
 measured.toml of an arm, in poses
   at = [\"30 deg\", \"75 deg\"]  # of all entries without one

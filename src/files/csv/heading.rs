@@ -187,8 +187,8 @@ impl Vocabulary {
     pub(super) fn plain(&self, name: &str) -> String {
         let lower = name.to_lowercase();
         let output = Some("output_").filter(|_| self.prefix == "tip_");
-        let plain = [Some(self.prefix), output].into_iter().flatten();
-        let plain = plain.filter_map(|prefix| lower.strip_prefix(prefix)).next();
+        let mut prefixes = [Some(self.prefix), output].into_iter().flatten();
+        let plain = prefixes.find_map(|prefix| lower.strip_prefix(prefix));
         plain.map_or_else(|| lower.clone(), str::to_owned)
     }
 
