@@ -45,11 +45,11 @@ measured.toml holds any of
   hub = \"held\"             # or \"free\", the default
   mode = [1, 2]            # default 1
   from = \"0.35 s\"          # after the release
-  [[response]]             # per torque
+  [[response]]             # per torque or force
   file = \"frf.csv\"         # frequency, real, imaginary
   transfer = \"hub_angle\"   # hub_rate, tip_deflection,
                            # tip_acceleration, root_strain
-  per = \"torque\"           # or \"volt\", with [motor]
+  per = \"torque\"           # or \"force\", or \"volt\" with [motor]
   gain = \"free\"            # or \"known\", the default: SI
   uncertainty = 0.05       # of each part, relative
   [[record]]               # histories from rest
@@ -62,10 +62,11 @@ measured.toml holds any of
   gain = \"free\"            # or \"sign\", or \"known\"
   offset = \"free\"          # or \"known\", the default: 0
   uncertainty = 0.001      # in the column's unit
-  [motor]                  # at the hub
+  [motor]                  # at the joint
   torque_constant = 0.042  # N m/A
   resistance = 8.4         # ohm
   gear_ratio = 70          # default 1
+  pinion_radius = \"50 mm\"  # of a carriage
 
 measured.toml of an arm, in poses
   at = [\"30 deg\", \"75 deg\"]  # of all entries without one

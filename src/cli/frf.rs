@@ -9,7 +9,9 @@ use clap::Args;
 use crate::beam::{Mesh, MeshPlan};
 use crate::csv::Digits;
 use crate::modal::natural_frequencies;
-use crate::model::{FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of};
+use crate::model::{
+    FrequencyResponse, KeptModes, ModelError, changes_on_halves, model_of, responses_with_weight,
+};
 use crate::response::{arm_modes, arm_responses};
 use crate::result::{BandMeshError, Refined};
 use crate::spec::Specification;
@@ -54,7 +56,8 @@ const OWN_BYTES: usize = 16 << 20;
 /// (modes --at of one link leaves this sag out). Its columns are the displacement of the tip along x and y, in 1/N,
 /// and the angle of each joint, in rad/(N m), per torque of each joint. The mesh error is then their change by
 /// polynomials of higher order, over their size. All modes count: analysis.modes is refused, and so are shear, alpha
-/// and modal damping. An arm of several links needs --at.
+/// and modal damping. An arm of several links needs --at. A link on a carriage keeps its direction: with gravity its
+/// response has the weight along it, as in modes, unless modal damping or analysis.modes is set.
 #[derive(Debug, Args)]
 #[command(about = "Frequency response of a link or an arm", after_help = EXAMPLE)]
 pub struct Frf {
@@ -110,6 +113,8 @@ pub struct Responses {
     pub error: Option<BandMeshError>,
     /// True if the links leave the pose with free joints.
     falls: bool,
+    /// True if the weight counts.
+    has_weight: bool,
 }
 
 impl Frf {
@@ -123,7 +128,7 @@ impl Frf {
         }
         let bar = StageBar::new();
         bar.at("computing responses");
-        let Responses { columns, error, falls } = self.compute(&specification)?;
+        let Responses { columns, error, falls, has_weight } = self.compute(&specification)?;
         drop(bar);
         let output = self.output.as_deref();
         if self.json {
@@ -132,10 +137,10 @@ impl Frf {
             let digits = self.digits;
             console::deliver_by(output, |out| write_frequency_response(out, &columns, digits))?;
         }
-        self.warnings.refuse(self.tell(&specification, error, falls))
+        self.warnings.refuse(self.tell(&specification, error, [falls, has_weight]))
     }
 
-    /// The response of a link without gravity, or of a link or an arm in a pose.
+    /// The response of a link without gravity, of a link on a carriage with its weight, or of a link or an arm in a pose.
     pub fn compute(&self, specification: &Specification) -> Result<Responses, Failure> {
         match specification.arm.alone().filter(|_| self.at.is_none()) {
             Some(_) => self.compute_level(specification),
@@ -163,6 +168,7 @@ impl Frf {
             columns: arm_response(&found),
             error: BandMeshError::of_errors(errors, Refined::Orders),
             falls: free.falls(),
+            has_weight: true,
         })
     }
 
@@ -176,20 +182,30 @@ impl Frf {
             mesh = mesh.resolving(to_hz * TAU, plan.tolerance());
         }
         let model = model_of(link, mesh, specification.analysis.kept_modes())?;
-        let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
-        let errors = match changes_on_halves(&*model, &rows) {
-            Ok(changes) => {
-                let per_change = model.mesh().error_per_change();
-                Some(changes.iter().map(|change| per_change * change).collect::<Vec<f64>>())
+        let has_all = specification.analysis.kept_modes() == KeptModes::All;
+        let weighed = Some(model.on_mesh()).filter(|_| has_all);
+        let weighed = weighed.and_then(|link| responses_with_weight(link, &frequencies_hz));
+        let has_weight = weighed.is_some();
+        let (rows, changes) = if let Some(weighed) = weighed {
+            weighed
+        } else {
+            let rows = FrequencyResponse::at_all(&*model, &frequencies_hz);
+            match changes_on_halves(&*model, &rows) {
+                Ok(changes) => (rows, Some(changes)),
+                Err(ModelError::TooManyElements { .. }) => (rows, None),
+                Err(error) => return Err(error.into()),
             }
-            Err(ModelError::TooManyElements { .. }) => None,
-            Err(error) => return Err(error.into()),
         };
+        let per_change = model.mesh().error_per_change();
+        let errors = changes.map(|changes| -> Vec<f64> {
+            changes.iter().map(|change| per_change * change).collect()
+        });
         let known = frequencies_hz.iter().copied().zip(errors.iter().flatten().copied());
         Ok(Responses {
             error: BandMeshError::of_errors(known, Refined::Elements),
             columns: link_response(link, &rows, errors.as_deref()),
             falls: false,
+            has_weight,
         })
     }
 
@@ -231,7 +247,7 @@ impl Frf {
         &self,
         Specification { arm, remarks, .. }: &Specification,
         error: Option<BandMeshError>,
-        falls: bool,
+        [falls, has_weight]: [bool; 2],
     ) -> usize {
         let mut warnings = 0;
         // Without --at the remarks of a link file are those of `modes` and `solve`.
@@ -262,7 +278,7 @@ impl Frf {
             };
             console::warning(words, hint);
         }
-        let level = self.at.is_none().then(|| warn_of_gravity(&arm.links()[0].link));
+        let level = (!has_weight).then(|| warn_of_gravity(&arm.links()[0].link));
         warnings + usize::from(falls) + level.unwrap_or_default()
     }
 }

@@ -83,18 +83,39 @@ impl MeasuredError {
 /// [`MeasuredError`] names the file, and the faulty line.
 pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, MeasuredError> {
     let file = InputFile::read_toml(path)?;
-    let MeasuredFile { mut values, responses, records, decays, motor } =
+    let MeasuredFile { mut values, responses, records, decays, motor, has_pinion } =
         read_measurements(&file.shown, file.text()?, of.links())?;
+    let slides = of.slides();
+    if motor.is_some() && has_pinion != slides {
+        let why = if slides {
+            "motor.pinion_radius is missing: the carriage moves by it for a turn of 1 rad of its pinion"
+        } else {
+            "motor.pinion_radius is for a carriage, but this is a hub"
+        };
+        return Err(MeasuredError::refused(&file, &why));
+    }
+    let check = |kind: &str, words: &[(&'static str, Option<bool>)]| {
+        let wrong = words.iter().find(|(_, of)| of.is_some_and(|of| of != slides));
+        let [joint, known] = if slides {
+            ["carriage", "force, carriage and carriage_velocity"]
+        } else {
+            ["hub", "torque, hub_angle and hub_rate"]
+        };
+        wrong.map_or(Ok(()), |(word, _)| {
+            let why = format!("{kind}: {word}, but a link on a {joint} has {known}");
+            Err(MeasuredError::refused(&file, &why))
+        })
+    };
     let (mut read_responses, mut read_records) = (Vec::new(), Vec::new());
     let (mut named, mut readings) = (Vec::new(), Vec::new());
     for response in responses {
         let table = InputFile::read_beside(path, &response.file)?;
         let first_zero = response.first_zero;
-        if of.slides() {
-            let why = "[[response]] is for a hub: a carriage takes [[record]], [[frequency]] and [[decay]]";
-            return Err(MeasuredError::refused(&file, &why));
-        }
+        let words = [(response.transfer.word(), response.transfer.slides())];
+        let words: Vec<_> = words.into_iter().chain(response.effort).collect();
+        check("response", &words)?;
         let (response, reading) = read_response(&table, response, motor.as_ref())?;
+        let response = response.on_carriage(slides);
         readings.push((table.shown.clone(), reading));
         match first_zero {
             Some(first) => values.extend(zeros_of(&table, &response, first)?),
@@ -104,19 +125,9 @@ pub fn read_measured(path: &Path, of: &Specimen) -> Result<MeasuredSet, Measured
     }
     for record in records {
         let table = InputFile::read_beside(path, &record.file)?;
-        let slides = of.slides();
         let sensors = record.channels.iter().map(|own| (own.sensor.word(), own.sensor.slides()));
-        let input = (record.input.word(), Some(record.input.slides()));
-        let mut all = std::iter::once(input).chain(sensors);
-        if let Some((word, _)) = all.find(|(_, of)| of.is_some_and(|of| of != slides)) {
-            let [joint, known] = if slides {
-                ["carriage", "force, carriage and carriage_velocity"]
-            } else {
-                ["hub", "torque, voltage, hub_angle and hub_rate"]
-            };
-            let why = format!("record: {word}, but a link on a {joint} has {known}");
-            return Err(MeasuredError::refused(&file, &why));
-        }
+        let input = (record.input.word(), record.input.slides());
+        check("record", &std::iter::once(input).chain(sensors).collect::<Vec<_>>())?;
         let (record, reading) = record_of(&table, record, motor)?;
         readings.push((table.shown.clone(), reading));
         read_records.push(record);

@@ -78,13 +78,15 @@ pub fn specification(file: &InputFile, changes: &[Override]) -> Result<Specifica
     })
 }
 
-/// Refuses a direction of a link on a carriage, which has no weight yet.
+/// Refuses a direction of a link on a carriage, which keeps its own.
 pub(crate) fn refuse_direction(arm: &Arm) -> Result<(), Failure> {
     if !arm.joint().slides() {
         return Ok(());
     }
-    let message = "--at is the direction of a link with weight, which a carriage does not take yet";
-    Err(Failure::new(Exit::InputRefused, &message, Some("leave --at out")))
+    let message = "--at is set, but a link on a carriage keeps its start_angle";
+    let hint =
+        "leave --at out: with gravity the response has the weight in the direction start_angle";
+    Err(Failure::new(Exit::InputRefused, &message, Some(hint)))
 }
 
 /// Warns that frequencies exclude gravity, if it acts; returns the number of warnings.

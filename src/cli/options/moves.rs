@@ -63,7 +63,7 @@ impl AtRest {
         match (arm.links(), begins.at) {
             ([own], _) => {
                 // Without weight a link at rest is straight: the hub points to its tip.
-                let from_rad = own.link.gravity().and_then(|gravity| gravity.start_angle_rad);
+                let from_rad = own.link.origin_rad();
                 let turn_rad = first_rad().next().filter(|_| !arm.has_weight());
                 let turn_rad = turn_rad.map(|first| first - from_rad.unwrap_or(0.0));
                 let of_target = target.map(|_| first_m(0).unwrap_or(0.0));

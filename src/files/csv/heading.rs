@@ -183,10 +183,13 @@ impl Vocabulary {
         by_option: "",
     };
 
-    /// The name in lower case, without the prefix.
+    /// The name in lower case, without the prefix. output.csv has another prefix than tip.csv.
     pub(super) fn plain(&self, name: &str) -> String {
         let lower = name.to_lowercase();
-        lower.strip_prefix(self.prefix).map_or_else(|| lower.clone(), str::to_owned)
+        let output = Some("output_").filter(|_| self.prefix == "tip_");
+        let mut prefixes = [Some(self.prefix), output].into_iter().flatten();
+        let plain = prefixes.find_map(|prefix| lower.strip_prefix(prefix));
+        plain.map_or_else(|| lower.clone(), str::to_owned)
     }
 
     /// Spelling of a quantity in a heading, if it names the quantity.

@@ -11,6 +11,7 @@ use super::measured_values::{MeasuredOf, ModeKeys, RawDamping, RawFrequency, che
 use super::tree::Node;
 use super::value::{Angle, Count, Length, Si, Time, tables};
 use crate::fit::{DecayValues, Gain, HubEnd, Measured, Motor, Observable, RecordedInput};
+use crate::link::positive;
 use crate::model::Sensor;
 use crate::response::Interpolation;
 
@@ -43,8 +44,10 @@ pub struct MeasuredFile {
     pub records: Vec<RecordFile>,
     /// Free decays in separate files.
     pub decays: Vec<DecayFile>,
-    /// The motor at the hub.
+    /// The motor at the joint.
     pub motor: Option<Motor>,
+    /// Whether it has the pinion of a carriage.
+    pub has_pinion: bool,
 }
 
 /// Reads the text of a file of measured values of an arm with this number of `links`, or of one link; errors call the
@@ -81,6 +84,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
     let ratios = each("damping", raw.damping, |raw, path| raw.convert(path, &of))?;
     let values = [values, ratios].concat();
     let decays = each("decay", raw.decay, |raw, path| raw.convert(path, &of))?;
+    let has_pinion = raw.motor.is_some_and(|motor| motor.pinion_radius.is_some());
     let motor = raw.motor.map(RawMotor::convert).transpose()?;
     let has_motor = motor.is_some();
     let responses = each("response", raw.response, |raw, path| raw.convert(path, has_motor))?;
@@ -96,7 +100,7 @@ fn convert(raw: RawMeasurements, links: usize) -> Result<MeasuredFile, Fault> {
         let message = "the file has no measurements, but needs at least one";
         return Err(Fault::new("", message).hinting(hint.to_owned()));
     }
-    Ok(MeasuredFile { values, responses, records, decays, motor })
+    Ok(MeasuredFile { values, responses, records, decays, motor, has_pinion })
 }
 
 /// Converts the tables of a key, each with its path.
@@ -116,8 +120,10 @@ pub struct ResponseFile {
     pub file: String,
     /// Measured sensor.
     pub transfer: Sensor,
-    /// True if the response is per volt at the motor, not per torque.
+    /// True if the response is per volt at the motor, not per torque or force.
     pub is_per_volt: bool,
+    /// Name of the effort in the file, and whether it is that of a carriage.
+    pub effort: Option<(&'static str, Option<bool>)>,
     /// Known or free scale of the response.
     pub gain: Gain,
     /// Distance of a strain gauge from the neutral axis in m, or 1.
@@ -155,6 +161,7 @@ enum RawLoop {
 #[serde(rename_all = "lowercase")]
 enum RawPer {
     Torque,
+    Force,
     Volt,
 }
 
@@ -165,11 +172,25 @@ impl RawResponse {
         checked(path, "uncertainty", uncertainty)?;
         let gain = gain.unwrap_or_default();
         let is_per_volt = per == Some(RawPer::Volt);
+        let effort = match per {
+            Some(RawPer::Torque) => Some(("torque", Some(false))),
+            Some(RawPer::Force) => Some(("force", Some(true))),
+            Some(RawPer::Volt) | None => None,
+        };
         if is_per_volt {
             check_motor(&format!("{path}.per"), "volt", has_motor)?;
         }
         let distance_m = distance_m(path, transfer, gain, distance)?;
-        Ok(ResponseFile { file, transfer, is_per_volt, gain, distance_m, uncertainty, first_zero })
+        Ok(ResponseFile {
+            file,
+            transfer,
+            is_per_volt,
+            effort,
+            gain,
+            distance_m,
+            uncertainty,
+            first_zero,
+        })
     }
 
     /// Number of the first zero of a closed loop.
@@ -181,9 +202,9 @@ impl RawResponse {
                 None => Ok(None),
             };
         }
-        if !matches!(self.transfer, Sensor::HubAngle | Sensor::HubRate) {
-            let must = "must be \"hub_angle\" or \"hub_rate\" beside loop = \"closed\": \
-                        no other sensor has the zeros of the clamped link";
+        if self.transfer.slides().is_none() {
+            let must = "must be \"hub_angle\" or \"hub_rate\", or \"carriage\" or \"carriage_velocity\", beside \
+                        loop = \"closed\": no other sensor has the zeros of the clamped link";
             return refused("transfer", must);
         }
         // A dip has the same place at any scale and behind any motor.
@@ -239,6 +260,7 @@ pub(super) struct RawMotor {
     torque_constant: f64,
     resistance: f64,
     gear_ratio: Option<f64>,
+    pinion_radius: Option<Length>,
 }
 
 /// `[[record]]`
@@ -301,8 +323,10 @@ fn distance_m(
 
 impl RawMotor {
     pub(super) fn convert(self) -> Result<Motor, Fault> {
-        let Self { torque_constant, resistance, gear_ratio } = self;
-        Ok(Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0))?)
+        let Self { torque_constant, resistance, gear_ratio, pinion_radius } = self;
+        let radius_m = pinion_radius.map_or(1.0, Si::si);
+        positive("motor.pinion_radius", radius_m, "m")?;
+        Ok(Motor::new(torque_constant, resistance, gear_ratio.unwrap_or(1.0) / radius_m)?)
     }
 }
 
@@ -324,7 +348,7 @@ impl RawRecord {
         }
         if self.channel.is_empty() {
             let message = format!("{path}.channel is missing: at least one sensor must be named");
-            let sensor = if input.slides() { "carriage" } else { "hub_angle" };
+            let sensor = if input.slides() == Some(true) { "carriage" } else { "hub_angle" };
             let hint = format!("add [[record.channel]] with sensor = \"{sensor}\"");
             return Err(Fault::new(path, message).hinting(hint));
         }

@@ -8,9 +8,9 @@ use serde_json::{Map, Value, json};
 use super::names::{Form, RunOutputs, played_files};
 use super::summary::{LinkRecord, RunInputs, Summary};
 use crate::beam::Mesh;
-use crate::inverse::{PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
+use crate::inverse::{LinkMotion, PerQuantity, QuantityErrors, SecondOrderFindings, Solution};
 use crate::link::{Arm, Joint, Link};
-use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
+use crate::modal::{REPORTED_MODES, REPORTED_ZEROS, reports_weight};
 use crate::motion::Ends;
 use crate::response::{
     Feedback, Input, ModalPlay, Play, PlayError, Played, PlayedBy, PlayedLink, SimulationError,
@@ -107,7 +107,7 @@ impl Summary {
             values["second_order"] = second_order_record(solution, found);
         }
         store_limits(&mut values, findings.limits, arm);
-        store_gravity(&mut values, arm);
+        store_gravity(&mut values, arm, solution.links.iter().any(LinkMotion::reports_weight));
         let exceeded = findings.exceeded.iter().map(Notice::from);
         let warnings = solution.warnings.iter().map(Notice::from).chain(exceeded);
         let remarks = findings.remarks.iter().map(Notice::from);
@@ -138,7 +138,7 @@ impl Summary {
             Input::Angles(_) => arm.pick("hub_angle", "joint_angles"),
         };
         let input = (input, input_values(play, played));
-        let PlayedLink { mesh, law, natural_frequencies_rad_s } = &played.links[0];
+        let PlayedLink { mesh, law, natural_frequencies_rad_s, outward_m_s2 } = &played.links[0];
         let mut values = if arm.alone().is_some() {
             let periods_s: Vec<f64> =
                 natural_frequencies_rad_s.iter().map(|omega| TAU / omega).collect();
@@ -184,12 +184,12 @@ impl Summary {
             PlayedBy::Elastica(bent) => {
                 let mut elastica = json!({ "angles": bent.angles, "steps_per_sample": bent.steps });
                 if arm.alone().is_some() {
-                    elastica["holding_torque_n_m"] = json!(played.hub().holding_n_m);
+                    elastica[joint.named("holding_torque_n_m")] = json!(played.hub().holding_n_m);
                 }
                 values["elastica"] = elastica;
             }
         }
-        store_gravity(&mut values, arm);
+        store_gravity(&mut values, arm, reports_weight(mesh, *outward_m_s2));
         let files =
             played_files(Form::of(arm.links().iter().map(|own| &own.link)), target.is_some());
         Self {
@@ -292,9 +292,9 @@ fn link_errors(run: &Simulated) -> Value {
     errors
 }
 
-/// Notes that gravity acts on a single link, whose frequencies are without it.
-fn store_gravity(values: &mut Value, arm: &Arm) {
-    if arm.alone().is_some_and(Link::has_weight) {
+/// Notes that gravity acts on a single link, if its frequencies are without it.
+fn store_gravity(values: &mut Value, arm: &Arm, reports_weight: bool) {
+    if arm.alone().is_some_and(Link::has_weight) && !reports_weight {
         values["frequencies_without_gravity"] = json!(true);
     }
 }

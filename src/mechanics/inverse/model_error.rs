@@ -6,7 +6,7 @@ use super::histories::{Histories, tip_deflection_m};
 use super::periodic_answer::PeriodicAnswer;
 use super::problem::{AnsweringModel, LinkProblem};
 use crate::beam::{Mesh, MeshPlan};
-use crate::modal::{DEFLECTION_WEIGHTS, TORQUE_WEIGHTS, second_order_share};
+use crate::modal::{TORQUE_WEIGHTS, deflection_weights, second_order_share};
 use crate::model::{KeptModes, model_of};
 use crate::numeric::{largest, largest_difference};
 use crate::response::{Play, Torque, simulate_on};
@@ -23,11 +23,9 @@ const MOST_BYTES: usize = 3 << 29;
 /// shorter from hub to tip by a tenth of that square, and the torque falls with the square of the distance.
 const SHORTENED: f64 = 0.2;
 
-/// Errors on a carriage over the square of deflection over length: of the force and of the moment at the root, over their
-/// peaks, and of the tip, over its travel. Links of 2 to 30 % deflection that were played with all terms in another program
-/// reach 0.6 to 6 for the force and 0.053 to 0.077 for the tip.
+/// Errors on a carriage of the force and of the moment at the root, over their peaks, over the square of deflection over
+/// length. Links of 2 to 30 % deflection that were played with all terms in another program reach 0.6 to 6.
 const ON_CARRIAGE: f64 = 6.0;
-const TIP_ON_CARRIAGE: f64 = 0.077;
 
 /// Movement of inner nodes, over the change of the tip's deflection. Hub and tip stay on their arcs; the nodes between
 /// them move less.
@@ -69,10 +67,9 @@ impl LinearModelError {
         let square = (model.link().tip_per_output() * deflection_m / flexible_m).powi(2);
         let torque = of(beyond_rigid, peaks.torque) + shortened * square;
         let hub_rate = excess(1, peaks.hub_rate);
-        let of_deflection = share_of(deflection_m, DEFLECTION_WEIGHTS) * deflection_m
-            / answer.period.histories.largest_travel_m();
         Self {
-            tip: if joint.slides() { TIP_ON_CARRIAGE * square } else { of_deflection },
+            tip: share_of(deflection_m, deflection_weights(model.link())) * deflection_m
+                / answer.period.histories.largest_travel_m(),
             errors: PerQuantity {
                 torque,
                 hub_angle: excess(0, peaks.hub_angle),

@@ -13,7 +13,7 @@ use super::warning::{SolutionWarning, Straying};
 use crate::beam::Mesh;
 use crate::elastica::{AngleHistories, ElasticaMotion, Iteration, SecondOrder};
 use crate::link::{Arm, Link};
-use crate::modal::{DampingLaw, natural_frequencies, torque_zeros};
+use crate::modal::{DampingLaw, reported_frequencies, reported_zeros, reports_weight};
 use crate::model::Model;
 use crate::motion::{Ends, Motion, TailTerms, TipMotionHistories, TipPeriod, TipSpectrum};
 use crate::numeric::{Size, TimeGrid};
@@ -254,14 +254,20 @@ impl LinkMotion {
         self.model.law()
     }
 
-    /// The first `count` natural frequencies in rad/s, without the rigid rotation.
+    /// The first `count` natural frequencies in rad/s, without the rigid motion; with the weight if
+    /// [`reports_weight`](Self::reports_weight).
     pub fn natural_frequencies_rad_s(&self, count: usize) -> Vec<f64> {
-        natural_frequencies(self.mesh(), count)
+        reported_frequencies(self.mesh(), self.link().outward_m_s2(), count)
     }
 
-    /// The first `count` zeros of torque → tip in 1/s.
+    /// The first `count` zeros of torque → tip in 1/s, with the weight like the frequencies.
     pub fn zeros_per_s(&self, count: usize) -> Vec<f64> {
-        torque_zeros(self.mesh(), count)
+        reported_zeros(self.mesh(), self.link().outward_m_s2(), count)
+    }
+
+    /// Whether frequencies and zeros have the weight: of a link that keeps its direction, on a mesh that is not too large.
+    pub fn reports_weight(&self) -> bool {
+        reports_weight(self.mesh(), self.link().outward_m_s2())
     }
 }
 

@@ -164,11 +164,13 @@ impl Arm {
         }
     }
 
-    /// Weight times length in N m: the size of its moments about the first joint, also where counterweights balance it.
+    /// Weight times length in N m: the size of its moments about the first joint, also where counterweights balance it. On
+    /// a carriage the weight in N.
     pub fn weight_moment_n_m(&self) -> f64 {
         let [x, y] = self.gravity_m_s2();
         let masses_kg: f64 = self.links().iter().map(|own| own.link.mass_kg()).sum();
-        masses_kg * self.length_m() * (x * x + y * y).sqrt()
+        let [length_m, _] = self.joint().rigid(self.length_m());
+        masses_kg * length_m * (x * x + y * y).sqrt()
     }
 
     /// Stiffness of each joint between rotor and hub in N m/rad; infinite for a rigid joint.

@@ -236,7 +236,7 @@ impl Link {
     pub(crate) fn linear_part(&self) -> Option<&'static str> {
         let parts = [
             (self.root_stiffness_n_m_rad().is_some(), "a link with root_stiffness"),
-            (self.has_station(), "an output inboard of the tip"),
+            (self.has_station(), "an output at a station"),
         ];
         parts.into_iter().find(|(is_there, _)| *is_there).map(|(_, part)| part)
     }
@@ -312,6 +312,21 @@ impl Link {
     pub fn direction_rad(&self) -> Option<f64> {
         let gravity = self.gravity().filter(|own| own.acts() && self.joint().slides())?;
         gravity.start_angle_rad
+    }
+
+    /// Gravity in m/s² outward along a link on a carriage with weight. `None` for other links.
+    pub fn outward_m_s2(&self) -> Option<f64> {
+        let (direction_rad, gravity) = self.direction_rad().zip(self.gravity())?;
+        Some(gravity.along_m_s2(direction_rad))
+    }
+
+    /// Position of the joint of an unbent link where the displacement of its tip is 0: the start angle of a hub in rad, 0 on
+    /// a carriage. `None` for a hub without a start angle.
+    pub fn origin_rad(&self) -> Option<f64> {
+        if self.joint().slides() {
+            return Some(0.0);
+        }
+        self.gravity().and_then(|gravity| gravity.start_angle_rad)
     }
 
     /// Effort of the joint that holds the weight of the rigid link in a direction: the torque of a hub in N m; on a

@@ -9,14 +9,18 @@ mod shape;
 mod thickness;
 
 pub use basis::{AllModesError, MOST_ELEMENTS_OF_ALL_MODES, ModalBasis};
-pub(crate) use frequencies::{
-    DEFLECTION_WEIGHTS, TORQUE_WEIGHTS, flexible_modes, hub_moves_mass, second_order_share,
-};
 pub use frequencies::{
     REPORTED_MODES, REPORTED_ZEROS, held_frequencies, modes_below, natural_frequencies,
     real_frequency_zeros, torque_zeros,
 };
+pub(crate) use frequencies::{
+    TORQUE_WEIGHTS, deflection_weights, flexible_modes, hub_moves_mass, second_order_share,
+};
 pub use law::{CaugheySeries, DampingError, DampingLaw};
-pub use pose::{MOST_ELEMENTS_OF_A_POSE, PoseHub, buckling_share, pose_modes, pose_zeros};
+pub(crate) use pose::pose_transfer;
+pub use pose::{
+    MOST_ELEMENTS_OF_A_POSE, PoseHub, buckling_share, pose_modes, pose_zeros, reported_frequencies,
+    reported_zeros, reports_weight,
+};
 pub use shape::{Mode, Shape, mode};
 pub use thickness::{LoweredMode, NOTICEABLE, ThickLink, Thickness};

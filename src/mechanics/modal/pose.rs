@@ -8,14 +8,20 @@
 //!
 //! with `g_e`, the gravity outward along the link. `K_g` is also the entire stiffness of a pendulum.
 
-use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix4, Vector2, Vector4};
+use num_complex::Complex64;
 
-use super::frequencies::{SCAN_RANGE, changes, held_frequencies, natural_frequencies, scan_start};
+use super::frequencies::{
+    SCAN_RANGE, changes, held_frequencies, natural_frequencies, scan_start, torque_zeros,
+};
 use crate::beam::{Element, Inertia, Mesh};
-use crate::numeric::{SECTIONS, SymmetricEigen};
+use crate::numeric::{SECTIONS, SymmetricEigen, dot};
 
 /// Largest number of elements for a computation of all modes at once.
 pub const MOST_ELEMENTS_OF_A_POSE: usize = 256;
+
+/// Largest number of elements for which the reported modes and zeros of a link that keeps its direction have its weight.
+const MOST_ELEMENTS_OF_REPORTED: usize = 64;
 
 /// Steps of the search for a buckling weight, for half of the digits.
 const SHARE_STEPS: usize = 40;
@@ -94,7 +100,7 @@ pub fn pose_modes(
 /// Mass and stiffness on the joint's position and on (v, φ) of nodes 1 … n.
 fn on_joint(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
     let [mut mass, stiffness] =
-        assembled(mesh, outward_m_s2).map(|full| with_root_on_joint(full, mesh.rigid(0)));
+        assembled(mesh, (1.0, outward_m_s2)).map(|full| with_root_on_joint(full, mesh.rigid(0)));
     mass[(0, 0)] += mesh.joint().inertia();
     [mass, stiffness]
 }
@@ -135,6 +141,102 @@ pub fn pose_zeros(
         changes(start, start * SCAN_RANGE, count, at(-1.0)),
         changes(start, limit_rad_s, usize::MAX, at(1.0)),
     ])
+}
+
+/// Whether [`reported_frequencies`] and [`reported_zeros`] of a link with gravity `outward_m_s2` along it have its weight:
+/// on meshes of up to 64 elements.
+pub fn reports_weight(mesh: &Mesh, outward_m_s2: Option<f64>) -> bool {
+    outward_m_s2.is_some() && mesh.elements().len() <= MOST_ELEMENTS_OF_REPORTED
+}
+
+/// The first `count` natural frequencies in rad/s of a link with a free joint, without its rigid motion. `outward_m_s2` is
+/// gravity along a link that keeps its direction.
+pub fn reported_frequencies(mesh: &Mesh, outward_m_s2: Option<f64>, count: usize) -> Vec<f64> {
+    let weighed = outward_m_s2.filter(|_| reports_weight(mesh, outward_m_s2));
+    let modes = weighed.and_then(|own| pose_modes(mesh, own, PoseHub::Free, count + 1));
+    let Some(modes) = modes else { return natural_frequencies(mesh, count) };
+    let mut squares: Vec<f64> = modes.into_iter().map(|(square, _)| square).collect();
+    // Weight does not drive the motion of the whole link.
+    let rigid = (0..squares.len()).min_by(|a, b| squares[*a].abs().total_cmp(&squares[*b].abs()));
+    rigid.map(|rigid| squares.remove(rigid));
+    squares.into_iter().filter(|square| *square > 0.0).map(f64::sqrt).collect()
+}
+
+/// The first `count` zeros of the effort → output in 1/s, like [`reported_frequencies`].
+pub fn reported_zeros(mesh: &Mesh, outward_m_s2: Option<f64>, count: usize) -> Vec<f64> {
+    let weighed = outward_m_s2.filter(|_| reports_weight(mesh, outward_m_s2));
+    let zeros = weighed.and_then(|own| pose_zeros(mesh, own, count, 0.0));
+    zeros.map_or_else(|| torque_zeros(mesh, count), |[real, _]| real)
+}
+
+/// Effort of the joint without friction, and displacement of the output, per unit of the joint's position, of a link with
+/// gravity `outward_m_s2` along it. The function takes ω and the damping law's factors μ of mass and κ of stiffness. With
+/// the rigid motion r and the deflection w from it,
+///
+/// ```text
+/// D = κK + K_g − ω²μM,   D w = −D r,   F = rᵀ D (r + w) − ω²μ I
+/// ```
+///
+/// `None` as for [`pose_modes`], and on a spring at the root.
+pub(crate) fn pose_transfer(
+    mesh: &Mesh,
+    outward_m_s2: f64,
+) -> Option<impl Fn(f64, [Complex64; 2]) -> [Complex64; 2]> {
+    let last = mesh.elements().len();
+    if last > MOST_ELEMENTS_OF_A_POSE || mesh.springs() > 0 {
+        return None;
+    }
+    let ([mass, bending], [_, weight]) =
+        (assembled(mesh, (1.0, 0.0)), assembled(mesh, (0.0, outward_m_s2)));
+    let rigid: Vec<f64> = (0..=last).flat_map(|node| mesh.rigid(node)).collect();
+    let of_rigid = |matrix: &DMatrix<f64>| -> Vec<f64> {
+        let row = |i: usize| matrix.row(i).iter().zip(&rigid).map(|(own, r)| own * r).sum();
+        (0..rigid.len()).map(row).collect()
+    };
+    // K r is 0.
+    let (moved, weighed) = (of_rigid(&mass), of_rigid(&weight));
+    let inertia = dot(&moved, &rigid) + mesh.joint().inertia();
+    let (held, output, rigid_tip) = (dot(&weighed, &rigid), mesh.output(), mesh.rigid_tip());
+    Some(move |omega: f64, [of_mass, of_stiffness]: [Complex64; 2]| {
+        let of_mass = of_mass * -(omega * omega);
+        let block = |inner: usize, outer: usize| {
+            Matrix2::from_fn(|i, j| {
+                let at = (2 * inner + i, 2 * outer + j);
+                of_stiffness * bending[at] + of_mass * mass[at] + weight[at]
+            })
+        };
+        let load = |node: usize| {
+            Vector2::from_fn(|i, _| of_mass * moved[2 * node + i] + weighed[2 * node + i])
+        };
+        let inverse = |pivot: Matrix2<Complex64>| {
+            let [a, b, c, d] = [pivot.m11, pivot.m12, pivot.m21, pivot.m22];
+            Matrix2::new(d, -b, -c, a) * (a * d - b * c).inv()
+        };
+        // From the tip to the root: each node's inverse pivot and load, and its coupling to the node inward.
+        let (mut pivot, mut rest) = (inverse(block(last, last)), -load(last));
+        let mut nodes = Vec::with_capacity(last);
+        for node in (1..last).rev() {
+            let coupling = block(node, node + 1);
+            nodes.push((pivot, rest, coupling));
+            rest = -load(node) - coupling * (pivot * rest);
+            pivot = inverse(block(node, node) - coupling * pivot * coupling.transpose());
+        }
+        let mut deflection = pivot * rest;
+        let mut effort = of_mass * inertia + held;
+        let mut tip = Complex64::from(rigid_tip);
+        for node in 1..=last {
+            if node > 1
+                && let Some((pivot, rest, coupling)) = nodes.pop()
+            {
+                deflection = pivot * (rest - coupling.transpose() * deflection);
+            }
+            effort += load(node).dot(&deflection);
+            if node == output {
+                tip += deflection[0];
+            }
+        }
+        [effort, tip]
+    })
 }
 
 /// Weight of an upright link over the weight that buckles it with its joint held; 0 where gravity pulls outward.
@@ -180,8 +282,8 @@ fn with_root_on_joint(full: DMatrix<f64>, [unit_v, unit_phi]: [f64; 2]) -> DMatr
     matrix
 }
 
-/// Mass and stiffness on (v, φ) of all nodes, without the hub.
-fn assembled(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
+/// Mass and stiffness on (v, φ) of all nodes, without the hub, with a factor of the bending stiffness.
+fn assembled(mesh: &Mesh, (bending, outward_m_s2): (f64, f64)) -> [DMatrix<f64>; 2] {
     let size = 2 * mesh.nodes_m().len();
     let [mut mass, mut stiffness] = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
     let Inertia { vv, vp, pp } = mesh.tip_inertia();
@@ -190,7 +292,7 @@ fn assembled(mesh: &Mesh, outward_m_s2: f64) -> [DMatrix<f64>; 2] {
     stiffness[(size - 1, size - 1)] += outward_m_s2 * vp;
     let mut outboard_kg = vv;
     for (k, element) in mesh.elements().iter().enumerate().rev() {
-        let pulled = element.stiffness() + pull(element, outward_m_s2, outboard_kg);
+        let pulled = element.stiffness() * bending + pull(element, outward_m_s2, outboard_kg);
         for (matrix, own) in [(&mut mass, element.mass()), (&mut stiffness, pulled)] {
             let mut block = matrix.fixed_view_mut::<4, 4>(2 * k, 2 * k);
             block += own;

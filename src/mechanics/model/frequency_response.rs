@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-use super::link_on_mesh::{Model, ModelError};
+use super::link_on_mesh::{LinkOnMesh, Model, ModelError};
 use crate::beam::TipTransfer;
+use crate::modal::pose_transfer;
 use crate::numeric::{magnitude, relative_change};
 use crate::system::end_if_stopped;
 
@@ -91,6 +92,38 @@ pub fn changes_on_halves(
     Ok(changes.collect())
 }
 
+/// Transfers of a link that keeps its direction, with the weight along it, and their changes as of [`changes_on_halves`].
+/// `None` for other links, with a modal damping law, and on meshes that are too large.
+pub fn responses_with_weight(
+    link: &LinkOnMesh,
+    frequencies_hz: &[f64],
+) -> Option<(Vec<FrequencyResponse>, Option<Vec<f64>>)> {
+    let rows = rows_with_weight(link, frequencies_hz)?;
+    let halves = link.refined().ok().and_then(|finer| rows_with_weight(&finer, frequencies_hz));
+    let changes = halves
+        .map(|halves| rows.iter().zip(&halves).map(|(row, half)| change(row, half)).collect());
+    Some((rows, changes))
+}
+
+fn rows_with_weight(of: &LinkOnMesh, frequencies_hz: &[f64]) -> Option<Vec<FrequencyResponse>> {
+    let outward_m_s2 = of.link().outward_m_s2().filter(|_| !of.law().is_modal())?;
+    let at = pose_transfer(of.mesh(), outward_m_s2)?;
+    let friction = of.link().joint().friction();
+    let row = |frequency_hz: &f64| {
+        end_if_stopped();
+        let omega = frequency_hz * TAU;
+        let [effort, tip] = at(omega, of.law().factors(omega));
+        let effort = effort + Complex64::new(0.0, omega * friction);
+        FrequencyResponse {
+            frequency_hz: *frequency_hz,
+            torque_per_tip_acceleration_kg_m: -effort / (tip * omega * omega),
+            hub_angle_per_tip_displacement_rad_m: tip.inv(),
+            tip_displacement_per_torque_1_n: tip / effort,
+        }
+    };
+    Some(frequencies_hz.iter().map(row).collect())
+}
+
 fn change(found: &FrequencyResponse, half: &FrequencyResponse) -> f64 {
     let relative = |of: fn(&FrequencyResponse) -> Complex64| {
         let (found, half) = (of(found), of(half));
@@ -121,7 +154,8 @@ pub enum Sensor {
 }
 
 impl Sensor {
-    /// Name in files, measured quantity in words, its SI unit, and its unit per N m.
+    /// Name in files, measured quantity in words, its SI unit, and its unit per effort of the joint, of a hub where both
+    /// joints have the quantity.
     fn texts(self) -> [&'static str; 4] {
         match self {
             Self::HubAngle => ["hub_angle", "hub angle", "rad", "rad/(N m)"],
@@ -158,12 +192,17 @@ impl Sensor {
         self.texts()[2]
     }
 
-    /// Unit of the quantity per N m.
-    pub fn unit_per_torque(self) -> &'static str {
-        self.texts()[3]
+    /// Unit of the quantity per N m at a hub, or per N on a carriage.
+    pub fn unit_per_effort(self, slides: bool) -> &'static str {
+        match self {
+            Self::TipDeflection if slides => "m/N",
+            Self::TipAcceleration if slides => "1/kg",
+            Self::RootStrain if slides => "1/(N m)",
+            _ => self.texts()[3],
+        }
     }
 
-    /// Response per torque at the hub, including joint friction, at angular frequencies above 0.
+    /// Response per torque at the hub, or force on the carriage, including joint friction, at angular frequencies above 0.
     ///
     /// ```text
     /// θ/T = −(θ/v_tip)/(ω² T/a_tip),   w''/T = −(M_root/a_tip)/(EI κ T/a_tip)

@@ -11,7 +11,7 @@ mod recursion;
 mod superposition;
 
 pub use dense::{Dense, MOST_ELEMENTS_OF_DENSE_SOLVE};
-pub use frequency_response::{FrequencyResponse, Sensor, changes_on_halves};
+pub use frequency_response::{FrequencyResponse, Sensor, changes_on_halves, responses_with_weight};
 pub use link_on_mesh::{KeptModes, LinkOnMesh, Model, ModelError};
 pub(crate) use recursion::check_size;
 pub use recursion::model_of;

@@ -25,6 +25,15 @@ impl Place {
         [0, 1].map(|axis| self.centripetal_m_s2[axis] + dot(&self.by[axis], accelerations))
     }
 
+    /// Moves the place by coordinate number `own`, at this value and rate, along x and y.
+    pub(super) fn slide(&mut self, unit: [f64; 2], (value, rate): (f64, f64), own: usize) {
+        for (axis, part) in unit.into_iter().enumerate() {
+            self.at_m[axis] += part * value;
+            self.rate_m_s[axis] += part * rate;
+            self.by[axis][own] += part;
+        }
+    }
+
     /// The place at this distance along a direction that the coordinates `turned` turn at a rate.
     pub(super) fn beyond(&self, arm_m: f64, (angle, rate): (f64, f64), turned: &[usize]) -> Self {
         let mut place = self.clone();
@@ -48,7 +57,7 @@ pub(super) enum Met<'a> {
     Mass(f64),
     /// A rotary inertia in kg m² on the slope of these coordinates.
     Inertia(f64, &'a [usize]),
-    /// The end of a piece, which these coordinates turn.
+    /// The end of a piece up to the output, which these coordinates turn.
     End(&'a [usize]),
 }
 

@@ -33,7 +33,7 @@ pub struct JointMotion {
 /// Motion of links that bend as elasticas.
 #[derive(Debug, Clone)]
 pub struct BentPlay {
-    /// Number of angles that describe the links, the joints included.
+    /// Number of coordinates that describe the links, the joints included.
     pub angles: usize,
     /// Steps of the integration from one sample to the next.
     pub steps: usize,
@@ -47,14 +47,14 @@ pub struct BentPlay {
     pub work_j: Vec<f64>,
     /// Energy in J that damping and friction of an arm dissipate; empty for one link.
     pub lost_j: Vec<f64>,
-    /// Largest change of the tip in m, and of any joint in rad, by the last refinement: two angles more on each piece, half
-    /// the step.
+    /// Largest change of the tip in m, and of any joint's position, by the last refinement: two angles more on each piece,
+    /// half the step.
     pub change: [f64; 2],
     /// Whether refinement still changes tip or joints by more than 1e-4 of their movement.
     pub is_unsettled: bool,
     pub(super) linkage: Linkage,
     record: Record,
-    /// Direction in rad of zero displacement for one link.
+    /// Direction in rad of zero displacement for one link that turns.
     from_rad: f64,
     /// Direction of each link's chord less that of its root at the last sample in rad.
     bent_rad: Vec<f64>,
@@ -133,6 +133,9 @@ impl BentMotion {
         let moving = tip.acceleration_m_s2(accelerations);
         let row = |axis: usize| [tip.at_m[axis], tip.rate_m_s[axis], moving[axis]];
         let rows = match chords[..] {
+            [_] if linkage.links[0].slides() => {
+                vec![[0, 1, 2].map(|k| linkage.links[0].across([row(0)[k], row(1)[k]]))]
+            }
             [chord_rad] => {
                 let length_m = linkage.length_m();
                 let [rate, turning] = turning(row(0), row(1));
@@ -240,7 +243,8 @@ impl BentPlay {
         positions
     }
 
-    /// Displacement in m along the arc of places at distances along one link, at every `every`-th sample.
+    /// Displacement in m, along the arc or across a link that slides, of places at distances along one link, at every
+    /// `every`-th sample.
     pub(super) fn displacements_m(&self, along_m: &[f64], every: NonZeroUsize) -> Vec<Vec<f64>> {
         let chain = &self.linkage.links[0];
         let stations = chain.stations(along_m);
@@ -249,19 +253,25 @@ impl BentPlay {
             let places = chain.places_m(&stations, self.record.at(sample).0);
             for ((column, at_m), s_m) in columns.iter_mut().zip(places).zip(along_m) {
                 let chord_rad = self.chords_rad[0][sample];
-                column.push(s_m * (direction(at_m, chord_rad) - self.from_rad));
+                column.push(if chain.slides() {
+                    chain.across(at_m)
+                } else {
+                    s_m * (direction(at_m, chord_rad) - self.from_rad)
+                });
             }
         }
         columns
     }
 
-    /// Deflection of one link's tip from the hub's tangent line in m.
+    /// Deflection of one link's output from its tangent line at the joint in m.
     pub(super) fn tip_deflection_m(&self) -> Vec<f64> {
-        let rest = vec![0.0; self.angles];
+        let (link, rest) = (&self.linkage.links[0], vec![0.0; self.angles]);
         let deflection = |sample: usize| {
             let q = self.record.at(sample).0;
-            let [x, y] = self.linkage.links[0].tip(q, &rest).at_m;
-            y * libm::cos(q[0]) - x * libm::sin(q[0])
+            let (root_rad, axis_m, at_m) =
+                (link.root_rad(q), link.axis_m(q), link.output(q, &rest).at_m);
+            let [x, y] = [0, 1].map(|part| at_m[part] - axis_m[part]);
+            y * libm::cos(root_rad) - x * libm::sin(root_rad)
         };
         (0..self.kinetic_j.len()).map(deflection).collect()
     }

@@ -1,16 +1,17 @@
 //! A link as an inextensible elastica with angles as coordinates: Lagrange's equations at any deflection.
 //!
-//! The hub's angle φ comes first, then the slopes ψ of the link from the hub's tangent line: polynomials on each
-//! piece between two masses or segment ends. Places and their derivatives are integrals of cosines and sines along
-//! the link, at Gauss's points, so that the discrete link keeps its energy exactly.
+//! The position of the joint comes first: the hub's angle φ, or the displacement u of a carriage. Then come the slopes ψ
+//! of the link from its tangent line at the joint: polynomials on each piece between two masses or segment ends. Places
+//! and their derivatives are integrals of cosines and sines along the link, at Gauss's points, so that the discrete link
+//! keeps its energy exactly. A carriage moves the axis by u along n, across its link, whose root keeps the direction φ.
 //!
 //! ```text
-//! r(s) = ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
+//! r(s) = u n + ∫ (cos θ, sin θ) ds,   θ = φ + ψ,   M = Σ m ∂r/∂qᵀ ∂r/∂q,   V = ½ ∫ EI ψ'² ds − Σ m g·r
 //! ```
 
 use super::balance::{Balance, Met, Place};
 use crate::link::{Link, POSITION_TOLERANCE, Payload, Taper};
-use crate::numeric::{GaussRule, piece_shapes};
+use crate::numeric::{GaussRule, dot, piece_shapes};
 
 /// Gauss points of a piece beyond the order of its polynomials.
 const MORE_POINTS: usize = 3;
@@ -48,11 +49,19 @@ pub(super) struct Piece {
 pub(super) struct Chain {
     pub(super) pieces: Vec<Piece>,
     pub(super) root_m: f64,
-    hub_inertia_kg_m2: f64,
+    /// Motion of the axis across the link, and of the root's slope, per unit of the joint's position.
+    unit: [f64; 2],
+    /// Direction in rad of the root where the joint's position is 0.
+    direction_rad: f64,
+    /// The joint's inertia.
+    at_axis: Body,
     at_root: Vec<Body>,
+    /// Distance in m from the axis to the output, and number of the piece that ends there.
+    pub(super) output_m: f64,
+    output: usize,
     /// Number of coordinates.
     pub(super) count: usize,
-    /// Stiffness row by row; 0 for the hub's angle.
+    /// Stiffness row by row; 0 for the joint's position.
     pub(super) stiffness: Vec<f64>,
 }
 
@@ -106,12 +115,18 @@ pub(super) fn play_bytes(count: usize, samples: usize, numbers: usize) -> usize 
 impl Chain {
     /// An undamped link with polynomials of the orders of [`planned`].
     pub(super) fn of(link: &Link, order: impl Fn([f64; 2], [f64; 2]) -> usize) -> Self {
-        let hub = link.hub();
+        let joint = link.joint();
+        let (root_m, unit) = (joint.radius_m(), joint.rigid(0.0));
+        let [mass_kg, inertia_kg_m2] = unit.map(|part| part * part * joint.inertia());
         let mut chain = Self {
             pieces: Vec::new(),
-            root_m: hub.radius_m,
-            hub_inertia_kg_m2: hub.inertia_kg_m2,
-            at_root: bodies_at(link, hub.radius_m),
+            root_m,
+            unit,
+            direction_rad: link.direction_rad().unwrap_or(0.0),
+            at_axis: Body { mass_kg, inertia_kg_m2, arm_m: 0.0 },
+            at_root: bodies_at(link, root_m),
+            output_m: link.output_m(),
+            output: 0,
             count: 1,
             stiffness: Vec::new(),
         };
@@ -121,6 +136,9 @@ impl Chain {
             let length_m = end_m - from_m;
             let rule = GaussRule::new(order + MORE_POINTS);
             let bodies = bodies_at(link, end_m);
+            if end_m <= chain.output_m + POSITION_TOLERANCE * link.length_m() {
+                chain.output = chain.pieces.len();
+            }
             chain.pieces.push(Piece::new(length_m, chain.count, (order, &rule), mass, bodies));
             bends.push((rule, order, stiffness));
             chain.count += order;
@@ -146,9 +164,40 @@ impl Chain {
         chain
     }
 
-    /// Length L from the axis to the tip in m.
-    pub(super) fn length_m(&self) -> f64 {
-        self.root_m + self.pieces.iter().map(|piece| piece.length_m).sum::<f64>()
+    /// True if the joint slides.
+    pub(super) fn slides(&self) -> bool {
+        self.unit[1] == 0.0
+    }
+
+    /// Direction in rad of the root.
+    pub(super) fn root_rad(&self, q: &[f64]) -> f64 {
+        self.direction_rad + self.unit[1] * q[0]
+    }
+
+    /// Rate in rad/s of the root's direction.
+    pub(super) fn root_rad_s(&self, rates: &[f64]) -> f64 {
+        self.unit[1] * rates[0]
+    }
+
+    /// Motion of the axis along x and y per unit of the joint's position.
+    fn slide(&self) -> [f64; 2] {
+        let (sine, cosine) = (libm::sin(self.direction_rad), libm::cos(self.direction_rad));
+        [-self.unit[0] * sine, self.unit[0] * cosine]
+    }
+
+    /// x and y of the axis in m.
+    pub(super) fn axis_m(&self, q: &[f64]) -> [f64; 2] {
+        self.slide().map(|part| part * q[0])
+    }
+
+    /// Part of a vector across a link that slides.
+    pub(super) fn across(&self, vector: [f64; 2]) -> f64 {
+        dot(&self.slide(), &vector)
+    }
+
+    /// Size of the joint's positions: 1 rad of a hub, the length of the link in m on a carriage.
+    pub(super) fn position_size(&self) -> f64 {
+        if self.slides() { self.output_m } else { 1.0 }
     }
 
     /// Walks the link from the axis outward and shows each mass, or rotary inertia, at its place.
@@ -157,7 +206,7 @@ impl Chain {
     }
 
     /// Walks a link with its axis on another link, turned by the coordinates `before`; the link's coordinates begin
-    /// with number `own`.
+    /// with number `own`. Shows the ends of pieces up to the output.
     pub(super) fn walk_on(
         &self,
         axis: &Place,
@@ -165,14 +214,20 @@ impl Chain {
         (q, rates): (&[f64], &[f64]),
         meet: &mut impl FnMut(&Place, Met<'_>),
     ) {
-        let hub = [before, &[own]].concat();
+        let mut axis = axis.clone();
+        let mut hub = before.to_vec();
+        if self.slides() {
+            axis.slide(self.slide(), (q[own], rates[own]), own);
+        } else {
+            hub.push(own);
+        }
         let of_hub = |values: &[f64]| hub.iter().fold(0.0, |sum, i| sum + values[*i]);
-        let (hub_rad, hub_rad_s) = (of_hub(q), of_hub(rates));
-        meet(axis, Met::Inertia(self.hub_inertia_kg_m2, &hub));
+        let (hub_rad, hub_rad_s) = (self.direction_rad + of_hub(q), of_hub(rates));
+        Self::meet_bodies(&[self.at_axis], &axis, (hub_rad, hub_rad_s), &hub, meet);
         let mut inner = axis.beyond(self.root_m, (hub_rad, hub_rad_s), &hub);
         Self::meet_bodies(&self.at_root, &inner, (hub_rad, hub_rad_s), &hub, meet);
         let mut here = inner.clone();
-        for piece in &self.pieces {
+        for (number, piece) in self.pieces.iter().enumerate() {
             let angle = |hub: f64, values: &[f64], shape: &[f64]| {
                 let bent = piece.coordinates().map(|(i, k)| values[own + i] * shape[k]);
                 hub + bent.sum::<f64>()
@@ -215,7 +270,9 @@ impl Chain {
             let slope = (hub_rad + q[outer], hub_rad_s + rates[outer]);
             let turned = [&hub[..], &[outer]].concat();
             Self::meet_bodies(&piece.bodies, &here, slope, &turned, meet);
-            meet(&here, Met::End(&turned));
+            if number <= self.output {
+                meet(&here, Met::End(&turned));
+            }
             inner.clone_from(&here);
         }
     }
@@ -244,15 +301,15 @@ impl Chain {
         balance.mass
     }
 
-    /// The tip and its motion.
-    pub(super) fn tip(&self, q: &[f64], rates: &[f64]) -> Place {
-        let mut tip = Place::default();
+    /// The output and its motion.
+    pub(super) fn output(&self, q: &[f64], rates: &[f64]) -> Place {
+        let mut output = Place::default();
         self.walk(q, rates, |place, met| {
             if let Met::End(_) = met {
-                tip.clone_from(place);
+                output.clone_from(place);
             }
         });
-        tip
+        output
     }
 }
 
@@ -264,10 +321,12 @@ fn bodies_at(link: &Link, at_m: f64) -> Vec<Body> {
         .collect()
 }
 
-/// Ends of a segment's pieces: masses within it, and its outer end.
+/// Ends of a segment's pieces: masses and the output within it, and its outer end.
 fn piece_ends_m(link: &Link, [root_m, tip_m]: [f64; 2], same_m: f64) -> Vec<f64> {
     let inside = |at_m: &f64| *at_m > root_m + same_m && *at_m < tip_m - same_m;
-    let mut ends: Vec<f64> = link.masses().iter().map(|mass| mass.at_m).filter(inside).collect();
+    let masses_m = link.masses().iter().map(|mass| mass.at_m);
+    let mut ends: Vec<f64> = masses_m.chain([link.output_m()]).filter(inside).collect();
+    ends.sort_by(f64::total_cmp);
     ends.dedup_by(|a, b| *a - *b <= same_m);
     ends.push(tip_m);
     ends
@@ -297,7 +356,7 @@ impl Piece {
     /// Coordinates that bend the piece, and their numbers among its shapes.
     pub(super) fn coordinates(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<> {
         let (first, count) = (self.first, self.shapes[0].len() - 1);
-        // The hub's angle before the first piece is no slope from its tangent line.
+        // The joint's position before the first piece is no slope from its tangent line.
         let inner = (first > 1).then(|| (first - 1, 0));
         inner.into_iter().chain((0..count).map(move |k| (first + k, k + 1)))
     }

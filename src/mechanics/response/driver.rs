@@ -83,9 +83,11 @@ pub(super) fn refine<'a>(
             Err(_) => return finest,
         };
         let mut motion = play(refinement, Some(&coarser))?;
-        // Both are arrays: tip in m, joints in rad.
+        // Both are arrays: tip in m, positions of joints.
         let (change, travel) = (motion.change_from(&coarser), motion.moved());
-        let least = [ROUND_OFF_RAD * motion.play.linkage.length_m(), ROUND_OFF_RAD];
+        let linkage = &motion.play.linkage;
+        let sizes = [linkage.length_m(), linkage.links[0].position_size()];
+        let least = sizes.map(|size| ROUND_OFF_RAD * size);
         let is_within = |share: f64| (0..2).all(|k| change[k] <= (share * travel[k]).max(least[k]));
         (motion.play.change, motion.play.is_unsettled) = (change, !is_within(UNSETTLED));
         let is_settled = is_within(tolerance);
@@ -154,7 +156,8 @@ impl DrivenLinks<'_> {
         let mut played = BentMotion::empty(&self.linkage, from_rad, (steps, grid.len), holding_n_m);
         self.accelerate(0, &mut motion, &mut balance)?;
         if let Some(cycle) = &self.cycle {
-            settle(&mut motion, cycle, &self.linkage.joints, |motion, sample| {
+            let joints = (&self.linkage.joints[..], self.linkage.links[0].position_size());
+            settle(&mut motion, cycle, joints, |motion, sample| {
                 (0..steps).try_for_each(|step| self.step(&mut radau, motion, (sample, step, steps)))
             })?;
             self.accelerate_under_torques(0, &mut motion, &mut balance)?;

@@ -12,7 +12,7 @@ use super::residual::{PlayedModelError, Reading, ResidualVibration};
 use super::stepper::Record;
 use crate::beam::Mesh;
 use crate::link::Link;
-use crate::modal::{DEFLECTION_WEIGHTS, DampingLaw, hub_moves_mass, second_order_share};
+use crate::modal::{DampingLaw, deflection_weights, hub_moves_mass, second_order_share};
 use crate::motion::TipMotionHistories;
 use crate::numeric::{TimeGrid, largest};
 
@@ -69,7 +69,7 @@ pub(super) fn play_modes(
     let share_of = second_order_share(&mesh, link, turned.min(largest(&rate_rad_s)));
     let bends_m = largest(&deflection_m);
     let vibrates_m = residual.map_or(0.0, |residual| residual.amplitude_m);
-    let shares = [bends_m, vibrates_m].map(|bent_m| share_of(bent_m, DEFLECTION_WEIGHTS));
+    let shares = [bends_m, vibrates_m].map(|bent_m| share_of(bent_m, deflection_weights(link)));
     let omega_rad_s = equations.first_period_s().map_or(0.0, |period_s| TAU / period_s);
     let moves_m = (bends_m, tip.largest_travel_m());
     let vibration = (omega_rad_s, grid.duration_s());
@@ -101,7 +101,7 @@ pub(super) fn play_modes(
         record,
         turning_rad_s,
     });
-    let links = vec![PlayedLink::of(mesh, law)];
+    let links = vec![PlayedLink::of(link, mesh, law)];
     Ok(Played { grid, driven, joints: vec![hub], tip: vec![tip], links, by, warnings })
 }
 

@@ -19,7 +19,7 @@ const HIGHEST_ORDER: usize = 24;
 #[derive(Debug, Clone)]
 pub(super) struct Linkage {
     pub(super) links: Vec<Chain>,
-    /// Number of the first coordinate of each link: the angle of its joint.
+    /// Number of the first coordinate of each link: the position of its joint.
     pub(super) joints: Vec<usize>,
     pub(super) friction_n_m_s_rad: Vec<f64>,
     pub(super) gravity_m_s2: [f64; 2],
@@ -115,7 +115,7 @@ impl Linkage {
         Self { gravity_m_s2: self.gravity_m_s2.map(|part| share * part), ..self.clone() }
     }
 
-    /// Walks all links from the first joint outward; returns the outer end of each.
+    /// Walks all links from the first joint outward; returns the outer end of each, of one link its output.
     pub(super) fn walk(
         &self,
         q: &[f64],
@@ -177,23 +177,25 @@ impl Linkage {
     /// Direction of each link's chord in rad, from the ends of the links. It is within half a turn of the root's
     /// direction plus `bent_rad`; `bent_rad` becomes the chord's new bend.
     pub(super) fn chords_rad(&self, q: &[f64], ends: &[Place], bent_rad: &mut [f64]) -> Vec<f64> {
-        let mut from_m = [0.0; 2];
-        let chord = |((end, own), bent_rad): ((&Place, Vec<f64>), &mut f64)| {
+        let mut from_m = self.links[0].axis_m(q);
+        let roots_rad = self.links.iter().zip(self.of_links(q)).map(|(link, q)| link.root_rad(&q));
+        let chord = |((end, root_rad), bent_rad): ((&Place, f64), &mut f64)| {
             let along = [0, 1].map(|axis| end.at_m[axis] - from_m[axis]);
             from_m = end.at_m;
-            let chord_rad = direction(along, own[0] + *bent_rad);
-            *bent_rad = chord_rad - own[0];
+            let chord_rad = direction(along, root_rad + *bent_rad);
+            *bent_rad = chord_rad - root_rad;
             chord_rad
         };
-        ends.iter().zip(self.of_links(q)).zip(bent_rad).map(chord).collect()
+        ends.iter().zip(roots_rad).zip(bent_rad).map(chord).collect()
     }
 
-    /// Length of the stretched links in m.
+    /// Length in m of the stretched links up to the output.
     pub(super) fn length_m(&self) -> f64 {
-        self.links.iter().map(Chain::length_m).sum()
+        self.links.iter().map(|link| link.output_m).sum()
     }
 
-    /// Coordinates, or rates, of each link alone: its root's direction against x, then its slopes.
+    /// Coordinates, or rates, of each link alone: its root's direction against x, or its carriage's position, then its
+    /// slopes.
     pub(super) fn of_links(&self, q: &[f64]) -> Vec<Vec<f64>> {
         let mut turned = 0.0;
         let of_link = |(link, first): (&Chain, &usize)| {

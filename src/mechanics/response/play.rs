@@ -235,9 +235,9 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Direction of the chord in rad at zero displacement of the tip, from the play or from the link's gravity.
+    /// Position of the joint of an unbent link at zero displacement of its tip, from the play or from the link.
     pub(super) fn origin_rad(&self, link: &Link) -> Option<f64> {
-        self.start_angle_rad.or(link.gravity().and_then(|gravity| gravity.start_angle_rad))
+        self.start_angle_rad.or(link.origin_rad())
     }
 
     /// Whether all terms of large angles count: always in an arm.

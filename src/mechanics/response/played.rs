@@ -47,7 +47,10 @@ pub struct PlayedLink {
     pub mesh: Mesh,
     /// Its damping law; the ratio of a hysteretic link serves as its viscous ratio.
     pub law: DampingLaw,
-    /// Its lowest natural frequencies in rad/s without weight, the rigid rotation excluded.
+    /// Gravity in m/s² outward along it, if it keeps its direction.
+    pub outward_m_s2: Option<f64>,
+    /// Its lowest natural frequencies in rad/s, the rigid motion excluded; with weight only of a link that keeps its
+    /// direction.
     pub natural_frequencies_rad_s: Vec<f64>,
 }
 
@@ -249,6 +252,7 @@ impl ModalPlay {
             slope_rate_rad_s: at(&all[1], 1),
             displacement_m: Some(moved.collect()),
             velocity_m_s: Some(at(&all[1], 0)),
+            carriage: None,
         }
     }
 

@@ -147,10 +147,12 @@ impl Chain {
         let mut state = LinkState {
             time_s,
             x_m: vec![self.root_m],
-            slope_rad: vec![q[0]],
-            slope_rate_rad_s: vec![rates[0]],
+            slope_rad: vec![self.root_rad(q)],
+            slope_rate_rad_s: vec![self.root_rad_s(rates)],
+            carriage: self.slides().then_some([q[0], rates[0]]),
             ..LinkState::default()
         };
+        let [root_rad, root_rad_s] = [state.slope_rad[0], state.slope_rate_rad_s[0]];
         let mut from_m = self.root_m;
         for piece in &self.pieces {
             let order = piece.shapes[0].len() - 1;
@@ -158,12 +160,12 @@ impl Chain {
                 // Chebyshev's places, both ends included.
                 let t = -libm::cos(std::f64::consts::PI * k as f64 / order as f64);
                 let shape = piece_shapes(order, t).0;
-                let at = |own: &[f64]| {
-                    own[0] + piece.coordinates().map(|(i, j)| own[i] * shape[j]).sum::<f64>()
+                let at = |root: f64, own: &[f64]| {
+                    root + piece.coordinates().map(|(i, j)| own[i] * shape[j]).sum::<f64>()
                 };
                 state.x_m.push(from_m + 0.5 * (1.0 + t) * piece.length_m);
-                state.slope_rad.push(at(q));
-                state.slope_rate_rad_s.push(at(rates));
+                state.slope_rad.push(at(root_rad, q));
+                state.slope_rate_rad_s.push(at(root_rad_s, rates));
             }
             from_m += piece.length_m;
         }
@@ -179,7 +181,8 @@ impl Chain {
         state: &LinkState,
     ) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
         let [mut q, mut rates] = [(); 2].map(|()| vec![0.0; self.count]);
-        (q[0], rates[0]) = (state.slope_rad[0], state.slope_rate_rad_s[0]);
+        [q[0], rates[0]] =
+            state.carriage.unwrap_or([state.slope_rad[0], state.slope_rate_rad_s[0]]);
         let mut from_m = self.root_m;
         for piece in &self.pieces {
             let to_m = from_m + piece.length_m;
@@ -236,13 +239,15 @@ impl Chain {
 
     /// Places of stations in m.
     pub(super) fn places_m(&self, stations: &[Station], q: &[f64]) -> Vec<[f64; 2]> {
-        let hub = [libm::cos(q[0]), libm::sin(q[0])];
-        let mut inner = vec![hub.map(|part| self.root_m * part)];
+        let (root_rad, axis_m) = (self.root_rad(q), self.axis_m(q));
+        let hub = [libm::cos(root_rad), libm::sin(root_rad)];
+        let inside = |at_m: f64| [0, 1].map(|part| axis_m[part] + at_m * hub[part]);
+        let mut inner = vec![inside(self.root_m)];
         let mut slopes = Vec::with_capacity(self.pieces.len());
         for piece in &self.pieces {
             let directions = piece.shapes.iter().map(|shape| {
                 let bent: f64 = piece.coordinates().map(|(i, k)| q[i] * shape[k]).sum();
-                [libm::cos(q[0] + bent), libm::sin(q[0] + bent)]
+                [libm::cos(root_rad + bent), libm::sin(root_rad + bent)]
             });
             let directions: Vec<[f64; 2]> = directions.collect();
             let whole = piece.within.last().map_or(&[][..], Vec::as_slice);
@@ -253,7 +258,7 @@ impl Chain {
         let place = |station: &Station| {
             let piece = station.piece;
             let from = if station.inside_m < self.root_m {
-                hub.map(|part| station.inside_m * part)
+                inside(station.inside_m)
             } else {
                 inner[piece]
             };

@@ -16,7 +16,7 @@ use super::state::{Cycle, State};
 use crate::beam::{Mesh, MeshPlan};
 use crate::elastica::underived;
 use crate::link::{Arm, ArmLink, Damping, Link};
-use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, natural_frequencies};
+use crate::modal::{DampingLaw, REPORTED_MODES, hub_moves_mass, reported_frequencies};
 use crate::numeric::TimeGrid;
 
 /// Most refinements under torques, and with prescribed joints.
@@ -102,9 +102,10 @@ fn driven_rad_s(play: &Play<'_>) -> Result<f64, SimulationError> {
 
 impl PlayedLink {
     /// A link with its natural frequencies.
-    pub(super) fn of(mesh: Mesh, law: DampingLaw) -> Self {
-        let natural_frequencies_rad_s = natural_frequencies(&mesh, REPORTED_MODES);
-        Self { mesh, law, natural_frequencies_rad_s }
+    pub(super) fn of(link: &Link, mesh: Mesh, law: DampingLaw) -> Self {
+        let outward_m_s2 = link.outward_m_s2();
+        let natural_frequencies_rad_s = reported_frequencies(&mesh, outward_m_s2, REPORTED_MODES);
+        Self { mesh, law, outward_m_s2, natural_frequencies_rad_s }
     }
 }
 
@@ -116,10 +117,12 @@ fn play_bent(
     (tolerance, watch): (f64, &dyn Fn(PlayProgress)),
 ) -> Result<Played, SimulationError> {
     let links = arm.links();
-    let on_carriage = arm.joint().slides().then_some("a link on a carriage");
-    let linear = links.iter().find_map(|own| own.link.linear_part());
-    if let Some(part) = linear.or(on_carriage) {
-        return Err(SimulationError::OnlyLinear(part));
+    if links.iter().any(|own| own.link.root_stiffness_n_m_rad().is_some()) {
+        return Err(SimulationError::OnlyLinear("a link with root_stiffness"));
+    }
+    if links[0].link.joint().slides() && arm.has_weight() && links[0].link.direction_rad().is_none()
+    {
+        return Err(SimulationError::NoStartAngle);
     }
     if let [mesh] = &meshes[..] {
         if !hub_moves_mass(mesh) {
@@ -134,7 +137,8 @@ fn play_bent(
     let grid = play.grid()?;
     let laws = links.iter().zip(&meshes).map(|(own, mesh)| DampingLaw::of(&own.link, mesh));
     let laws: Vec<DampingLaw> = laws.collect::<Result<_, _>>()?;
-    let played = meshes.into_iter().zip(laws).map(|(mesh, law)| PlayedLink::of(mesh, law));
+    let played = links.iter().zip(meshes).zip(laws);
+    let played = played.map(|((own, mesh), law)| PlayedLink::of(&own.link, mesh, law));
     let played: Vec<PlayedLink> = played.collect();
     for (own, link) in links.iter().zip(&played) {
         if let Some([what, known]) = underived(&own.link, &link.law, true) {
@@ -244,14 +248,15 @@ impl Bending<'_> {
         Ok(DrivenLinks { linkage, drives, aims_rad, grid, start, cycle })
     }
 
-    /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque without weight and
-    /// without stiffness of its feedback.
+    /// One cycle of the input. Prescribed joints may turn on, and the first joint under a torque where neither weight nor
+    /// stiffness of its feedback holds it. Weight holds no carriage at a place.
     fn cycle(&self, joints: &[usize]) -> Result<Cycle, SimulationError> {
         let grid = self.play.input.grid();
         let turning = match &self.drives[0] {
             Drive::Acceleration(_) => return Ok(Cycle::prescribed(grid, joints)),
             Drive::Torque(_, reaction) => {
-                let is_unheld = !self.arm.has_weight() && reaction.stiffness_n_m_rad == 0.0;
+                let is_held = self.arm.has_weight() && !self.arm.joint().slides();
+                let is_unheld = !is_held && reaction.stiffness_n_m_rad == 0.0;
                 if is_unheld && reaction.damping_n_m_s_rad == 0.0 {
                     return Err(CycleError::Free.into());
                 }
@@ -273,11 +278,11 @@ impl Bending<'_> {
         let chain = &linkage.links[0];
         if let Some(state) = state {
             let (q, own) = linkage.of_state(state)?;
-            let first_rad = direction(chain.tip(&q, &rates).at_m, q[0]);
+            let first_rad = direction(chain.output(&q, &rates).at_m, q[0]);
             let level_rad = if link.has_weight() { first_rad } else { 0.0 };
             return Ok(InitialMotion { q, rates: own, from_rad: given_rad.unwrap_or(level_rad) });
         }
-        let start_rad = self.play.start_m(link) / link.length_m() + given_rad.unwrap_or(0.0);
+        let start_rad = self.play.start_m(link) / link.rigid_tip() + given_rad.unwrap_or(0.0);
         if !link.has_weight() {
             let mut straight = vec![0.0; linkage.count];
             straight[0] = start_rad;
@@ -285,12 +290,17 @@ impl Bending<'_> {
         }
         let start = match self.play.input {
             Input::Torques(_) if given_rad.is_none() => return Err(SimulationError::NoStartAngle),
-            Input::Torques(_) => Start::Chords(&[start_rad]),
-            Input::Angles(_) => Start::Joints(&[start_rad]),
+            Input::Torques(_) if !chain.slides() => Start::Chords(&[start_rad]),
+            Input::Torques(_) | Input::Angles(_) => Start::Joints(&[start_rad]),
         };
-        let q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
+        let mut q = at_rest(self.arm, linkage, start).ok_or(SimulationError::NoRest)?;
+        let output_m = chain.output(&q, &rates).at_m;
+        if chain.slides() && self.play.input.is_torque() {
+            // The bent link has the same shape wherever its carriage stands.
+            q[0] += start_rad - chain.across(output_m);
+        }
         // With a prescribed hub the weight determines the chord.
-        let first_rad = direction(chain.tip(&q, &rates).at_m, start_rad);
+        let first_rad = direction(output_m, start_rad);
         Ok(InitialMotion { q, rates, from_rad: given_rad.unwrap_or(first_rad) })
     }
 

@@ -34,6 +34,9 @@ pub struct LinkState {
     /// Its velocity in m/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_m_s: Option<Vec<f64>>,
+    /// Displacement in m and velocity in m/s of the carriage of an elastica.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carriage: Option<[f64; 2]>,
 }
 
 impl LinkState {
@@ -53,6 +56,12 @@ impl LinkState {
             }
             _ => {}
         }
+        let words = ["is of a hub", "is of a carriage"].map(str::to_owned);
+        match (self.carriage.is_some(), is_large && link.joint().slides()) {
+            (false, true) => return refused(words[0].clone(), "be of a carriage".into()),
+            (true, false) => return refused(words[1].clone(), "be without one".into()),
+            _ => {}
+        }
         let places = self.x_m.len();
         let lists = [Some(&self.slope_rad), Some(&self.slope_rate_rad_s)].into_iter();
         let lists = lists.chain(linear.map(Option::as_ref)).flatten();
@@ -60,7 +69,7 @@ impl LinkState {
             let must = "have as many numbers in every list, two or more";
             return refused(format!("has {places} places"), must.into());
         }
-        let numbers = lists.flatten().chain(&self.x_m);
+        let numbers = lists.flatten().chain(&self.x_m).chain(self.carriage.iter().flatten());
         if let Some(lost) = numbers.copied().find(|number| !number.is_finite()) {
             return refused(format!("holds {lost}"), "hold finite numbers".into());
         }
@@ -220,15 +229,15 @@ impl Cycle {
     }
 }
 
-/// Integrates cycles until the state repeats. Each cycle begins with the first angles of turning joints. Of their motion
-/// only the rate of an unheld joint must repeat.
+/// Integrates cycles until the state repeats. Each cycle begins with the first positions of turning joints. Of their motion
+/// only the rate of an unheld joint must repeat. Changes of `joints` count over the size of their positions.
 ///
 /// # Errors
 /// [`CycleError`], and errors of `advance`.
 pub(super) fn settle(
     motion: &mut Motion,
     Cycle { grid, turning, is_prescribed }: &Cycle,
-    joints: &[usize],
+    (joints, size): (&[usize], f64),
     mut advance: impl FnMut(&mut Motion, usize) -> Result<(), SimulationError>,
 ) -> Result<(), SimulationError> {
     let cycle_s = grid.len as f64 * grid.step_s;
@@ -239,7 +248,7 @@ pub(super) fn settle(
         for sample in 0..grid.len {
             advance(motion, sample)?;
             let turns_rad = joints.iter().map(|joint| (motion.q[*joint] - start.q[*joint]).abs());
-            turned_rad = turns_rad.fold(turned_rad, f64::max);
+            turned_rad = turns_rad.map(|own| own / size).fold(turned_rad, f64::max);
         }
         for joint in turning {
             motion.q[*joint] = start.q[*joint];
@@ -249,11 +258,12 @@ pub(super) fn settle(
             }
         }
         let changes_rad = (0..motion.q.len()).map(|coordinate| {
-            if turning.contains(&coordinate) {
+            let change = if turning.contains(&coordinate) {
                 (motion.rates[coordinate] - start.rates[coordinate]) * cycle_s
             } else {
                 motion.q[coordinate] - start.q[coordinate]
-            }
+            };
+            if joints.contains(&coordinate) { change / size } else { change }
         });
         let changed_rad = changes_rad.map(f64::abs).fold(0.0, f64::max);
         let share = changed_rad / turned_rad.max(f64::MIN_POSITIVE);
@@ -298,6 +308,7 @@ impl State {
             displacement_m: Some(along(tip_m)),
             velocity_m_s: Some(along(tip_m_s)),
             x_m,
+            carriage: None,
         };
         Self { links: vec![state] }
     }

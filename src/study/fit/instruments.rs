@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::link::{Hub, Link, LinkParts, ParameterError, positive};
+use crate::link::{Link, LinkParts, ParameterError, positive};
 use crate::model::Sensor;
 use crate::response::{Driven, Interpolation};
 use crate::text::significant;
@@ -57,9 +57,9 @@ impl RecordedInput {
         matches!(self, Self::HubAngle | Self::Carriage)
     }
 
-    /// True for an input of a link on a carriage.
-    pub fn slides(self) -> bool {
-        matches!(self, Self::Force | Self::Carriage)
+    /// Whether links on carriages, or on hubs, have the input; `None`: both.
+    pub fn slides(self) -> Option<bool> {
+        (self != Self::Voltage).then_some(matches!(self, Self::Force | Self::Carriage))
     }
 
     /// Name in files.
@@ -221,13 +221,13 @@ pub(super) fn is_constant(samples: &[f64]) -> bool {
     samples.windows(2).all(|pair| pair[0].partial_cmp(&pair[1]).is_some_and(Ordering::is_eq))
 }
 
-/// A direct-current motor at the hub, with neglected inductance.
+/// A direct-current motor at the joint, with neglected inductance.
 ///
 /// ```text
 /// T = N k_t/R (V − N k_t θ̇)
 /// ```
 ///
-/// The back voltage acts as viscous friction `(N k_t)²/R` on the hub.
+/// The back voltage acts as viscous friction `(N k_t)²/R` on the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motor {
     torque_constant_n_m_a: f64,
@@ -236,7 +236,8 @@ pub struct Motor {
 }
 
 impl Motor {
-    /// Torque constant `k_t` in N m/A, resistance R in Ω, and N turns of the motor for one of the hub.
+    /// Torque constant `k_t` in N m/A, resistance R in Ω, and N turns of the motor for one of the hub, or rad for 1 m of a
+    /// carriage.
     ///
     /// # Errors
     /// [`ParameterError`] names the first value that is not above 0.
@@ -262,10 +263,12 @@ impl Motor {
     }
 }
 
-/// The link with the friction due to a motor's back voltage on its hub; `None` if it is out of range.
-pub(super) fn with_motor_friction(link: &Link, friction_n_m_s_rad: f64) -> Option<Link> {
-    let parts = LinkParts::from(link.clone());
-    let viscous_friction_n_m_s_rad = parts.hub.viscous_friction_n_m_s_rad + friction_n_m_s_rad;
-    let hub = Hub { viscous_friction_n_m_s_rad, ..parts.hub };
-    Link::new(LinkParts { hub, ..parts }).ok()
+/// The link with the friction due to a motor's back voltage on its joint; `None` if it is out of range.
+pub(super) fn with_motor_friction(link: &Link, friction: f64) -> Option<Link> {
+    let mut parts = LinkParts::from(link.clone());
+    match &mut parts.carriage {
+        Some(carriage) => carriage.viscous_friction_n_s_m += friction,
+        None => parts.hub.viscous_friction_n_m_s_rad += friction,
+    }
+    Link::new(parts).ok()
 }

@@ -57,6 +57,7 @@ pub struct Response {
     gain: Gain,
     /// Friction of a motor's back voltage at the hub; `None` for values per torque.
     motor_friction_n_m_s_rad: Option<f64>,
+    slides: bool,
     uncertainty: Option<f64>,
     frequencies_hz: Vec<f64>,
     values: Vec<Complex64>,
@@ -95,6 +96,7 @@ impl Response {
             sensor,
             gain,
             motor_friction_n_m_s_rad: None,
+            slides: false,
             uncertainty,
             frequencies_hz,
             values,
@@ -107,6 +109,12 @@ impl Response {
         let torque_n_m_v = motor.torque_per_volt_n_m_v();
         self.values.iter_mut().for_each(|value| *value /= torque_n_m_v);
         Self { motor_friction_n_m_s_rad: Some(motor.friction_n_m_s_rad()), ..self }
+    }
+
+    /// Makes the values relative to the force on a carriage, if the link `slides`.
+    #[must_use]
+    pub fn on_carriage(self, slides: bool) -> Self {
+        Self { slides, ..self }
     }
 
     /// Name in messages.
@@ -200,10 +208,12 @@ impl Response {
         let ahead: Vec<f64> = of(&|k| misfits[2 * k + 1].to_degrees());
         let measured_phase = phase.iter().zip(&ahead).map(|(fitted, ahead)| fitted - ahead);
         let quantity = self.sensor.quantity();
-        let unit = if self.gain == Gain::Free { "" } else { self.sensor.unit_per_torque() };
+        let known = self.sensor.unit_per_effort(self.slides);
+        let unit = if self.gain == Gain::Free { "" } else { known };
+        let effort = if self.slides { "force" } else { "torque" };
         let from_volts = self.motor_friction_n_m_s_rad.map_or("", |_| ", from volts");
         let overlay = |y: Coordinate, measured, fitted| Overlay {
-            name: format!("{}: {quantity} per torque{from_volts}, {}", self.name, y.name),
+            name: format!("{}: {quantity} per {effort}{from_volts}, {}", self.name, y.name),
             x: Coordinate::logarithmic("frequency", "Hz"),
             y,
             places: places.clone(),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::inverse::Solution;
 use crate::link::{Carriage, Hub, Joint, Link};
-use crate::modal::torque_zeros;
+use crate::modal::reported_zeros;
 use crate::response::{Played, PlayedLink, ResidualVibration};
 use crate::result::{JointQuantity, Metrics, PlayedMetrics, QUANTITIES, TipError};
 
@@ -46,7 +46,11 @@ type OfPlayed = (&'static str, fn(&PlayedCase<'_>) -> Option<f64>);
 /// The columns of a link before those of its hub; an arm has the last.
 const BEFORE: [Solved; 2] = [
     ("period_1_s", |case| case.first_rad_s.map(|omega| TAU / omega)),
-    ("zero_1_per_s", |case| case.solution.first_zero_per_s),
+    ("zero_1_per_s", |case| {
+        let with_weight = case.solution.links.first().filter(|link| link.reports_weight());
+        let zero = with_weight.and_then(|link| link.zeros_per_s(1).first().copied());
+        zero.or(case.solution.first_zero_per_s)
+    }),
 ];
 /// The columns of a link after those of its hub.
 const AFTER: [Solved; 6] = [
@@ -64,7 +68,8 @@ const PLAYED: [OfPlayed; 11] = [
         case.simulation.links[0].natural_frequencies_rad_s.first().map(|omega| TAU / omega)
     }),
     ("zero_1_per_s", |case| {
-        let first = |link: &PlayedLink| torque_zeros(&link.mesh, 1).first().copied();
+        let first =
+            |link: &PlayedLink| reported_zeros(&link.mesh, link.outward_m_s2, 1).first().copied();
         case.simulation.links.iter().filter_map(first).reduce(f64::min)
     }),
     ("tip_error_m", |case| Some(case.tip_error.worst_m)),

@@ -4,9 +4,8 @@ use std::error::Error;
 
 use super::check::{Answer, Unplayed, VerificationError};
 use super::check::{CHOSEN, Kind};
-use crate::beam::{Mesh, MeshPlan};
 use crate::inverse::{Resources, Solution, invert_motion, size};
-use crate::link::{Damping, Gravity, Hub, Link, LinkParts, ParameterError};
+use crate::link::{Damping, Link, LinkParts};
 use crate::modal::held_frequencies;
 use crate::motion::{ArmPath, Ends, Motion, TipMotion, TipTarget};
 use crate::numeric::{Size, largest, largest_difference};
@@ -229,27 +228,15 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     let (solution, link) = (answer.solution, answer.solution.links[0].link());
     let (grid, wanted) = (solution.grid, wanted_tip(solution, motion));
     let time_s: Vec<f64> = (0..grid.len).map(|k| grid.time_s(k)).collect();
-    let long = link.joint().slides().then(|| LongHub::of(link)).transpose()?;
-    let mut angle_rad = solution.hub().angle_rad.clone();
-    if let Some(long) = &long {
-        for place in &mut angle_rad {
-            *place /= long.radius_m;
-        }
-    }
-    let hub = HubReference::new(&time_s, angle_rad, None)?;
-    let turning = long.as_ref().map_or(link, |long| &long.link);
+    let hub = HubReference::new(&time_s, solution.hub().angle_rad.clone(), None)?;
     let play = Play {
         memory_bytes: answer.memory_bytes,
         is_large: true,
-        cycle_turn_rad: turn_of_cycle_rad(turning, motion),
+        cycle_turn_rad: turn_of_cycle_rad(link, motion),
         start_angle_rad: wanted.start_angle_rad(),
         ..Play::turning(&hub)
     };
-    let mesh = match &long {
-        Some(long) => Mesh::new(&long.link, &MeshPlan::automatic(&long.link))?,
-        None => solution.links[0].mesh().clone(),
-    };
-    let simulation = simulate_on(turning, mesh, &play);
+    let simulation = simulate_on(link, solution.links[0].mesh().clone(), &play);
     let simulation = simulation.map_err(|error| match error {
         SimulationError::NotConverged { .. } => "the motion of its hub does not converge".into(),
         SimulationError::Cycle(_) => "the link does not settle".into(),
@@ -257,52 +244,7 @@ fn moved_link(answer: &Answer, motion: &TipMotion) -> Result<Moved, Unplayed> {
     })?;
     let tip_error = tip_error(solution, &wanted, &simulation.tip[0].displacement_m);
     let energy = energy(answer, &simulation);
-    let mut torques_n_m = torques_n_m(simulation);
-    if let Some(LongHub { radius_m, held_n, .. }) = &long {
-        for torque in &mut torques_n_m[0] {
-            *torque = *torque / radius_m + held_n;
-        }
-    }
-    Ok(Moved { tip_error, torques_n_m, energy })
-}
-
-/// Radius of a hub that replaces a carriage, in lengths of the link: the motions differ by its reciprocal.
-const LONG: f64 = 1e6;
-
-/// A link on a hub of a very long radius, which moves as on a carriage.
-struct LongHub {
-    link: Link,
-    radius_m: f64,
-    /// Force in N that holds the weight of the carriage, which the axis of the hub carries.
-    held_n: f64,
-}
-
-impl LongHub {
-    fn of(link: &Link) -> Result<Self, ParameterError> {
-        let radius_m = LONG * link.length_m();
-        let (joint, mut parts) = (link.joint(), LinkParts::from(link.clone()));
-        parts.carriage = None;
-        parts.drive = None;
-        parts.hub = Hub {
-            inertia_kg_m2: joint.inertia() * radius_m * radius_m,
-            radius_m,
-            viscous_friction_n_m_s_rad: joint.friction() * radius_m * radius_m,
-        };
-        for mass in &mut parts.masses {
-            mass.at_m += radius_m;
-        }
-        // The plane turns instead of the link: small angles keep their digits.
-        let weight = link.direction_rad().zip(link.gravity());
-        let [along_m_s2, across_m_s2] = weight.map_or([0.0; 2], |(direction_rad, gravity)| {
-            [gravity.along_m_s2(direction_rad), gravity.across_m_s2(direction_rad)]
-        });
-        parts.gravity = weight.map(|_| Gravity {
-            acceleration_m_s2: [along_m_s2, -across_m_s2],
-            start_angle_rad: Some(0.0),
-        });
-        let held_n = joint.inertia() * across_m_s2;
-        Ok(Self { link: Link::new(parts)?, radius_m, held_n })
-    }
+    Ok(Moved { tip_error, torques_n_m: torques_n_m(simulation), energy })
 }
 
 /// Moves the joints of an arm.

@@ -14,7 +14,9 @@ use flexlink::modal::{
     PoseHub, buckling_share, held_frequencies, natural_frequencies, pose_modes, pose_zeros,
     real_frequency_zeros, torque_zeros,
 };
-use flexlink::model::{Dense, FrequencyResponse, KeptModes, LinkOnMesh, Model, model_of};
+use flexlink::model::{
+    Dense, FrequencyResponse, KeptModes, LinkOnMesh, Model, Sensor, model_of, responses_with_weight,
+};
 use flexlink::motion::{Ends, MotionColumns, TipMotion};
 use flexlink::response::{Feedback, HubReference, Input, Interpolation, Play, Torque, simulate};
 use flexlink::result::Metrics;
@@ -660,5 +662,371 @@ fn an_upright_beam_has_the_frequencies_zeros_and_buckling_weight_of_its_power_se
         let share = buckling_share(&mesh, outward_m_s2).unwrap();
         let exact = if gamma > 0.0 { gamma / 7.837_347_438_9 } else { 0.0 };
         assert!((share - exact).abs() < 1e-6, "{share} is not {exact}");
+    }
+}
+
+/// A soft link with masses, its carriage, and the long hub of the radius that replaces it.
+fn soft(direction_rad: f64, gravity_m_s2: f64, radius_m: Option<f64>) -> Link {
+    let parts = Link::builder()
+        .segment(Segment::uniform(0.7, 14.0, 0.6))
+        .segment(Segment::uniform(0.5, 9.0, 0.4))
+        .mass(LumpedMass { at_m: 0.5, mass_kg: 0.1, inertia_kg_m2: 1e-3 })
+        .payload(Payload { mass_kg: 0.2, inertia_kg_m2: 2e-3, offset_m: 0.05 })
+        .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 3e-3 });
+    // Without weight the output is a station.
+    let parts = match gravity_m_s2 {
+        0.0 => parts.output_m(0.9 + radius_m.unwrap_or(0.0)),
+        _ => parts.gravity([0.0, -gravity_m_s2], direction_rad),
+    };
+    let Some(radius_m) = radius_m else {
+        let carriage = Carriage { mass_kg: 0.8, viscous_friction_n_s_m: 0.7 };
+        return parts.carriage(carriage).build().unwrap();
+    };
+    let mut parts = parts.hub(Hub {
+        inertia_kg_m2: 0.8 * radius_m * radius_m,
+        radius_m,
+        viscous_friction_n_m_s_rad: 0.7 * radius_m * radius_m,
+    });
+    parts.masses[0].at_m += radius_m;
+    parts.build().unwrap()
+}
+
+/// Tip, force, place and deflection of a soft link under a force, under feedback and with its joint moved.
+fn played_with_all_terms(
+    direction_rad: f64,
+    gravity_m_s2: f64,
+    radius_m: Option<f64>,
+    kind: usize,
+) -> [Vec<f64>; 4] {
+    let link = soft(direction_rad, gravity_m_s2, radius_m);
+    let r = radius_m.unwrap_or(1.0);
+    // The hub's angle counts from x, and its axis carries the carriage's weight.
+    let (from, held_n) = match radius_m {
+        Some(_) => (direction_rad, 0.8 * gravity_m_s2 * direction_rad.cos()),
+        None => (0.0, 0.0),
+    };
+    let weight_n = (link.mass_kg() + 0.8) * gravity_m_s2 * direction_rad.cos();
+    let time_s: Vec<f64> = (0..160).map(|k| 0.01 * f64::from(k)).collect();
+    let bell = |t: f64| 25.0 * (-(4.0 * (t - 0.6)).powi(2)).exp() * (6.0 * (t - 0.6)).sin();
+    let each = |of: &dyn Fn(f64) -> f64| time_s.iter().map(|t| of(*t)).collect::<Vec<_>>();
+    let force =
+        |of: &dyn Fn(f64) -> f64| Torque::new(&time_s, each(&|t| r * (of(t) - held_n))).unwrap();
+    let torque = force(&|t| weight_n + bell(t));
+    let reference = HubReference::new(&time_s, each(&|t| from + 0.02 * bell(t) / r), None).unwrap();
+    let gains = [Feedback::new(40.0 * r * r, 4.0 * r * r, reference.clone()).unwrap()];
+    let is_large = true;
+    let play = match kind {
+        0 => Play { is_large, until_s: Some(1.8), ..Play::of(&torque) },
+        1 => Play {
+            is_large,
+            feedback: &gains,
+            interpolation: Interpolation::Linear,
+            ..Play::of(&torque)
+        },
+        _ => Play { is_large, ..Play::with(Input::Angles(std::slice::from_ref(&reference))) },
+    };
+    let plan = MeshPlan::new(&link, &[None, None], Some(ElementCount::Total(8)), 1e-6).unwrap();
+    let played = simulate(&link.into(), &[plan], &play, &|_| {}).unwrap();
+    let hub = played.hub();
+    let force = hub.torque_n_m.iter().map(|own| own / r + held_n).collect();
+    let place = hub.angle_rad.iter().map(|own| (own - from) * r).collect();
+    [played.tip[0].displacement_m.clone(), force, place, played.tip_deflection_m()]
+}
+
+/// The axis of the long hub keeps its place, and the direction of its link turns by displacement over radius.
+#[test]
+fn all_terms_are_those_of_a_hub_with_a_very_long_radius() {
+    for (direction_rad, gravity_m_s2) in
+        [(0.0, 0.0), (TAU / 4.0, 4.0), (-TAU / 4.0, 4.0), (0.4, 2.0)]
+    {
+        for kind in 0..3 {
+            let found = played_with_all_terms(direction_rad, gravity_m_s2, None, kind);
+            let mut before = [f64::INFINITY; 4];
+            for radius_m in [1e3, 1e4] {
+                let exact =
+                    played_with_all_terms(direction_rad, gravity_m_s2, Some(radius_m), kind);
+                let off: Vec<f64> = found
+                    .iter()
+                    .zip(&exact)
+                    .map(|(own, of_hub)| apart(own, of_hub) / peak(own))
+                    .collect();
+                for (quantity, (off, before)) in off.iter().zip(&mut before).enumerate() {
+                    assert!(
+                        *off < 10.0 / radius_m && (*off < 0.2 * *before || *off < 1e-9),
+                        "{direction_rad} rad, play {kind}, quantity {quantity}: {off:e} after {before:e}"
+                    );
+                    *before = *off;
+                }
+            }
+        }
+    }
+}
+
+fn times(solution: &Solution) -> Vec<f64> {
+    (0..solution.grid.len).map(|k| solution.grid.time_s(k)).collect()
+}
+
+/// The slim mast upright and lying, its tip deflected by a tenth of the length.
+#[test]
+fn the_force_with_all_terms_brings_the_tip_along_the_motion_and_keeps_the_energy() {
+    let motion = sine(0.6, 1.3, 1300);
+    for (direction_rad, gravity_m_s2) in [(TAU / 4.0, 9.81), (0.3, 3.0)] {
+        let link = Link::builder()
+            .segment(Segment::uniform(1.2, 12.0, 0.5))
+            .carriage(Carriage { mass_kg: 2.0, viscous_friction_n_s_m: 0.5 })
+            .payload_kg(0.4)
+            .damping(Damping::Rayleigh { alpha_per_s: 0.0, beta_s: 1e-3 })
+            .gravity([0.0, -gravity_m_s2], direction_rad)
+            .build()
+            .unwrap();
+        let plan = MeshPlan::automatic(&link);
+        let analysis = Analysis::default().with_tip_tolerance(1e-7).unwrap();
+        let analysis = analysis.with_second_order(SecondOrder::Full);
+        let solution = invert(&link, &plan, &motion, &analysis).unwrap();
+        let force = Torque::new(&times(&solution), solution.hub().torque_n_m.clone()).unwrap();
+        let initial_tip_m = solution.tip[0].displacement_m[0];
+        let play = Play { initial_tip_m, ..Play::of(&force) };
+        let played = simulate(&link.clone().into(), &[plan], &play, &|_| {}).unwrap();
+        let bends = peak(&played.tip_deflection_m());
+        assert!(bends > 0.08, "{bends}");
+        let off = apart(&played.tip[0].displacement_m, &solution.tip[0].displacement_m) / 0.6;
+        assert!(off < 1e-5, "{direction_rad} rad: the tip is {off:e} of its travel off");
+        let off = apart(&played.hub().angle_rad, &solution.hub().angle_rad) / 0.6;
+        assert!(off < 1e-5, "{direction_rad} rad: the carriage is {off:e} off");
+        // Weight across the link holds the carriage, too.
+        let held_n = 3.0 * gravity_m_s2 * direction_rad.cos();
+        let off = played.hub().holding_n_m.unwrap() - held_n;
+        assert!(off.abs() < 1e-9, "{off:e}");
+        let account = played.energy(8);
+        let largest = account.balances.iter().map(|own| own.kinetic_j).fold(0.0, f64::max);
+        for own in &account.balances {
+            let held = own.kinetic_j + own.strain_j - account.start_j;
+            let missing = (own.work_j - held - own.dissipated_j).abs() / largest;
+            assert!(missing < 1e-7, "{direction_rad} rad at {} s: {missing:e}", own.time_s);
+        }
+    }
+}
+
+/// Place of the end of a clamped elastica that points along x and carries its weight: `EI θ'' = w (L − s) cos θ`, by steps
+/// of Runge and Kutta and by shooting for the moment at the root.
+fn sagging(stiffness_n_m2: f64, weight_n_m: f64, length_m: f64) -> f64 {
+    let steps = 4000_u32;
+    let h = length_m / f64::from(steps);
+    let shot = |root_curvature: f64| {
+        let slope = |s: f64, [theta, bend, _]: [f64; 3]| {
+            [bend, weight_n_m * (length_m - s) * theta.cos() / stiffness_n_m2, theta.sin()]
+        };
+        let mut state = [0.0, root_curvature, 0.0];
+        for k in 0..steps {
+            let s = h * f64::from(k);
+            let after = |by: [f64; 3], share: f64| [0, 1, 2].map(|i| state[i] + share * h * by[i]);
+            let first = slope(s, state);
+            let second = slope(s + 0.5 * h, after(first, 0.5));
+            let third = slope(s + 0.5 * h, after(second, 0.5));
+            let fourth = slope(s + h, after(third, 1.0));
+            state = [0, 1, 2].map(|i| {
+                state[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i])
+            });
+        }
+        state
+    };
+    let (mut low, mut high) = (-weight_n_m * length_m.powi(2) / stiffness_n_m2, 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if shot(middle)[1] < 0.0 { low = middle } else { high = middle }
+    }
+    shot(low)[2]
+}
+
+#[test]
+fn a_mast_across_gravity_sags_as_the_elastica_and_stays_there() {
+    let link = uniform(1.0).gravity([0.0, -9.81], 0.0).build().unwrap();
+    let time_s: Vec<f64> = (0..50).map(|k| 0.01 * f64::from(k)).collect();
+    let weight_n = 9.81 * (1.0 + 0.8 * 1.5);
+    let torque = Torque::new(&time_s, vec![weight_n; 50]).unwrap();
+    let play = Play { initial_tip_m: 0.2, ..Play::of(&torque) };
+    let plan = plan_of(&link, 12);
+    let played = simulate(&link.into(), &[plan], &play, &|_| {}).unwrap();
+    let sag_m = sagging(5.0, 0.8 * 9.81, 1.5);
+    assert!(sag_m < -0.5, "{sag_m}");
+    assert!((played.hub().holding_n_m.unwrap() / weight_n - 1.0).abs() < 1e-10);
+    for sample in [0, 49] {
+        let tip_m = played.tip[0].displacement_m[sample];
+        let bends_m = played.tip_deflection_m()[sample];
+        let place_m = played.hub().angle_rad[sample];
+        assert!((tip_m - 0.2).abs() < 1e-7, "{tip_m}");
+        assert!((bends_m / sag_m - 1.0).abs() < 1e-6, "{bends_m} is not {sag_m}");
+        assert!((place_m - 0.2 + sag_m).abs() < 1e-6, "{place_m}");
+    }
+}
+
+#[test]
+fn a_motion_with_all_terms_goes_on_from_its_state() {
+    let link = soft(0.4, 2.0, None);
+    let plan = MeshPlan::new(&link, &[None, None], Some(ElementCount::Total(8)), 1e-9).unwrap();
+    let arm = link.into();
+    let torque = |from: u32| {
+        let time_s: Vec<f64> = (from..=120).map(|k| 0.01 * f64::from(k)).collect();
+        let force = time_s.iter().map(|t| 4.0 + 3.0 * (TAU * t).sin()).collect();
+        Torque::new(&time_s, force).unwrap()
+    };
+    let (whole, rest) = (torque(0), torque(60));
+    let first = Torque::new(
+        &(0..=60).map(|k| 0.01 * f64::from(k)).collect::<Vec<_>>(),
+        whole.torque_n_m()[..=60].to_vec(),
+    )
+    .unwrap();
+    // Straight lines do not depend on later samples.
+    let of = |torque| Play { interpolation: Interpolation::Linear, ..Play::of(torque) };
+    let played =
+        |play: &Play<'_>| simulate(&arm, std::slice::from_ref(&plan), play, &|_| {}).unwrap();
+    let state = played(&of(&first)).state();
+    let [all, after] =
+        [of(&whole), Play { state: Some(&state), ..of(&rest) }].map(|own| played(&own));
+    for (whole, after) in [
+        (&all.tip[0].displacement_m, &after.tip[0].displacement_m),
+        (&all.hub().angle_rad, &after.hub().angle_rad),
+    ] {
+        let off = apart(&whole[60..], after) / peak(whole);
+        assert!(off < 1e-7, "{off:e}");
+    }
+}
+
+/// The tip of [`of_series`] moves by 1, and the slope at the root is 0: the force on the root is the inertia of the whole beam,
+/// whose mean motion is the third derivative there over k.
+#[test]
+fn an_upright_beam_responds_over_frequency_as_its_power_series() {
+    let mesh_kg = 0.8 * 1.5;
+    for (gamma, carriage_kg) in [(5.0, 0.7), (-3.0, 0.0), (0.0, 2.0)] {
+        let gravity_m_s2 = gamma * 5.0 / (0.8 * 1.5_f64.powi(3));
+        let link = uniform(carriage_kg)
+            .gravity([0.0, -gravity_m_s2.abs() - 1e-300], TAU / 4.0 * f64::signum(gamma));
+        let link = link.build().unwrap();
+        let on_mesh = LinkOnMesh::new(&link, mesh_of(&link, 60)).unwrap();
+        let frequencies_hz = [1e-3, 0.2, 0.9, 3.0, 8.0];
+        let (rows, changes) = responses_with_weight(&on_mesh, &frequencies_hz).unwrap();
+        for ((row, frequency_hz), change) in rows.iter().zip(frequencies_hz).zip(changes.unwrap()) {
+            let k = (TAU * frequency_hz / unit_per_s()).powi(2);
+            let [a, b] = [[1.0, 0.0], [0.0, 1.0]].map(|start| of_series(gamma, k, start));
+            let [position, _, _, third] = [0, 1, 2, 3].map(|d| a[d] - a[1] / b[1] * b[d]);
+            let inertia = carriage_kg * position + mesh_kg * third / k;
+            let off = (row.torque_per_tip_acceleration_kg_m / inertia - 1.0).norm();
+            let off_m = (row.hub_angle_per_tip_displacement_rad_m / position - 1.0).norm();
+            assert!(
+                off < 2e-6 && off_m < 2e-6,
+                "γ = {gamma}, {frequency_hz} Hz: {off:e} {off_m:e}"
+            );
+            assert!(change < 1e-5, "{change:e}");
+        }
+    }
+}
+
+#[test]
+fn a_link_across_gravity_responds_over_frequency_as_one_without() {
+    for damping in [
+        Damping::None,
+        Damping::Hysteretic { ratio: 0.03 },
+        Damping::Rayleigh { alpha_per_s: 0.4, beta_s: 2e-3 },
+    ] {
+        let link = furnished(damping).gravity([0.0, -9.81], 0.0).build().unwrap();
+        let model = model_of(&link, mesh_of(&link, 8), KeptModes::All).unwrap();
+        let frequencies_hz = [0.3, 2.0, 11.0];
+        let exact = FrequencyResponse::at_all(&*model, &frequencies_hz);
+        let found = responses_with_weight(model.on_mesh(), &frequencies_hz).unwrap().0;
+        for (found, exact) in found.iter().zip(&exact) {
+            for (found, exact) in [
+                (found.torque_per_tip_acceleration_kg_m, exact.torque_per_tip_acceleration_kg_m),
+                (
+                    found.hub_angle_per_tip_displacement_rad_m,
+                    exact.hub_angle_per_tip_displacement_rad_m,
+                ),
+                (found.tip_displacement_per_torque_1_n, exact.tip_displacement_per_torque_1_n),
+            ] {
+                assert!((found / exact - 1.0).norm() < 1e-9, "{found} is not {exact}");
+            }
+        }
+    }
+    let modal = furnished(Damping::Modal { ratios: vec![0.05] }).gravity([0.0, -9.81], 0.0);
+    let modal = modal.build().unwrap();
+    let on_mesh = LinkOnMesh::new(&modal, mesh_of(&modal, 8)).unwrap();
+    assert!(responses_with_weight(&on_mesh, &[1.0]).is_none());
+}
+
+/// Sensors per force of the carriage, and per torque of a hub of the radius R, times the powers of R of both units.
+#[test]
+fn sensors_per_force_are_those_of_a_hub_with_a_very_long_radius() {
+    let slid = soft(0.0, 0.0, None);
+    let omegas = [1.0, 9.0, 40.0, 200.0];
+    let sensed = |link: &Link, sensor: Sensor| {
+        let plan = MeshPlan::new(link, &[None, None], Some(ElementCount::Total(20)), 1e-6).unwrap();
+        let model = model_of(link, Mesh::new(link, &plan).unwrap(), KeptModes::All).unwrap();
+        sensor.per_torque(&*model, &omegas)
+    };
+    for (own, of_hub, power) in [
+        (Sensor::Carriage, Sensor::HubAngle, 2),
+        (Sensor::CarriageVelocity, Sensor::HubRate, 2),
+        (Sensor::TipDeflection, Sensor::TipDeflection, 1),
+        (Sensor::TipAcceleration, Sensor::TipAcceleration, 1),
+        (Sensor::RootStrain, Sensor::RootStrain, 1),
+    ] {
+        let mut before = f64::INFINITY;
+        for radius_m in [1e3_f64, 1e4] {
+            let turned = soft(0.0, 0.0, Some(radius_m));
+            let pairs = sensed(&slid, own).into_iter().zip(sensed(&turned, of_hub));
+            let off = pairs.map(|(own, of_hub)| (of_hub * radius_m.powi(power) / own - 1.0).norm());
+            let off = off.fold(0.0, f64::max);
+            assert!(
+                off < 30.0 / radius_m && off < 0.2 * before,
+                "{own:?}: {off:e} after {before:e}"
+            );
+            before = off;
+        }
+    }
+}
+
+/// A carriage on the spring and the damper of its feedback, and one that friction alone holds, under weight across and along
+/// the link.
+#[test]
+fn a_bent_link_settles_to_its_cycle() {
+    const SAMPLES: u32 = 80;
+    const CYCLES: u32 = 40;
+    let link = soft(0.4, 2.0, None);
+    let weight_n = (link.mass_kg() + 0.8) * 2.0 * 0.4_f64.cos();
+    let plan = MeshPlan::new(&link, &[None, None], Some(ElementCount::Total(8)), 1e-6).unwrap();
+    let arm = link.into();
+    let times =
+        |cycles: u32| -> Vec<f64> { (0..cycles * SAMPLES).map(|k| 0.02 * f64::from(k)).collect() };
+    let wave = |cycles: u32| {
+        let time_s = times(cycles);
+        let force = time_s.iter().map(|t| weight_n + 6.0 * (TAU * t / 1.6).sin()).collect();
+        Torque::new(&time_s, force).unwrap()
+    };
+    let holding = |cycles: u32| {
+        let time_s = times(cycles);
+        let place = time_s.iter().map(|t| 0.05 * (TAU * t / 1.6).cos()).collect();
+        [Feedback::new(40.0, 4.0, HubReference::new(&time_s, place, None).unwrap()).unwrap()]
+    };
+    for is_held in [true, false] {
+        let played = |cycles: u32| {
+            let (force, feedback) = (wave(cycles), holding(cycles));
+            let play = Play {
+                interpolation: Interpolation::Linear,
+                cycle_turn_rad: (cycles == 1).then_some(0.0),
+                feedback: if is_held { &feedback } else { &[] },
+                ..Play::of(&force)
+            };
+            simulate(&arm, std::slice::from_ref(&plan), &play, &|_| {}).unwrap()
+        };
+        let (cycle, all) = (played(1), played(CYCLES));
+        // A spline through the reference feels its end.
+        let last = usize::try_from((CYCLES - 3) * SAMPLES).unwrap();
+        for (found, all) in [
+            (&cycle.hub().rate_rad_s, &all.hub().rate_rad_s),
+            (&cycle.tip_deflection_m(), &all.tip_deflection_m()),
+            (&cycle.tip[0].velocity_m_s, &all.tip[0].velocity_m_s),
+        ] {
+            let off = apart(found, &all[last..]) / peak(found);
+            assert!(off < 1e-5, "held: {is_held}: {off:e}");
+        }
     }
 }

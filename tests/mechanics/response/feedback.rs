@@ -118,6 +118,7 @@ fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
                     slope_rate_rad_s: vec![0.0; nodes_m.len()],
                     displacement_m: (!is_large).then(|| along(0)),
                     velocity_m_s: rest().filter(|_| !is_large),
+                    ..LinkState::default()
                 };
                 let state = State { links: vec![link_state] };
                 let play = Play {

@@ -212,7 +212,8 @@ fn weight_line(link: &Link, played: &Played) -> String {
     let Some(holding_n_m) = hub.holding_n_m else { return format!("{along_x}, {along_y} m/s²") };
     let is_held = holding_n_m.abs() > NOTHING * largest(&hub.torque_n_m);
     let holding_n_m = if is_held { holding_n_m } else { 0.0 };
-    let [angle, held] = four([hub.angle_rad[0], holding_n_m]);
+    let is_turned = hub.angle_rad[0].abs() > NOTHING * largest(&hub.angle_rad);
+    let [angle, held] = four([if is_turned { hub.angle_rad[0] } else { 0.0 }, holding_n_m]);
     format!("{along_x}, {along_y} m/s²; at first {held} N m hold the hub at {angle} rad")
 }
 

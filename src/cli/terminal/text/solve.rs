@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::elastica::{Iteration, SecondOrder};
-use crate::inverse::{Quantity, QuantityErrors, Solution};
-use crate::link::{Joint, Link};
+use crate::inverse::{LinkMotion, Quantity, QuantityErrors, Solution};
+use crate::link::Joint;
 use crate::modal::{REPORTED_MODES, REPORTED_ZEROS};
 use crate::motion::{ArmPath, Ends, Motion, Prescribed, TipMotion};
 use crate::result::{JointMetrics, Metrics};
@@ -114,7 +114,7 @@ pub(super) fn link_lines(
         ("damping", damping_line(link, law, &frequencies)),
         ("gravity", gravity_of_link(solution)),
         ("order", order_line(solution)),
-        ("modes", modes_line(link, &frequencies, &solution.links[0].zeros_per_s(REPORTED_ZEROS))),
+        ("modes", modes_line(&solution.links[0], &frequencies)),
         ("motion", motion_line((solution, motion), metrics)),
     ];
     lines.map(|(label, line)| (label.to_owned(), line)).to_vec()
@@ -173,11 +173,13 @@ pub(super) fn order_line(solution: &Solution) -> String {
 }
 
 /// The first natural frequencies with a free hub, and the zeros of torque → tip, up to the end of the line.
-fn modes_line(link: &Link, frequencies_rad_s: &[f64], zeros_per_s: &[f64]) -> String {
+fn modes_line(link: &LinkMotion, frequencies_rad_s: &[f64]) -> String {
+    let zeros_per_s = link.zeros_per_s(REPORTED_ZEROS);
     let hertz: Vec<f64> = frequencies_rad_s.iter().map(|omega| omega / TAU).collect();
     let zeros: Vec<String> =
         zeros_per_s.iter().map(|zero| format!("±{}", significant(*zero, 4))).collect();
-    let without = if link.has_weight() { "; without gravity" } else { "" };
+    let is_without = link.link().has_weight() && !link.reports_weight();
+    let without = if is_without { "; without gravity" } else { "" };
     let first = |most: usize| {
         let [modes, zeros] =
             [list(&hertz[..most.min(hertz.len())], 4), zeros[..most.min(zeros.len())].join(" ")];
