@@ -1,10 +1,10 @@
 //! flexlink: the hub torque, or the force on a carriage, that makes the tip of a flexible link follow a wanted motion.
 //!
-//! A straight link turns about a hub, in the horizontal plane or under gravity. From the wanted motion of the link's
-//! *tip* this library computes the torque of the motor at the *hub* (E. Bayo, *A Finite-Element Approach to Control the
-//! End-Point Motion of a Single-Link Flexible Robot*, J. Robotic Systems 4(1), 1987; "eq n" in these docs is an
-//! equation of this paper). The torque starts before the tip moves and outlasts its motion, because bending waves travel at
-//! finite speed. Arms have up to nine such links.
+//! A straight link turns about a hub or slides on a carriage, in the horizontal plane or under gravity. From the wanted
+//! motion of the link's *tip* this library computes the torque of the motor at the *hub*, or its force on the carriage
+//! (E. Bayo, *A Finite-Element Approach to Control the End-Point Motion of a Single-Link Flexible Robot*, J. Robotic
+//! Systems 4(1), 1987; "eq n" in these docs is an equation of this paper). The torque starts before the tip moves and
+//! outlasts its motion, because bending waves travel at finite speed. Arms have up to nine such links.
 //!
 //! # From a tip motion to a torque
 //!
