@@ -119,7 +119,7 @@ fn a_hysteretic_link_damps_the_modes_of_its_loop_by_their_strain() {
                     displacement_m: (!is_large).then(|| along(0)),
                     velocity_m_s: rest().filter(|_| !is_large),
                 };
-                let state = State { links: vec![link_state] };
+                let state = State { links: vec![link_state], carriage: None };
                 let play = Play {
                     feedback: std::slice::from_ref(&feedback),
                     state: Some(&state),
